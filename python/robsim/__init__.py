@@ -2,8 +2,8 @@
 
 What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `trace`,
 `vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
-`capture`, `calibration`, `motors`, `sessions`, `campaigns`, `live`, `plotting`, `gui`, `doctor`,
-`bench`.
+`capture`, `calibration`, `motors`, `sessions`, `campaigns`, `grading`, `live`, `plotting`, `gui`,
+`doctor`, `bench`.
 """
 
 import importlib as _importlib
@@ -113,6 +113,7 @@ _LATE_ROOMS = (
         "campaigns",
         "digests",
         "doctor",
+        "grading",
         "gui",
         "live",
         "motors",

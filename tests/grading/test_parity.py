@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from graded import HONEST, assert_same_trace, folder_of, honest, ran, random_scenario
+from graded import HONEST, assert_same_trace, folder_of, honest, ran, ran_here, random_scenario
 
 SLOTS = tuple(HONEST)
 NOISY = robsim.Scenario(
@@ -18,7 +18,7 @@ NOISY = robsim.Scenario(
 
 
 def assert_parity(folder, slots, scenario, **options):
-    here = ran(folder, slots, scenario, isolation="none", **options)
+    here = ran_here(folder, slots, scenario, **options)
     there = ran(folder, slots, scenario, **options)
     assert_same_trace(here, there)
     return there

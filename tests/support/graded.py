@@ -5,10 +5,9 @@ import textwrap
 import numpy as np
 
 import robsim
-from robsim.grading._graded_run import Task, graded_run
+from robsim.grading._graded_run import Task, graded_run, run_here
 from robsim.grading._seeds import RunSeeds
-from robsim.grading._start import Limits
-from robsim.grading._submission_files import read
+from robsim.grading._submissions import Rules, read_submission
 
 HONEST = {
     "define_model": """
@@ -75,20 +74,23 @@ def honest(folder, slots):
     return folder_of(folder, **{slot: HONEST[slot] for slot in slots})
 
 
-def task_of(folder, slots, *, isolation="process", frames=None, limits=None, **callbacks):
-    return Task(
-        submission=read(folder, slots),
-        slots=tuple(slots),
-        frames=frames,
-        limits=limits or Limits(),
-        isolation=isolation,
-        callbacks=callbacks,
-    )
+def task_of(folder, slots, **options):
+    """What is to be run of a submission; `options`: of a `Task`, or callbacks of the teacher's."""
+    rules = Rules(slots=tuple(slots))
+    known = {
+        name: options.pop(name) for name in ("frames", "limits", "isolation") if name in options
+    }
+    return Task(submission=read_submission(folder, rules), rules=rules, callbacks=options, **known)
 
 
 def ran(folder, slots, scenario, *, steps=20, seed=1, **options):
-    """Run a submission; return its trace."""
-    return graded_run(task_of(folder, slots, **options), scenario, steps, RunSeeds.of(seed))
+    """Run a submission in a worker; return its trace."""
+    return graded_run(task_of(folder, slots, **options), scenario, steps, RunSeeds.of(seed)).trace
+
+
+def ran_here(folder, slots, scenario, *, steps=20, seed=1, **options):
+    """Run it in this process."""
+    return run_here(task_of(folder, slots, **options), scenario, steps, RunSeeds.of(seed))
 
 
 def assert_same_trace(one, other):

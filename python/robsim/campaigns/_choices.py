@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,6 +11,8 @@ from inspect import isclass, isroutine
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from robsim._base.checks import check_float, check_name, is_int
 from robsim._base.spelling import check_names
@@ -20,6 +23,7 @@ from robsim.simulation._callbacks.signatures import accepts
 from robsim.simulation._folders.callback_folder import CallbackFolder
 from robsim.simulation._scenario import OPTIONS
 from robsim.simulation._slots import SLOTS, STEP, is_default
+from robsim.trace import Trace
 
 #: The option whose values are whole folders of callbacks.
 FOLDER = "folder"
@@ -77,7 +81,22 @@ class Folder:
             yield {slot: callback for slot, callback in callbacks.items() if callback is not False}
 
 
-Choice = Data | Callback | Factory | Folder
+class WholeRun(ABC):
+    """What does runs by itself, in another way than a simulation here: a value of `FOLDER`."""
+
+    @abstractmethod
+    def trace(
+        self, scenario: Scenario, steps: int, *, seed: np.random.SeedSequence, run: int
+    ) -> Trace:
+        """Do a run, given its seed and its number in the campaign."""
+
+    @property
+    @abstractmethod
+    def content(self) -> bytes:
+        """What the runs depend on, beside scenario, steps and seed."""
+
+
+Choice = Data | Callback | Factory | Folder | WholeRun
 
 
 def options_value(vary: Any) -> dict[str, dict[Label, Choice]]:
@@ -164,7 +183,7 @@ def _label_of(name: str, value: Any) -> Label:
 
 
 def _choice(name: str, value: Any) -> Choice:
-    if isinstance(value, (Data, Callback, Factory, Folder)):
+    if isinstance(value, (Data, Callback, Factory, Folder, WholeRun)):
         return value
     if name == FOLDER:
         if not isinstance(value, (str, PathLike)):

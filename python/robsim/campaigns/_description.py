@@ -14,7 +14,7 @@ import numpy as np
 
 from robsim._base.seeds import seed_record, seed_sequence
 from robsim._base.text import quoted
-from robsim.campaigns._choices import Callback, Factory, Folder
+from robsim.campaigns._choices import Callback, Factory, Folder, WholeRun
 from robsim.campaigns._spec import CampaignSpec
 from robsim.simulation import Scenario
 
@@ -75,6 +75,8 @@ def _code(spec: CampaignSpec) -> Iterator[tuple[str, str]]:
             if isinstance(choice, Folder):
                 files = sorted(choice.sources.items())
                 yield what, _digest("".join(f"{file}\0{_digest(text)}" for file, text in files))
+            elif isinstance(choice, WholeRun):
+                yield what, _digest(choice.content)
             elif isinstance(choice, (Callback, Factory)):
                 code = choice.make if isinstance(choice, Factory) else choice.function
                 yield what, _told(code)

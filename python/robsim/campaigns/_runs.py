@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from robsim._base.source_line import SourceLine, line_of_error
 from robsim._base.text import one_line, said_by
-from robsim.campaigns._choices import Callback, Factory, Folder
+from robsim.campaigns._choices import Callback, Factory, Folder, WholeRun
 from robsim.campaigns._metrics import numbers_of
 from robsim.campaigns._spec import CampaignSpec, Case
 from robsim.simulation import Simulation
@@ -47,12 +47,15 @@ class CaseRuns:
         # A slot of its own overrides a whole folder.
         folders = [one for one in choices.values() if isinstance(one, Folder)]
         self._folders = sorted(folders, key=lambda folder: -len(folder.slots))
+        self._whole = next((one for one in choices.values() if isinstance(one, WholeRun)), None)
         self._named = set(choices)
         self._simulation: Simulation | None = None
 
     def trace(self, run: int) -> Trace:
         """Run, and return the trace."""
         seed = self._spec.seed_of(run)
+        if self._whole is not None:
+            return self._whole.trace(self._scenario, self._spec.steps, seed=seed, run=run)
         if self._simulation is None:
             self._simulation = Simulation(
                 self._scenario, seed=seed, time_limit=self._spec.time_limit, **self._fixed

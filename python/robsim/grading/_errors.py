@@ -62,6 +62,9 @@ class SubmissionError(GradingError):
 
     whose = "submission"
 
+    #: What it had printed when it failed in a run; it may be anything.
+    output: str = ""
+
 
 class AssignmentError(GradingError):
     """The assignment is at fault: a file of the teacher's, its key, its options."""

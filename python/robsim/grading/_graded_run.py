@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib.util
 from collections.abc import Mapping
-from contextlib import ExitStack
-from dataclasses import dataclass
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
 from typing import Any
 
 from robsim import _core
 from robsim._base.seeds import stream_number
 from robsim._core import RobotModel
-from robsim.grading._errors import SubmissionError
+from robsim.grading._errors import AssignmentError, SubmissionError
 from robsim.grading._frame_memory import FrameMemory, has_frame_memory
+from robsim.grading._isolation import Isolation, Limits
 from robsim.grading._robot_half import STAGES, Setup
 from robsim.grading._seeds import RunSeeds
-from robsim.grading._start import Limits
-from robsim.grading._submission_files import loaded
+from robsim.grading._submissions import Rules, SubmissionFiles, loaded_slots
+from robsim.grading._texts import error_text
 from robsim.grading._wire import Ready
 from robsim.grading._worker import Worker
 from robsim.simulation import Scenario, Simulation
+from robsim.simulation._callbacks.errors import callback_of
 from robsim.simulation._slots import SLOTS
 from robsim.simulation._slotted import is_code
 from robsim.simulation._world.world_of_scenario import frame_size
@@ -34,26 +37,26 @@ class Task:
 
     Attributes
     ----------
-    submission : bytes
-        Its sources.
-    slots : tuple of str
-        The slots that it may fill.
+    submission : SubmissionFiles
+        What was read of it.
+    rules : Rules
+        What it may fill and import.
     frames : bool or None
         Whether it sees the frames; None = if it fills `measure`.
     limits : Limits
         What a run may take.
     isolation : str
-        How its process is shut in; ``"none"``: there is none, it runs here.
+        How its process is shut in.
     callbacks : mapping of str to callback
         What the teacher fills other slots with.
     """
 
-    submission: bytes
-    slots: tuple[str, ...]
-    frames: bool | None
-    limits: Limits
-    isolation: str
-    callbacks: Mapping[str, Any]
+    submission: SubmissionFiles
+    rules: Rules
+    frames: bool | None = None
+    limits: Limits = field(default_factory=Limits)
+    isolation: Isolation = "auto"
+    callbacks: Mapping[str, Any] = field(default_factory=dict)
 
 
 class GradedSimulation(Simulation):
@@ -103,20 +106,40 @@ class GradedSimulation(Simulation):
         return slot in self._code_there or is_code(self._callbacks[slot])
 
 
-def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> Trace:
-    """Run a submission and return the trace, with the truth.
+@dataclass(frozen=True)
+class GradedRun:
+    """What came of a run.
+
+    Attributes
+    ----------
+    trace : Trace
+        The run, with the truth.
+    output : str
+        What the submission has printed; it may be anything.
+    layers : str
+        What has shut it in, in a line.
+    """
+
+    trace: Trace
+    output: str
+    layers: str
+
+
+def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> GradedRun:
+    """Run a submission.
 
     Raises
     ------
     SubmissionError
-        If the submission fails, with slot, step and line.
+        If the submission fails, with slot, step and line; the attribute ``output`` has what it
+        had printed.
+    AssignmentError
+        If a callback of the teacher's fails.
     """
     scenario = _with_model(scenario)
-    if task.isolation == "none":
-        return _run_here(task, scenario, steps, seeds)
     with ExitStack() as stack:
         memory = None
-        may_see = "measure" in task.slots if task.frames is None else task.frames
+        may_see = "measure" in task.rules.slots if task.frames is None else task.frames
         if may_see and has_frame_memory():
             memory = stack.enter_context(FrameMemory(frame_size(scenario)))
         worker = stack.enter_context(
@@ -125,15 +148,54 @@ def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> T
                 memory=[] if memory is None else [memory.descriptor],
                 limits=task.limits,
                 isolation=task.isolation,
+                hidden=hidden_files(task.rules),
             )
         )
-        ready = worker.ready()
-        _check_dt(ready.model, scenario)
-        simulation = GradedSimulation(task, scenario, seeds, worker, ready)
-        simulation.ask_worker(memory)
-        trace = simulation.run(steps)
+        try:
+            trace = _driven(task, scenario, steps, seeds, worker, memory)
+        except SubmissionError as error:
+            worker.close()
+            error.output = worker.process.output
+            raise
         worker.end()
-    return trace
+    return GradedRun(trace, worker.process.output, worker.process.layers.line)
+
+
+def _driven(
+    task: Task,
+    scenario: Scenario,
+    steps: int,
+    seeds: RunSeeds,
+    worker: Worker,
+    memory: FrameMemory | None,
+) -> Trace:
+    """Run the world half beside a worker that has been started."""
+    ready = worker.ready()
+    _check_dt(ready.model, scenario)
+    simulation = GradedSimulation(task, scenario, seeds, worker, ready)
+    simulation.ask_worker(memory)
+    try:
+        return simulation.run(steps)
+    except Exception as error:
+        failed = callback_of(error)
+        if failed is None:
+            raise
+        text = error_text(error, slot=failed.slot, step=failed.k)
+        raise AssignmentError(
+            f"a callback of the assignment has failed: {text}", slot=failed.slot, step=failed.k
+        ) from error
+
+
+def hidden_files(rules: Rules) -> list[str]:
+    """Return the files and folders of the modules that a submission must not have."""
+    hidden = []
+    for name in rules.masked:
+        with suppress(ImportError, ValueError):
+            found = importlib.util.find_spec(name)
+            if found is not None and found.has_location and found.origin is not None:
+                folders = found.submodule_search_locations
+                hidden += list(folders) if folders else [found.origin]
+    return hidden
 
 
 def set_noise_keys(simulation: Simulation, seeds: RunSeeds) -> None:
@@ -166,7 +228,7 @@ def _setup(task: Task, scenario: Scenario, seeds: RunSeeds) -> Setup:
     assert model is not None
     return Setup(
         submission=task.submission,
-        slots=task.slots,
+        rules=task.rules,
         on=on,
         robot=scenario._robot_definition,
         area=scenario.area,
@@ -180,11 +242,12 @@ def _setup(task: Task, scenario: Scenario, seeds: RunSeeds) -> Setup:
     )
 
 
-def _run_here(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> Trace:
-    """Run without a worker: what a worker must give, to the byte."""
+def run_here(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> Trace:
+    """Run in this process, which trusts the submission: what a worker must give, to the byte."""
+    scenario = _with_model(scenario)
     simulation = Simulation(scenario, seed=seeds.world, **task.callbacks)
     set_noise_keys(simulation, seeds)
-    with loaded(task.submission, task.slots) as callbacks:
+    with loaded_slots(task.submission, task.rules) as callbacks:
         for slot in SLOTS:
             if slot in callbacks:
                 value = callbacks[slot]

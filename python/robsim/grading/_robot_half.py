@@ -5,10 +5,10 @@ Until the submission is loaded, all that is said here comes from the grader, and
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import pickle
 import socket
-import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -18,15 +18,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.source_line import line_of_error
-from robsim._base.text import said_by
 from robsim._core import ColorClass, MarkerLayout, RecursiveLeastSquares, RobotModel
 from robsim.grading._frame_memory import SLOTS as FRAME_SLOTS
 from robsim.grading._frame_memory import slot_bytes
-from robsim.grading._submission_files import loaded
-from robsim.grading._wire import Channel, Failure, Kind, Ready
+from robsim.grading._submissions import Rules, SubmissionFiles, load_slots
+from robsim.grading._texts import ErrorText, error_text
+from robsim.grading._wire import Channel, Kind, Ready
 from robsim.robots import RobotDefinition
-from robsim.simulation._callbacks.errors import callback_of
+from robsim.simulation._callbacks.errors import CallbackTypeError, CallbackValueError
 from robsim.simulation._options import UNLIMITED
 from robsim.simulation._runner import Runner
 from robsim.simulation._slots import ONCE, ROBOT, SLOTS, STEP, names
@@ -44,10 +43,10 @@ class Setup:
 
     Attributes
     ----------
-    submission : bytes
-        The sources.
-    slots : tuple of str
-        The slots that these may fill.
+    submission : SubmissionFiles
+        What was read of it.
+    rules : Rules
+        What it may fill and import.
     on : tuple of str
         The stages that are on in the grader.
     model : RobotModel
@@ -56,8 +55,8 @@ class Setup:
         Of ``step.controller_seed``.
     """
 
-    submission: bytes
-    slots: tuple[str, ...]
+    submission: SubmissionFiles
+    rules: Rules
     on: tuple[str, ...]
     robot: RobotDefinition
     area: tuple[int, int]
@@ -206,29 +205,21 @@ def work(connection: socket.socket, memory: Sequence[int]) -> None:
         raise RuntimeError("the grader must say hello")
     setup: Setup = pickle.loads(body)
     try:
-        with loaded(setup.submission, setup.slots) as callbacks:
-            half = RobotHalf(setup, callbacks, channel, memory[0] if memory else None)
-            channel.send(Kind.READY, half._ready.to_bytes(ROBOT_SLOTS))
-            half.run()
+        callbacks = load_slots(setup.submission, setup.rules, os.getcwd())
+        half = RobotHalf(setup, callbacks, channel, memory[0] if memory else None)
+        channel.send(Kind.READY, half._ready.to_bytes(ROBOT_SLOTS))
+        half.run()
     except BaseException as error:  # also what ends Python
         with suppress(OSError):
-            channel.send(Kind.ERROR, failure_of(error).to_bytes())
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(0)  # whatever threads the submission has left behind
+            channel.send(Kind.ERROR, _told(error).to_json())
 
 
-def failure_of(error: BaseException) -> Failure:
-    """Return what is to be said of an exception, whose class may do anything when it is asked."""
-    try:
-        callback = callback_of(error)
-        source = line_of_error(error) if callback is None else callback.source
-        return Failure(
-            said_by(error),
-            slot="" if callback is None else callback.slot,
-            file="" if source is None else source.file,
-            step=-1 if callback is None or callback.k is None else callback.k,
-            line=-1 if source is None else source.number,
-        )
-    except BaseException:
-        return Failure("an exception that cannot be described")
+def _told(error: BaseException) -> ErrorText:
+    """Return what is told of an exception: of a result that a slot cannot use, why, and no more."""
+    told = error_text(error)
+    for kind, name in ((CallbackTypeError, "TypeError"), (CallbackValueError, "ValueError")):
+        if type(error) is kind:
+            # Which callback it was at which step, and where that is, is told anyway.
+            line, _, _ = told.message.partition("\n")
+            return dataclasses.replace(told, type=name, message=line.partition(": ")[2] or line)
+    return told

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.seeds import Seed, seed_record, seed_sequence
+from robsim.grading._keys import Key
 
 
 @dataclass(frozen=True)
@@ -35,3 +36,12 @@ class RunSeeds:
         world = seed_sequence(seed)
         digest = hashlib.sha256(f"robot half|{seed_record(world)}".encode()).digest()
         return cls(world, np.random.SeedSequence(int.from_bytes(digest[:16], "little")))
+
+    @classmethod
+    def of_key(cls, key: Key, student: str, test: str, run: int, steps: int) -> RunSeeds:
+        """Return those of a run that only who has the key can repeat."""
+        return cls(
+            np.random.SeedSequence(key.world_seed(student, test, run)),
+            np.random.SeedSequence(key.robot_seed(student, test, run)),
+            key.noise_keys(student, test, run, steps),
+        )

@@ -9,7 +9,6 @@ from __future__ import annotations
 import socket
 import struct
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -29,7 +28,7 @@ class Kind(IntEnum):
     STEP = 3  # to it: a step as far as it is known
     ANSWER = 4  # from it: the same, filled in
     END = 5  # to it: there are no more steps
-    ERROR = 6  # from it: `Failure`
+    ERROR = 6  # from it: an `ErrorText`, in JSON
 
 
 #: Most bytes of a body that comes from a worker.
@@ -195,52 +194,3 @@ def _mask(names: tuple[str, ...], slots: tuple[str, ...]) -> int:
 
 def _names(mask: int, slots: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(slot for bit, slot in enumerate(slots) if mask >> bit & 1)
-
-
-@dataclass(frozen=True)
-class Failure:
-    """What went wrong in a worker: texts of a submission, to be cleaned before anybody reads them.
-
-    Attributes
-    ----------
-    text : str
-        Class and message of the exception.
-    slot, file : str
-        Where; empty = nowhere in particular.
-    step, line : int
-        Step of the run, and line of the file; -1 = none.
-    """
-
-    text: str
-    slot: str = ""
-    file: str = ""
-    step: int = -1
-    line: int = -1
-
-    _STRUCT = struct.Struct("<qiHHH")
-    _MOST = 4000  # bytes of a text
-
-    def to_bytes(self) -> bytes:
-        """Return it as a body, its texts cut."""
-        texts = [
-            text[: self._MOST].encode("utf-8", "replace")[: self._MOST]
-            for text in (self.text, self.slot, self.file)
-        ]
-        line = self.line if -1 <= self.line < 1 << 31 else -1
-        return self._STRUCT.pack(self.step, line, *map(len, texts)) + b"".join(texts)
-
-    @classmethod
-    def from_bytes(cls, body: bytes, clean: Callable[[str], str]) -> Failure:
-        """Return what a body says, its texts cleaned; raise WireError."""
-        if len(body) < cls._STRUCT.size:
-            raise WireError("a message that is too short")
-        step, line, *lengths = cls._STRUCT.unpack_from(body)
-        if len(body) != cls._STRUCT.size + sum(lengths):
-            raise WireError("a message of another length than it says")
-        texts: list[str] = []
-        rest = body[cls._STRUCT.size :]
-        for length in lengths:
-            texts.append(clean(rest[:length].decode("utf-8", "replace")))
-            rest = rest[length:]
-        text, slot, file = texts
-        return cls(text, slot, file, step=max(step, -1), line=max(line, -1))

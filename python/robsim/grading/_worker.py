@@ -7,21 +7,23 @@ import socket
 import time
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from types import TracebackType
 from typing import NoReturn, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._base.source_line import SourceLine
-from robsim._base.text import cut
-from robsim.grading._errors import SubmissionError
+from robsim.grading._errors import GraderError, SubmissionError
+from robsim.grading._isolation import Isolation, Limits, start_worker
+from robsim.grading._isolation._ending import GRADER_LOST_IT
 from robsim.grading._robot_half import ROBOT_SLOTS, Setup, groups_of
-from robsim.grading._start import Limits, start_worker
-from robsim.grading._wire import LIMITS, Channel, Failure, Kind, Ready, WireError
+from robsim.grading._texts import ErrorText
+from robsim.grading._wire import LIMITS, Channel, Kind, Ready, WireError
 
 _ENTRY = "robsim.grading._robot_half:work"
 _ENDING = 0.2  # s that a worker whose run is over has to end by itself
+_DYING = 1.0  # s after its connection is closed, until it is known how it ended
 
 
 class Worker:
@@ -37,35 +39,38 @@ class Worker:
         What it may take.
     isolation : str
         How it is shut in.
-
-    Attributes
-    ----------
-    output : str
-        What the submission has printed, cut; complete when the worker is closed.
+    hidden : sequence of str
+        Files that it must not read.
     """
 
     def __init__(
-        self, setup: Setup, *, memory: Sequence[int], limits: Limits, isolation: str
+        self,
+        setup: Setup,
+        *,
+        memory: Sequence[int],
+        limits: Limits,
+        isolation: Isolation,
+        hidden: Sequence[str],
     ) -> None:
+        self._setup = setup
         self._limits = limits
         self._deadline = time.monotonic() + limits.run
         self._groups: dict[str, tuple[str, ...]] = {}
         ours, theirs = socket.socketpair()
         try:
             with theirs:
-                self._process = start_worker(
-                    entry=_ENTRY, channel=theirs, memory=memory, limits=limits, isolation=isolation
+                self.process = start_worker(
+                    entry=_ENTRY,
+                    channel=theirs,
+                    memory=memory,
+                    limits=limits,
+                    isolation=isolation,
+                    hidden=hidden,
                 )
         except BaseException:
             ours.close()
             raise
         self._channel = Channel(ours, LIMITS)
-        self._setup = setup
-
-    @property
-    def output(self) -> str:
-        """What the submission has printed."""
-        return self._process.output
 
     def ready(self) -> Ready:
         """Send the submission, wait until it is loaded, and return what it fills.
@@ -75,21 +80,20 @@ class Worker:
         SubmissionError
             If it cannot be loaded, or not in time.
         """
-        hello = pickle.dumps(self._setup)
-        kind, body = self._asked(Kind.HELLO, hello, None, self._limits.first_call, (), None)
+        patience = self._limits.first_call
+        kind, body = self._asked(Kind.HELLO, pickle.dumps(self._setup), None, patience, (), None)
         if kind != Kind.READY:
             self._refuse_kind(kind, body, None, None)
         try:
             ready = Ready.from_bytes(body, ROBOT_SLOTS)
         except WireError as error:
-            self.refuse(None, None, str(error))
+            self.refuse(None, None, f"the worker has sent {error}")
         except ValueError as error:
             self.refuse("define_model", None, str(error))
-        allowed = {*self._setup.slots}
+        allowed = {*self._setup.rules.slots}
         if "init_parameter_estimator" in allowed:  # whose updates are this stage
             allowed.add("estimate_parameters")
-        foreign = {*ready.filled, *ready.switched_on} - allowed
-        if foreign:
+        if foreign := {*ready.filled, *ready.switched_on} - allowed:
             self.refuse(min(foreign), None, "the submission must not fill this slot")
         groups = groups_of(ready.filled, self._setup.on)
         self._groups = {group[0]: group for group in groups}
@@ -111,68 +115,69 @@ class Worker:
         kind: Kind,
         message: bytes,
         pixels: NDArray[np.uint8] | None,
-        call: float,
+        seconds: float,
         group: tuple[str, ...],
         k: int | None,
     ) -> tuple[Kind, bytes]:
+        """Send a message, and return what comes within so many seconds."""
         slot = group[0] if group else None
-        left = self._deadline - time.monotonic()
-        if left <= 0:
-            self._end_late(group, k, self._limits.run, "the run")
+        patience = min(seconds, max(self._deadline - time.monotonic(), 1e-3))
         try:
             parts = (message,) if pixels is None else (message, pixels.data)
-            self._channel.send(kind, *parts, patience=min(call, left))
-            return self._channel.receive(min(call, left))
+            self._channel.send(kind, *parts, patience=patience)
+            return self._channel.receive(patience)
         except TimeoutError:
-            is_run = left < call
-            self._end_late(group, k, self._limits.run if is_run else call, "the run" * is_run)
+            what = " and ".join(group) or "loading the submission"
+            if patience < seconds:
+                what, seconds = "the run", self._limits.run
+            step = f" at step {k}" if k is not None else ""
+            text = f"{what} took longer than {seconds:g} s{step}"
+            raise SubmissionError(text, slot=slot, step=k) from None
         except WireError as error:
             self.refuse(slot, k, f"the worker has sent {error}")
         except (EOFError, OSError):
-            self.refuse(slot, k, f"the worker is gone: {self._process.wait(1.0).text}")
+            self._refuse_death(slot, k)
 
-    def _end_late(
-        self, group: tuple[str, ...], k: int | None, seconds: float, what: str
-    ) -> NoReturn:
-        what = what or " and ".join(group) or "loading the submission"
-        step = f" at step {k}" if k is not None else ""
-        text = f"{what} took longer than {seconds:g} s{step}"
-        raise SubmissionError(text, slot=group[0] if group else None, step=k)
+    def _refuse_death(self, slot: str | None, k: int | None) -> NoReturn:
+        """Raise what ended the worker: what it has said, or how it ended."""
+        ending = self.process.wait(_DYING)
+        if ending is GRADER_LOST_IT:
+            raise GraderError(ending.text, slot=slot, step=k)
+        text = ending.text if ending.over else "the worker has closed its connection"
+        self.refuse(slot, k, text)
 
     def _refuse_kind(self, kind: Kind, body: bytes, slot: str | None, k: int | None) -> NoReturn:
-        """Raise what a failure says, or that something else was due."""
+        """Raise what a message says went wrong, or that another one was due."""
         if kind != Kind.ERROR:
             self.refuse(slot, k, "the worker has sent a message that is not due")
         try:
-            failure = Failure.from_bytes(body, cut)
-        except WireError as error:
-            self.refuse(slot, k, f"the worker has sent {error}")
-        named = failure.slot if failure.slot in ROBOT_SLOTS else slot
-        step = k if failure.step < 0 or k is None else min(failure.step, k)
-        self.refuse(named, step, failure.text, failure)
+            told = ErrorText.from_json(body)
+        except ValueError as error:
+            self.refuse(slot, k, f"the worker has sent an error that is none: {error}")
+        if told.type == "MemoryError":
+            more = f"it asked for more than {self._limits.memory_text}"
+            told = replace(told, message=f"{told.message}: {more}" if told.message else more)
+        named = told.slot if told.slot in ROBOT_SLOTS else slot
+        step = None if k is None else min(k if told.step is None else told.step, k)
+        raise replace(told, slot=named, step=step).as_error() from None
 
-    def refuse(
-        self, slot: str | None, k: int | None, what: str, failure: Failure | None = None
-    ) -> NoReturn:
+    def refuse(self, slot: str | None, k: int | None, what: str) -> NoReturn:
         """Raise SubmissionError for a slot and a step."""
-        step = " at the start" if k is None or k < 0 else f" at step {k}"
-        place, file, line = "", None, None
-        if failure is not None and failure.file:
-            file, line = failure.file, failure.line
-            place = f" ({SourceLine(file, line, '').place})"
-        where = f"in {slot}{step}: " if slot else ""
-        raise SubmissionError(f"{where}{what}{place}", slot=slot, step=k, file=file, line=line)
+        step = None if k is None or k < 0 else k
+        when = "at the start" if step is None else f"at step {step}"
+        where = f"{slot} {when}" if slot else when
+        raise SubmissionError(f"{where}: {what}", slot=slot, step=step)
 
     def end(self) -> None:
         """Say that the run is over, and leave a moment for what is still to be printed."""
         with suppress(OSError):
             self._channel.send(Kind.END, patience=_ENDING)
-            self._process.wait(_ENDING)
+            self.process.wait(_ENDING)
 
     def close(self) -> None:
         """End the process, whatever it does."""
         self._channel.close()
-        self._process.kill()
+        self.process.kill()
 
     def __enter__(self) -> Self:
         return self

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
+from typing import Any
 
 from robsim.grading._submissions.names import checked_path
 
@@ -50,6 +51,9 @@ class SubmissionFiles:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "sources", MappingProxyType(dict(self.sources)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SubmissionFiles.from_message, (self.to_message(),)
 
     @property
     def modules(self) -> dict[str, bytes]:

@@ -1,0 +1,139 @@
+"""What a worker says is checked: bytes of any kind end the run with slot and step, and no crash."""
+
+import struct
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim import _core
+
+# Where in a message its numbers lie: see step_message.cpp.
+K, U = 0, 8 + 8
+DONE, PARTS, MISSED, N_BLOBS, N_STATES, NEXT = (32 + 4 * i for i in range(6))
+FRAME = 56
+PARAMETERS = FRAME + 96 + 8 + 15 * 8 + 3 * 8
+ERRORS = PARAMETERS + 15 * 8
+MEASURED = ERRORS + 15 * 8
+ESTIMATE = MEASURED + 14 * 8
+INPUT = ESTIMATE + 12 * 8
+SIZE = INPUT + 16
+HAS = {"frame": 2, "parameters": 8, "errors": 16, "measured": 32, "covariance": 64, "missed": 128}
+HAS |= {"estimate": 256, "u": 512}
+STAGES = ("estimate_parameters", "measure", "estimate_state", "control")
+
+
+class Refused(Exception):
+    pass
+
+
+def refuse(slot, k, what):
+    raise Refused(slot, k, what)
+
+
+def answer(message, *parts, numbers=(), end=b"", words=()):
+    """The answer of somebody who says these things, from the message that came."""
+    said = bytearray(message[:SIZE])
+    said[FRAME:] = bytes(SIZE - FRAME)
+    struct.pack_into("<6I", said, DONE, 15, sum(HAS[part] for part in parts), 0, 0, 0, 0)
+    for place, value in numbers:
+        struct.pack_into("<d", said, place, value)
+    for place, value in words:
+        struct.pack_into("<I", said, place, value)
+    return bytes(said) + end
+
+
+def run(reply, steps=2, slots=STAGES):
+    """A run whose stages somebody fills who gives `reply(message)` to each message."""
+    sim = robsim.Simulation(resolution=(200, 200), seed=1)
+    robot = _core.RemoteRobot(
+        lambda message, pixels, slot, k: reply(message),
+        refuse,
+        world=sim._world,
+        slots=slots,
+        sends_frames=False,
+        measures_first=False,
+        has_standard_errors=False,
+        largest_input=12.0,
+    )
+    for slot in slots:
+        sim._core.set_slot(slot, robot)
+        sim._callbacks[slot] = robot
+    return sim.run(steps)
+
+
+def good(message):
+    return answer(message, "u", "estimate", "measured", "parameters", numbers=[(INPUT, 0.5)])
+
+
+def test_an_answer_as_it_should_be_is_taken():
+    trace = run(good)
+    assert (trace.u == [0.5, 0]).all()
+    assert (trace.pose_estimated == 0).all()
+
+
+def bad(slot, *parts, **said):
+    return pytest.param(slot, lambda m: answer(m, "u", "estimate", *parts, **said), id=str(said))
+
+
+@pytest.mark.parametrize(
+    ("slot", "reply"),
+    [
+        bad("control", numbers=[(INPUT, np.nan)]),
+        bad("control", numbers=[(INPUT + 8, np.inf)]),
+        bad("control", numbers=[(INPUT, -12.1)]),
+        bad("estimate_state", numbers=[(ESTIMATE + 16, np.nan)]),
+        bad("estimate_state", numbers=[(ESTIMATE, 1e10)]),
+        bad("estimate_state", numbers=[(ESTIMATE + 24, -1e-3)]),
+        bad("estimate_state", numbers=[(ESTIMATE + 24, 1.0), (ESTIMATE + 32, 0.1)]),
+        bad("estimate_state", numbers=[(ESTIMATE + 24, np.inf)]),
+        bad("estimate_state", words=[(N_STATES, 1)], end=struct.pack("<d", np.nan)),
+        bad("estimate_state", words=[(N_STATES, 1025)], end=bytes(8 * 1025)),
+        bad("measure", "measured", numbers=[(MEASURED, np.inf)]),
+        bad("measure", "measured", "covariance", numbers=[(MEASURED + 24, -1.0)]),
+        bad("measure", "measured", numbers=[(MEASURED + 96, np.inf)]),
+        bad("measure", words=[(N_BLOBS, 1)], end=struct.pack("<2d", np.inf, 0)),
+        bad("estimate_parameters", "parameters", numbers=[(PARAMETERS, np.nan)]),
+        bad("estimate_parameters", "errors", numbers=[(ERRORS, np.inf)]),
+        bad("estimate_parameters", words=[(DONE, 14)]),
+        bad("estimate_parameters", words=[(DONE, 16)]),
+        bad("estimate_parameters", words=[(PARTS, 1024)]),
+        bad("estimate_parameters", words=[(MISSED, 99)]),
+        bad("estimate_parameters", words=[(N_BLOBS, 1 << 31)]),
+        bad("estimate_parameters", words=[(N_STATES, 1)]),
+        bad("estimate_parameters", words=[(K, 7)]),
+        bad("estimate_parameters", end=b"x"),
+        bad("estimate_parameters", "frame"),
+        pytest.param("estimate_parameters", lambda m: b"", id="empty"),
+        pytest.param("estimate_parameters", lambda m: good(m)[:-1], id="short"),
+        pytest.param("control", lambda m: answer(m, "estimate"), id="no input"),
+        pytest.param("estimate_state", lambda m: answer(m, "u"), id="no estimate"),
+    ],
+)
+def test_an_answer_that_cannot_be_is_refused_with_slot_and_step(slot, reply):
+    with pytest.raises(Refused) as refused:
+        run(lambda m: reply(m) if struct.unpack_from("<q", m)[0] == 1 else good(m))
+    assert refused.value.args[:2] == (slot, 1)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_random_answers_are_taken_or_refused(seed):
+    """Each bit may be wrong; what gets through is finite."""
+    rng = np.random.default_rng(seed)
+
+    def spoiled(message):
+        said = bytearray(good(message))
+        for _ in range(rng.integers(4)):
+            said[rng.integers(len(said))] ^= 1 << rng.integers(8)
+        return bytes(said[: len(said) - (rng.random() < 0.05)])
+
+    refusals = 0
+    for _ in range(200):
+        try:
+            trace = run(spoiled, steps=1)
+        except Refused:
+            refusals += 1
+            continue
+        assert np.abs(trace.u).max() <= 12
+        assert np.isfinite(trace.pose_estimated).all()
+    assert 20 < refusals < 200

@@ -1,0 +1,113 @@
+"""Messages over a socket: lengths and kinds are checked before anything is read."""
+
+import socket
+import struct
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from robsim import RobotModel
+from robsim.grading._robot_half import ROBOT_SLOTS
+from robsim.grading._wire import LIMITS, Channel, Kind, Ready, WireError
+
+HEAD = struct.Struct("<HHI")
+
+
+@pytest.fixture
+def ends():
+    one, other = socket.socketpair()
+    with one, other:
+        yield Channel(one, LIMITS), other
+
+
+def test_a_message_of_several_parts_comes_as_one(ends):
+    channel, other = ends
+    channel.send(Kind.STEP, b"ab", np.arange(3, dtype=np.uint8).data)
+    assert other.recv(100) == HEAD.pack(Kind.STEP, 0, 5) + b"ab\0\1\2"
+
+
+def test_a_large_message_comes_whole(ends):
+    channel, other = ends
+    body = bytes(range(256)) * 20_000
+    sender = threading.Thread(target=Channel(other).send, args=(Kind.HELLO, body))
+    trusting = Channel(channel._socket)
+    sender.start()
+    assert trusting.receive(10) == (Kind.HELLO, body)
+    sender.join()
+
+
+def test_a_message_in_pieces_comes_whole(ends):
+    channel, other = ends
+    message = HEAD.pack(Kind.ANSWER, 0, 3) + b"abc"
+
+    def drip():
+        for i in range(len(message)):
+            time.sleep(0.002)
+            other.send(message[i : i + 1])
+
+    sender = threading.Thread(target=drip)
+    sender.start()
+    assert channel.receive(10) == (Kind.ANSWER, b"abc")
+    sender.join()
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        HEAD.pack(Kind.ANSWER, 0, 1 << 31),
+        HEAD.pack(Kind.ANSWER, 0, LIMITS[Kind.ANSWER] + 1),
+        HEAD.pack(Kind.ANSWER, 1, 0),
+        HEAD.pack(99, 0, 0),
+        HEAD.pack(Kind.HELLO, 0, 0),
+        HEAD.pack(Kind.ANSWER, 0, 1) + b"ab",
+        HEAD.pack(Kind.ANSWER, 0, 0) * 2,
+    ],
+)
+def test_what_is_no_message_that_is_due_is_refused(ends, message):
+    channel, other = ends
+    other.send(message)
+    with pytest.raises(WireError):
+        channel.receive(10)
+
+
+def test_a_connection_that_is_closed_is_told(ends):
+    channel, other = ends
+    other.send(HEAD.pack(Kind.ANSWER, 0, 10) + b"abc")
+    other.close()
+    with pytest.raises(EOFError, match="in the middle"):
+        channel.receive(10)
+
+
+def test_half_a_message_is_waited_for_as_long_as_a_whole_one(ends):
+    channel, other = ends
+    other.send(HEAD.pack(Kind.ANSWER, 0, 10) + b"abc")
+    with pytest.raises(TimeoutError):
+        channel.receive(0.05)
+
+
+READY = Ready(("define_model", "control"), ("measure",), True, RobotModel())
+
+
+def test_readiness_comes_back_as_it_was():
+    assert Ready.from_bytes(READY.to_bytes(ROBOT_SLOTS), ROBOT_SLOTS) == READY
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "error"),
+    [
+        (0, struct.pack("<I", 1 << 6), WireError),
+        (8, struct.pack("<I", 2), WireError),
+        (12, struct.pack("<d", 0), ValueError),
+        (12, struct.pack("<d", np.nan), ValueError),
+        (20, struct.pack("<d", np.nan), ValueError),
+        (20, struct.pack("<d", 5.0), ValueError),
+        (140, b"x", WireError),
+    ],
+)
+def test_readiness_that_cannot_be_is_refused(place, value, error):
+    body = bytearray(READY.to_bytes(ROBOT_SLOTS))
+    body[place : place + len(value)] = value
+    with pytest.raises(error):
+        Ready.from_bytes(bytes(body), ROBOT_SLOTS)
