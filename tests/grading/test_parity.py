@@ -74,6 +74,29 @@ def test_a_submission_may_see_frames_that_it_does_not_measure(tmp_path):
     assert len(np.unique(trace.u[:, 0])) > 10
 
 
+def test_where_no_memory_can_be_shared_the_pixels_go_through_the_socket(tmp_path, monkeypatch):
+    monkeypatch.setattr("robsim.grading._graded_run.has_frame_memory", lambda: False)
+    folder = honest(tmp_path / "s", ["measure", "control"])
+    assert_parity(folder, ["measure", "control"], NOISY.replace(camera_delay=1))
+
+
+def test_frames_that_are_kept_stay_as_they_were(tmp_path):
+    keeps = """
+        import numpy as np
+        frames, sums = [], []
+        def measure(step):
+            frames.append(step.frame.image)
+            sums.append(step.frame.image.sum(dtype=int))
+            if [int(one.sum(dtype=int)) for one in frames] != sums:
+                raise ValueError("a frame has changed")
+            return 100 + len(frames), sums[-1] % 997, 0
+        """
+    folder = folder_of(tmp_path / "s", measure=keeps)
+    scenario = NOISY.replace(resolution=(120, 120), dropout=None)
+    trace = assert_parity(folder, ["measure"], scenario, steps=30)
+    assert len(np.unique(trace.pose_measured[:, 1])) > 20
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_random_slots_in_random_scenarios_give_the_same_trace(tmp_path, seed):

@@ -1,9 +1,12 @@
 """Submissions are run in a worker; whatever they do, the run ends, and it is said who did what."""
 
+import gc
 import os
 import pickle
 import re
+import threading
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -297,3 +300,40 @@ def test_arguments_that_are_wrong_are_named(tmp_path):
     with pytest.raises(TypeError, match="scenario"):
         graded.run("lab", steps=1)
     assert pickle.loads(pickle.dumps(SubmissionError("x", slot="control"))).slot == "control"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="needs /proc")
+def test_hundreds_of_runs_leave_nothing_behind(tmp_path):
+    """Neither memory nor descriptors nor threads, whether a run fails or not."""
+    looks = """
+        def measure(step):
+            if step.k == 4 and step.frame.image[0, 0, 0] % 2:
+                raise ValueError("odd")
+            return 1, 2, 3
+        """
+    graded = submission(tmp_path, slots="measure", measure=looks)
+    scenario = SCENARIO.replace(resolution=(600, 600))
+
+    def held():
+        status = Path("/proc/self/status").read_text()
+        in_use = int(re.search(r"VmRSS:\s+(\d+)", status)[1]) / 1024
+        return in_use, len(os.listdir("/proc/self/fd")), threading.active_count()
+
+    def some(count, first):
+        failed = 0
+        for seed in range(first, first + count):
+            try:
+                graded.run(scenario, steps=5, seed=seed)
+            except SubmissionError:
+                failed += 1
+        return failed
+
+    some(40, 0)
+    gc.collect()
+    before = held()
+    assert 60 < some(260, 40) < 200
+    gc.collect()
+    after = held()
+    assert after[0] < before[0] + 20, (before, after)
+    assert after[1:] == before[1:]

@@ -5,7 +5,7 @@ import textwrap
 import numpy as np
 
 import robsim
-from robsim.grading._graded_run import Task, graded_run, run_here
+from robsim.grading._graded_run import Task, all_here, graded_run
 from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import Rules, read_submission
 
@@ -90,7 +90,8 @@ def ran(folder, slots, scenario, *, steps=20, seed=1, **options):
 
 def ran_here(folder, slots, scenario, *, steps=20, seed=1, **options):
     """Run it in this process."""
-    return run_here(task_of(folder, slots, **options), scenario, steps, RunSeeds.of(seed))
+    with all_here(task_of(folder, slots, **options), scenario, RunSeeds.of(seed)) as simulation:
+        return simulation.run(steps)
 
 
 def assert_same_trace(one, other):

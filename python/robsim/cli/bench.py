@@ -30,7 +30,9 @@ HELP = (
     "of 1200 x 1200) of those poses that are found and not false. Two more tables have the "
     "headings, and how many frames were missed or gave a false pose. It takes some minutes.\n\n"
     "With --campaign: what campaigns cost beside the same loops by hand, in one process and in "
-    "two, by the number of runs, and on paper with 1000 workers. It takes about a minute."
+    "two, by the number of runs, and on paper with 1000 workers. It takes about a minute.\n\n"
+    "With --grading: what a step takes with the robot half of a submission in a process of its "
+    "own, which is shut in, beside all in one process; and what starting that process takes."
 )
 _ROUNDS = 25
 _ROUNDS_OF_CAMPAIGNS = 3
@@ -44,8 +46,8 @@ def bench(
             "--rounds",
             parser=whole_number,
             metavar="N",
-            help="Number of timings of each case; the median is reported, with --campaign the "
-            f"shortest. Default: {_ROUNDS}, with --campaign {_ROUNDS_OF_CAMPAIGNS}.",
+            help="Number of timings of each case; the median is reported, with --campaign and "
+            f"--grading the shortest. Default: {_ROUNDS}, with --campaign {_ROUNDS_OF_CAMPAIGNS}.",
         ),
     ] = None,
     panel: Annotated[
@@ -80,6 +82,14 @@ def bench(
             help="Measure what campaigns cost instead, beside loops by hand.",
         ),
     ] = False,
+    grading: Annotated[
+        bool,
+        typer.Option(
+            "--grading",
+            metavar=SWITCH,
+            help="Measure what graded runs cost instead, beside runs in one process.",
+        ),
+    ] = False,
     frames: Annotated[
         int | None,
         typer.Option(
@@ -102,7 +112,7 @@ def bench(
     """Measure how fast, or how exact, robsim is on this machine."""
     with errors.report_errors():
         chosen = {"--panel": panel, "--camera": camera, "--accuracy": accuracy}
-        _check_choice({**chosen, "--campaign": campaign})
+        _check_choice({**chosen, "--campaign": campaign, "--grading": grading})
         if not accuracy:
             _refuse_without_accuracy(frames=frames, figure=figure)
         if rounds is not None and (panel or accuracy):
@@ -112,6 +122,8 @@ def bench(
             result = _measured_panel()
         elif campaign:
             result = _measured_campaigns(_ROUNDS_OF_CAMPAIGNS if rounds is None else rounds)
+        elif grading:
+            result = _measured_grading(timings)
         elif accuracy:
             result = _measured_accuracy(_FRAMES if frames is None else frames, figure)
         else:
@@ -158,6 +170,12 @@ def _measured_campaigns(rounds: int) -> Report:
     from robsim.bench._campaign.run import run_campaign_bench
 
     return run_campaign_bench(rounds=rounds)
+
+
+def _measured_grading(rounds: int) -> Report:
+    from robsim.bench._grading.run import run_grading_bench
+
+    return run_grading_bench(rounds=rounds)
 
 
 def _measured_camera(rounds: int) -> Report:

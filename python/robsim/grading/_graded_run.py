@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import importlib.util
-from collections.abc import Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -73,21 +73,21 @@ class GradedSimulation(Simulation):
                 self._set_slot(slot, True)
         self._set_slot("define_model", ready.model)
         set_noise_keys(self, seeds)
-        self._sends_frames = "measure" in filled if task.frames is None else task.frames
-        self._remote = (worker, ready, filled)
+        self._ask(worker, filled, ready, frames=task.frames)
 
-    def ask_worker(self, memory: FrameMemory | None) -> None:
-        """Fill the slots that the worker fills; it sees the frames in this memory."""
-        worker, ready, filled = self._remote
-        images = memory.images if memory is not None and self._sends_frames else []
-        if images:
-            self._world.set_frame_memory(images)
+    def _ask(
+        self, worker: Worker, filled: tuple[str, ...], ready: Ready, *, frames: bool | None
+    ) -> None:
+        """Fill the slots that the worker fills."""
+        sends_frames = "measure" in filled if frames is None else frames
+        if worker.memory is not None and sends_frames:
+            self._world.set_frame_memory(worker.memory.images)
         robot = _core.RemoteRobot(
             worker.exchange,
             worker.refuse,
-            slots=filled,
             world=self._world,
-            sends_frames=self._sends_frames,
+            slots=filled,
+            sends_frames=sends_frames,
             measures_first=self._callbacks["measure"] is True and "measure" not in filled,
             has_standard_errors=ready.has_standard_errors,
             largest_input=LARGEST_INPUT,
@@ -136,23 +136,9 @@ def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> G
     AssignmentError
         If a callback of the teacher's fails.
     """
-    scenario = _with_model(scenario)
-    with ExitStack() as stack:
-        memory = None
-        may_see = "measure" in task.rules.slots if task.frames is None else task.frames
-        if may_see and has_frame_memory():
-            memory = stack.enter_context(FrameMemory(frame_size(scenario)))
-        worker = stack.enter_context(
-            Worker(
-                _setup(task, scenario, seeds),
-                memory=[] if memory is None else [memory.descriptor],
-                limits=task.limits,
-                isolation=task.isolation,
-                hidden=hidden_files(task.rules),
-            )
-        )
+    with started(task, scenario, seeds) as worker:
         try:
-            trace = _driven(task, scenario, steps, seeds, worker, memory)
+            trace = _driven(asking(worker, task, scenario, seeds), steps)
         except SubmissionError as error:
             worker.close()
             error.output = worker.process.output
@@ -161,19 +147,35 @@ def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> G
     return GradedRun(trace, worker.process.output, worker.process.layers.line)
 
 
-def _driven(
-    task: Task,
-    scenario: Scenario,
-    steps: int,
-    seeds: RunSeeds,
-    worker: Worker,
-    memory: FrameMemory | None,
-) -> Trace:
-    """Run the world half beside a worker that has been started."""
+@contextmanager
+def started(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Worker]:
+    """Give a worker that has been told of a task, and end it."""
+    scenario = _with_model(scenario)
+    with ExitStack() as stack:
+        memory = None
+        may_see = "measure" in task.rules.slots if task.frames is None else task.frames
+        if may_see and has_frame_memory():
+            memory = stack.enter_context(FrameMemory(frame_size(scenario)))
+        worker = Worker(
+            _setup(task, scenario, seeds),
+            memory=memory,
+            limits=task.limits,
+            isolation=task.isolation,
+            hidden=hidden_files(task.rules),
+        )
+        yield stack.enter_context(worker)
+
+
+def asking(worker: Worker, task: Task, scenario: Scenario, seeds: RunSeeds) -> GradedSimulation:
+    """Return the simulation whose robot half a worker has."""
+    scenario = _with_model(scenario)
     ready = worker.ready()
     _check_dt(ready.model, scenario)
-    simulation = GradedSimulation(task, scenario, seeds, worker, ready)
-    simulation.ask_worker(memory)
+    return GradedSimulation(task, scenario, seeds, worker, ready)
+
+
+def _driven(simulation: GradedSimulation, steps: int) -> Trace:
+    """Run; say whose fault it is if a callback here fails."""
     try:
         return simulation.run(steps)
     except Exception as error:
@@ -242,10 +244,13 @@ def _setup(task: Task, scenario: Scenario, seeds: RunSeeds) -> Setup:
     )
 
 
-def run_here(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> Trace:
-    """Run in this process, which trusts the submission: what a worker must give, to the byte."""
-    scenario = _with_model(scenario)
-    simulation = Simulation(scenario, seed=seeds.world, **task.callbacks)
+@contextmanager
+def all_here(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Simulation]:
+    """Give a simulation that has all in this process, and trusts the submission.
+
+    It gives to the byte what must come with a worker.
+    """
+    simulation = Simulation(_with_model(scenario), seed=seeds.world, **task.callbacks)
     set_noise_keys(simulation, seeds)
     with loaded_slots(task.submission, task.rules) as callbacks:
         for slot in SLOTS:
@@ -254,4 +259,4 @@ def run_here(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> Tra
                 simulation._set_slot(slot, None if value is False else value)
         if is_code(simulation._callbacks["control"]):
             simulation._core.set_controller_seed(stream_number(seeds.robot, "controller"))
-        return simulation.run(steps)
+        yield simulation

@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim.grading._errors import GraderError, SubmissionError
+from robsim.grading._frame_memory import FrameMemory
 from robsim.grading._isolation import Isolation, Limits, start_worker
 from robsim.grading._isolation._ending import GRADER_LOST_IT
+from robsim.grading._isolation._limits import as_size
 from robsim.grading._robot_half import ROBOT_SLOTS, Setup, groups_of
 from robsim.grading._texts import ErrorText
 from robsim.grading._wire import LIMITS, Channel, Kind, Ready, WireError
@@ -33,8 +35,8 @@ class Worker:
     ----------
     setup : Setup
         What the robot half is told.
-    memory : sequence of int
-        The descriptors of the memory that it sees.
+    memory : FrameMemory, optional
+        Where it sees frames.
     limits : Limits
         What it may take.
     isolation : str
@@ -47,11 +49,12 @@ class Worker:
         self,
         setup: Setup,
         *,
-        memory: Sequence[int],
+        memory: FrameMemory | None,
         limits: Limits,
         isolation: Isolation,
         hidden: Sequence[str],
     ) -> None:
+        self.memory = memory
         self._setup = setup
         self._limits = limits
         self._deadline = time.monotonic() + limits.run
@@ -62,7 +65,7 @@ class Worker:
                 self.process = start_worker(
                     entry=_ENTRY,
                     channel=theirs,
-                    memory=memory,
+                    memory=[] if memory is None else [memory.descriptor],
                     limits=limits,
                     isolation=isolation,
                     hidden=hidden,
@@ -155,7 +158,7 @@ class Worker:
         except ValueError as error:
             self.refuse(slot, k, f"the worker has sent an error that is none: {error}")
         if told.type == "MemoryError":
-            more = f"it asked for more than {self._limits.memory_text}"
+            more = f"it asked for more than {as_size(self._limits.memory)}"
             told = replace(told, message=f"{told.message}: {more}" if told.message else more)
         named = told.slot if told.slot in ROBOT_SLOTS else slot
         step = None if k is None else min(k if told.step is None else told.step, k)
