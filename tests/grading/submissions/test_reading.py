@@ -26,6 +26,15 @@ def test_a_folder_a_zip_a_file_and_a_notebook_are_one_submission(tmp_path):
     assert answer(packed(beside, with_notebook | {"gains.py": "GAIN = 3.0"})) == (3, 3)
 
 
+def test_suffixes_of_any_case(tmp_path):
+    (tmp_path / "S001.PY").write_text(PLAIN)
+    assert answer(tmp_path / "S001.PY") == (1, 2)
+    notebook(tmp_path / "S002.IPYNB", PLAIN)
+    assert answer(tmp_path / "S002.IPYNB") == (1, 2)
+    packed(tmp_path / "S003.ZIP", {"control.py": PLAIN})
+    assert answer(tmp_path / "S003.ZIP") == (1, 2)
+
+
 def test_what_a_submission_is_stands_in_it(tmp_path):
     folder = write(tmp_path / "s001", control=PLAIN, measure="def measure(step): ...\n")
     (folder / "table.csv").write_text("1,2")
@@ -161,6 +170,11 @@ def test_rules_are_plain_values():
         Rules(masked=["robsim; x"])
     with pytest.raises(ValueError, match="imports must be top-level modules, got 'scipy"):
         Rules(imports=["numpy", "scipy.linalg"])
+    with pytest.raises(ValueError, match=r"no robsim\.referense; did you mean 'reference'"):
+        Rules(masked=["robsim.referense"])
+    with pytest.raises(ValueError, match=r"there is no robsim\.no\.such"):
+        Rules(masked=["robsim.no.such"])
+    assert Rules(masked=["robsim.locate", "robsim.vision.locate", "not_installed.x"]).masked
     with pytest.raises(ValueError, match="ratio must lie within"):
         Rules(ratio=0)
 

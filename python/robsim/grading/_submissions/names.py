@@ -8,7 +8,8 @@ import unicodedata
 from robsim._base.text import quoted
 from robsim.grading._errors import SubmissionError
 
-_LONGEST_PART, _LONGEST, _DEEPEST = 100, 200, 8
+# Learning platforms put a student's whole name before that of a file.
+_LONGEST_PART, _LONGEST, _DEEPEST = 150, 250, 8
 _FORBIDDEN = frozenset('<>:"|?*\\')
 _DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9¹²³])(\..*)?", re.IGNORECASE)
 _DRIVE = re.compile(r"[A-Za-z]:")

@@ -47,7 +47,7 @@ def read_submission(path: str | PathLike[str], rules: Rules) -> SubmissionFiles:
     SubmissionError
         If it cannot be read, has what it may not have, or fills no slot; the message says what to
         do.
-    TypeError
+    TypeError, ValueError
         If `path` is not a path.
     """
     given = Path(os.path.abspath(as_path(path)))
@@ -63,7 +63,8 @@ def read_submission(path: str | PathLike[str], rules: Rules) -> SubmissionFiles:
         return _arranged(name, intake.files, rules)
     if suffix not in (".py", ".ipynb"):
         raise SubmissionError(f"{name} is none of what can be graded: {_TAKEN}", file=name)
-    intake.add(given.name, _all_of(given, name, intake.most_of(given.name)))
+    file = f"{given.stem}{suffix}"
+    intake.add(file, _all_of(given, name, intake.most_of(file)))
     (main,) = intake.files or [""]
     if not main:
         raise SubmissionError(f"{name} is a hidden file: give it another name", file=name)
@@ -73,7 +74,7 @@ def read_submission(path: str | PathLike[str], rules: Rules) -> SubmissionFiles:
 def _all_of(path: Path, name: str, most: int) -> bytes:
     content = read_file(str(path), name, most + 1)
     if len(content) > most:
-        remedy = "clear its outputs" if path.suffix == ".ipynb" else "hand in what counts"
+        remedy = "clear its outputs" if path.suffix.lower() == ".ipynb" else "hand in what counts"
         raise SubmissionError(f"{name} has more than {size_text(most)}: {remedy}", file=name)
     return content
 

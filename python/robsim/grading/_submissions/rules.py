@@ -5,9 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 from robsim._base.checks import check_int
+from robsim._base.spelling import suggestion
 from robsim._base.text import quoted
 from robsim.simulation._slots import SLOTS, checked_slots
 
@@ -56,6 +59,8 @@ class Rules:
             if dotted := [name for name in self.imports if "." in name]:
                 raise ValueError(f"imports must be top-level modules, got {quoted(dotted[0])}")
         own(self, "masked", _modules("masked", self.masked))
+        for name in self.masked:
+            _check_there(name)
         check_int("files", self.files, minimum=1, maximum=10_000)
         check_int("size", self.size, minimum=1, maximum=2**27)
         check_int("file_size", self.file_size, minimum=1, maximum=2**27)
@@ -69,6 +74,21 @@ class Rules:
     def from_dict(cls, data: Mapping[str, Any]) -> Rules:
         """Return the rules of `to_dict`; raise what the class raises."""
         return cls(**data)
+
+
+def _check_there(name: str) -> None:
+    """Raise ValueError for a name of robsim's that there is not: it would mask nothing."""
+    package, _, last = name.rpartition(".")
+    if name.partition(".")[0] != "robsim" or not package:
+        return
+    try:
+        if find_spec(name) is not None:
+            return
+        known = dir(import_module(package))
+    except ImportError:  # of what lies above it
+        known = []
+    if last not in known:
+        raise ValueError(f"masked: there is no {name}{suggestion(last, known)}")
 
 
 def _modules(name: str, modules: Any) -> tuple[str, ...]:
