@@ -205,6 +205,7 @@ def work(connection: socket.socket, memory: Sequence[int]) -> None:
         raise RuntimeError("the grader must say hello")
     setup: Setup = pickle.loads(body)
     try:
+        setup.submission.write_to(os.getcwd())  # its data files, in the scratch folder
         callbacks = load_slots(setup.submission, setup.rules, os.getcwd())
         half = RobotHalf(setup, callbacks, channel, memory[0] if memory else None)
         channel.send(Kind.READY, half._ready.to_bytes(ROBOT_SLOTS))

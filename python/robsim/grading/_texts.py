@@ -20,6 +20,7 @@ from robsim.simulation._callbacks.errors import FailedCallback
 
 #: Characters of a text, of a line, of a name.
 MOST_TEXT, MOST_LINE, MOST_NAME = 4000, 200, 60
+_MOST_SAID = 400  # characters of a message in a sentence
 _MOST_LINES = 10  # of a traceback
 _MOST_DEPTH = 100_000  # calls of a traceback
 _MOST_JSON = 16 * 2**10  # bytes
@@ -111,10 +112,11 @@ class ErrorText:
         return ", ".join(parts)
 
     def __str__(self) -> str:
-        """Place, class and message in one sentence."""
+        """Place, class and message in one sentence, cut."""
         if not self.type:
             return self.message
-        said = f"{self.type}: {self.message}" if self.message else self.type
+        message = clean_text(self.message, _MOST_SAID)
+        said = f"{self.type}: {message}" if message else self.type
         return f"{self.place}: {said}" if self.place else said
 
     def as_error(self) -> SubmissionError:

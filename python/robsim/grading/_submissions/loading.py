@@ -7,6 +7,7 @@ import linecache
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path, PurePosixPath
 from types import ModuleType
@@ -144,9 +145,9 @@ def _failing(name: str, slot: str | None) -> Iterator[None]:
         raise
     except BaseException as error:  # SystemExit, too
         text = error_text(error, slot=slot)
-        told = f"{text.file or name}, line {text.line}: {text.type}: {text.message}"
-        if not text.lines:  # what robsim says of a callback names its file
+        if text.lines:
+            told = f"{replace(text, slot=None)}"
+            told += f" (when {text.slot} was loaded)" if text.slot is not None else ""
+        else:  # what robsim says of a callback, which names its file
             told = text.message
-        elif text.slot is not None:
-            told += f" (when {text.slot} was loaded)"
         raise SubmissionError(told, slot=text.slot, file=text.file, line=text.line) from None
