@@ -145,6 +145,11 @@ def test_two_values_are_refused_with_their_cells(tmp_path, cells, words):
     )
 
 
+def test_values_are_told_in_one_line(tmp_path):
+    values = [f'sim.control = f"""a\n{{{i}}}"""' for i in range(2)]
+    assert "sim.control = f" in says(tmp_path, *values)
+
+
 def test_the_same_value_twice_is_one(tmp_path):
     drive = "def drive(step):\n    return 1, 2"
     assert gives(tmp_path, drive, "sim.control = drive", "sim.control = drive") == (1, 2)

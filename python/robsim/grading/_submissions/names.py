@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
-from robsim._base.text import quoted
+from robsim._base.text import one_line, quoted
 from robsim.grading._errors import SubmissionError
 
 # Learning platforms put a student's whole name before that of a file.
@@ -104,4 +104,5 @@ def _same_for_all(path: str) -> str:
 
 
 def _refused(whole: str, name: str, problem: str, remedy: str) -> SubmissionError:
-    return SubmissionError(f"{whole}: {quoted(name)} {problem}: {remedy}", file=quoted(name))
+    file = one_line(name[:_LONGEST])
+    return SubmissionError(f"{whole}: {quoted(name)} {problem}: {remedy}", file=file)

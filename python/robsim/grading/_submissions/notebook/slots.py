@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from robsim._base.text import one_line
 from robsim.grading._submissions.notebook.statements import Statement, at_the_top, needs_of
 from robsim.simulation._slots import SLOTS
 
@@ -48,7 +49,7 @@ class Value:
     @property
     def told(self) -> str:
         """Cell and way, for messages."""
-        return f"{self.way} in {self.statement.cell.title}"
+        return f"{one_line(self.way)} in {self.statement.cell.title}"
 
     @property
     def needs(self) -> set[str]:
