@@ -62,8 +62,12 @@ def test_a_long_text_is_cut_before_it_is_looked_at():
         pass
 
     assert clean_text("x" * 100_000_000) == "x" * 3996 + " ..."
-    assert clean_text(Counted("x")) == "<Counted>"
-    assert clean_text(3) == "<int>"
+    assert clean_text(Counted("x")) == "<Counted>"  # which may do anything when it is cut
+    with pytest.raises(TypeError, match="text must be text, got 3"):
+        clean_text(3)
+    with pytest.raises(ValueError, match="most must lie within"):
+        clean_text("x", -1)
+    assert clean_line(3) == "<int>"
 
 
 def raised(code, **names):

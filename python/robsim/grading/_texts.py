@@ -13,6 +13,7 @@ from itertools import islice
 from types import FunctionType, WrapperDescriptorType
 from typing import Any
 
+from robsim._base.checks import check_int, check_text
 from robsim._base.source_line import SourceLine
 from robsim._base.text import printable
 from robsim.grading._errors import AssignmentError, GraderError, GradingError, SubmissionError
@@ -30,19 +31,30 @@ _MARK = r"[\u0300-\u036f\u0483-\u0489\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff]"
 _MARKS = re.compile(f"({_MARK}{{3}}){_MARK}+")
 
 
-def clean_text(text: object, most: int = MOST_TEXT) -> str:
+def clean_text(text: str, most: int = MOST_TEXT) -> str:
     """Return a text of a student's as harmless text: what cannot be seen stands as escapes.
 
-    It is harmless in a terminal, and can stand in XML 1.0 and JSON; HTML and Markdown have their
-    own signs, for which there are `html.escape` and `fenced`. It is cut before it is looked at.
+    It is harmless in a terminal, and can stand in XML 1.0 and JSON. HTML and Markdown have signs of
+    their own: there it is to be escaped, or fenced. It is cut before it is looked at.
 
     Parameters
     ----------
     text : str
-        The text; of anything else only the name of its class is told.
+        The text.
     most : int
-        How many characters it may have.
+        How many characters it may have then.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is wrong; the message names it.
     """
+    check_text("text", text)
+    return _cleaned(text, check_int("most", most, minimum=0, maximum=2**31))
+
+
+def _cleaned(text: object, most: int = MOST_TEXT) -> str:
+    """Return what `clean_text` does; of what is no plain text, the name of its class."""
     if type(text) is not str:
         return f"<{type_name(text)}>"
     start = text[: most + 1].replace("\r\n", "\n").replace("\r", "\n")
@@ -51,18 +63,18 @@ def clean_text(text: object, most: int = MOST_TEXT) -> str:
         clean = "".join(c if c in "\n\t" or c.isprintable() else ascii(c)[1:-1] for c in clean)
     if len(text) <= most and len(clean) <= most:
         return clean
-    return clean[: max(most - len(_CUT), 0)] + _CUT
+    return (clean[: max(most - len(_CUT), 0)] + _CUT)[:most]
 
 
 def clean_line(text: object, most: int = MOST_LINE) -> str:
     """Return the same in one line."""
-    line = clean_text(text, most).replace("\n", "\\n").replace("\t", " ")
+    line = _cleaned(text, most).replace("\n", "\\n").replace("\t", " ")
     return line if len(line) <= most else line[: max(most - len(_CUT), 0)] + _CUT
 
 
 def fenced(text: object, most: int = MOST_TEXT) -> str:
     """Return a text as a block of Markdown that it cannot end by itself."""
-    clean = clean_text(text, most)
+    clean = _cleaned(text, most)
     longest = max((len(run) for run in re.findall(r"`+", clean)), default=0)
     fence = "`" * max(3, longest + 1)
     return f"{fence}text\n{clean}\n{fence}"
@@ -115,7 +127,7 @@ class ErrorText:
         """Place, class and message in one sentence, cut."""
         if not self.type:
             return self.message
-        message = clean_text(self.message, _MOST_SAID)
+        message = _cleaned(self.message, _MOST_SAID)
         said = f"{self.type}: {message}" if message else self.type
         return f"{self.place}: {said}" if self.place else said
 
@@ -129,7 +141,7 @@ class ErrorText:
         short = self
         while len(data := json.dumps(vars(short), ensure_ascii=False).encode()) > _MOST_JSON:
             most = len(short.message) if short.lines else len(short.message) // 2
-            short = replace(short, lines=short.lines[1:], message=clean_text(short.message, most))
+            short = replace(short, lines=short.lines[1:], message=_cleaned(short.message, most))
         return data
 
     @classmethod
@@ -152,7 +164,7 @@ class ErrorText:
         lines = fields.get("lines")
         return cls(
             type=clean_line(fields.get("type", "Exception"), MOST_NAME),
-            message=clean_text(fields.get("message", "")),
+            message=_cleaned(fields.get("message", "")),
             lines=tuple(map(clean_line, lines[-_MOST_LINES:])) if isinstance(lines, list) else (),
             slot=_text(fields.get("slot")),
             step=_number(fields.get("step")),
@@ -190,7 +202,7 @@ def error_text(
 def _error_text(error: BaseException, slot: str | None, step: int | None) -> ErrorText:
     if type(error) in (SubmissionError, AssignmentError, GraderError):
         assert isinstance(error, GradingError)
-        text = clean_text(str(error))
+        text = _cleaned(str(error))
         return ErrorText("", text, (), error.slot, error.step, error.file, error.line)
     lines = _lines(error)
     last = lines[-1] if lines else None
@@ -264,11 +276,11 @@ def _message(error: BaseException) -> str:
     args = BaseException.__dict__["args"].__get__(error)
     kind = type(error)
     if args and type(args[0]) is str and (len(args) == 1 or issubclass(kind, SyntaxError)):
-        return f"{args[0][:MOST_NAME]!r}" if issubclass(kind, KeyError) else clean_text(args[0])
+        return f"{args[0][:MOST_NAME]!r}" if issubclass(kind, KeyError) else _cleaned(args[0])
     if all(map(_is_plain, args)) and not _is_users(_method(kind, "__str__")):
         with suppress(BaseException):
-            return clean_text(str(error))
-    return clean_text(", ".join(map(_shown, args[:5])))
+            return _cleaned(str(error))
+    return _cleaned(", ".join(map(_shown, args[:5])))
 
 
 def _is_plain(value: Any) -> bool:
@@ -282,8 +294,8 @@ def _is_plain(value: Any) -> bool:
 
 def _shown(value: Any) -> str:
     if type(value) is str:
-        return clean_text(value)
-    return clean_text(repr(value)) if _is_plain(value) else f"<{type_name(value)}>"
+        return _cleaned(value)
+    return _cleaned(repr(value)) if _is_plain(value) else f"<{type_name(value)}>"
 
 
 def _method(kind: type, name: str) -> object:
