@@ -5,9 +5,11 @@ covered without a line here, unless it needs an argument that has no example yet
 """
 
 import ast
+import atexit
 import importlib
 import inspect
 import re
+import shutil
 import tempfile
 from collections.abc import Iterator
 from functools import cache
@@ -124,7 +126,16 @@ def calibration(size=(64, 48)):
     return robsim.imaging.Calibration(size=size, floor=robsim.imaging.PlaneMap(), area=size)
 
 
+@cache
+def submission_folder():
+    folder = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, folder)
+    Path(folder, "control.py").write_text("def control(step):\n    return 0, 0\n")
+    return folder
+
+
 EXAMPLES = {
+    "Submission.path": submission_folder,
     "Intrinsics.matrix": lambda: [[50, 0, 20], [0, 50, 20], [0, 0, 1]],
     "draw_grid.calibration": lambda: calibration((32, 32)),
     "find_sheets.mark": lambda: 80.0,
@@ -265,6 +276,7 @@ EXAMPLES = {
     "margin": lambda: 5,
     "markers": lambda: robsim.load_robot().marker_layout(),
     "masks": lambda: {"red": np.zeros((32, 32), bool)},
+    "metrics": lambda: "tracking",
     "model": robsim.RobotModel,
     "n": lambda: 3,
     "n_parameters": lambda: 5,
@@ -297,7 +309,9 @@ EXAMPLES = {
     "robot": robsim.load_robot,
     "rows": lambda: [],
     "S": lambda: np.tile(np.eye(3), (40, 1, 1)),
+    "scenario": lambda: robsim.Scenario(area=(300, 300)),
     "run": lambda: 0,
+    "runs": lambda: 1,
     "scene": lambda: robsim.simulation.Scene(**required("robsim.Scene", robsim.simulation.Scene)),
     "secret": lambda: bytes(32),
     "seed": lambda: 1,
@@ -307,6 +321,7 @@ EXAMPLES = {
     "simulation": run,
     "seconds": lambda: 0.1,
     "size": lambda: 80.0,
+    "slots": lambda: "control",
     "source": lambda: "lab",
     "sprite": lambda: robsim.load_robot("lab").image,
     "states": lambda: np.zeros((2, 6)),
@@ -320,6 +335,7 @@ EXAMPLES = {
     "tolerance": lambda: 0.1,
     "trace": trace,
     "step": robsim.Step,
+    "steps": lambda: 1,
     "traces": trace,
     "truth": lambda: np.ones((40, 3)),
     "u": lambda: np.zeros(2),
@@ -368,6 +384,7 @@ OBJECTS = {
     "Simulation": run,
     "Trace": trace,
     "SimulatedLab": lab,
+    "Submission": lambda: robsim.grading.Submission(submission_folder(), slots="control"),
     "LabTruth": lambda: lab().truth,
     "VirtualBus": virtual_bus,
 }

@@ -10,7 +10,6 @@ from robsim.grading._isolation import (
 )
 from robsim.grading._keys import Key
 from robsim.grading._submission import Submission
-from robsim.grading._texts import clean_text
 
 __all__ = [
     "AssignmentError",
@@ -23,7 +22,6 @@ __all__ = [
     "Submission",
     "SubmissionError",
     "check_isolation",
-    "clean_text",
 ]
 
 _present(globals())

@@ -62,7 +62,7 @@ class SubmissionError(GradingError):
 
     whose = "submission"
 
-    #: What it had printed when it failed in a run; it may be anything.
+    #: What it had printed when it failed in a run, cut; what cannot be seen stands as escapes.
     output: str = ""
 
 

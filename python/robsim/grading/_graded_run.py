@@ -18,7 +18,7 @@ from robsim.grading._isolation import Isolation, Limits
 from robsim.grading._robot_half import STAGES, Setup
 from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import Rules, SubmissionFiles, loaded_slots
-from robsim.grading._texts import error_text
+from robsim.grading._texts import clean_text, error_text
 from robsim.grading._wire import Ready
 from robsim.grading._worker import Worker
 from robsim.simulation import Scenario, Simulation
@@ -115,7 +115,7 @@ class GradedRun:
     trace : Trace
         The run, with the truth.
     output : str
-        What the submission has printed; it may be anything.
+        What the submission has printed, cut; what cannot be seen stands as escapes.
     layers : str
         What has shut it in, in a line.
     """
@@ -141,10 +141,16 @@ def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> G
             trace = _driven(asking(worker, task, scenario, seeds), steps)
         except SubmissionError as error:
             worker.close()
-            error.output = worker.process.output
+            error.output = printed_by(worker)
             raise
         worker.end()
-    return GradedRun(trace, worker.process.output, worker.process.layers.line)
+    return GradedRun(trace, printed_by(worker), worker.process.layers.line)
+
+
+def printed_by(worker: Worker) -> str:
+    """Return what a submission has printed, as text that is harmless."""
+    text = worker.process.output
+    return clean_text(text, 2 * len(text) + 100)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import check_bool, check_int, check_name
+from robsim._base.checks import check_bool, check_choice, check_int
 from robsim._base.seeds import Seed
 from robsim._base.source_line import SourceLine
 from robsim._base.spelling import check_names
@@ -77,8 +77,7 @@ class Submission:
     name : str
         Its name.
     output : str
-        What it has printed in the last run by `run`, cut; it may be anything: `clean_text` makes
-        it harmless.
+        What it has printed in the last run by `run`, cut; what cannot be seen stands as escapes.
     isolation_line : str
         What has shut it in then.
 
@@ -107,15 +106,13 @@ class Submission:
         for name, value, kind in (("limits", limits, Limits), ("key", key, Key)):
             if value is not None and not isinstance(value, kind):
                 raise TypeError(f"{name} must be {kind.__name__}, got {quoted(value)}")
-        if isolation not in LEVELS:
-            known = ", ".join(map(repr, LEVELS))
-            raise ValueError(f"isolation must be one of {known}, got {quoted(isolation)}")
+        check_choice("isolation", isolation, LEVELS)
         files = read_submission(path, rules)
         self.name = files.name
         self.output = ""
         self.isolation_line = ""
         self._key = key
-        self._student = files.name if student is None else check_name("student", student)
+        self._student = files.name if student is None else _name("student", student)
         self._task = Task(
             submission=files,
             rules=rules,
@@ -181,6 +178,7 @@ class Submission:
         """
         task = self._task_with(callbacks)
         n_steps = _checked(scenario, steps)
+        _name("test", test)
         seeds = _seeds(self._key, self._student, test, number, n_steps, seed)
         return self._noted(task, scenario, n_steps, seeds).trace
 
@@ -239,6 +237,11 @@ class Submission:
             If an argument is wrong; the message names it.
         """
         _checked(scenario, steps)
+        _name("test", test)
+        if callbacks is not None and not isinstance(callbacks, Mapping):
+            raise TypeError(
+                f"callbacks must be a mapping of slot to callback, got {quoted(callbacks)}"
+            )
         key = self._key or (Key.new() if seed is None else None)
         whole = _GradedRuns(
             self._task_with(callbacks or {}),
@@ -311,6 +314,12 @@ def _rules(
             "fills it knows the truth"
         )
     return rules
+
+
+def _name(argument: str, name: str) -> str:
+    if not isinstance(name, str):
+        raise TypeError(f"{argument} must be a name, got {quoted(name)}")
+    return name
 
 
 def _checked(scenario: Scenario, steps: int) -> int:

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from functools import partial
 
-from robsim._base.spelling import suggestion
+from robsim._base.checks import check_choice
 from robsim._base.text import quoted
 from robsim.grading._errors import GraderError
 from robsim.grading._isolation._ending import GRADER_LOST_IT, Ending
@@ -72,10 +72,7 @@ def start_worker(
     GraderError
         If no worker can be started.
     """
-    if isolation not in LEVELS:
-        offer = suggestion(isolation, LEVELS) if isinstance(isolation, str) else ""
-        names = ", ".join(map(repr, LEVELS))
-        raise ValueError(f"isolation must be one of {names}, got {quoted(isolation)}{offer}")
+    check_choice("isolation", isolation, LEVELS)
     module, _, function = entry.partition(":")
     if not (module and function):
         raise ValueError(f"entry must be 'module:function', got {quoted(entry)}")

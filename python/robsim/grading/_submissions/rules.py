@@ -92,7 +92,7 @@ def _check_there(name: str) -> None:
 
 
 def _modules(name: str, modules: Any) -> tuple[str, ...]:
-    if isinstance(modules, str) or not isinstance(modules, Iterable):
+    if isinstance(modules, (str, Mapping)) or not isinstance(modules, Iterable):
         raise TypeError(
             f"{name} must be names of modules, such as ['numpy'], got {quoted(modules)}"
         )
