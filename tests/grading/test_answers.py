@@ -8,6 +8,8 @@ import pytest
 import robsim
 from robsim import _core
 
+pytestmark = pytest.mark.sanitized
+
 # Where in a message its numbers lie: see step_message.cpp.
 K, U = 0, 8 + 8
 DONE, PARTS, MISSED, N_BLOBS, N_STATES, NEXT = (32 + 4 * i for i in range(6))
@@ -116,7 +118,9 @@ def test_an_answer_that_cannot_be_is_refused_with_slot_and_step(slot, reply):
     assert refused.value.args[:2] == (slot, 1)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in range(1, 9))]
+)
 def test_random_answers_are_taken_or_refused(seed):
     """Each bit may be wrong; what gets through is finite."""
     rng = np.random.default_rng(seed)

@@ -55,6 +55,8 @@ class Channel:
         self._socket = connection
         self._limits = limits
         self._buffer = bytearray(_BUFFER)
+        self._patience: float | None = None
+        connection.settimeout(None)
 
     def send(self, kind: Kind, *parts: bytes | memoryview, patience: float | None = None) -> None:
         """Send a message, in one call where it goes out at once.
@@ -66,7 +68,7 @@ class Channel:
         OSError
             If it cannot be sent.
         """
-        self._socket.settimeout(patience)
+        self._wait_at_most(patience)
         views = [memoryview(part).cast("B") for part in parts]
         length = sum(map(len, views))
         message = [memoryview(_HEAD.pack(kind, 0, length)), *views]
@@ -97,7 +99,7 @@ class Channel:
             If it is of a kind that is not due, too long, or more than one.
         """
         deadline = None if patience is None else time.monotonic() + patience
-        self._socket.settimeout(patience)
+        self._wait_at_most(patience)
         have = self._socket.recv_into(self._buffer)
         while have < _HEAD.size:
             have += self._more(memoryview(self._buffer)[have:], deadline, have)
@@ -113,6 +115,11 @@ class Channel:
         while len(view):
             view = view[self._more(view, deadline, have) :]
         return kind, bytes(body)
+
+    def _wait_at_most(self, patience: float | None) -> None:
+        if patience != self._patience:  # each time it is a call of the system
+            self._socket.settimeout(patience)
+            self._patience = patience
 
     def _head(self) -> tuple[Kind, int]:
         number, zero, length = _HEAD.unpack_from(self._buffer)
@@ -134,7 +141,7 @@ class Channel:
             left = deadline - time.monotonic()
             if left <= 0:
                 raise TimeoutError("no whole message in time")
-            self._socket.settimeout(left)
+            self._wait_at_most(left)
         count = self._socket.recv_into(view)
         if count == 0:
             raise EOFError("the other side has closed the connection in the middle of a message")
