@@ -24,7 +24,8 @@ class Limits:
     cpu : float, default: 60.0
         Processor time of all threads together (s); counted in whole seconds, rounded up.
     memory : int, default: 1 GiB
-        Address space (bytes), with some 0.4 GiB that Python, numpy and robsim take of it.
+        Address space (bytes). Python, numpy and robsim take some 0.13 GiB of it, pandas and
+        matplotlib 0.3 GiB more, each thread 10 MiB.
     output : int, default: 64 KiB
         What is kept of the text that it prints (bytes); the rest is read and dropped.
     file_size : int, default: 1 MiB
