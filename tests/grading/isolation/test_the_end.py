@@ -147,6 +147,24 @@ print(os.getcwd())
         assert not left
 
 
+@pytest.mark.parametrize("stays", [False, True], ids=["ends", "stays"])
+def test_deep_folders_are_removed_and_counted(ended, stays):
+    source = f"""
+import os, time
+print(os.getcwd())
+for _ in range(2100):
+    os.mkdir("d"); os.chdir("d")  # deeper than a path may be long
+open("file", "w").close(); os.mkdir("e"); os.mkdir("f")
+time.sleep(600 if {stays} else 0)
+"""
+    ending, output = ended(source, folder_size=1 << 30)
+    assert not os.path.exists(output.strip())
+    assert not ending.left
+    if stays:
+        assert ending.text == "the worker wrote more than 1 GiB of files, or folders too deep"
+    assert ended("print(1)")[1] == "1\n"
+
+
 def test_a_flood_is_ended(worker):
     with worker("while True: print('x' * 9999)", output=1000) as (started, _):
         deadline = time.monotonic() + 20

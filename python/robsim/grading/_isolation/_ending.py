@@ -55,7 +55,8 @@ def ending_of(
 ) -> Ending:
     """Return the ending that a wait status tells of; `killed` = the grader asked for it."""
     if too_much_written:
-        text = f"the worker wrote more than {as_size(limits.folder_size)} of files"
+        most = as_size(limits.folder_size)
+        text = f"the worker wrote more than {most} of files, or folders too deep"
     else:
         text = _text_of(os.waitstatus_to_exitcode(status), cpu_seconds, limits, killed)
     return Ending(text, cpu_seconds, max_rss, left=tuple(left))

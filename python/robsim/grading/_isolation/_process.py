@@ -19,7 +19,7 @@ from robsim.grading._isolation._limits import as_size
 from robsim.grading._isolation._request import Request
 
 _START = 30.0  # s that a worker may take to shut itself in
-_END = 20.0  # s that its end, and that of all it has left, may take
+_END = 60.0  # s that its end, and that of all it has left, may take
 _AT_ONCE = 1 << 16  # bytes
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import secrets
-import shutil
 import stat
 import tempfile
 from contextlib import suppress
 
-_BLOCK = 4096  # bytes
+_BLOCK = 16384  # bytes
+_DEEPEST = 100  # folders in folders
+_FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 
 
 def make_base() -> str:
@@ -29,33 +30,72 @@ def make_scratch(base: str, user: int | None) -> str:
 
 
 def exceeds(folder: str, most: int) -> bool:
-    """Return whether files take more than a number of bytes, each at least a block."""
-    total, waiting = 0, [folder]
+    """Return whether files take more than a number of bytes, each at least a block, or lie deep."""
+    total, waiting = 0, [(folder, 0)]
     while waiting:
-        try:
-            with os.scandir(waiting.pop()) as entries:
-                for entry in entries:
-                    status = entry.stat(follow_symlinks=False)
-                    total += max(_BLOCK, status.st_blocks * 512)
-                    if total > most:
-                        return True
-                    if stat.S_ISDIR(status.st_mode):
-                        waiting.append(entry.path)
-        except OSError:  # it is just being removed, or closed by the worker
-            continue
+        here, depth = waiting.pop()
+        if depth > _DEEPEST:
+            return True
+        with suppress(OSError), os.scandir(here) as entries:  # it may just be removed
+            for entry in entries:
+                status = entry.stat(follow_symlinks=False)
+                total += max(_BLOCK, status.st_blocks * 512)
+                if total > most:
+                    return True
+                if stat.S_ISDIR(status.st_mode):
+                    waiting.append((entry.path, depth + 1))
     return False
 
 
 def remove(folder: str) -> None:
-    """Remove a folder with all that is in it, also what is closed to its owner."""
+    """Remove a folder with all that is in it, also what is closed to its owner, however deep."""
+    with suppress(OSError):
+        _empty(_entered(folder))
+    with suppress(OSError):
+        os.rmdir(folder)
 
-    def open_up(path: str) -> None:
-        with suppress(OSError):
-            if stat.S_ISDIR(os.lstat(path).st_mode):
-                os.chmod(path, 0o700)
 
-    open_up(folder)
-    for here, folders, _ in os.walk(folder):  # does not follow links
-        for name in folders:
-            open_up(os.path.join(here, name))
-    shutil.rmtree(folder, ignore_errors=True)
+def _empty(here: int) -> None:
+    """Empty a folder that is open, and close it. No path grows long, and nothing recurs."""
+    above: list[tuple[tuple[int, int], list[str]]] = []  # each folder, and what is left to empty
+    inside = _folders_left(here)
+    try:
+        while inside or above:
+            if inside:
+                inner = _entered(inside[-1], here)
+                above.append((_identity(here), inside))
+            else:
+                inner = os.open("..", _FOLDER, dir_fd=here)
+            os.close(here)
+            here = inner
+            if inside:
+                inside = _folders_left(here)
+                continue
+            identity, inside = above.pop()
+            if _identity(here) != identity:  # somebody moves it about: not ours to remove
+                return
+            os.rmdir(inside.pop(), dir_fd=here)
+    finally:
+        os.close(here)
+
+
+def _entered(name: str, above: int | None = None) -> int:
+    with suppress(OSError):
+        os.chmod(name, 0o700, dir_fd=above)
+    return os.open(name, _FOLDER, dir_fd=above)
+
+
+def _identity(folder: int) -> tuple[int, int]:
+    status = os.fstat(folder)
+    return status.st_dev, status.st_ino
+
+
+def _folders_left(here: int) -> list[str]:
+    """Remove all but the folders from a folder; return these."""
+    with os.scandir(here) as entries:
+        inside = list(entries)
+    folders = [entry.name for entry in inside if entry.is_dir(follow_symlinks=False)]
+    for name in {entry.name for entry in inside} - set(folders):
+        with suppress(FileNotFoundError):
+            os.unlink(name, dir_fd=here)
+    return folders

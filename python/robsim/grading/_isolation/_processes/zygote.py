@@ -17,9 +17,10 @@ import sys
 import time
 import traceback
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from robsim.grading._isolation._layers import calls, landlock, users
 from robsim.grading._isolation._layers.layer import PIDS, Layer
@@ -45,6 +46,7 @@ class _Child:
     most_written: int  # bytes
     own_pids: bool
     too_much_written: bool = False
+    ending: dict[str, Any] = field(default_factory=dict)
 
 
 class Zygote:
@@ -56,6 +58,7 @@ class Zygote:
         self._made = made
         self._shut = shut
         self._children: dict[int, _Child] = {}
+        self._cleaners: dict[int, _Child] = {}
         self._grants: dict[tuple[str, ...], list[landlock.Grant]] = {}
         self._selector = selectors.DefaultSelector()
         self._alive = os.pipe()
@@ -78,7 +81,9 @@ class Zygote:
         for child in list(self._children.values()):
             self._kill(child)
             os.waitpid(child.process, 0)
-            self._clean(child)
+            self._end_what_is_left(child)
+        for cleaner in self._cleaners:
+            os.waitpid(cleaner, 0)
 
     def _look(self) -> None:
         """End workers that have written too much; from time to time."""
@@ -179,32 +184,47 @@ class Zygote:
                 if process == 0:
                     return
                 if child := self._children.pop(process, None):
-                    left = self._clean(child)
-                    self._tell(
-                        child, status, usage.ru_utime + usage.ru_stime, usage.ru_maxrss, left
-                    )
+                    child.ending = {
+                        "status": status,
+                        "cpu": usage.ru_utime + usage.ru_stime,
+                        "max_rss": usage.ru_maxrss * 1024,
+                        "left": self._end_what_is_left(child),
+                        "too much written": child.too_much_written,
+                    }
+                    self._cleaners[_cleaner_of(child.folder)] = child
+                elif child := self._cleaners.pop(process, None):
+                    self._tell(child)
 
-    def _clean(self, child: _Child) -> list[str]:
-        """Remove what a worker may have left; return what is still there."""
-        left: list[str] = []
-        if not child.own_pids:  # else the kernel has ended all that was in there
-            if child.user is not None:
-                users.end_all_of(child.user)
-            strays = end_strays(set(self._children))
-            left += [f"process {process}" for process in strays]
-        scratch.remove(child.folder)
-        if os.path.lexists(child.folder):
-            left.append(f"folder {child.folder}")
-        return left
+    def _end_what_is_left(self, child: _Child) -> list[str]:
+        """End processes that a worker may have left; return those that remain."""
+        if child.own_pids:  # the kernel has ended all that was in there
+            return []
+        if child.user is not None:
+            users.end_all_of(child.user)
+        strays = end_strays({*self._children, *self._cleaners})
+        return [f"process {process}" for process in strays]
 
-    def _tell(self, child: _Child, status: int, cpu: float, rss: int, left: list[str]) -> None:
-        ending = {"status": status, "cpu": cpu, "max_rss": rss * 1024, "left": left}
-        ending["too much written"] = child.too_much_written
+    def _tell(self, child: _Child) -> None:
+        """Tell the grader that a worker has ended, and that nothing of it is left, or what."""
+        left = [f"folder {child.folder}"] if os.path.lexists(child.folder) else []
+        ending = {**child.ending, "left": [*child.ending["left"], *left]}
         with suppress(OSError):  # the grader is not interested
             child.life.sendall(json.dumps(ending).encode() + b"\n")
         with suppress(KeyError, ValueError):
             self._selector.unregister(child.life)
         child.life.close()
+
+
+def _cleaner_of(folder: str) -> int:
+    """Start to remove a folder in a process of its own: others do not wait, however full it is."""
+    process = os.fork()
+    if process == 0:
+        try:
+            calls.prctl(calls.PR_SET_PDEATHSIG, signal.SIGKILL)
+            scratch.remove(folder)
+        finally:
+            os._exit(0)
+    return process
 
 
 def main(descriptor: int) -> None:
