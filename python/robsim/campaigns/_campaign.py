@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import Executor
 from contextlib import closing
 from os import PathLike
 from typing import Any, NoReturn
@@ -13,7 +12,7 @@ from robsim._base.files import as_path
 from robsim._base.seeds import Seed
 from robsim._base.text import one_line
 from robsim.campaigns._engines.engine import Engine, engine_value, rows_by
-from robsim.campaigns._engines.processes import DIED
+from robsim.campaigns._engines.in_flight import DIED
 from robsim.campaigns._result import CampaignResult, result_of
 from robsim.campaigns._runs import CaseRuns, Row
 from robsim.campaigns._spec import CampaignSpec
@@ -30,7 +29,7 @@ def campaign(
     runs: int,
     steps: int,
     seed: Seed = None,
-    executor: int | str | Executor | None = None,
+    executor: Engine = None,
     store: str | PathLike[str] | None = None,
     time_limit: float | None = None,
     keep: str = "numbers",
@@ -60,9 +59,10 @@ def campaign(
         What the seeds of the runs come from. Run i has the same seed in every case, whatever the
         number of runs is: ``SeedSequence(seed, spawn_key=(i,))``. Default: that of the scenario,
         else that of the store, else an unpredictable one.
-    executor : int, "threads" or concurrent.futures.Executor, optional
-        What runs: so many processes, as many threads as there are processors, or an executor, which
-        is used as it is, such as loky's, or ``client.get_executor()`` of Dask. Default: this
+    executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
+        What runs: so many processes, as many threads as there are processors, an executor, which is
+        used as it is, such as loky's or that of mpi4py, or a Dask ``Client``, and so whatever
+        cluster that has: its workers must have robsim, and the modules of your code. Default: this
         thread. The numbers are the same.
     store : path, optional
         SQLite file that keeps the rows. What is there already is not run again: the same call goes
@@ -109,8 +109,10 @@ def campaign(
     threads, runs without callbacks in Python go on at the same time, others take turns.
 
     A process that dies is replaced, and its runs are done again; a run whose process dies whenever
-    it is tried is recorded as failed. In processes of their own, and here, a callback that sleeps
-    is ended by `time_limit`; one that never returns from compiled code is not.
+    it is tried is recorded as failed. So it is with a Dask client, whose workers are started again
+    by their nannies; another executor stays broken, and the same call goes on with a new one. In
+    processes of their own, and here, a callback that sleeps is ended by `time_limit`; one that
+    never returns from compiled code is not.
 
     A store is for one campaign: other steps, seeds, options, metrics or code are refused. Code is
     told by its own text, not by what it calls. Its view ``results`` has a row for each run.
@@ -146,7 +148,7 @@ def campaign(
 def run_spec(
     spec: CampaignSpec,
     *,
-    executor: int | str | Executor | None,
+    executor: Engine,
     store: str | PathLike[str] | None,
     progress: bool,
     on_error: str = "record",

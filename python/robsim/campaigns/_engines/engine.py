@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import os
 from collections.abc import Generator, Iterable
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import closing
 from typing import Any
 
 from robsim._base.checks import check_int, is_int
 from robsim._base.text import quoted
 from robsim.campaigns._engines.chunks import Chunks
-from robsim.campaigns._engines.processes import rows_in_processes
-from robsim.campaigns._runs import Job, Row, Worker, rows_of
+from robsim.campaigns._engines.executors import (
+    DaskClient,
+    DaskWorkers,
+    ExecutorWorkers,
+    check_dask_client,
+    is_dask_client,
+)
+from robsim.campaigns._engines.in_flight import rows_of_workers
+from robsim.campaigns._engines.processes import Processes
+from robsim.campaigns._runs import Job, Row, Worker
 from robsim.campaigns._spec import CampaignSpec
 
-Engine = int | str | Executor | None
+#: A number of processes, "threads", an executor, a Dask client; None = here.
+Engine = int | str | Executor | DaskClient | None
 
 _MOST_WORKERS = 1024
-_WORKERS_OF_UNKNOWN = 64  # of an executor that does not say how many it has
 
 
 def engine_value(executor: Any) -> Engine:
@@ -28,10 +37,15 @@ def engine_value(executor: Any) -> Engine:
         return check_int("executor", executor, minimum=1, maximum=_MOST_WORKERS)
     if isinstance(executor, str) and executor == "threads":
         return executor
+    if is_dask_client(executor):
+        check_dask_client(executor)
+        return executor
     expected = (
-        "executor must be None, a number of processes, 'threads' or a concurrent.futures.Executor, "
-        f"got {quoted(executor)}"
+        "executor must be None, a number of processes, 'threads', a concurrent.futures.Executor or "
+        f"a Dask Client, got {quoted(executor)}"
     )
+    if callable(getattr(executor, "get_client", None)):
+        expected += ": give its client, from get_client()"
     raise ValueError(expected) if isinstance(executor, str) else TypeError(expected)
 
 
@@ -42,10 +56,12 @@ def rows_by(
     if engine is None:
         return _rows_here(spec, jobs)
     if isinstance(engine, int):
-        return rows_in_processes(spec, jobs, engine)
+        return _rows_in_processes(spec, jobs, engine)
     if isinstance(engine, str):
         return _rows_in_threads(spec, jobs)
-    return _rows_in_executor(spec, jobs, engine)
+    if isinstance(engine, Executor):
+        return rows_of_workers(ExecutorWorkers(spec, engine), jobs)
+    return rows_of_workers(DaskWorkers(spec, engine), jobs)
 
 
 def _rows_here(spec: CampaignSpec, jobs: Iterable[Job]) -> Generator[list[Row], None, None]:
@@ -60,28 +76,13 @@ def _rows_in_threads(spec: CampaignSpec, jobs: Iterable[Job]) -> Generator[list[
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     pool = ThreadPoolExecutor(workers)
     try:
-        yield from _rows_in_executor(spec, jobs, pool)
+        yield from rows_of_workers(ExecutorWorkers(spec, pool), jobs)
     finally:
         pool.shutdown(cancel_futures=True)
 
 
-def _rows_in_executor(
-    spec: CampaignSpec, jobs: Iterable[Job], executor: Executor
+def _rows_in_processes(
+    spec: CampaignSpec, jobs: Iterable[Job], count: int
 ) -> Generator[list[Row], None, None]:
-    chunks = Chunks(jobs)
-    window = 2 * int(getattr(executor, "_max_workers", None) or _WORKERS_OF_UNKNOWN)
-    flying: set[Future[list[Row]]] = set()
-    try:
-        while True:
-            while len(flying) < window and (chunk := chunks.take()):
-                flying.add(executor.submit(rows_of, spec, chunk))
-            if not flying:
-                return
-            done, flying = wait(flying, return_when=FIRST_COMPLETED)
-            for future in done:
-                rows = future.result()
-                chunks.note(rows)
-                yield rows
-    finally:
-        for future in flying:
-            future.cancel()
+    with closing(Processes(spec, count)) as processes:
+        yield from rows_of_workers(processes, jobs)

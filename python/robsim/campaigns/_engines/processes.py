@@ -9,100 +9,30 @@ import signal
 import sys
 import tempfile
 import threading
-from collections import Counter
-from collections.abc import Generator, Iterable
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    CancelledError,
-    Future,
-    ProcessPoolExecutor,
-    wait,
-)
+from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPoolExecutor
 from contextlib import suppress
 from multiprocessing.connection import wait as wait_for
 
 from robsim._base.text import quoted, said_by
 from robsim.campaigns._choices import Callback, Data, Factory, Folder
-from robsim.campaigns._engines.chunks import Chunks
 from robsim.campaigns._runs import Job, Row, Worker
 from robsim.campaigns._spec import CampaignSpec
 
-_DEATHS = 2  # of a run that is tried alone, before it counts as failed
 _LOST = (BrokenExecutor, CancelledError)
 _STARTS = 5  # of a pool, before there is something else wrong
 
-#: The error of a run whose process dies.
-DIED = "WorkerDied: the worker process ended in this run, whenever it was tried"
 
+class Processes:
+    """A pool of processes that is made anew when it is broken, as it is by any that dies.
 
-def rows_in_processes(
-    spec: CampaignSpec, jobs: Iterable[Job], count: int
-) -> Generator[list[Row], None, None]:
-    """Yield the rows of all jobs, done by a number of processes.
-
-    A process that dies breaks the pool, and with it all chunks in flight. These are few; they are
-    run again alone, by halves, until the run is known that kills its process.
+    Raises TypeError for code that other processes cannot be sent.
     """
-    _check_can_be_sent(spec)
-    pool = _Pool(spec, count)
-    try:
-        chunks = Chunks(jobs)
-        while True:
-            lost = yield from _together(pool, chunks)
-            if not lost:
-                return
-            yield from _alone(pool, lost)
-    finally:
-        pool.close()
 
-
-def _together(pool: _Pool, chunks: Chunks) -> Generator[list[Row], None, list[list[Job]]]:
-    """Run all chunks until a process dies; return the chunks that are lost then."""
-    flying: dict[Future[list[Row]], list[Job]] = {}
-    lost: list[list[Job]] = []
-    while True:
-        while not lost and len(flying) <= pool.count and (chunk := chunks.take()):
-            flying[pool.submit(chunk)] = chunk
-        if not flying:
-            return lost
-        done, _ = wait(flying, return_when=FIRST_COMPLETED)
-        for future in done:
-            chunk = flying.pop(future)
-            try:
-                rows = future.result()
-            except _LOST:
-                lost.append(chunk)
-            else:
-                chunks.note(rows)
-                yield rows
-
-
-def _alone(pool: _Pool, lost: list[list[Job]]) -> Generator[list[Row], None, None]:
-    """Run one chunk after the other; a run that kills its process gets a row with an error."""
-    deaths: Counter[Job] = Counter()
-    while lost:
-        chunk = lost.pop()
-        try:
-            rows = pool.submit(chunk).result()
-        except _LOST:
-            half = len(chunk) // 2
-            if half:
-                lost += [chunk[half:], chunk[:half]]
-                continue
-            deaths.update(chunk)
-            if deaths[chunk[0]] < _DEATHS:
-                lost.append(chunk)
-                continue
-            rows = [Row(*chunk[0], DIED, None, 0.0, {})]
-        yield rows
-
-
-class _Pool:
-    """A pool of processes that is made anew when it is broken."""
+    deaths = 2
 
     def __init__(self, spec: CampaignSpec, count: int) -> None:
-        self.count = count
+        _check_can_be_sent(spec)
+        self._count = count
         self._pool: ProcessPoolExecutor | None = None
         # Only what fits into a pipe is sent through one: who sends more waits for the reader, even
         # if that is dead.
@@ -117,7 +47,15 @@ class _Pool:
         with suppress(OSError):
             os.unlink(self._file)
 
-    def submit(self, jobs: list[Job]) -> Future[list[Row]]:
+    def room(self) -> int:
+        """Return how many chunks they may have at a time."""
+        return self._count + 1
+
+    def is_death(self, error: Exception, /) -> bool:
+        """Whether a chunk was lost with its process."""
+        return isinstance(error, _LOST)
+
+    def submit(self, jobs: list[Job], /) -> Future[list[Row]]:
         """Hand over a chunk; a broken pool is replaced."""
         for _ in range(_STARTS):
             try:
@@ -134,7 +72,7 @@ class _Pool:
 
     def _begun(self) -> ProcessPoolExecutor:
         pool = ProcessPoolExecutor(
-            self.count,
+            self._count,
             mp_context=multiprocessing.get_context("spawn"),
             initializer=_begin,
             initargs=(self._file,),

@@ -1,0 +1,90 @@
+"""Runs in the executor of somebody else, or in the cluster of a Dask client."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import Executor, Future
+from typing import Any, Protocol, TypeGuard
+
+from robsim.campaigns._runs import Job, Row, rows_of
+from robsim.campaigns._spec import CampaignSpec
+
+_WORKERS_OF_UNKNOWN = 64  # of an executor that does not say how many it has
+_EACH = 2  # chunks of a worker, so that the next one waits for it
+_PATIENCE = 1.0  # s for which a cluster is taken to stay as large as it is
+
+
+class DaskClient(Protocol):
+    """What is needed of a `distributed.Client`; Dask itself is not imported."""
+
+    def get_executor(self, *, pure: bool) -> Executor:
+        """Return what gives futures of the standard library."""
+
+    def submit(self, function: Any, /, *args: Any, pure: bool) -> Any:
+        """Return a future of Dask, which may be an argument of others."""
+
+    def nthreads(self) -> dict[str, int]:
+        """Return the number of threads of each worker."""
+
+
+class ExecutorWorkers:
+    """The workers of an executor, which is used as it is."""
+
+    deaths = 1  # Dask itself has tried a run four times by then: its allowed-failures
+
+    def __init__(self, spec: Any, executor: Executor) -> None:
+        self._spec, self._executor = spec, executor
+
+    def room(self) -> int:
+        """Return how many chunks they may have at a time."""
+        return _EACH * int(getattr(self._executor, "_max_workers", None) or _WORKERS_OF_UNKNOWN)
+
+    def submit(self, jobs: list[Job], /) -> Future[list[Row]]:
+        """Hand over a chunk."""
+        return self._executor.submit(rows_of, self._spec, jobs)
+
+    def is_death(self, error: Exception, /) -> bool:
+        """Whether Dask gave a chunk up; an executor that is broken stays so."""
+        if not any(kind.__name__ == "KilledWorker" for kind in type(error).__mro__):
+            return False
+        # Without what all chunks need, none of them is to blame.
+        return getattr(error, "task", None) != getattr(self._spec, "key", "")
+
+
+class DaskWorkers(ExecutorWorkers):
+    """The workers of a Dask client, which may come and go."""
+
+    def __init__(self, spec: CampaignSpec, client: DaskClient) -> None:
+        # A result that the workers hand on to each other, and make again where it is lost: the
+        # scheduler is sent it once, and not with each chunk.
+        sent = client.submit(_same, spec, pure=False)
+        super().__init__(sent, client.get_executor(pure=False))
+        self._client = client
+        self._count, self._asked = 0, -_PATIENCE
+
+    def room(self) -> int:
+        """Return how many chunks they may have at a time."""
+        if (now := time.monotonic()) >= self._asked + _PATIENCE:
+            self._count, self._asked = sum(self._client.nthreads().values()), now
+        return _EACH * max(self._count, 1)
+
+
+def is_dask_client(value: Any) -> TypeGuard[DaskClient]:
+    """Whether a value is a Dask client, told by what it can do."""
+    names = ("get_executor", "submit", "nthreads")
+    return not isinstance(value, type) and all(callable(getattr(value, n, None)) for n in names)
+
+
+def check_dask_client(client: DaskClient) -> None:
+    """Raise ValueError for a client that cannot be waited for."""
+    if getattr(client, "asynchronous", False):
+        raise ValueError(
+            "executor is a Dask client with asynchronous=True, whose event loop would wait for "
+            "itself: give one without"
+        )
+    if (status := getattr(client, "status", "running")) != "running":
+        raise ValueError(f"executor is a Dask client that is {status}: give one that is connected")
+
+
+def _same(spec: CampaignSpec) -> CampaignSpec:
+    return spec

@@ -1,0 +1,88 @@
+"""Chunks in flight, and those whose worker dies under them."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterable
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from typing import Protocol
+
+from robsim.campaigns._engines.chunks import Chunks
+from robsim.campaigns._runs import Job, Row
+
+#: The error of a run whose process dies.
+DIED = "WorkerDied: the worker process ended in this run, whenever it was tried"
+
+
+class Workers(Protocol):
+    """Those who do chunks; `deaths` of a run that is tried alone let it count as failed."""
+
+    deaths: int
+
+    def room(self) -> int:
+        """Return how many chunks they may have at a time."""
+
+    def submit(self, jobs: list[Job], /) -> Future[list[Row]]:
+        """Hand over a chunk."""
+
+    def is_death(self, error: Exception, /) -> bool:
+        """Whether a chunk was lost with its worker, and others go on."""
+
+
+def rows_of_workers(workers: Workers, jobs: Iterable[Job]) -> Generator[list[Row], None, None]:
+    """Yield the rows of all jobs.
+
+    A worker that dies takes chunks with it that are not to blame. All that are in flight are few;
+    the runs of those that are lost are done again one by one, alone. Not by halves: the chunk of a
+    run that kills would cost a worker each time.
+    """
+    chunks = Chunks(jobs)
+    while lost := (yield from _together(workers, chunks)):
+        yield from _alone(workers, lost)
+
+
+def _together(workers: Workers, chunks: Chunks) -> Generator[list[Row], None, list[list[Job]]]:
+    """Run all chunks until a worker dies; return the chunks that are lost then."""
+    flying: dict[Future[list[Row]], list[Job]] = {}
+    lost: list[list[Job]] = []
+    try:
+        while True:
+            room = workers.room()
+            while not lost and len(flying) < room and (chunk := chunks.take()):
+                flying[workers.submit(chunk)] = chunk
+            if not flying:
+                return lost
+            done, _ = wait(flying, return_when=FIRST_COMPLETED)
+            for future in done:
+                chunk = flying.pop(future)
+                rows = _rows_unless_lost(workers, future)
+                if rows is None:
+                    lost.append(chunk)
+                else:
+                    chunks.note(rows)
+                    yield rows
+    finally:
+        for future in flying:
+            future.cancel()
+
+
+def _alone(workers: Workers, lost: list[list[Job]]) -> Generator[list[Row], None, None]:
+    """Do one run after the other; one that kills its worker gets a row with an error."""
+    for job in (job for chunk in lost for job in chunk):
+        for _ in range(workers.deaths):
+            future = workers.submit([job])
+            try:
+                rows = _rows_unless_lost(workers, future)
+            finally:
+                future.cancel()
+            if rows is not None:
+                break
+        yield [Row(*job, DIED, None, 0.0, {})] if rows is None else rows
+
+
+def _rows_unless_lost(workers: Workers, future: Future[list[Row]]) -> list[Row] | None:
+    try:
+        return future.result()
+    except Exception as error:
+        if workers.is_death(error):
+            return None
+        raise

@@ -1,0 +1,169 @@
+"""A cluster of Dask, and executors of others: the same bytes, and workers that die."""
+
+import logging
+import multiprocessing
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import robsim
+from campaign_code import Inline, deadly, failing_in_some, final, killed_once, steady
+from robsim.campaigns import campaign
+
+SCENARIO = robsim.Scenario(
+    area=(300, 300), start="random", measure=True, noise=robsim.GaussianNoise(10)
+)
+VARY = {"motor_delay": [0, 1.5], "control": {"plain": steady, "native": robsim.DriveAround()}}
+
+
+def run(**options):
+    options = {"metrics": ["tracking", final, failing_in_some], "runs": 12} | options
+    return campaign(SCENARIO, vary=VARY, steps=10, seed=3, progress=False, **options)
+
+
+@pytest.fixture(scope="module")
+def serial():
+    return run()
+
+
+@pytest.fixture
+def client(tmp_path, monkeypatch):
+    """A scheduler and two workers on loopback, which end with the test."""
+    distributed = pytest.importorskip("distributed")
+    dask = pytest.importorskip("dask")
+    monkeypatch.setenv("ROBSIM_TEST_FOLDER", str(tmp_path))
+    cluster = distributed.LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
+        local_directory=str(tmp_path),
+        silence_logs=logging.CRITICAL,
+    )
+    # What is not there 15 s after it died is given up, even if it is just being started once more.
+    patient = dask.config.set({"distributed.deploy.lost-worker-timeout": "1 hour"})
+    with patient, cluster, distributed.Client(cluster) as client:
+        yield client
+    assert not multiprocessing.active_children()
+
+
+@pytest.mark.slow
+def test_a_dask_client_gives_the_same_bytes_as_all_other_ways(serial, client, tmp_path):
+    result = run(executor=client)
+    assert result.checksum == serial.checksum
+    assert result["error"].tolist() == serial["error"].tolist()
+    assert result["line"].tolist() == serial["line"].tolist()
+    assert run(executor=client.get_executor()).checksum == serial.checksum
+    assert run(executor="threads").checksum == run(executor=2).checksum == serial.checksum
+    run(executor=client, runs=5, store=tmp_path / "store.sqlite")
+    assert run(executor=client, store=tmp_path / "store.sqlite").checksum == serial.checksum
+    assert client.submit(int, "3").result() == 3  # it is still the user's
+
+
+@pytest.mark.slow
+def test_a_dask_worker_that_is_killed_in_the_midst_loses_nothing(client):
+    code = {"metrics": {"number": killed_once, "final": final}, "runs": 40}
+    workers = set(client.nthreads())
+    result = run(executor=client, **code)
+    assert set(client.nthreads()) != workers
+    assert not result.failed.any()
+    assert result["number"].tolist() == [*range(40)] * 4
+    assert result.checksum == run(**code).checksum
+
+
+@pytest.mark.slow
+def test_a_run_that_kills_its_dask_worker_again_fails_and_no_other(client, tmp_path):
+    code = {"metrics": [deadly, final], "runs": 36}
+    result = campaign(SCENARIO, steps=10, seed=3, progress=False, executor=client, **code)
+    assert (tmp_path / "killed").exists()
+    assert np.flatnonzero(result.failed).tolist() == [33]
+    assert result["error"][33].startswith("WorkerDied")
+    here = campaign(SCENARIO, steps=10, seed=3, progress=False, **code)
+    for name in ("deadly", "final_x", "final_y"):
+        np.testing.assert_array_equal(np.delete(result[name], 33), np.delete(here[name], 33))
+
+
+@pytest.mark.slow
+def test_a_loky_executor_gives_the_same_bytes(serial):
+    loky = pytest.importorskip("loky")
+    pool = loky.ProcessPoolExecutor(2)
+    try:
+        assert run(executor=pool).checksum == serial.checksum
+    finally:
+        pool.shutdown()
+
+
+class Killed(Exception):
+    pass
+
+
+Killed.__name__ = "KilledWorker"
+
+
+class FakeClient:
+    """A client of a cluster that grows, and gives up the first chunks that it gets."""
+
+    asynchronous = False
+    status = "running"
+
+    def __init__(self, n_given_up=0):
+        self.n_given_up = n_given_up
+        self.sizes = []
+
+    def get_executor(self, *, pure):
+        assert not pure
+        client = self
+
+        class GivingUp(Inline):
+            def submit(self, function, /, *args):
+                jobs = args[1]
+                client.sizes.append(len(jobs))
+                if len(client.sizes) <= client.n_given_up:
+                    return super().submit(give_up)
+                return super().submit(function, *args)
+
+        return GivingUp()
+
+    def submit(self, function, /, *args, pure):
+        assert not pure
+        return function(*args)
+
+    def nthreads(self):
+        return {}  # its jobs still wait in the queue
+
+
+def give_up():
+    raise Killed("Attempted to run task on 4 workers")
+
+
+def test_the_runs_of_chunks_that_a_cluster_gives_up_are_done_again_one_by_one(serial):
+    client = FakeClient(2)
+    assert run(executor=client).checksum == serial.checksum
+    assert client.sizes[:10] == [4, 4, 1, 1, 1, 1, 1, 1, 1, 1]
+    assert client.sizes[10] > 1
+
+
+def test_dask_is_not_imported_for_a_client():
+    before = set(sys.modules)
+    run(executor=FakeClient(), runs=1)
+    assert not {name for name in set(sys.modules) - before if name.startswith(("dask", "distrib"))}
+
+
+def test_what_is_no_engine_is_told():
+    class Cluster:
+        def get_client(self): ...
+
+    client = FakeClient()
+    client.asynchronous = True
+    with pytest.raises(ValueError, match="Dask client with asynchronous=True"):
+        run(executor=client)
+    client.asynchronous, client.status = False, "closed"
+    with pytest.raises(ValueError, match="a Dask client that is closed"):
+        run(executor=client)
+    with pytest.raises(TypeError, match=r"or a Dask Client, got .*: give its client, from get_cl"):
+        run(executor=Cluster())
+    for wrong in (FakeClient, ThreadPoolExecutor, 2.0, True, [2]):
+        with pytest.raises(TypeError, match="executor must be None, a number of processes"):
+            run(executor=wrong)
