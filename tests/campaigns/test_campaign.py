@@ -128,13 +128,18 @@ def test_folders_fill_a_slot_or_all(tmp_path):
 def test_a_run_that_fails_is_a_row_with_the_error_and_its_line():
     result = campaign(SCENARIO, metrics=["tracking", failing_in_some], **OPTIONS)
     assert list(np.flatnonzero(result.failed)) == [3]
-    assert result["error"][3] == "ZeroDivisionError: it is one of these"
+    error = "metric 'failing_in_some': ZeroDivisionError: it is one of these"
+    assert result["error"][3] == error
     assert result["line"][3].startswith("campaign_code.py:")
     assert np.isnan(result["failing_in_some"][3])
     assert result["failing_in_some"][4] == 4
-    first = "run 3 of the scenario: ZeroDivisionError: it is one of these (campaign_code.py:"
+    alone = campaign(SCENARIO, metrics=["tracking"], **OPTIONS)  # nothing else is lost
+    assert alone.metrics == result.metrics[:-1]
+    for name in alone.metrics:
+        np.testing.assert_array_equal(result[name], alone[name])
+    first = f"run 3 of the scenario: {error} (campaign_code.py:"
     assert f"the first run that failed: {first}" in " ".join(str(result).split())
-    assert f"1 run failed and did not count; the first: {first}" in " ".join(
+    assert f"1 run failed and counts only where numbers are known; the first: {first}" in " ".join(
         str(result.summary()).split()
     )
     assert result.summary().n[0, -1] == 5
@@ -143,7 +148,8 @@ def test_a_run_that_fails_is_a_row_with_the_error_and_its_line():
 def test_an_error_of_a_run_can_be_raised_as_it_is():
     with pytest.raises(ZeroDivisionError, match="it is one of these") as caught:
         campaign(SCENARIO, metrics=[failing_in_some], on_error="raise", **OPTIONS)
-    assert "in run 3 of the case the scenario" in caught.value.__notes__
+    notes = caught.value.__notes__
+    assert notes[:2] == ["metric 'failing_in_some'", "in run 3 of the case the scenario"]
 
 
 def test_a_callback_that_hangs_ends_by_the_time_limit():
@@ -259,6 +265,17 @@ def test_wrong_arguments_are_refused_before_the_first_run(wrong, kind, message):
 def test_a_metric_that_gives_no_numbers_fails_by_its_name(result):
     rows = campaign(SCENARIO, metrics={"mine": lambda trace: result}, **{**OPTIONS, "runs": 1})
     assert "metric 'mine'" in rows["error"][0]
+
+
+def test_every_metric_that_fails_is_named():
+    def ending(trace):
+        raise SystemExit(3)
+
+    metrics = {"ending": ending, "final": final, "half": lambda trace: {"x": 1, "y": "text"}}
+    result = campaign(SCENARIO, metrics=metrics, **{**OPTIONS, "runs": 1})
+    assert result.metrics == ("final_x", "final_y")
+    assert result["error"][0].startswith("metric 'ending': SystemExit: 3; metric 'half': TypeError")
+    assert result["line"][0].startswith("test_campaign.py:")
 
 
 def test_a_metric_cannot_have_the_column_of_an_option():

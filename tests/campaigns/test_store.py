@@ -286,13 +286,14 @@ def test_a_damaged_trace_is_named(store):
         result.trace(1, 0)
 
 
-def test_a_run_that_failed_has_no_trace(store):
-    def fails(trace):
+def test_a_run_that_did_not_come_to_its_end_has_no_trace(store):
+    def fails(of):
         raise ValueError("it always does")
 
-    run(store, keep="traces", metrics=[fails], runs=1)
+    vary = {"control": {"good": steady, "bad": fails}}
+    run(store, keep="traces", vary=vary, metrics=[fails], runs=1)  # good: a metric alone failed
     with sqlite3.connect(store) as database:
-        assert database.execute("SELECT count(*) FROM traces").fetchone() == (0,)
+        assert database.execute("SELECT case_id, run FROM traces").fetchall() == [(0, 0)]
     database.close()
 
 

@@ -77,7 +77,7 @@ def campaign(
         Show a progress bar in a terminal or a notebook: rate, runs that failed, time left.
     on_error : str
         ``"record"``: a run that raises an exception, or a metric of it, is a row with the error
-        and its line.
+        and its line; the numbers of its other metrics are kept.
         ``"raise"``: the exception is raised.
 
     Returns

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._base.files import as_folder, as_path, open_whole, packed_arrays, write_whole
+from robsim._base.report.optional import import_optional
 from robsim._base.text import one_line
 
 Columns = Mapping[str, NDArray[Any]]
@@ -34,19 +35,9 @@ def write_parquet(path: str | PathLike[str], columns: Columns) -> None:
 
 
 def import_arrow() -> tuple[Any, Any]:
-    """Return pyarrow and its part for Parquet, which are optional.
-
-    Raises
-    ------
-    ImportError
-        If it is not installed.
-    """
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError as error:
-        raise ImportError("Parquet files need pyarrow: pip install pyarrow") from error
-    return pyarrow, pyarrow.parquet
+    """Return pyarrow and its part for Parquet; else raise ImportError."""
+    what = "Parquet files need"
+    return import_optional("pyarrow", what), import_optional("pyarrow.parquet", what)
 
 
 def check_is_empty(folder: str | PathLike[str]) -> Path:

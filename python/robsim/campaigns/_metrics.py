@@ -116,10 +116,12 @@ def _function_of(metric: Any) -> Metric:
 
 def numbers_of(
     metrics: Mapping[str, Metric], trace: Trace, taken: frozenset[str]
-) -> dict[str, float]:
-    """Return the numbers of all metrics by the names of their columns.
+) -> tuple[dict[str, float], dict[str, BaseException]]:
+    """Return the numbers of all metrics by the names of their columns, and what others raised.
 
-    A metric that gives one number has a column of its name; the others have ``NAME_KEY``.
+    A metric that gives one number has a column of its name; the others have ``NAME_KEY``. One that
+    raises, gives something else, or a number whose column there is before, loses its own numbers
+    only.
 
     Parameters
     ----------
@@ -129,21 +131,19 @@ def numbers_of(
         The run.
     taken : frozenset of str
         Names of columns that are none of a metric.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If a metric returns something else, or two numbers have one name.
     """
     numbers: dict[str, float] = {}
+    errors: dict[str, BaseException] = {}
     for name, metric in metrics.items():
-        for column, value in _named(name, metric(trace)):
-            if column in numbers or column in taken:
-                raise ValueError(
-                    f"metric {quoted(name)}: there is a column {quoted(column)} before"
-                )
-            numbers[column] = _as_float(name, value)
-    return numbers
+        try:
+            own = {column: _as_float(value) for column, value in _named(name, metric(trace))}
+            if before := [column for column in own if column in numbers or column in taken]:
+                raise ValueError(f"there is a column {quoted(before[0])} before")
+        except (Exception, SystemExit) as error:  # a metric that ends Python fails as others do
+            errors[name] = error
+        else:
+            numbers |= own
+    return numbers, errors
 
 
 def _named(name: str, result: Any) -> Iterator[tuple[str, Any]]:
@@ -153,11 +153,9 @@ def _named(name: str, result: Any) -> Iterator[tuple[str, Any]]:
         yield name, result
         return
     if len(result) > _MOST_NUMBERS:
-        raise ValueError(
-            f"metric {quoted(name)} must return at most {_MOST_NUMBERS} numbers, got {len(result)}"
-        )
+        raise ValueError(f"a metric must return at most {_MOST_NUMBERS} numbers, got {len(result)}")
     for key, value in result.items():
-        yield f"{name}_{check_name(f'metric {quoted(name)}: the name of a number', key)}", value
+        yield f"{name}_{check_name('the name of a number', key)}", value
 
 
 def _numbers_in(report: Report) -> Iterator[tuple[str, Any]]:
@@ -176,7 +174,7 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (bool, int, float, np.bool_, np.integer, np.floating))
 
 
-def _as_float(name: str, value: Any) -> float:
+def _as_float(value: Any) -> float:
     """Return a number as a float, -0 as 0: a store has only one zero."""
     if value is None:
         return math.nan
@@ -184,7 +182,6 @@ def _as_float(name: str, value: Any) -> float:
         value = value[()]
     if not _is_number(value):
         raise TypeError(
-            f"metric {quoted(name)} must return a number, a dict of numbers or a Report, "
-            f"got {quoted(value)}"
+            f"a metric must return a number, a dict of numbers or a Report, got {quoted(value)}"
         )
     return float(value) + 0.0

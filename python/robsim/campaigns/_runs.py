@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from typing import NamedTuple
 
 from robsim._base.source_line import SourceLine, line_of_error
-from robsim._base.text import one_line, said_by
+from robsim._base.text import one_line, quoted, said_by
 from robsim.campaigns._choices import Callback, Factory, Folder, WholeRun
 from robsim.campaigns._metrics import numbers_of
 from robsim.campaigns._spec import CampaignSpec, Case
@@ -21,7 +21,7 @@ Job = tuple[int, int]
 
 
 class Row(NamedTuple):
-    """What is kept of a run; of one that failed, the error in place of the numbers."""
+    """What is kept of a run; of one that failed the error, and the numbers of other metrics."""
 
     case: int
     run: int
@@ -75,24 +75,33 @@ class CaseRuns:
         return trace
 
     def numbers(self, run: int) -> dict[str, float]:
-        """Run, and return the numbers of the metrics."""
-        return self._numbers_of(self.trace(run))
+        """Run, and return the numbers of the metrics; raise the error of the first that fails."""
+        numbers, errors = self._numbers_of(self.trace(run))
+        for name, error in errors.items():
+            error.add_note(f"metric {quoted(name)}")
+            raise error
+        return numbers
 
-    def _numbers_of(self, trace: Trace) -> dict[str, float]:
+    def _numbers_of(self, trace: Trace) -> tuple[dict[str, float], dict[str, BaseException]]:
         return numbers_of(self._spec._functions, trace, self._spec._taken)
 
     def row(self, run: int) -> Row:
-        """Run, and return the numbers, or the error."""
+        """Run, and return the numbers, and the error if there is one."""
         begin = time.perf_counter()
+        numbers: dict[str, float] = {}
+        packed, text, line = None, None, None
         try:
             trace = self.trace(run)
-            numbers = self._numbers_of(trace)
+            numbers, errors = self._numbers_of(trace)
             packed = trace._packed() if self._spec.keep == "traces" else None
         except (Exception, SystemExit) as error:  # a callback that ends Python fails as others do
-            seconds = time.perf_counter() - begin
-            return Row(self.case.index, run, said_by(error), _line_of(error), seconds, {})
+            text, line = said_by(error), _line_of(error)
+        else:
+            if errors:
+                text = "; ".join(f"metric {quoted(n)}: {said_by(e)}" for n, e in errors.items())
+                line = _line_of(next(iter(errors.values())))
         seconds = time.perf_counter() - begin
-        return Row(self.case.index, run, None, None, seconds, numbers, packed)
+        return Row(self.case.index, run, text, line, seconds, numbers, packed)
 
 
 class Worker:

@@ -148,8 +148,9 @@ class CampaignSummary(Report):
                 "and spread stay what they are; decided: it does"
             )
         if self.failed:
-            runs = "1 run" if self.failed == 1 else f"{self.failed} runs"
-            remarks.append(f"{runs} failed and did not count; the first: {self.first_error}")
+            one = self.failed == 1
+            runs = "1 run failed and counts" if one else f"{self.failed} runs failed and count"
+            remarks.append(f"{runs} only where numbers are known; the first: {self.first_error}")
         return tuple(remarks)
 
     def to_pandas(self) -> pandas.DataFrame:

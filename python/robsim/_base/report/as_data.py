@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from robsim._base.report.numbers import plain
+from robsim._base.report.optional import import_optional
 
 if TYPE_CHECKING:
     import pandas
@@ -66,15 +67,5 @@ def _rows(report: Report) -> tuple[str, list[tuple[Any, dict[str, Any]]]]:
 
 
 def import_pandas() -> Any:
-    """Return pandas, which is optional and imported late.
-
-    Raises
-    ------
-    ImportError
-        If it is not installed.
-    """
-    try:
-        import pandas as pd
-    except ImportError as error:
-        raise ImportError("to_pandas needs pandas: pip install pandas") from error
-    return pd
+    """Return pandas; else raise ImportError."""
+    return import_optional("pandas", "to_pandas needs")
