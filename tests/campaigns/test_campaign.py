@@ -229,6 +229,7 @@ def test_the_errors_of_a_kalman_filter_are_those_of_theory():
 REFUSED = {
     "no metrics": ({"metrics": []}, ValueError, "at least one metric"),
     "unknown metric": ({"metrics": "trackng"}, ValueError, "did you mean 'tracking'"),
+    "score of what": ({"metrics": "score_path"}, ValueError, "must be told what to score"),
     "lambda metric": ({"metrics": [lambda trace: 0]}, TypeError, "must have names"),
     "the same metric": ({"metrics": [final, final]}, ValueError, "'final' twice"),
     "unknown option": ({"vary": {"nois": [1]}}, ValueError, "did you mean 'noise'"),

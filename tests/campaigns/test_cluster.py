@@ -43,8 +43,8 @@ def client(tmp_path, monkeypatch):
         silence_logs=logging.CRITICAL,
     )
     # What is not there 15 s after it died is given up, even if it is just being started once more.
-    patient = dask.config.set({"distributed.deploy.lost-worker-timeout": "1 hour"})
-    with patient, cluster, distributed.Client(cluster) as client:
+    waiting = dask.config.set({"distributed.deploy.lost-worker-timeout": "1 hour"})
+    with waiting, cluster, distributed.Client(cluster) as client:
         yield client
     assert not multiprocessing.active_children()
 

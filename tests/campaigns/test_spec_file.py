@@ -60,7 +60,30 @@ def test_files_functions_and_folders_are_beside_the_file(tmp_path, monkeypatch):
     assert result["control"].tolist()[:3] == ["mine", "mine", "Spin(voltage=0.05)"]
 
 
+def test_scores_of_paths_and_poses_are_tables(tmp_path):
+    text = PLAIN.replace(
+        '["parameters"]',
+        '[{kind = "score_path", waypoints = [[200, 150]], waypoint_radius = 5},'
+        ' {kind = "score_pose", pose = [200, 150, 0]}]',
+    )
+    (tmp_path / "campaign.toml").write_text(text + "[scenario]\narea = [300, 300]\n")
+    result = run(load_spec(tmp_path / "campaign.toml"))
+    trace = result.trace(0, 1)
+    path = robsim.score_path(trace, [(200, 150)], waypoint_radius=5)
+    assert result["score_path_rmse"][1] == path.rmse
+    pose = robsim.control.score_pose(trace, (200, 150, 0))
+    assert result["score_pose_final_heading_error"][1] == pose.final_heading_error
+    assert np.isnan(result["score_pose_settled_step"]).all()
+
+
 WRONG = {
+    "score": (PLAIN.replace('"parameters"', '{kind = "score_pat"}'), "did you mean 'score_path'"),
+    "no kind": (PLAIN.replace('"parameters"', "{waypoints = [[1, 2]]}"), "must have a kind"),
+    "no path": (PLAIN.replace('"parameters"', '{kind = "score_path"}'), "must have waypoints"),
+    "key of a score": (
+        PLAIN.replace('"parameters"', '{kind = "score_pose", poze = [1, 2, 3]}'),
+        "score_pose has no.*did you mean 'pose'",
+    ),
     "key": ("runz = 3\n", "did you mean 'runs'"),
     "missing": ("runs = 3\n", "steps is missing"),
     "no toml": ("runs =\n", "campaign file"),

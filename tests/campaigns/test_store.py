@@ -1,5 +1,6 @@
 """The SQLite file of a campaign: what is in it, what is refused, what is left after an end."""
 
+import functools
 import sqlite3
 import subprocess
 import sys
@@ -284,6 +285,18 @@ def test_a_damaged_trace_is_named(store):
     database.close()
     with pytest.raises(ValueError, match=r"store\.sqlite: run 0 of case 1 is not a trace"):
         result.trace(1, 0)
+
+
+def test_arguments_of_a_metric_are_told_to_the_last_number(store):
+    square = [(float(x), float(y)) for x in range(20) for y in range(20)]
+    score = functools.partial(robsim.score_path, waypoints=np.array(square))
+    there = run(store, metrics=[score]).checksum
+    same = functools.partial(robsim.score_path, waypoints=np.array(square))
+    assert run(store, metrics=[same]).checksum == there
+    square[200] = (10.0, 0.5)
+    for other in (np.array(square), square):
+        with pytest.raises(ValueError, match="score_path is not the same metric there"):
+            run(store, metrics=[functools.partial(robsim.score_path, waypoints=other)])
 
 
 def test_a_run_that_did_not_come_to_its_end_has_no_trace(store):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor
 from contextlib import closing
 from os import PathLike
 from typing import Any, NoReturn
@@ -12,6 +13,7 @@ from robsim._base.files import as_path
 from robsim._base.seeds import Seed
 from robsim._base.text import one_line
 from robsim.campaigns._engines.engine import Engine, engine_value, rows_by
+from robsim.campaigns._engines.executors import DaskClient
 from robsim.campaigns._engines.in_flight import DIED
 from robsim.campaigns._result import CampaignResult, result_of
 from robsim.campaigns._runs import CaseRuns, Row
@@ -29,7 +31,7 @@ def campaign(
     runs: int,
     steps: int,
     seed: Seed = None,
-    executor: Engine = None,
+    executor: int | str | Executor | DaskClient | None = None,
     store: str | PathLike[str] | None = None,
     time_limit: float | None = None,
     keep: str = "numbers",
@@ -50,7 +52,8 @@ def campaign(
         either. A function returns a number, a dict of numbers, or a `Report`, whose numbers are
         taken. Names: ``"tracking"``, ``"measurement_errors"``, ``"pose_errors"`` and ``"nees"``
         (those of the estimate; heading in rad), ``"parameters"`` (the last online estimate),
-        ``"batch"``.
+        ``"batch"``. Scores need to be told of what, such as
+        ``functools.partial(robsim.score_path, waypoints=square)``, or `robsim.control.score_pose`.
     runs : int
         Number of runs of each case.
     steps : int

@@ -6,6 +6,8 @@ import functools
 import hashlib
 import inspect
 import platform
+import re
+import sys
 from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from typing import Any
@@ -86,13 +88,19 @@ def _told(code: Any) -> str:
     """Return what tells a callable from another: its name, a digest of its text and arguments."""
     if isinstance(code, functools.partial):
         named = sorted(code.keywords.items())
-        return f"{_told(code.func)}({_digest(quoted(code.args) + quoted(named))})"
+        return f"{_told(code.func)}({_digest(_whole((code.args, named)))})"
     name = getattr(code, "__qualname__", type(code).__qualname__)
     try:
         text = inspect.getsource(code)
     except (OSError, TypeError):  # typed at a prompt, or compiled
         return name if callable(code) else _digest(repr(code))
     return f"{name} {_digest(text)}"
+
+
+def _whole(value: Any) -> str:
+    """Return what a value is, without what is cut in a message, or differs from start to start."""
+    with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+        return re.sub(r" at 0x[0-9a-fA-F]+", "", repr(value))
 
 
 def _digest(text: str | bytes) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
@@ -11,8 +12,9 @@ import numpy as np
 
 from robsim._base.checks import check_name
 from robsim._base.report import Report
-from robsim._base.spelling import suggestion
+from robsim._base.spelling import check_names, suggestion
 from robsim._base.text import quoted
+from robsim.control import score_path, score_pose
 from robsim.evaluation import pose_consistency, pose_errors
 from robsim.identification import batch_estimate
 from robsim.trace import PARAMETER_NAMES, Trace
@@ -61,6 +63,19 @@ METRICS: dict[str, Metric] = {
     "batch": _batch,
 }
 
+#: Scores that need to know the task, as a metric whose arguments are given.
+SCORES: dict[str, Callable[..., Numbers]] = {"score_path": score_path, "score_pose": score_pose}
+
+
+def score_value(name: str, arguments: Mapping[str, Any]) -> Metric:
+    """Return one of `SCORES` with its arguments; else raise TypeError or ValueError."""
+    check_names("metrics: there is no", [name], SCORES, ValueError)
+    known = [one for one in inspect.signature(SCORES[name]).parameters if one != "trace"]
+    check_names(f"metrics: {name} has no", arguments, known, ValueError)
+    if known[0] not in arguments:
+        raise ValueError(f"metrics: {name} must have {known[0]}")
+    return functools.partial(SCORES[name], **arguments)
+
 
 def metrics_value(metrics: Any) -> dict[str, Metric]:
     """Return the option ``metrics`` as functions by name; else raise TypeError or ValueError."""
@@ -102,6 +117,11 @@ def _name_of(metric: Any) -> str:
 
 def _function_of(metric: Any) -> Metric:
     if isinstance(metric, str):
+        if metric in SCORES:
+            raise ValueError(
+                f"metrics: {metric} must be told what to score: functools.partial("
+                f"robsim.control.{metric}, ...)"
+            )
         if metric not in METRICS:
             raise ValueError(
                 f"metrics must be functions of the trace, or among {', '.join(METRICS)}, "

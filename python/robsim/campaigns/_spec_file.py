@@ -13,6 +13,7 @@ from robsim._base.files import as_path, parse_toml, read_text
 from robsim._base.spelling import check_names
 from robsim._base.text import one_line, quoted
 from robsim.campaigns._choices import FOLDER
+from robsim.campaigns._metrics import score_value
 from robsim.campaigns._spec import CampaignSpec
 from robsim.simulation import Scenario
 from robsim.simulation._options import KINDS
@@ -26,6 +27,7 @@ runs = 20 # of each combination of what [vary] has
 steps = 50 # of each run
 seed = 1 # run i has the same seed in every case
 metrics = ["tracking"] # or "mine:final": the function final(trace) in mine.py beside this file
+# or { kind = "score_path", waypoints = [[300, 300], [600, 300]] } # or score_pose, with pose
 # keep = "traces" # with --store: not only the numbers of each run
 
 # What the runs have in common, as in a file of robsim run --scenario; or scenario = "FILE".
@@ -92,7 +94,13 @@ def _as_list(value: Any) -> list[Any]:
 
 
 def _metric(name: Any, folder: Path) -> Any:
-    """Return a metric: its name, or the function of ``"module:function"``."""
+    """Return a metric: its name, the function of ``"module:function"``, a score of a table."""
+    if isinstance(name, dict):
+        if not isinstance(kind := name.get("kind"), str):
+            raise ValueError(
+                f"metrics: a table must have a kind, such as 'score_path', got {quoted(name)}"
+            )
+        return score_value(kind, {key: value for key, value in name.items() if key != "kind"})
     if not isinstance(name, str) or ":" not in name:
         return name
     module, _, function = name.partition(":")

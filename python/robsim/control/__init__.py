@@ -1,4 +1,4 @@
-"""Controllers for ``Simulation(control=...)``, and the score of a driven path.
+"""Controllers for ``Simulation(control=...)``, and scores of a driven path and of parking.
 
 They follow a path, or excite the robot so that its parameters can be identified.
 """
@@ -8,6 +8,7 @@ from robsim._core import Controller, DriveAround, Replay, Spin
 from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary
 from robsim.control._path_following import FollowPath, GoToPoint
 from robsim.control._path_score import PathScore, score_path
+from robsim.control._pose_score import PoseScore, score_pose
 
 __all__ = [
     "Chirp",
@@ -17,10 +18,12 @@ __all__ = [
     "GoToPoint",
     "MultiSine",
     "PathScore",
+    "PoseScore",
     "PseudoRandomBinary",
     "Replay",
     "Spin",
     "score_path",
+    "score_pose",
 ]
 
 _present(globals())

@@ -120,14 +120,13 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
     px = trace.info.px_length
     points = as_waypoints(waypoints) * px
     radius = check_float("waypoint_radius", waypoint_radius, "px", minimum=0) * px
-    source, poses = _known_poses(trace)
+    source, poses = known_poses(trace)
     rows = np.flatnonzero(np.isfinite(poses[:, :2]).all(axis=1))
     if not len(rows):
         trace.require(POSES[source])
     positions = poses[rows, :2]
     errors, reached_rows = _cross_track_errors(positions, points, radius)
     is_completed = len(reached_rows) == len(points)
-    voltages = trace.u[np.isfinite(trace.u)]
     return PathScore(
         source=source,
         waypoints=len(points),
@@ -136,12 +135,19 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
         rmse=float(np.sqrt(np.mean(np.square(errors)))),
         max_error=float(errors.max()),
         final_distance=float(np.hypot(*(positions[-1] - points[-1]))),
-        effort=float(np.sqrt(np.mean(np.square(voltages)))) if len(voltages) else math.nan,
+        effort=rms_voltage(trace),
         unit=trace.info.unit,
     )
 
 
-def _known_poses(trace: Trace) -> tuple[str, Floats]:
+def rms_voltage(trace: Trace) -> float:
+    """Return the root mean square of the voltages of both motors (V); NaN = not known."""
+    voltages = trace.u[np.isfinite(trace.u)]
+    return float(np.sqrt(np.mean(np.square(voltages)))) if len(voltages) else math.nan
+
+
+def known_poses(trace: Trace) -> tuple[str, Floats]:
+    """Return where the poses are from, and the poses: the true ones if there are any."""
     source = "truth" if np.isfinite(trace.pose_true[:, :2]).any() else "measurement"
     return source, trace.poses_from(source)
 

@@ -44,3 +44,21 @@ def as_waypoints(waypoints: ArrayLike) -> Floats:
     points = points.astype(np.float64)
     points.setflags(write=False)
     return points
+
+
+def as_pose(pose: ArrayLike) -> Floats:
+    """Return a pose x, y (px), heading (rad) as an array (3,)."""
+    expected = "pose must be an array (3,): x, y in px, heading in rad"
+    try:
+        values = np.array(pose)
+    except ValueError:
+        raise ValueError(f"{expected}, got {quoted(pose)}") from None
+    if values.dtype.kind not in "iuf":
+        raise TypeError(f"{expected}, got {quoted(pose)}")
+    if values.shape != (3,):
+        raise ValueError(f"{expected}, got shape {values.shape}")
+    if not (np.abs(values) <= MAXIMUM_COORDINATE).all():  # NaN fails, too
+        raise ValueError(
+            f"pose must be finite, within {MAXIMUM_COORDINATE:g} px, got {quoted(pose)}"
+        )
+    return values.astype(np.float64)
