@@ -1,6 +1,7 @@
 """The SQLite file of a campaign: what is in it, what is refused, what is left after an end."""
 
 import functools
+import re
 import sqlite3
 import subprocess
 import sys
@@ -11,8 +12,11 @@ import pytest
 
 import robsim
 from campaign_code import Faster, final, run_of, steady
+from disks import full_disk
 from robsim.campaigns import _description, campaign
 from robsim.campaigns._store import Store
+
+PAGE = 4096  # bytes, in SQLite
 
 SCENARIO = robsim.Scenario(area=(300, 300), start="random", control=robsim.DriveAround())
 
@@ -176,6 +180,58 @@ def test_a_damaged_store_is_found(store):
         run(store, runs=300)
 
 
+def test_a_page_that_was_not_written_is_found_or_holds_nothing(store):
+    def many(trace):
+        return dict.fromkeys(map(str, range(20)), run_of(trace))
+
+    options = {"metrics": [many], "vary": {"motor_delay": [0]}, "steps": 1}
+    expected = run(store, runs=20, keep="traces", **options).trace(0, 7)
+    checksum = run(store, runs=200, **options).checksum
+    content = store.read_bytes()
+    refusals, traces_refused, opened = [], 0, 0
+    for begin in range(0, len(content), PAGE):
+        store.write_bytes(content[:begin] + bytes(PAGE) + content[begin + PAGE :])
+        try:
+            result = run(store, runs=200, **options)
+        except (ValueError, OSError) as error:
+            refusals.append(str(error))
+            continue
+        assert result.checksum == checksum
+        opened += 1
+        try:
+            assert result.trace(0, 7) == expected
+        except (ValueError, OSError):
+            traces_refused += 1
+    assert opened > traces_refused > 0
+    assert refusals
+    assert [text for text in refusals if not re.search(r"damaged|malformed|not a dat", text)] == []
+
+
+def without_shared_memory(path, connect=sqlite3.connect, **options):
+    """Connect as on a file system that has none, so that there can be no WAL."""
+    return connect(f"{Path(path).as_uri()}?vfs=unix-dotfile", uri=True, **options)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a file system of SQLite for POSIX")
+def test_where_the_file_system_allows_no_wal_there_is_a_journal(store, monkeypatch):
+    def metric(trace):
+        beside.update(file.name for file in store.parent.iterdir())
+        return final(trace)
+
+    beside = set()
+    expected = run(store, metrics=[metric]).checksum
+    assert "store.sqlite-wal" in beside
+    store.unlink()
+    beside.clear()
+    monkeypatch.setattr("robsim.campaigns._store.sqlite3.connect", without_shared_memory)
+    assert run(store, metrics=[metric], runs=4, on_error="raise")
+    assert "store.sqlite-wal" not in beside
+    assert run(store, metrics=[metric]).checksum == expected
+    monkeypatch.undo()
+    assert run(store, metrics=[metric]).checksum == expected
+    assert [file.name for file in store.parent.iterdir()] == ["store.sqlite"]
+
+
 def test_an_empty_file_is_begun(store):
     store.touch()
     assert run(store).checksum == run().checksum
@@ -195,6 +251,18 @@ def test_a_full_disk_leaves_what_is_there(store, monkeypatch):
     monkeypatch.undo()
     assert rows_in(store)
     assert run(store, runs=500).checksum == run(runs=500).checksum
+
+
+def test_a_disk_that_fills_up_leaves_what_is_there(store):
+    expected = run(runs=500).checksum
+    with (
+        full_disk(150_000),
+        pytest.raises(OSError, match=r"store\.sqlite: .*(full|disk)") as caught,
+    ):
+        run(store, runs=500, keep="traces")
+    assert any("the same call goes on" in note for note in caught.value.__notes__)
+    assert rows_in(store)
+    assert run(store, runs=500).checksum == expected
 
 
 def test_two_programs_with_one_store_do_each_run_once(store):

@@ -172,14 +172,11 @@ def run_spec(
 
 def _run(spec: CampaignSpec, engine: Engine, store: Store, *, shows: bool, stops: bool) -> None:
     """Do the runs that the store does not have."""
-    done = {(case, run) for case, run in store.done() if run < spec.runs}
-    every = ((case.index, run) for case in spec.cases for run in range(spec.runs))
-    jobs = (job for job in every if job not in done)
     total = len(spec.cases) * spec.runs
-    bar = progress_bar(total=total, initial=len(done), unit="run") if shows else None
+    bar = progress_bar(total=total, initial=store.count(), unit="run") if shows else None
     failed = 0
     try:
-        with closing(rows_by(engine, spec, jobs)) as chunks:
+        with closing(rows_by(engine, spec, store.missing())) as chunks:
             for rows in chunks:
                 wrong = [row for row in rows if row.error is not None]
                 if wrong and stops:
@@ -216,6 +213,6 @@ def _how_to_go_on(store: Store, total: int) -> str:
     if store.path is None:
         return "the runs done by now are lost: with store=FILE the same call goes on with the rest"
     return (
-        f"{one_line(store.path)} has {len(store.done())} of {total} runs: the same call goes on "
+        f"{one_line(store.path)} has {store.count()} of {total} runs: the same call goes on "
         "with the rest"
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from os import PathLike
 from pathlib import Path
@@ -17,14 +17,17 @@ from robsim._base.files import as_path
 from robsim._base.text import one_line
 from robsim._base.warn import warn_user
 from robsim.campaigns._description import description_of, difference, surroundings
-from robsim.campaigns._runs import Row
+from robsim.campaigns._runs import Job, Row
 from robsim.campaigns._spec import ROW_COLUMNS, CampaignSpec
 from robsim.trace import Trace
 
 _FORMAT = 2
 _APPLICATION = 0x726F6273  # "robs", in the header of the file
 _PATIENCE = 30.0  # s that another program may have the file for itself
-_BATCH = 5000  # rows
+_BATCH = 1000  # rows
+_NUMBERS = ("case_id", "run", "seconds")  # of ROW_COLUMNS
+_TEXTS = ("error", "line")
+_TABLES = ("campaign", "cases", "columns", "runs")  # whose content is read at opening
 
 
 class Store:
@@ -70,13 +73,20 @@ class Store:
             self._database.execute(f"PRAGMA application_id = {_APPLICATION}")
             with suppress(sqlite3.OperationalError):  # not on every file system
                 self._database.execute("PRAGMA journal_mode = WAL")
-            self._database.execute("PRAGMA synchronous = NORMAL")
+            self._synchronize()
             with self._transaction():
                 self._create()
             return
         _check_is_store(self._database, self.path)
-        self._database.execute("PRAGMA synchronous = NORMAL")
+        _check_is_whole(self._database, self.path)
         self._check_fits()
+        self._synchronize()
+
+    def _synchronize(self) -> None:
+        """Wait for the disk as often as a power failure asks for; with WAL that is seldom."""
+        mode = self._database.execute("PRAGMA journal_mode").fetchone()[0]
+        level = "NORMAL" if mode == "wal" else "FULL"
+        self._database.execute(f"PRAGMA synchronous = {level}")
 
     def _create(self) -> None:
         options = "".join(f", {_quoted(name)}" for name in self._spec.vary)
@@ -142,10 +152,26 @@ class Store:
             raise
         self._database.execute("COMMIT")
 
-    def done(self) -> set[tuple[int, int]]:
-        """Return the runs that are there, as (case, run)."""
+    def count(self) -> int:
+        """Return how many of the runs of the campaign are there."""
         with self._naming():
-            return set(self._database.execute("SELECT case_id, run FROM runs"))
+            found = self._database.execute(
+                "SELECT count(*) FROM runs WHERE run < ?", (self._spec.runs,)
+            )
+            return int(found.fetchone()[0])
+
+    def missing(self) -> Iterator[Job]:
+        """Yield the runs of the campaign that are not there, in the order cases x runs.
+
+        What is there of a case is looked up when its turn comes.
+        """
+        for case in self._spec.cases:
+            with self._naming():
+                found = self._database.execute(
+                    "SELECT run FROM runs WHERE case_id = ?", (case.index,)
+                )
+                done = {run for (run,) in found}
+            yield from ((case.index, run) for run in range(self._spec.runs) if run not in done)
 
     def add(self, rows: Sequence[Row]) -> None:
         """Write rows, all or none; one that is there stays as it is."""
@@ -189,28 +215,41 @@ class Store:
         The names are those of `ROW_COLUMNS` and of the metrics. Raises LookupError while runs are
         missing.
         """
-        spec, count = self._spec, len(self._spec.cases) * self._spec.runs
+        count = len(self._spec.cases) * self._spec.runs
         with self._naming():
-            names = self._columns()
-        columns = ", ".join(map(_quoted, (*ROW_COLUMNS, *names.values())))
-        numbers = np.full((count, len(names)), np.nan)
-        head: list[tuple[Any, ...]] = []
-        with self._naming():
-            cursor = self._database.execute(
-                f"SELECT {columns} FROM runs WHERE run < ? ORDER BY case_id, run", (spec.runs,)
-            )
-            while batch := cursor.fetchmany(_BATCH):
-                part = [row[len(ROW_COLUMNS) :] for row in batch]
-                numbers[len(head) : len(head) + len(batch)] = np.array(part, float)
-                head += [row[: len(ROW_COLUMNS)] for row in batch]
-        if len(head) != count:
-            raise LookupError(f"the store has {len(head)} of {count} runs")
-        kinds: dict[str, Any] = {"case_id": int, "run": int, "seconds": float}
-        fixed = {
-            name: np.array([row[i] for row in head], kinds.get(name, object))
-            for i, name in enumerate(ROW_COLUMNS)
-        }
-        return fixed | {name: numbers[:, i] for i, name in enumerate(names)}
+            if (there := self.count()) != count:
+                raise LookupError(f"the store has {there} of {count} runs")
+            metrics = self._columns()
+            numbers = self._numbers({name: name for name in _NUMBERS} | metrics, count)
+            texts = self._texts(count)
+        ids = {name: numbers[name].astype(int) for name in ("case_id", "run")}
+        return {name: (numbers | ids | texts)[name] for name in (*ROW_COLUMNS, *metrics)}
+
+    def _numbers(self, columns: Mapping[str, str], count: int) -> dict[str, NDArray[Any]]:
+        """Return the columns of so many rows by name, as floats; what is not known is NaN."""
+        cursor = self._select(columns.values())
+        table = np.empty((count, len(columns)), order="F")
+        begin = 0
+        while batch := cursor.fetchmany(_BATCH):
+            table[begin : begin + len(batch)] = np.array(batch, float)
+            begin += len(batch)
+        return {name: table[:, i] for i, name in enumerate(columns)}
+
+    def _texts(self, count: int) -> dict[str, NDArray[Any]]:
+        """Return the columns of texts, None in the rows of runs that did not fail."""
+        runs = self._spec.runs
+        texts = {name: np.full(count, None, object) for name in _TEXTS}
+        for case, run, *found in self._select(("case_id", "run", *_TEXTS), "error IS NOT NULL"):
+            for column, text in zip(texts.values(), found, strict=True):
+                column[case * runs + run] = text
+        return texts
+
+    def _select(self, columns: Iterable[str], which: str = "true") -> sqlite3.Cursor:
+        names = ", ".join(map(_quoted, columns))
+        return self._database.execute(
+            f"SELECT {names} FROM runs WHERE run < ? AND {which} ORDER BY case_id, run",
+            (self._spec.runs,),
+        )
 
     def close(self) -> None:
         """Close the file; what WAL keeps beside it is brought in."""
@@ -266,17 +305,25 @@ def _is_store(database: sqlite3.Connection) -> bool:
 
 
 def _check_is_store(database: sqlite3.Connection, path: Path | None) -> None:
-    """Raise ValueError for a file of another program, or one that is damaged."""
+    """Raise ValueError for a file of another program, or of another version."""
     if not _is_store(database):
         raise ValueError(f"store {one_line(path)} is no store of a campaign: give another file")
-    problem = database.execute("PRAGMA quick_check(1)").fetchone()[0]
-    if problem != "ok":
-        raise ValueError(f"store {one_line(path)} is damaged: {one_line(problem)}")
     number = _notes(database)["format"]
     if number != _FORMAT:
         raise ValueError(
             f"store {one_line(path)} has format {number}, this version of robsim reads {_FORMAT}"
         )
+
+
+def _check_is_whole(database: sqlite3.Connection, path: Path | None) -> None:
+    """Raise ValueError where pages of the tables are damaged, such as those of half a copy.
+
+    Traces, which may be a thousand times as much, are left out: each is checked when it is read.
+    """
+    for table in _TABLES:
+        problem = database.execute(f"PRAGMA quick_check({table})").fetchone()[0]
+        if problem != "ok":
+            raise ValueError(f"store {one_line(path)} is damaged: {one_line(problem)}")
 
 
 def _notes(database: sqlite3.Connection) -> dict[str, Any]:
