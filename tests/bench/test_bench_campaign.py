@@ -7,7 +7,10 @@ import pytest
 
 from commands import command
 from robsim.bench._campaign import run
+from robsim.bench._campaign.dask_tasks import TaskCost, dask_task_cost
+from robsim.bench._campaign.parent import ParentCost, parent_cost
 from robsim.bench._campaign.result import CampaignBench
+from robsim.bench._campaign.scaling import scaling_of
 from robsim.campaigns._engines.chunks import SECONDS, size_for
 
 NUMBERS = {
@@ -15,14 +18,19 @@ NUMBERS = {
     "parallel": {"campaign": 190.0, "separate": 200.0, "pool": 152.0},
     "growing": {100: 0.0004, 10_000: 0.0003},
     "memory": 3.25,
-    "row": 10e-6,
-    "chunk": 300e-6,
 }
+PARENT = ParentCost(submit=10e-6, receive=90e-6, row=10e-6, flying=0.0)
+TASK = TaskCost(client=900e-6, scheduler=800e-6)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return CampaignBench(**NUMBERS, scaling=scaling_of(PARENT, TASK), left_out=("joblib is out",))
 
 
 @pytest.mark.long
 def test_the_command_prints_numbers_for_scripts(tmp_path, monkeypatch):
-    few = {"rounds": 1, "seconds": 0.01, "sizes": (20, 40)}
+    few = {"rounds": 1, "seconds": 0.01, "sizes": (20, 40), "tasks": 10}
     monkeypatch.setattr(run.run_campaign_bench, "__kwdefaults__", few)
     ended = command("bench", "--campaign", "--rounds", "1", "--json", cwd=tmp_path)
     assert ended.exit_code == 0, ended.stderr
@@ -34,31 +42,47 @@ def test_the_command_prints_numbers_for_scripts(tmp_path, monkeypatch):
     assert list(rates)[:3] == ["campaign", "separate", "pool"]
     assert all(row["runs_per_second"] > 0 for row in rates.values())
     assert list(found["growing"]) == ["20", "40"]
-    assert found["parent_row"] >= 0
-    assert found["parent_chunk"] >= 0
+    assert found["parent_receive"] > 0
+    assert found["task_client"] > 0
+    assert found["workers_rate"]["1"]["chunk_1"] > 0
 
 
-def test_the_table():
-    text = str(CampaignBench(**NUMBERS, left_out=("joblib is left out: pip install joblib",)))
+def test_the_table(result):
+    text = str(result)
     assert re.search(r"memory over 10000 runs \(MB\) +3\.2", text)
     assert re.search(r"no_frames +0\.200 +0\.250 +1\.25 +0\.050", text)
     assert re.search(r"pool +152 +1\.25", text)
     assert re.search(r"10000 +0\.300 +0\.75", text)
-    assert "joblib is left out" in text
+    assert "joblib is out" in text
     assert max(map(len, text.splitlines())) <= 100
 
 
-def test_what_many_workers_would_give_follows_from_the_costs():
-    rows = CampaignBench(**NUMBERS).to_dict()["workers"]
-    # 1000 workers with runs of 10 ms bring 10^5 rows a second; in chunks of 25 each costs 22 us.
-    short = rows["0.01_s"]
-    assert short["chunk"] == 25
-    assert short["busy"] == pytest.approx(1000 / (1e5 * (10e-6 + 300e-6 / 25)))
-    assert (short["parent"], short["chunk_needed"]) == (1, None)
-    # With runs of 1 s each may cost 100 us: 90 us a row for the chunks.
-    long = rows["1_s"]
-    assert long["parent"] == pytest.approx(1000 * 310e-6)
-    assert (long["busy"], long["chunk_needed"]) == (1000, 4)
+def test_what_many_workers_would_give_follows_from_the_costs(result):
+    found = result.to_dict()
+    # A chunk costs the calling process 1 ms, a row 10 us; the scheduler is quicker.
+    assert found["workers_rate"]["1000"]["chunk_1"] == pytest.approx(1 / 1.01e-3, rel=0.02)
+    assert found["workers_rate"]["10"]["chunk_1"] == pytest.approx(10, rel=0.03)
+    assert found["workers_parent"]["1000"]["chunk_100"] == pytest.approx(0.02, rel=0.03)
+    # Chunks of 25 runs of 10 ms: 1.25 ms for each
+    short = found["durations"]["0.01_s"]
+    assert (short["chunk"], short["most"], short["chunk_needed"]) == (25, 200, None)
+    assert short["rate"] == pytest.approx(25 / 1.25e-3, rel=0.02)
+    assert found["durations"]["10_s"]["parent"] == pytest.approx(0.101, rel=0.05)
+    # 1 ms over 0.1 ms less 10 us
+    assert found["durations"]["1_s"]["chunk_needed"] == 12
+    assert "chunks of 12 keep the calling process busy" in str(result).replace("\n    ", " ")
+
+
+def test_the_costs_of_the_calling_process_are_measured():
+    found = parent_cost(200)
+    assert found.submit > 0
+    assert min(found) >= 0
+
+
+@pytest.mark.slow
+def test_the_costs_of_dask_are_measured():
+    pytest.importorskip("distributed")
+    assert min(dask_task_cost(200)) > 0
 
 
 def test_chunks_take_a_time_but_have_not_too_many_runs():

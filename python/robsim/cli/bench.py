@@ -30,7 +30,8 @@ HELP = (
     "of 1200 x 1200) of those poses that are found and not false. Two more tables have the "
     "headings, and how many frames were missed or gave a false pose. It takes some minutes.\n\n"
     "With --campaign: what campaigns cost beside the same loops by hand, in one process and in "
-    "two, by the number of runs, and on paper with 1000 workers. It takes about a minute.\n\n"
+    "two, by the number of runs, and, simulated, with up to 1000 workers of Dask, whose costs for "
+    "a task are measured where it is installed. It takes some minutes.\n\n"
     "With --grading: what a step takes with the robot half of a submission in a process of its "
     "own, which is shut in, beside all in one process; and what starting that process takes."
 )

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from robsim._base.report import Column, Quantity, Report, Row, Table, percent
-from robsim.campaigns._engines.chunks import size_for
-
-WORKERS = 1000
-_DURATIONS = (0.001, 0.01, 0.1, 1.0, 10.0)  # s of a run
-_SHARE = 0.1  # of its time that the parent may be busy
+from robsim._base.report import Column, Quantity, Report, Row, Table
+from robsim.bench._campaign.scaling import Scaling
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,8 +23,8 @@ class CampaignBench(Report):
         Time of a run (s) in a campaign of so many runs.
     memory : float or None
         What the memory grew by in the longest of them (MB); None where it cannot be read.
-    row, chunk : float
-        Processor time that the calling process takes for a row, and for a chunk of runs (s).
+    scaling : Scaling
+        What many workers would give, simulated from the costs of a chunk of runs.
     left_out : tuple of str
         What could not be measured, and why.
     """
@@ -38,8 +33,7 @@ class CampaignBench(Report):
     parallel: Mapping[str, float]
     growing: Mapping[int, float]
     memory: float | None
-    row: float
-    chunk: float
+    scaling: Scaling
     left_out: tuple[str, ...] = ()
 
     @property
@@ -55,16 +49,13 @@ class CampaignBench(Report):
             Quantity("memory", f"memory over {max(self.growing)} runs", value, "MB", ".1f")
             for value in known
         )
-        return (
-            *grown,
-            Quantity("parent_row", "calling process, a row", 1e6 * self.row, "us", ".1f"),
-            Quantity("parent_chunk", "calling process, a chunk", 1e6 * self.chunk, "us", ".0f"),
-        )
+        return *grown, *self.scaling.quantities
 
     @property
     def tables(self) -> tuple[Table, ...]:
         """In one process, in two, by the number of runs, and on paper in many."""
-        return self._serial_table, self._parallel_table, self._growing_table, self._workers_table
+        measured = self._serial_table, self._parallel_table, self._growing_table
+        return *measured, *self.scaling.tables
 
     @property
     def _serial_table(self) -> Table:
@@ -98,38 +89,18 @@ class CampaignBench(Report):
         return Table(key="growing", columns=columns, rows=rows, row_title="runs, with a store")
 
     @property
-    def _workers_table(self) -> Table:
-        columns = (
-            Column("chunk", "chunk", "", ".0f"),
-            Column("busy", "workers busy", "", ".0f"),
-            Column("parent", "parent busy", "", percent),
-            Column("chunk_needed", "chunk for 10 %", "", ".0f", missing="none"),
-        )
-        rows = [Row(f"{seconds:g}_s", self._on_paper(seconds)) for seconds in _DURATIONS]
-        return Table(key="workers", columns=columns, rows=rows, row_title="run, 1000 workers")
-
-    def _on_paper(self, seconds: float) -> list[float | None]:
-        """Return what so many workers would give with runs of this duration."""
-        chunk = size_for(seconds)
-        each = self.row + self.chunk / chunk  # s of the parent for a run
-        # W workers bring W / seconds rows a second.
-        demand = WORKERS * each / seconds
-        busy = WORKERS / max(demand, 1.0)
-        # W / seconds (row + chunk / n) = share
-        left = _SHARE * seconds / WORKERS - self.row
-        needed = max(1, math.ceil(self.chunk / left)) if left > 0 else None
-        return [chunk, busy, min(demand, 1.0), needed]
-
-    @property
     def remarks(self) -> tuple[str, ...]:
         """How to read the tables."""
-        shortest = WORKERS * self.row / _SHARE
         return (
             "no_frames: a metric of one number; frames_240: frames of 240 x 240 px with noise, "
             "detected, and the metric tracking",
             "two processes: runs of frames_240, with the time to begin the processes",
-            f"1000 workers: on paper, from the calling process' time for a row and a chunk, with "
-            f"an executor that takes none itself; runs shorter than {shortest:.2g} s keep the "
-            "calling process busy for more than 10 % with chunks of any size",
+            "costs: processor time of a campaign whose runs are done by nobody, and of empty tasks "
+            "of Dask, whose scheduler is a process of its own",
+            "tables by workers: runs of 1 s in chunks of 1 to 100, simulated from these costs; two "
+            "chunks for each worker are in flight, the durations of runs scatter by 50 %",
+            "busy: workers; process: the calling process is busy; at most: so many workers can it "
+            "and the scheduler keep busy",
+            self.scaling.answer,
             *self.left_out,
         )

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from robsim._base.checks import check_float, check_int
+from robsim.bench._campaign.dask_tasks import ASSUMED, dask_task_cost
 from robsim.bench._campaign.loops import (
     KINDS,
     STEPS,
@@ -22,14 +23,23 @@ from robsim.bench._campaign.loops import (
 )
 from robsim.bench._campaign.parent import parent_cost
 from robsim.bench._campaign.result import CampaignBench
+from robsim.bench._campaign.scaling import scaling_of
 from robsim.campaigns import campaign
 
 _PROCESSES = 2
-_SIZES = (100, 1000, 10_000)  # runs
+_SLICES = 5  # of a loop, so that other work beside it is seen in few
+_SIZES = (100, 1000, 10_000, 100_000)  # runs
+_NO_DASK = (
+    "Dask is not installed, and its costs are those of another machine: pip install distributed"
+)
 
 
 def run_campaign_bench(
-    *, rounds: int = 3, seconds: float = 0.5, sizes: tuple[int, ...] = _SIZES
+    *,
+    rounds: int = 3,
+    seconds: float = 0.5,
+    sizes: tuple[int, ...] = _SIZES,
+    tasks: int = 1000,
 ) -> CampaignBench:
     """Time campaigns beside the same loops by hand.
 
@@ -41,6 +51,8 @@ def run_campaign_bench(
         How long a bare loop takes (s); in two processes three times as long.
     sizes : tuple of int
         Numbers of runs whose cost is compared, ascending.
+    tasks : int
+        Number of empty tasks for Dask, if it is installed.
 
     Returns
     -------
@@ -53,16 +65,19 @@ def run_campaign_bench(
     serial = {kind: _serial(kind, rounds, seconds) for kind in KINDS}
     kind = "frames_240"
     runs = _PROCESSES * math.ceil(3 * seconds / serial[kind][0])
-    row, chunk = parent_cost(max(sizes))
     has_joblib = importlib.util.find_spec("joblib") is not None
+    has_dask = importlib.util.find_spec("distributed") is not None
+    task = dask_task_cost(tasks) if has_dask else ASSUMED
     return CampaignBench(
         serial=serial,
         parallel=_parallel(kind, rounds, runs, has_joblib=has_joblib),
         growing=growing,
         memory=memory,
-        row=row,
-        chunk=chunk,
-        left_out=() if has_joblib else ("joblib is left out: pip install joblib",),
+        scaling=scaling_of(parent_cost(max(sizes)), task),
+        left_out=(
+            *(() if has_joblib else ("joblib is left out: pip install joblib",)),
+            *(() if has_dask else (_NO_DASK,)),
+        ),
     )
 
 
@@ -108,12 +123,12 @@ def _serial(kind: str, rounds: int, seconds: float) -> tuple[float, float]:
     bare_loop(kind, 2)
     begin = time.perf_counter()
     bare_loop(kind, 10)
-    runs = max(10, math.ceil(10 * seconds / (time.perf_counter() - begin)))
+    runs = max(10, math.ceil(10 * seconds / _SLICES / (time.perf_counter() - begin)))
     calls: dict[str, Callable[[], Any]] = {
         "bare": lambda: bare_loop(kind, runs),
         "campaign": lambda: _campaign(kind, runs),
     }
-    times = _shortest(calls, rounds)
+    times = _shortest(calls, _SLICES * rounds)
     return times["bare"] / runs, times["campaign"] / runs
 
 
