@@ -16,11 +16,11 @@ class CampaignBench(Report):
     Attributes
     ----------
     serial : dict of str to (float, float)
-        For each kind of runs the times of one (s): in a bare loop, and in a campaign.
+        For each kind of runs the processor times of one (s): in a bare loop, and in a campaign.
     parallel : dict of str to float
         Runs a second of two processes, by who begins them; the first is that of a campaign.
     growing : dict of int to float
-        Time of a run (s) in a campaign of so many runs.
+        Processor time of a run (s) in a campaign of so many runs, with a store.
     memory : float or None
         What the memory grew by in the longest of them (MB); None where it cannot be read.
     scaling : Scaling
@@ -94,7 +94,8 @@ class CampaignBench(Report):
         return (
             "no_frames: a metric of one number; frames_240: frames of 240 x 240 px with noise, "
             "detected, and the metric tracking",
-            "two processes: runs of frames_240, with the time to begin the processes",
+            "one process, and by the number of runs: processor time; two processes: the shortest "
+            "time of runs of frames_240, with the beginning of the processes",
             "costs: processor time of a campaign whose runs are done by nobody, and of empty tasks "
             "of Dask, whose scheduler is a process of its own",
             "tables by workers: runs of 1 s in chunks of 1 to 100, simulated from these costs; two "

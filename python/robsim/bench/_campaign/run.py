@@ -48,7 +48,7 @@ def run_campaign_bench(
     rounds : int
         Number of timings of each way, in turns; the shortest counts.
     seconds : float
-        How long a bare loop takes (s); in two processes three times as long.
+        Processor time of a bare loop (s); in two processes three times as much.
     sizes : tuple of int
         Numbers of runs whose cost is compared, ascending.
     tasks : int
@@ -96,15 +96,15 @@ def _campaign(kind: str, runs: int, **options: Any) -> None:
 
 
 def _growing(sizes: tuple[int, ...]) -> tuple[dict[int, float], float | None]:
-    """Return the time of a run by the number of runs (s), and how the memory grew (MB)."""
+    """Return the processor time of a run by the number of runs (s), the growth of memory (MB)."""
     _campaign("no_frames", min(sizes))
     times, before = {}, None
     with tempfile.TemporaryDirectory() as folder:
         for runs in sizes:
             before = _memory()
-            begin = time.perf_counter()
+            begin = time.process_time()
             _campaign("no_frames", runs, store=Path(folder, f"{runs}.sqlite"))
-            times[runs] = (time.perf_counter() - begin) / runs
+            times[runs] = (time.process_time() - begin) / runs
         after = _memory()
     return times, None if before is None or after is None else after - before
 
@@ -119,16 +119,16 @@ def _memory() -> float | None:
 
 
 def _serial(kind: str, rounds: int, seconds: float) -> tuple[float, float]:
-    """Return the time of a run (s) in a bare loop and in a campaign."""
+    """Return the processor time of a run (s) in a bare loop and in a campaign."""
     bare_loop(kind, 2)
-    begin = time.perf_counter()
+    begin = time.process_time()
     bare_loop(kind, 10)
-    runs = max(10, math.ceil(10 * seconds / _SLICES / (time.perf_counter() - begin)))
+    runs = max(10, math.ceil(10 * seconds / _SLICES / (time.process_time() - begin)))
     calls: dict[str, Callable[[], Any]] = {
         "bare": lambda: bare_loop(kind, runs),
         "campaign": lambda: _campaign(kind, runs),
     }
-    times = _shortest(calls, _SLICES * rounds)
+    times = _shortest(calls, _SLICES * rounds, time.process_time)
     return times["bare"] / runs, times["campaign"] / runs
 
 
@@ -141,15 +141,17 @@ def _parallel(kind: str, rounds: int, runs: int, *, has_joblib: bool) -> dict[st
     }
     if has_joblib:
         calls["joblib"] = lambda: by_joblib(kind, runs, _PROCESSES)
-    return {name: runs / each for name, each in _shortest(calls, rounds).items()}
+    return {name: runs / each for name, each in _shortest(calls, rounds, time.perf_counter).items()}
 
 
-def _shortest(calls: Mapping[str, Callable[[], Any]], rounds: int) -> dict[str, float]:
+def _shortest(
+    calls: Mapping[str, Callable[[], Any]], rounds: int, clock: Callable[[], float]
+) -> dict[str, float]:
     """Return the shortest time of each call (s), of as many rounds."""
     times = dict.fromkeys(calls, math.inf)
     for _ in range(rounds):
         for name, call in calls.items():
-            begin = time.perf_counter()
+            begin = clock()
             call()
-            times[name] = min(times[name], time.perf_counter() - begin)
+            times[name] = min(times[name], clock() - begin)
     return times
