@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim.bench._campaign.dask_tasks import TaskCost
+from robsim.bench._campaign.parent import ParentCost
+from robsim.bench._campaign.scaling import scaling_of
 
 SITE = Path(__file__).parents[2] / "notebooks/site"
 PAGES = sorted(SITE.glob("*.md"))
@@ -25,7 +28,7 @@ def programs(page):
 
 
 def test_there_are_pages():
-    assert [page.name for page in PAGES] == ["measurement.md", "sensitivity.md"]
+    assert [page.name for page in PAGES] == ["campaigns.md", "measurement.md", "sensitivity.md"]
 
 
 @each
@@ -93,3 +96,29 @@ def test_the_formula_for_round_markers_is_near_the_bound(bounds):
         middle = np.sqrt(bound.rmse_xy**2 - (layout.offset * heading) ** 2)
         assert middle == pytest.approx(least, rel=0.08)
         assert heading == pytest.approx(np.sqrt(2) * least / layout.distance, rel=0.08)
+
+
+def cells(text, begin):
+    """The cells of the rows of the table whose heading begins with a text."""
+    rows = text[text.index(f"| {begin}") :].split("\n\n")[0].splitlines()[2:]
+    return [[cell.strip() for cell in row.strip("| ").split("|")] for row in rows]
+
+
+def test_what_many_workers_give_follows_from_the_costs_of_the_page():
+    text = (SITE / "campaigns.md").read_text(encoding="utf-8")
+    costs = [1e-6 * float(cost.removesuffix(" us")) for _, cost in cells(text, "what it costs")]
+    submit, receive, row, flying, client, scheduler = costs
+    parent = ParentCost(submit=submit, receive=receive, row=row, flying=flying)
+    scaling = scaling_of(parent, TaskCost(client=client, scheduler=scheduler))
+    for workers, *shown in cells(text, "workers"):
+        for found, cell in zip(scaling.by_workers[int(workers)].values(), shown, strict=True):
+            rate, busy = cell.removesuffix(" %").split(", ")
+            assert found.rate == pytest.approx(float(rate), rel=0.03, abs=0.5)
+            assert 100 * found.parent == pytest.approx(float(busy), rel=0.05, abs=0.05)
+    for (seconds, found), shown in zip(
+        scaling.by_duration.items(), cells(text, "a run takes"), strict=True
+    ):
+        assert f"{seconds:g} s" == shown[0]
+        assert found.rate == pytest.approx(float(shown[2]), rel=0.03)
+        needed = scaling.chunk_needed(seconds)
+        assert shown[-1] == ("none" if needed is None else str(needed))
