@@ -59,7 +59,7 @@ class RemoteRobot {
   Options options_;
   Exchange exchange_;
   Refuse refuse_;
-  StepMessage answer_{-1};
+  StepMessage answer_;
 };
 
 /// The parameter estimator of a robot half in another process, which must outlive it.

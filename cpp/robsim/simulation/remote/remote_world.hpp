@@ -55,7 +55,7 @@ class RemoteWorld : public World {
   Exchange exchange_;
   double dt_ = 0;       // s
   std::string answer_;  // to be sent; empty: none
-  StepMessage message_{-1};
+  StepMessage message_;
   std::string pixels_;  // that followed it
   std::optional<Frame> frame_;
   std::uint32_t next_slot_ = 0;  // for the next frame

@@ -37,7 +37,7 @@ struct FrameMessage {
 /// A step on its way between the process of the world half and that of the robot half: what is
 /// known of it by now.
 struct StepMessage {
-  std::int64_t k = 0;
+  std::int64_t k = -1;     // no step yet
   double t = 0;            // s
   Input last_u;            // that the robot really got
   std::uint32_t done = 0;  // stages, as bits: what they gave counts
