@@ -1,5 +1,6 @@
 """What the package says of itself, of what it needs, and of how it is built."""
 
+import importlib.util
 import re
 import tomllib
 from pathlib import Path
@@ -45,3 +46,9 @@ def test_the_readme_asks_pip_for_nothing_that_is_not_in_the_clone():
     commands = re.findall(r"pip install [^`\n]*", readme)
     assert commands
     assert not [command for command in commands if re.search(r"install\s+'?robsim", command)]
+
+
+def test_pytest_finds_its_plugin():
+    """A package of its own, as each run of pytest on a machine loads it."""
+    assert PROJECT["entry-points"]["pytest11"] == {"pytest_robsim": "pytest_robsim"}
+    assert importlib.util.find_spec("pytest_robsim") is not None

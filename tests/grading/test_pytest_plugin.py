@@ -1,0 +1,257 @@
+"""The plugin of pytest: off unless asked for, says whose fault it is, runs nothing of a student."""
+
+import re
+import subprocess
+import sys
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import pytest
+
+from graded import folder_of
+from robsim.grading import GraderError, IsolationError, Key, SubmissionError, _pytest_plugin
+from robsim.grading._pytest_plugin import Grading
+
+TESTS = """
+import pytest
+import robsim
+
+pytestmark = pytest.mark.robsim_submission(slots="control")
+SCENARIO = robsim.Scenario(resolution=(200, 200), measure=True)
+
+
+def drive(submission, **callbacks):
+    return submission.run(SCENARIO, steps=6, seed=1, **callbacks)
+
+
+def test_begins(submission):
+    assert submission.run(SCENARIO, steps=3, seed=1).seen.all()
+
+
+def test_ends(submission):
+    assert drive(submission).seen.all()
+
+
+def test_with_a_callback_of_the_teachers(submission):
+    drive(submission, estimate_state=lambda step: 1 / 0)
+
+
+@pytest.mark.robsim_submission(slots="measure")
+def test_measures(submission):
+    drive(submission)
+
+
+@pytest.mark.robsim_submission(slot="control")
+def test_wrong_option(submission):
+    drive(submission)
+
+
+@pytest.mark.robsim_submission(slots="contol")
+def test_wrong_slot(submission):
+    drive(submission)
+
+
+def test_asks_too_much(submission):
+    assert len(submission.run(SCENARIO, steps=2)) == 3
+"""
+FAILS = """
+    def control(step):
+        if step.k == 3:
+            print("here \\x1b[31m \\x00")
+            raise ValueError("\\x1b[31m \\ufffe")
+        return 0.1, 0.2
+    """
+OUTCOMES = {
+    "test_begins": "passed",
+    "test_ends": "submission: control at step 3, control.py, line 5: ValueError: ",
+    "test_with_a_callback_of_the_teachers": "assignment: a callback of the assignment has failed: "
+    "estimate_state at step 0, grade.py, line 22: ZeroDivisionError",
+    "test_measures": "submission: mine has no measure.py",
+    "test_wrong_option": "assignment: robsim_submission has no option 'slot': did you mean 'slots'",
+    "test_wrong_slot": "assignment: robsim_submission: slots",
+    "test_asks_too_much": "AssertionError: assert 2 == 3",
+}
+
+
+def graded(folder, *arguments):
+    """Run pytest in a folder, in a process of its own."""
+    command = [sys.executable, "-W", "error", "-m", "pytest", "-p", "no:cacheprovider"]
+    command += ["-p", "pytest_robsim", *arguments]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True)
+
+
+@pytest.fixture
+def class_room(tmp_path):
+    """A folder with the tests, and a submission."""
+    folder_of(tmp_path / "mine", control=FAILS)
+    (tmp_path / "grade.py").write_text(TESTS)
+    return tmp_path
+
+
+def outcomes(folder):
+    """What is told of each test in JUnit's XML."""
+    cases = ElementTree.parse(folder / "results.xml").iter("testcase")
+    return {case.get("name"): next((c.get("message") for c in case), "passed") for case in cases}
+
+
+def assert_as_told(run, folder):
+    told = outcomes(folder)
+    assert told.keys() == OUTCOMES.keys()
+    for name, message in OUTCOMES.items():
+        assert message in told[name], told[name]
+    assert run.returncode == 1
+    assert re.search("3 failed, 1 passed, 3 errors", run.stdout), run.stdout
+    for name in ("test_ends", "test_measures"):
+        assert f"FAILED grade.py::{name} - submission: " in run.stdout
+    for name in ("test_with_a_callback_of_the_teachers", "test_wrong_slot", "test_wrong_option"):
+        assert f"ERROR grade.py::{name} - assignment: " in run.stdout
+    assert "\x1b" not in run.stdout
+    assert "here \\x1b[31m \\x00" in run.stdout  # what it has printed
+    assert "1 / 0" in run.stdout  # the teacher's line
+    for internal in ("_submission.py", "_graded_run.py", "_pytest/", "pluggy/"):
+        assert internal not in run.stdout
+
+
+@pytest.mark.long
+def test_a_failure_says_whose_it_is(class_room):
+    run = graded(class_room, "--robsim-submission=mine", "grade.py", "--junitxml=results.xml")
+    assert_as_told(run, class_room)
+    assert re.search(r"^submission: .*mine$", run.stdout, re.MULTILINE)
+    assert re.search(r"^isolation: process", run.stdout, re.MULTILINE)
+
+
+@pytest.mark.slow
+def test_the_same_is_told_where_several_processes_test(class_room):
+    options = ("--robsim-submission=mine", "-n", "2", "--junitxml=results.xml")
+    assert_as_told(graded(class_room, *options, "grade.py"), class_room)
+
+
+@pytest.mark.long
+def test_it_is_off_unless_asked_for(class_room):
+    (class_room / "test_others.py").write_text(
+        "import sys, pytest\n"
+        "@pytest.fixture\n"
+        "def submission():\n"
+        "    return 'our own'\n"
+        "def test_own_fixture(submission):\n"
+        "    assert submission == 'our own'\n"
+        "    assert 'robsim' not in sys.modules\n"
+    )
+    run = graded(class_room, "test_others.py")
+    assert "1 passed" in run.stdout, run.stdout
+    run = graded(class_room, "grade.py", "-k", "test_begins")
+    assert "which submission? python -m pytest --robsim-submission=PATH" in run.stdout
+    assert "1 error" in run.stdout
+
+
+def test_a_run_of_pytest_loads_one_small_module():
+    code = (
+        "import sys, pytest; before = set(sys.modules); import pytest_robsim; "
+        "print(*set(sys.modules) - before)"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == ["pytest_robsim"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("arguments", [(), (".",), ("tests_of_mine",), ("grade.py",)])
+def test_nothing_of_a_submission_is_run_by_pytest(class_room, arguments):
+    """Neither what pytest collects, nor what a pytest.ini names."""
+    mine = folder_of(class_room / "tests_of_mine", control="def control(step): return 0, 0")
+    for name in ("conftest.py", "test_mine.py", "evil.py"):
+        (mine / name).write_text("open('harm', 'w')\ndef test_passes(): pass\n")
+    (mine / "pytest.ini").write_text("[pytest]\naddopts = -p tests_of_mine.evil\n")
+    run = graded(class_room, "--robsim-submission=tests_of_mine", "-k", "test_begins", *arguments)
+    if "tests_of_mine" not in arguments:  # which says: take its pytest.ini
+        assert not (class_room / "harm").exists()
+    if arguments == ("grade.py",):
+        assert "1 passed" in run.stdout, run.stdout
+    else:
+        assert run.returncode == 4
+        assert "Name your files of tests" in run.stderr
+
+
+def grading(folder, arguments=(), **options):
+    """The plugin for a command line."""
+    names = ("submission", "slots", "isolation", "key")
+    values = {f"robsim_{name}": options.get(name) for name in names}
+    values |= {"robsim_submission": str(folder / "mine"), "robsim_isolation": "auto"}
+    values |= {f"robsim_{name}": value for name, value in options.items()}
+    config = SimpleNamespace(
+        known_args_namespace=SimpleNamespace(file_or_dir=[str(folder / "grade.py")], **values),
+        getini=lambda name: [],
+        invocation_params=SimpleNamespace(args=arguments),
+    )
+    return Grading(config)
+
+
+def item(*markers):
+    """A test with these options in its markers, the nearest first."""
+    return SimpleNamespace(
+        iter_markers=lambda name: [SimpleNamespace(args=(), kwargs=given) for given in markers]
+    )
+
+
+def test_the_nearest_marker_says_what_a_submission_may_do(class_room):
+    plugin = grading(class_room, slots="measure, control")
+    assert plugin.submission_for(item()).slots == ("control",)
+    with pytest.raises(SubmissionError, match=re.escape("measure.py")):
+        plugin.submission_for(item({"slots": "measure"}, {"slots": "control"}))
+    options = {"imports": ["robsim"], "masked": ["robsim.locate"], "frames": True}
+    task = plugin.submission_for(item(options, {"slots": "control", "frames": False}))._task
+    assert (task.rules.slots, task.rules.imports) == (("control",), ("robsim",))
+    assert (task.rules.masked, task.frames) == (("robsim.locate",), True)
+
+
+def test_tests_that_do_not_say_what_may_be_filled_are_asked(class_room):
+    with pytest.raises(_pytest_plugin.AssignmentError, match="which slots may the submission fill"):
+        grading(class_room).submission_for(item())
+
+
+def test_the_key_makes_runs_that_come_again(class_room):
+    key = Key(bytes(range(32)))
+    key.write(class_room / "key")
+    plugin = grading(class_room, key=str(class_room / "key"))
+    assert plugin.submission_for(item({"slots": "control"}))._key == key
+    (class_room / "key").chmod(0o644)
+    with pytest.raises(pytest.UsageError, match="--robsim-key: others can read"):
+        grading(class_room, key=str(class_room / "key"))
+
+
+def test_what_is_not_there_is_told(class_room):
+    with pytest.raises(pytest.UsageError, match=r"--robsim-submission: there is no .*yours"):
+        grading(class_room, submission=str(class_room / "yours"))
+
+
+def test_a_path_after_a_blank_is_refused(class_room):
+    """Since pytest looks for its pytest.ini there before any plugin is asked."""
+    with pytest.raises(pytest.UsageError, match=r"write --robsim-submission=.*mine, with '='"):
+        grading(class_room, arguments=("--robsim-submission", "mine", "grade.py"))
+
+
+@pytest.mark.parametrize("name", ["scipy.py", "json.py", "numpy"])
+def test_a_submission_takes_no_modules_place(class_room, name):
+    (class_room / name).touch()
+    with pytest.raises(pytest.UsageError, match=f"{name} has the name of a module"):
+        grading(class_room, submission=str(class_room / name))
+    (class_room / "handed_in").mkdir()
+    (class_room / name).rename(class_room / "handed_in" / name)
+    grading(class_room, submission=str(class_room / "handed_in" / name))
+
+
+def test_the_folder_of_a_submission_is_no_place_to_grade_in(class_room, monkeypatch):
+    monkeypatch.chdir(class_room / "mine")
+    with pytest.raises(pytest.UsageError, match="run pytest in another one"):
+        grading(class_room)
+
+
+@pytest.mark.parametrize(("error", "status"), [(IsolationError, 3), (GraderError, 2)])
+def test_without_isolation_nothing_is_run(class_room, monkeypatch, error, status):
+    def check_isolation(isolation):
+        raise error(f"{isolation}: no")
+
+    monkeypatch.setattr(_pytest_plugin, "check_isolation", check_isolation)
+    plugin = grading(class_room, isolation="strict")
+    with pytest.raises(pytest.exit.Exception, match="strict: no") as ended:
+        plugin.pytest_sessionstart(SimpleNamespace(config=SimpleNamespace()))
+    assert ended.value.returncode == status
