@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from robsim.cli import bench, check, colors, errors, notebooks, robots, track
+from robsim.cli import bench, check, colors, errors, grade, notebooks, robots, track
 from robsim.cli.calibration import app as calibration
 from robsim.cli.command import Command, Group
 from robsim.cli.live import cameras, live, serving
@@ -33,6 +33,7 @@ app.command(cls=Command, help=run.RUN_HELP, epilog=run.RUN_EXAMPLE)(run.run)
 app.command(cls=Command, help=campaign.HELP, epilog=campaign.EXAMPLE)(campaign.campaign)
 app.command(cls=Command, help=gui.HELP, epilog=gui.EXAMPLE)(gui.gui)
 app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)
+app.command(cls=Command, help=grade.HELP, epilog=grade.EXAMPLE)(grade.grade)
 app.command(cls=Command, help=track.HELP, epilog=track.EXAMPLE)(track.track)
 app.command(cls=Command, help=cameras.HELP, epilog=cameras.EXAMPLE)(cameras.cameras)
 app.command(cls=Command, help=live.HELP, epilog=live.EXAMPLE)(live.live)

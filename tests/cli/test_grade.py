@@ -1,0 +1,82 @@
+"""``robsim grade --check-isolation`` says what holds, and whether it is enough."""
+
+import dataclasses
+import json
+
+import pytest
+
+from commands import command
+from robsim import grading
+from robsim.grading import GraderError, IsolationError
+
+CHECK = ("grade", "--check-isolation")
+
+
+@pytest.fixture(scope="module")
+def report():
+    return grading.check_isolation()
+
+
+def test_what_holds_is_printed(report):
+    run = command(*CHECK)
+    assert run.exit_code == 0, run.stderr
+    assert run.stdout.startswith("Isolation of submissions: ")
+    assert "isolation: process" in run.stdout
+    assert "side channels" in run.stdout  # what nothing protects from
+    told = json.loads(command(*CHECK, "--json").stdout)
+    assert told["attempts"] == len(report.attempts)
+
+
+@pytest.mark.parametrize("level", ["none", "process"])
+def test_a_level_that_asks_for_little_can_be_had_anywhere(level):
+    run = command(*CHECK, "--isolation", level)
+    assert run.exit_code == 0, run.stderr
+    assert "open: " in run.stdout.splitlines()[0]
+
+
+def test_the_status_says_whether_strict_can_be_had(report):
+    assert command(*CHECK, "--isolation", "strict").exit_code == (0 if report.strict else 3)
+
+
+def test_what_is_missing_for_strict_is_printed_with_the_report(report, monkeypatch):
+    def without_files(*, isolation):
+        if isolation == "strict":
+            raise IsolationError("isolation='strict' needs files")
+        return dataclasses.replace(report, closed={**report.closed, "files": False})
+
+    monkeypatch.setattr(grading, "check_isolation", without_files)
+    run = command(*CHECK, "--isolation", "strict")
+    assert run.exit_code == 3
+    assert "Isolation of submissions: open: files" in run.stdout
+    assert "isolation='strict' needs files" in run.stderr
+
+
+def test_an_attempt_that_gets_through_is_not_strict(report, monkeypatch):
+    through = {**report.attempts, "connect": (False, "connected")}
+    leaky = dataclasses.replace(report, attempts=through)
+    monkeypatch.setattr(grading, "check_isolation", lambda *, isolation: leaky)
+    assert command(*CHECK, "--isolation", "strict").exit_code == 3
+    assert command(*CHECK).exit_code == 0
+
+
+def test_a_machine_that_starts_no_process_is_no_isolation(monkeypatch):
+    def nothing(*, isolation):
+        raise GraderError("no worker can be started")
+
+    monkeypatch.setattr(grading, "check_isolation", nothing)
+    run = command(*CHECK)
+    assert (run.exit_code, run.stdout) == (2, "")
+    assert "no worker can be started" in run.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("grade",), "--check-isolation"),
+        ((*CHECK, "--isolation", "full"), "--isolation must be one of 'auto'"),
+    ],
+)
+def test_what_cannot_be_checked_is_told(arguments, message):
+    run = command(*arguments)
+    assert run.exit_code == 2
+    assert message in run.stderr
