@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import robsim
-from graded import assert_same_trace, folder_of, honest
+from graded import assert_same_trace, folder_of
 from robsim.grading import AssignmentError, Key, Limits, Submission, SubmissionError
 
 SCENARIO = robsim.Scenario(resolution=(200, 200), measure=True, noise=robsim.GaussianNoise(5))
@@ -254,19 +254,6 @@ def test_runs_have_a_row_each_and_the_failures_their_line(tmp_path):
     assert "too far" in result["error"][failed]
     assert "control.py:4" in result["line"][failed]
     assert np.isfinite(result["tracking_rmse_xy"][~result.failed]).all()
-
-
-@pytest.mark.slow
-def test_runs_give_the_same_numbers_in_threads_and_processes(tmp_path):
-    folder = honest(tmp_path / "s", ["estimate_state"])
-    graded = Submission(folder, slots="estimate_state", key=Key(bytes(32)))
-    scenario = SCENARIO.replace(start="random", control=robsim.DriveAround())
-    options = {"runs": 12, "steps": 10, "metrics": "pose_errors", "test": "ekf"}
-    here = graded.runs(scenario, **options)
-    assert not here.failed.any(), here["error"]
-    assert graded.runs(scenario, **options, executor="threads").checksum == here.checksum
-    assert graded.runs(scenario, **options, executor=2).checksum == here.checksum
-    assert len(np.unique(here["pose_errors_x_rmse"])) == 12
 
 
 @pytest.mark.slow

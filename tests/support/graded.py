@@ -1,11 +1,13 @@
 """Honest submissions by the slots that they fill, and runs of them with and without a worker."""
 
+import os
 import textwrap
 
 import numpy as np
 
 import robsim
 from robsim.grading._graded_run import Task, all_here, graded_run
+from robsim.grading._isolation._processes import zygotes
 from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import Rules, read_submission
 
@@ -123,3 +125,9 @@ def random_scenario(rng):
             rng.integers(3)
         ],
     )
+
+
+def where(trace):
+    """A metric: the process that grades a run, and the one that starts its workers."""
+    (process,) = [zygote.process for zygote in zygotes._zygotes.values()]
+    return {"grader": os.getpid(), "zygote": process}
