@@ -85,4 +85,5 @@ def test_every_other_line_of_the_readme_is_known():
         "./run test",
         "pip install '.[notebook]' notebook",
         "jupyter notebook coursework",
+        "python -m pytest --robsim-submission=mine grade_public.py",  # tests/package/test_readme.py
     ]

@@ -154,6 +154,18 @@ def test_a_run_of_pytest_loads_one_small_module():
 
 
 @pytest.mark.long
+def test_robsim_is_not_compiled_anew(tmp_path):
+    """Pytest does so, for asserts, with all of a distribution that has a plugin."""
+    (tmp_path / "test_it.py").write_text(
+        "import robsim\ndef test_it():\n    assert '@pytest_ar' not in vars(robsim)\n"
+        "    assert '@pytest_ar' in globals()\n"
+    )
+    (tmp_path / "marked.py").write_text("import pytest\npytest.register_assert_rewrite('robsim')\n")
+    run = graded(tmp_path, "-p", "marked", "test_it.py")
+    assert "1 passed" in run.stdout, run.stdout
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("arguments", [(), (".",), ("tests_of_mine",), ("grade.py",)])
 def test_nothing_of_a_submission_is_run_by_pytest(class_room, arguments):
     """Neither what pytest collects, nor what a pytest.ini names."""

@@ -66,16 +66,21 @@ def test_a_block_runs_in_a_process_of_its_own(block, tmp_path):
 @pytest.mark.slow
 def test_the_grading_passes_the_default_callbacks_and_fails_wrong_ones(tmp_path):
     (grading,) = GRADING
-    (tmp_path / "test_grade.py").write_text(grading)
+    (command,) = re.findall(r"^python (-m pytest .*)$", README, re.MULTILINE)
+    assert command == "-m pytest --robsim-submission=mine grade_public.py"
+    grade = (*command.split(), "-p", "pytest_robsim", "-p", "no:cacheprovider", "-q")
+    (tmp_path / "grade_public.py").write_text(grading)
     new_folder(tmp_path / "mine")
-    grade = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(tmp_path))
     for file in ("evaluate_model.py", "define_model.py", "control.py"):  # none of theirs
         (tmp_path / "mine" / file).write_text("raise SystemExit('I own the world')\n")
     passed = python(*grade, cwd=tmp_path)
     assert "3 passed" in passed.stdout, passed.stdout
     wrong = "import robsim\n\n\ndef measure(step):\n    return robsim.Measurement((0, 0, 0))\n"
-    (tmp_path / "mine/measure.py").write_text(wrong)
-    assert "3 failed" in python(*grade, cwd=tmp_path).stdout
+    for text in (wrong, "import os\n\n\ndef measure(step):\n    os._exit(0)\n"):
+        (tmp_path / "mine/measure.py").write_text(text)
+        failed = python(*grade, cwd=tmp_path)
+        assert "3 failed" in failed.stdout, failed.stdout
+        assert failed.returncode == 1
 
 
 @pytest.mark.slow
