@@ -1,5 +1,6 @@
 """Graded runs in threads, processes and a cluster: the same numbers, and nothing is left."""
 
+import logging
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -20,8 +21,8 @@ SCENARIO = robsim.Scenario(
 
 
 @contextmanager
-def of_dask():
-    """The executor of a client of Dask, with two processes on loopback."""
+def of_dask(folder):
+    """A client of Dask, with two processes on loopback."""
     distributed = pytest.importorskip("distributed")
     with (
         distributed.LocalCluster(
@@ -29,14 +30,16 @@ def of_dask():
             threads_per_worker=1,
             host="127.0.0.1",
             dashboard_address="127.0.0.1:0",
+            local_directory=str(folder),
+            silence_logs=logging.CRITICAL,
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        yield client.get_executor()
+        yield client
 
 
 @contextmanager
-def of_the_library():
+def of_the_library(folder):
     with ThreadPoolExecutor(2) as pool:
         yield pool
 
@@ -63,12 +66,12 @@ def runs(folder, executor, *, key=None, seed=None):
 @pytest.mark.parametrize("options", [{"key": Key(bytes(32))}, {"seed": 3}], ids=["key", "seed"])
 @pytest.mark.parametrize(
     "executor",
-    [lambda: given("threads"), lambda: given(2), of_the_library, of_dask],
+    [lambda folder: given("threads"), lambda folder: given(2), of_the_library, of_dask],
     ids=["threads", "processes", "library", "dask"],
 )
-def test_the_numbers_are_the_same_whatever_did_the_runs(folder, executor, options):
+def test_the_numbers_are_the_same_whatever_did_the_runs(folder, executor, options, tmp_path):
     here = runs(folder, None, **options)
-    with executor() as engine:
+    with executor(tmp_path) as engine:
         assert runs(folder, engine, **options).checksum == here.checksum
     assert len(np.unique(here["pose_errors_x_rmse"])) == 12
 

@@ -19,6 +19,7 @@ from robsim._base.spelling import check_names
 from robsim._base.text import quoted
 from robsim.campaigns import CampaignResult, campaign
 from robsim.campaigns._choices import FOLDER, WholeRun
+from robsim.campaigns._engines.executors import DaskClient
 from robsim.grading._errors import SubmissionError
 from robsim.grading._graded_run import GradedRun, Task, graded_run
 from robsim.grading._isolation import Isolation, Limits
@@ -201,7 +202,7 @@ class Submission:
         metrics: Iterable[str | Callable[..., Any]] | Mapping[str, Any] | str | Callable[..., Any],
         seed: Seed = None,
         test: str = "",
-        executor: int | str | Executor | None = None,
+        executor: int | str | Executor | DaskClient | None = None,
         store: str | PathLike[str] | None = None,
         keep: str = "numbers",
         progress: bool = False,
