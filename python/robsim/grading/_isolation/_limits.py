@@ -31,7 +31,7 @@ class Limits:
     file_size : int, default: 1 MiB
         The largest file that it may write (bytes), in its scratch folder.
     folder_size : int, default: 64 MiB
-        All its files together (bytes), each counted with at least 16 KiB; folders lie within one
+        All its files together (bytes), each counted with at least 64 KiB; folders lie within one
         another 100 deep at most. Looked after four times a second, so that more may be there for a
         moment.
     open_files : int, default: 64

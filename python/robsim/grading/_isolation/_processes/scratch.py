@@ -8,7 +8,7 @@ import stat
 import tempfile
 from contextlib import suppress
 
-_BLOCK = 16384  # bytes
+_BLOCK = 1 << 16  # bytes: to remove a folder takes milliseconds on some disks
 _DEEPEST = 100  # folders in folders
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 
@@ -30,20 +30,28 @@ def make_scratch(base: str, user: int | None) -> str:
 
 
 def exceeds(folder: str, most: int) -> bool:
-    """Return whether files take more than a number of bytes, each at least a block, or lie deep."""
+    """Return whether files take more than a number of bytes, each at least a block, or lie deep.
+
+    What cannot be looked into, because it is closed, may be more than that.
+    """
     total, waiting = 0, [(folder, 0)]
     while waiting:
         here, depth = waiting.pop()
         if depth > _DEEPEST:
             return True
-        with suppress(OSError), os.scandir(here) as entries:  # it may just be removed
-            for entry in entries:
-                status = entry.stat(follow_symlinks=False)
-                total += max(_BLOCK, status.st_blocks * 512)
-                if total > most:
-                    return True
-                if stat.S_ISDIR(status.st_mode):
-                    waiting.append((entry.path, depth + 1))
+        try:
+            with os.scandir(here) as entries:
+                for entry in entries:
+                    status = entry.stat(follow_symlinks=False)
+                    total += max(_BLOCK, status.st_blocks * 512)
+                    if total > most:
+                        return True
+                    if stat.S_ISDIR(status.st_mode):
+                        waiting.append((entry.path, depth + 1))
+        except (FileNotFoundError, NotADirectoryError):  # it is just being removed
+            continue
+        except OSError:
+            return True
     return False
 
 
@@ -80,9 +88,11 @@ def _empty(here: int) -> None:
 
 
 def _entered(name: str, above: int | None = None) -> int:
-    with suppress(OSError):
+    try:
+        return os.open(name, _FOLDER, dir_fd=above)
+    except PermissionError:  # never for root, whose chmod must not follow a link
         os.chmod(name, 0o700, dir_fd=above)
-    return os.open(name, _FOLDER, dir_fd=above)
+        return os.open(name, _FOLDER, dir_fd=above)
 
 
 def _identity(folder: int) -> tuple[int, int]:

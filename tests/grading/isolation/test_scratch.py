@@ -1,0 +1,82 @@
+"""Folders of workers: measured and removed, whatever is in them."""
+
+import os
+import sys
+
+import pytest
+
+from robsim.grading._isolation._processes import scratch
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="workers run on Unix")
+
+
+@pytest.fixture
+def deep(tmp_path, monkeypatch):
+    """A folder with folders in each other, deeper than a path or Python's stack may be."""
+    folder = tmp_path / "deep"
+    folder.mkdir()
+    with monkeypatch.context() as here:
+        here.chdir(folder)
+        for _ in range(1200):
+            os.mkdir("folder")
+            os.chdir("folder")
+        with open("file", "w") as file:
+            file.write("x")
+    return folder
+
+
+def test_folders_of_any_depth_are_removed(deep):
+    scratch.remove(str(deep))
+    assert not deep.exists()
+
+
+def test_what_lies_deeper_than_a_path_may_be_counts_as_too_much(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for _ in range(20):
+        os.mkdir("x" * 250)
+        os.chdir("x" * 250)
+    monkeypatch.chdir(tmp_path)
+    assert scratch.exceeds(str(tmp_path), 1 << 40)
+    assert not scratch.exceeds(str(tmp_path / "none"), 0)
+    for name in os.listdir(tmp_path):
+        scratch.remove(str(tmp_path / name))
+
+
+@pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="root may look anywhere")
+def test_what_is_closed_counts_as_too_much(tmp_path):
+    (tmp_path / "closed").mkdir(0o300)
+    assert scratch.exceeds(str(tmp_path), 1 << 40)
+    scratch.remove(str(tmp_path / "closed"))
+
+
+def test_many_small_things_count(tmp_path):
+    for i in range(20):
+        (tmp_path / f"f{i}").touch()
+    assert scratch.exceeds(str(tmp_path), 1 << 20)
+    assert not scratch.exceeds(str(tmp_path), 1 << 21)
+
+
+def test_links_are_removed_and_not_what_they_lead_to(tmp_path):
+    kept = tmp_path / "kept"
+    (kept / "folder").mkdir(parents=True)
+    (kept / "folder" / "file").write_text("kept")
+    kept.chmod(0o755)
+    folder = tmp_path / "folder"
+    (folder / "inner" / "closed").mkdir(parents=True)
+    (folder / "to a folder").symlink_to(kept)
+    (folder / "inner" / "to a file").symlink_to(kept / "folder" / "file")
+    (folder / "inner" / "closed" / "to a folder").symlink_to(kept / "folder")
+    (folder / "inner" / "closed").chmod(0)
+    scratch.remove(str(folder))
+    assert not folder.exists()
+    assert (kept / "folder" / "file").read_text() == "kept"
+    assert kept.stat().st_mode & 0o777 == 0o755
+
+
+def test_a_link_in_the_place_of_the_folder_is_not_followed(tmp_path):
+    kept = tmp_path / "kept"
+    kept.mkdir()
+    link = tmp_path / "link"
+    link.symlink_to(kept)
+    scratch.remove(str(link))
+    assert kept.exists()
