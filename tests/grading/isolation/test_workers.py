@@ -142,3 +142,21 @@ def test_wrong_arguments_are_refused():
         Limits(memory=1)
     with pytest.raises(TypeError, match="call must be a number"):
         Limits(call="1")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
+def test_a_grader_may_have_many_files_open(ended):
+    """Numbers of descriptors above those that select() takes."""
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if hard != resource.RLIM_INFINITY and hard < 1300:
+        pytest.skip(f"at most {hard} files here")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, 1300), hard))
+    opened = [os.open(os.devnull, os.O_RDONLY) for _ in range(1100)]
+    try:
+        assert ended("print(1)")[1] == "1\n"
+    finally:
+        for number in opened:
+            os.close(number)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import select
+import selectors
 import socket
 import threading
 from collections.abc import Callable
@@ -97,13 +97,14 @@ class WorkerProcess:
 
     def _watch(self) -> None:
         """Read what it prints, until it has ended."""
-        waiting = [self._life.fileno(), self._pipe]
-        while True:
-            ready, _, _ = select.select(waiting, [], [])
-            if self._pipe in ready and not self._read():
-                waiting.remove(self._pipe)
-            if self._life.fileno() in ready:
-                break
+        with selectors.DefaultSelector() as selector:
+            life = selector.register(self._life, selectors.EVENT_READ)
+            pipe = selector.register(self._pipe, selectors.EVENT_READ)
+            ready = [pipe]
+            while life not in ready:
+                ready = [key for key, _ in selector.select()]
+                if pipe in ready and not self._read():
+                    selector.unregister(self._pipe)
         ending = self._last_report()
         self._read_what_is_there()
         self._close()
@@ -129,9 +130,11 @@ class WorkerProcess:
 
     def _read_what_is_there(self) -> None:
         """Read what is in the pipe, which a process that is left may keep open."""
-        for _ in range(64):
-            if not select.select([self._pipe], [], [], 0)[0] or not self._read():
-                return
+        os.set_blocking(self._pipe, False)
+        with suppress(BlockingIOError):
+            for _ in range(64):
+                if not self._read():
+                    return
 
     def _last_report(self) -> Ending:
         try:
