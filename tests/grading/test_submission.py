@@ -12,8 +12,15 @@ import numpy as np
 import pytest
 
 import robsim
-from graded import assert_same_trace, folder_of
-from robsim.grading import AssignmentError, Key, Limits, Submission, SubmissionError
+from graded import assert_same_trace, folder_of, honest
+from robsim.grading import (
+    AssignmentError,
+    Key,
+    Limits,
+    Submission,
+    SubmissionError,
+    check_isolation,
+)
 
 SCENARIO = robsim.Scenario(resolution=(200, 200), measure=True, noise=robsim.GaussianNoise(5))
 QUICK = Limits(call=0.3, first_call=5.0, run=20.0)
@@ -236,6 +243,23 @@ def test_masked_modules_cannot_be_had(tmp_path):
         """
     error = failure(tmp_path, code, masked=["robsim.reference"])
     assert "robsim.reference" in str(error)
+
+
+def test_the_compiled_file_of_a_masked_module_cannot_be_read(tmp_path):
+    pytest.importorskip("robsim.evaluation._errors")  # now there is one
+    code = """
+        import glob, os, robsim
+        def control(step):
+            folder = os.path.join(os.path.dirname(robsim.__file__), "evaluation", "__pycache__")
+            names = glob.glob(os.path.join(folder, "_errors.*.pyc"))
+            for name in names or [os.path.join(folder, "_errors.pyc")]:
+                open(name, "rb").read()
+            return 0, 0
+        """
+    if not check_isolation().closed["files"]:
+        pytest.skip("files are open here")
+    error = failure(tmp_path, code, masked=["robsim.evaluation._errors"])
+    assert "PermissionError" in str(error)
 
 
 def test_runs_have_a_row_each_and_the_failures_their_line(tmp_path):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import glob
 import importlib.util
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from robsim import _core
@@ -202,8 +204,16 @@ def hidden_files(rules: Rules) -> list[str]:
             found = importlib.util.find_spec(name)
             if found is not None and found.has_location and found.origin is not None:
                 folders = found.submodule_search_locations
-                hidden += list(folders) if folders else [found.origin]
+                hidden += list(folders) if folders else _files_of(found.origin)
     return hidden
+
+
+def _files_of(source: str) -> list[str]:
+    """Return the file of a module, and those that Python keeps of it compiled, or may."""
+    levels = ("", 1, 2)
+    compiled = [importlib.util.cache_from_source(source, optimization=level) for level in levels]
+    others = Path(compiled[0]).parent.glob(f"{glob.escape(Path(source).stem)}.*.pyc")
+    return [source, *compiled, *map(str, others)]
 
 
 def set_noise_keys(simulation: Simulation, seeds: RunSeeds) -> None:

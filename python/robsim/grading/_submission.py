@@ -53,7 +53,9 @@ class Submission:
     imports : sequence of str, optional
         The modules that it may import. Default: all that there are.
     masked : sequence of str
-        Modules that it cannot have, such as ``"robsim.reference"``.
+        Modules that it cannot have, such as ``"robsim.reference"``. Of those that robsim itself
+        needs to run a submission (`robsim.evaluation`, `robsim.vision`, ...), and of single names,
+        only what is written in plain Python is refused: code that searches memory finds them.
     frames : bool, optional
         Whether it sees the frames. Default: if it fills `measure`. Poses are cheaper.
     limits : Limits, optional
