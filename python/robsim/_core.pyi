@@ -2337,7 +2337,7 @@ class RemoteRobot:
     """
     A robot half in another process: a value for the slots that it fills. exchange(message, pixels or None, slot, k) returns the answer; refuse(slot, k, what) raises.
     """
-    def __init__(self, exchange: typing.Any, refuse: typing.Any, *, slots: collections.abc.Sequence[str], world: World, sends_frames: bool, measures_first: bool, has_standard_errors: bool, largest_input: float) -> None:
+    def __init__(self, exchange: typing.Any, refuse: typing.Any, *, slots: collections.abc.Sequence[str], world: World, sends_frames: bool, sends_samples: bool, measures_first: bool, has_standard_errors: bool, largest_input: float) -> None:
         ...
 class SharedFrames:
     """

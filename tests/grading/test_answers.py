@@ -54,6 +54,7 @@ def run(reply, steps=2, slots=STAGES):
         world=sim._world,
         slots=slots,
         sends_frames=False,
+        sends_samples=True,
         measures_first=False,
         has_standard_errors=False,
         largest_input=12.0,

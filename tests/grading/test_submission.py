@@ -262,6 +262,26 @@ def test_the_compiled_file_of_a_masked_module_cannot_be_read(tmp_path):
     assert "PermissionError" in str(error)
 
 
+TELLS = """
+    def control(step):
+        return 0.1 * (step.sample is not None), 0.3
+    """
+
+
+@pytest.mark.parametrize(
+    ("identify_from", "are_given"), [("truth", False), ("measurement", True), ("estimate", False)]
+)
+def test_samples_of_the_truth_are_for_parameter_estimators(tmp_path, identify_from, are_given):
+    """Who has them needs no frame to know where the robot is."""
+    scenario = SCENARIO.replace(identify_from=identify_from)
+    trace = submission(tmp_path, control=TELLS).run(scenario, steps=8, seed=1)
+    assert (trace.u[:, 0] > 0).any() == are_given
+    scenario = scenario.replace(estimate_parameters=True)
+    if identify_from == "truth":
+        trace = submission(tmp_path, control=TELLS).run(scenario, steps=8, seed=1)
+        assert (trace.u[:, 0] > 0).any()
+
+
 def test_runs_have_a_row_each_and_the_failures_their_line(tmp_path):
     fails = """
         def control(step):

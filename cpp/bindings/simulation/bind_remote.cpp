@@ -25,11 +25,13 @@ std::uint32_t bits_of(const std::vector<std::string>& slots) {
 std::shared_ptr<PythonRemoteRobot> make_robot(const py::object& exchange, const py::object& refuse,
                                               const std::vector<std::string>& slots,
                                               const std::shared_ptr<World>& any_world,
-                                              bool sends_frames, bool measures_first,
-                                              bool has_standard_errors, double largest_input) {
+                                              bool sends_frames, bool sends_samples,
+                                              bool measures_first, bool has_standard_errors,
+                                              double largest_input) {
   RemoteRobot::Options options;
   options.stages = bits_of(slots);
   options.sends_frames = sends_frames;
+  options.sends_samples = sends_samples;
   options.measures_first = measures_first;
   options.has_standard_errors = has_standard_errors;
   options.largest_input = largest_input;
@@ -60,8 +62,8 @@ void bind_remote(py::module_& module) {
       "pixels or None, slot, k) returns the answer; refuse(slot, k, what) raises.",
       py::custom_type_setup(&collect_garbage<PythonRemoteRobot>))
       .def(py::init(&make_robot), py::arg("exchange"), py::arg("refuse"), py::kw_only(),
-           py::arg("slots"), py::arg("world"), py::arg("sends_frames"), py::arg("measures_first"),
-           py::arg("has_standard_errors"), py::arg("largest_input"));
+           py::arg("slots"), py::arg("world"), py::arg("sends_frames"), py::arg("sends_samples"),
+           py::arg("measures_first"), py::arg("has_standard_errors"), py::arg("largest_input"));
 
   Class<SharedFrames, std::shared_ptr<SharedFrames>>(
       public_in(module, "robsim._core"), "SharedFrames",

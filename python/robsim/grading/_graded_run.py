@@ -75,6 +75,10 @@ class GradedSimulation(Simulation):
                 self._set_slot(slot, True)
         self._set_slot("define_model", ready.model)
         set_noise_keys(self, seeds)
+        self._gives_samples = scenario.identify_from != "truth" or (
+            # Of the truth they are for a parameter estimator alone: they tell where the robot goes.
+            "estimate_parameters" in filled or self._callbacks["estimate_parameters"] is True
+        )
         self._ask(worker, filled, ready, frames=task.frames)
 
     def _ask(
@@ -90,6 +94,7 @@ class GradedSimulation(Simulation):
             world=self._world,
             slots=filled,
             sends_frames=sends_frames,
+            sends_samples=self._gives_samples,
             measures_first=self._callbacks["measure"] is True and "measure" not in filled,
             has_standard_errors=ready.has_standard_errors,
             largest_input=LARGEST_INPUT,
@@ -264,7 +269,7 @@ def _setup(task: Task, scenario: Scenario, seeds: RunSeeds) -> Setup:
 def all_here(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Simulation]:
     """Give a simulation that has all in this process, and trusts the submission.
 
-    It gives to the byte what must come with a worker.
+    It gives to the byte what must come with a worker, where that is given the same samples.
     """
     simulation = Simulation(_with_model(scenario), seed=seeds.world, **task.callbacks)
     set_noise_keys(simulation, seeds)

@@ -43,6 +43,8 @@ class Submission:
     as in one process, byte for byte.
 
     A stage that the submission does not fill is done here, so that nobody can say what it gave.
+    Samples of the truth (`identify_from`) go to it only where parameters are estimated: they tell
+    where the robot is. With ``"measurement"`` they tell what it knows.
 
     Parameters
     ----------

@@ -91,7 +91,7 @@ StepMessage RemoteRobot::question(Step& step, StageBit stage) const {
   message.done = before(stage) | (options_.measures_first ? measure_bit : 0U);
   message.has_frame = step.has_frame;
   message.frame = frame_of(step);
-  message.sample = step.sample;
+  if (options_.sends_samples) message.sample = step.sample;
   message.parameters = step.parameters;
   message.measurement = step.measurement;
   message.estimate = step.estimate;

@@ -20,6 +20,7 @@ class RemoteRobot {
   struct Options {
     std::uint32_t stages = 0;  // that it fills, as bits
     bool sends_frames = false;
+    bool sends_samples = true;                // for its parameter estimator
     bool measures_first = false;              // the default measurement, here, before it is asked
     bool has_standard_errors = false;         // of its parameters
     double largest_input = 0;                 // V
