@@ -282,6 +282,18 @@ def test_samples_of_the_truth_are_for_parameter_estimators(tmp_path, identify_fr
         assert (trace.u[:, 0] > 0).any()
 
 
+def test_one_that_raises_the_errors_of_the_grader_is_told_as_any_other(tmp_path):
+    for kind in ("SubmissionError", "AssignmentError", "GraderError"):
+        code = f"""
+            from robsim.grading import {kind}
+            def control(step):
+                raise {kind}("the key cannot be read")
+            """
+        error = failure(tmp_path, code)
+        told = f"control at step 0, control.py, line 4: {kind}: the key cannot be read"
+        assert (type(error), str(error)) == (SubmissionError, told)
+
+
 def test_runs_have_a_row_each_and_the_failures_their_line(tmp_path):
     fails = """
         def control(step):

@@ -200,11 +200,12 @@ def error_text(
 
 
 def _error_text(error: BaseException, slot: str | None, step: int | None) -> ErrorText:
-    if type(error) in (SubmissionError, AssignmentError, GraderError):
+    lines = _lines(error)
+    # One that the submission has raised itself is one of its exceptions, and its text is not ours.
+    if type(error) in (SubmissionError, AssignmentError, GraderError) and not lines:
         assert isinstance(error, GradingError)
         text = _cleaned(str(error))
         return ErrorText("", text, (), error.slot, error.step, error.file, error.line)
-    lines = _lines(error)
     last = lines[-1] if lines else None
     noted = _noted(error)
     if noted is not None:

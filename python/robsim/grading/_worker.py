@@ -160,6 +160,8 @@ class Worker:
         if told.type == "MemoryError":
             more = f"it asked for more than {as_size(self._limits.memory)}"
             told = replace(told, message=f"{told.message}: {more}" if told.message else more)
+        if not told.type and k is not None:  # what says all by itself is said before the first step
+            told = replace(told, type="Exception")
         named = told.slot if told.slot in ROBOT_SLOTS else slot
         step = None if k is None else min(k if told.step is None else told.step, k)
         raise replace(told, slot=named, step=step).as_error() from None
