@@ -14,6 +14,7 @@ from typing import NoReturn, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from robsim._core import RobotModel
 from robsim.grading._errors import GraderError, SubmissionError
 from robsim.grading._frame_memory import FrameMemory
 from robsim.grading._isolation import Isolation, Limits, start_worker
@@ -98,6 +99,8 @@ class Worker:
             allowed.add("estimate_parameters")
         if foreign := {*ready.filled, *ready.switched_on} - allowed:
             self.refuse(min(foreign), None, "the submission must not fill this slot")
+        if "define_model" not in ready.filled and not _same(ready.model, self._setup.model):
+            self.refuse("define_model", None, "the submission must not change the model")
         groups = groups_of(ready.filled, self._setup.on)
         self._groups = {group[0]: group for group in groups}
         return ready
@@ -194,3 +197,7 @@ class Worker:
         traceback: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _same(one: RobotModel, other: RobotModel) -> bool:
+    return one.dt == other.dt and np.array_equal(one.theta, other.theta)
