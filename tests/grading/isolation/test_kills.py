@@ -102,6 +102,29 @@ def test_closing_ends_workers_and_folders(worker):
     assert not [base for base in bases if os.path.exists(base)]
 
 
+def test_a_zygote_that_is_killed_while_it_ends_a_user_loses_no_user(ended, monkeypatch):
+    from robsim.grading._isolation._layers import users
+
+    user = users.take_user()
+    if user is None:
+        pytest.skip(users.reason())
+    plain, killed = _zygotes.ZygoteProcess.end_user, []
+
+    def end_user(zygote, number):
+        if not killed:
+            killed.append(zygote.process)
+            os.kill(zygote.process, signal.SIGKILL)
+            wait_until(lambda: gone(zygote.process))
+        plain(zygote, number)
+
+    monkeypatch.setattr(_zygotes.ZygoteProcess, "end_user", end_user)
+    close_zygotes()
+    _zygotes.lose_user(user)
+    assert ended("print(1)")[1] == "1\n"
+    assert killed
+    assert user not in users._taken
+
+
 GRADER = """
 import os, socket, sys, threading
 from robsim.grading._isolation import start_worker

@@ -85,10 +85,14 @@ class ZygoteProcess:
         socket.send_fds(self._control, [message], descriptors)
 
     def end_user(self, user: int) -> None:
-        """End all that a user runs: what workers of a zygote that was killed may have left."""
+        """End all that a user runs: what workers of a zygote that was killed may have left.
+
+        ConnectionError if this one is killed meanwhile.
+        """
         self._control.settimeout(_END)
         self._control.send(json.dumps({"end user": user}).encode())
-        self._control.recv(1)
+        if not self._control.recv(1):
+            raise ConnectionResetError("the process that starts workers has ended")
         self._control.settimeout(None)
 
     def kill(self) -> None:
@@ -147,8 +151,9 @@ def _end_lost_users(zygote: ZygoteProcess) -> None:
     from robsim.grading._isolation._layers import users
 
     while _lost_users:
-        user = _lost_users.pop()
+        user = _lost_users[-1]
         zygote.end_user(user)
+        _lost_users.pop()
         users.give_back(user)
 
 
