@@ -1,0 +1,111 @@
+"""The red team: no attack gets a point that it did not earn, and nothing of it is left.
+
+``PYTHONPATH=tests/support python -m red_team`` prints the table of all.
+"""
+
+import re
+import sys
+
+import pytest
+
+from red_team import ATTACKS, HONEST, LAYERS, PROCESS
+from red_team.ground import SCENARIO, check_after, check_outcome, ground
+from robsim.grading import check_isolation
+from robsim.grading._isolation import close_zygotes
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks at what is left by /proc")
+
+#: Tried each time: one of each kind.
+SAMPLE = (
+    *("garbage collector", "write to the ring", "samples of the truth", "dead reckoning"),
+    *("the teacher's files", "results of its own", "os._exit(0)", "a daemon", "sockets"),
+    *("an answer to another step", "NaN on the wire", "READY with another model"),
+    *("a masked module by its source", "__str__ that exits", "somebody else's fault"),
+)
+
+#: What may come to something else where the process alone holds it.
+BARE = [name for name, attack in ATTACKS.items() if attack.runs_bare and attack.held_by == LAYERS]
+BARE += ["memory by process_vm_readv", "trace", "write to the ring", "threads that spin"]
+
+
+@pytest.fixture(scope="module")
+def shut_in():
+    """Whether all layers hold on this machine."""
+    return bool(check_isolation())
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    with ground(tmp_path_factory.mktemp("class")) as made:
+        yield made
+    close_zygotes()
+
+
+@pytest.fixture(scope="module")
+def first(place):
+    """The traces of an honest submission, before all attacks."""
+    traces = {level: place.outcome(HONEST, isolation=level) for level in ("auto", "process")}
+    assert all(outcome.points == 1 for outcome in traces.values()), traces
+    return {level: outcome.trace for level, outcome in traces.items()}
+
+
+def attacked(place, first, name, isolation, shut_in):
+    """Run an attack, twice if it may leave something for itself, and look at all that follows."""
+    attack, before = ATTACKS[name], place.left()
+    for _ in range(2 if name == "a second run" else 1):
+        outcome = place.outcome(attack, isolation=isolation)
+        check_outcome(attack, outcome, shut_in=shut_in)
+    if not shut_in:
+        place.clear()
+    check_after(place, before, first[isolation], isolation=isolation)
+    return outcome
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_a_sample_gets_nowhere(place, first, shut_in, name):
+    attacked(place, first, name, "auto", shut_in)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in ATTACKS if name not in SAMPLE])
+def test_the_others_get_nowhere(place, first, shut_in, name):
+    attacked(place, first, name, "auto", shut_in)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BARE)
+def test_with_the_process_alone_none_has_points_and_nothing_runs_on(place, first, name):
+    attacked(place, first, name, "process", False)
+
+
+def test_there_are_attacks_of_all_kinds():
+    assert len(ATTACKS) > 100
+    for attack in ATTACKS.values():
+        assert attack.held_by in (PROCESS, LAYERS)
+        assert bool(attack.why) == (attack.held_by == LAYERS), attack.name
+        re.compile(attack.says)
+
+
+# That the attacks are no blanks: each gets there where its assignment lets it.
+
+
+def test_dead_reckoning_is_enough_where_the_world_is_its_model(place):
+    same = SCENARIO.replace(process_noise=None, mismatch=None, noise=None)
+    assert place.outcome(ATTACKS["dead reckoning"], same).points == 1
+
+
+def test_the_noise_of_a_public_seed_is_guessed(place):
+    assert place.outcome(ATTACKS["guess the seed of a frame"], key=None, seed=7).reached
+
+
+def test_clean_frames_are_seen_where_frames_are_clean(place):
+    clean = SCENARIO.replace(noise=None)
+    assert place.outcome(ATTACKS["clean frames in the ring"], clean).reached
+
+
+def test_samples_are_those_of_the_truth_where_parameters_are_identified_from_it(place):
+    open_to_all = SCENARIO.replace(estimate_parameters=True)
+    assert place.outcome(ATTACKS["samples of the truth"], open_to_all).reached
+    closed = open_to_all.replace(identify_from="measurement")
+    trace = place.outcome(HONEST, closed).trace
+    assert trace.info.identify_from == "measurement"

@@ -1,0 +1,137 @@
+"""What an attack is, and the file that it becomes."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass, field
+from typing import Any
+
+#: What an attack may come to. NOTHING: no points, or an error that is the submission's.
+#: ITS_OWN: the points of its honest answers, as the harm is beside them.
+NOTHING, ITS_OWN = "nothing", "its own"
+
+#: Where it is held: by the process alone, by the layers that shut it in, by nothing here.
+PROCESS, LAYERS = "process", "layers"
+
+
+@dataclass(frozen=True)
+class Attack:
+    """A submission that tries something.
+
+    Attributes
+    ----------
+    name, about : str
+        Its name, and what it tries, in a line.
+    code : str
+        Its module: ``cheat(step)`` returns a pose that it says, or None; or the slot itself.
+    comes_to : str
+        NOTHING or ITS_OWN.
+    held_by : str
+        PROCESS: it gets nowhere whatever shuts it in. LAYERS: only where the layers of Linux hold.
+    why : str
+        Why the process alone does not hold it.
+    runs_bare : bool
+        Whether it is tried with the process alone, too; what could stop other processes is not.
+    says : str
+        A pattern that its error, if any, must match.
+    limits : dict
+        Limits other than those of all.
+    """
+
+    name: str
+    about: str
+    code: str
+    comes_to: str = NOTHING
+    held_by: str = PROCESS
+    why: str = ""
+    runs_bare: bool = True
+    says: str = ""
+    limits: dict[str, Any] = field(default_factory=dict)
+
+
+# A submission says "REACHED" when it got what it wanted; what it wanted is the rest of the line.
+# An honest answer: predicted by the model, corrected by what was measured.
+_BEGINNING = '''
+import ctypes, gc, os, socket, struct, sys, threading, time
+import numpy as np
+import robsim
+
+libc = ctypes.CDLL(None, use_errno=True)
+
+def reached(what):
+    print("REACHED", what, flush=True)
+
+def tries(what, act):
+    try:
+        result = act()
+    except BaseException as error:
+        print("refused", what, type(error).__name__, getattr(error, "errno", ""), flush=True)
+        return None
+    reached(what)
+    return result
+
+def called(result):
+    if result < 0:
+        raise OSError(ctypes.get_errno(), "refused")
+    return result
+
+def once(step):
+    return step.k == 2
+
+poses = []
+
+def honest(step):
+    model, u = robsim.RobotModel(), step.last_u
+    if not poses:
+        if step.measurement is None:
+            return np.array([600.0, 600.0, 0.0])
+        poses.extend([np.asarray(step.measurement.pose, float)] * 2)
+    now = np.asarray(model.predict(poses[-1], poses[-2], u), float)
+    if step.measurement is not None:
+        off = np.asarray(step.measurement.pose, float) - now
+        off[2] = (off[2] + np.pi) % (2 * np.pi) - np.pi
+        now = now + 0.6 * off
+    poses.append(now)
+    return now
+
+def wire():
+    from robsim.grading._wire import Channel
+    return next(x for x in gc.get_objects() if type(x) is Channel)._socket
+
+def ring():
+    """The descriptor of the frames: one that can be mapped."""
+    import mmap
+    for number in range(3, 64):
+        try:
+            mmap.mmap(number, 4096, mmap.MAP_SHARED, mmap.PROT_READ)
+        except (OSError, ValueError):
+            continue
+        return number
+    raise OSError("no ring")
+
+'''
+
+_END = """
+
+if "estimate_state" not in globals():
+    def estimate_state(step):
+        pose = cheat(step)
+        return robsim.Estimate((0.0, 0.0, 0.0) if pose is None else pose, np.eye(3))
+"""
+
+
+def file_of(attack: Attack, places: dict[str, str]) -> str:
+    """Return the submission of an attack; `places`: paths for the names in braces of its code."""
+    code = textwrap.dedent(attack.code)
+    for name, path in places.items():
+        code = code.replace("{" + name + "}", path)
+    return _BEGINNING + code + _END
+
+
+HONEST = Attack(
+    "honest",
+    "answers as well as it can, also where the machine is slow",
+    "cheat = honest",
+    ITS_OWN,
+    limits={"call": 10.0, "run": 60.0},
+)

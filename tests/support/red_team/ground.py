@@ -1,0 +1,198 @@
+"""The task that attackers are given, and what may not be left of them."""
+
+from __future__ import annotations
+
+import os
+import re
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import robsim
+from graded import assert_same_trace
+from red_team.attack import HONEST, ITS_OWN, PROCESS, Attack, file_of
+from robsim.grading import Key, Limits, Submission, SubmissionError
+from robsim.grading._isolation._processes import zygotes
+from robsim.trace import Trace
+
+STEPS = 30
+LIMIT = 4.0  # px, rms: an honest answer has 2.2, dead reckoning 8.2
+KEY = Key(bytes(range(32)))
+SCENARIO = robsim.Scenario(
+    resolution=(240, 240),
+    measure=True,
+    noise=robsim.GaussianNoise(8),
+    dropout=robsim.Dropout(0.2, 3),
+    start="random",
+    process_noise=robsim.WheelNoise((0.3, 0.3)),
+    mismatch=robsim.ParameterMismatch(0.2),
+    control=robsim.DriveAround(),
+)
+_SETTLES = 5.0  # s
+_LIMITS = {"call": 0.4, "first_call": 5.0, "run": 8.0, "cpu": 8.0, "output": 1 << 14}
+
+
+def points(trace: Trace) -> float:
+    """Return 1 if the estimate follows the truth, else 0; what is not estimated is wrong."""
+    off = np.hypot(*(trace.pose_estimated - trace.pose_true)[:, :2].T)
+    return float(len(off) == STEPS and np.isfinite(off).all() and np.sqrt(np.mean(off**2)) < LIMIT)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a submission.
+
+    Attributes
+    ----------
+    points : float
+        Of 1.
+    error : str
+        What the grader says; empty = the run came to its end.
+    output : str
+        What it printed.
+    """
+
+    points: float
+    error: str
+    output: str
+    trace: Trace | None = None
+
+    @property
+    def reached(self) -> list[str]:
+        """What it says that it got."""
+        lines = self.output.splitlines()
+        return [line.partition("REACHED ")[2] for line in lines if "REACHED " in line]
+
+
+@dataclass
+class Ground:
+    """A folder with submissions and a file of the teacher's, and a server on loopback."""
+
+    folder: Path
+    port: int
+    token: str = field(default_factory=lambda: f"red-team-{os.getpid()}")
+
+    @property
+    def secret(self) -> Path:
+        return self.folder / "key"
+
+    def submission(self, attack: Attack, **options: Any) -> Submission:
+        """Return an attack as somebody hands it in."""
+        places = {
+            "folder": str(self.folder),
+            "secret": str(self.secret),
+            "token": self.token,
+            "grader": str(os.getpid()),
+            "port": str(self.port),
+        }
+        file = self.folder / "submission.py"
+        file.write_text(file_of(attack, places))
+        settings: dict[str, Any] = {
+            "slots": "estimate_state",
+            "masked": ["robsim.reference"],
+            "frames": True,
+            "limits": Limits(**{**_LIMITS, **attack.limits}),
+            "key": KEY,
+            "student": "one of a class",
+        }
+        return Submission(file, **{**settings, **options})
+
+    def outcome(self, attack: Attack, scenario: robsim.Scenario = SCENARIO, **run: Any) -> Outcome:
+        """Run an attack; `run`: a seed, or options of the submission."""
+        seed = {"seed": run.pop("seed")} if "seed" in run else {}
+        submission = self.submission(attack, **run)
+        try:
+            trace = submission.run(scenario, steps=STEPS, test="x", **seed)
+        except SubmissionError as error:
+            return Outcome(0.0, str(error), submission.output)
+        return Outcome(points(trace), "", submission.output, trace)
+
+    def left(self) -> dict[str, Any]:
+        """Return what there is of processes, files, threads and descriptors of the grader's."""
+        return {
+            "files": [str(path) for path in self._marked()],
+            "secret": self.secret.read_text(),
+            "processes": len(_children()),
+            "scratch": [n for zygote in _zygotes() for n in os.listdir(zygote.base)],
+            "threads": threading.active_count(),
+            "descriptors": len(os.listdir("/proc/self/fd")),
+            "of zygotes": [len(os.listdir(f"/proc/{z.process}/fd")) for z in _zygotes()],
+        }
+
+    def clear(self) -> None:
+        """Remove the files that an attack could leave, as nothing held it."""
+        for path in self._marked():
+            path.unlink()
+
+    def _marked(self) -> list[Path]:
+        folders = ["/tmp", "/var/tmp", "/dev/shm", "/dev/mqueue", "/root", str(self.folder)]
+        folders += [zygote.base for zygote in _zygotes()]
+        return [Path(f, n) for f in folders for n in _listed(f) if self.token in n]
+
+
+def _listed(folder: str) -> list[str]:
+    try:
+        return os.listdir(folder)
+    except OSError:
+        return []
+
+
+def _zygotes() -> list[Any]:
+    return [zygote for zygote in zygotes._zygotes.values() if zygote.alive]
+
+
+def _children() -> list[int]:
+    """The processes that this one has started, and those that they have."""
+    parents = {}
+    for name in os.listdir("/proc"):
+        if name.isdigit():
+            try:
+                fields = Path(f"/proc/{name}/stat").read_text().rpartition(")")[2].split()
+            except OSError:
+                continue
+            parents[int(name)] = int(fields[1])
+    found = {os.getpid()}
+    while more := {process for process, parent in parents.items() if parent in found} - found:
+        found |= more
+    return sorted(found - {os.getpid()})
+
+
+@contextmanager
+def ground(folder: Path) -> Iterator[Ground]:
+    """Give a ground in an empty folder that others may write to, too."""
+    folder.chmod(0o777)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        place = Ground(folder, server.getsockname()[1])
+        place.secret.write_text("the key")
+        place.secret.chmod(0o666)
+        yield place
+
+
+def check_after(place: Ground, before: dict[str, Any], first: Trace, **options: Any) -> None:
+    """Check that nothing is left, and that the next honest submission gets what it would have."""
+    trace = place.outcome(HONEST, **options).trace
+    assert trace is not None
+    assert_same_trace(trace, first)
+    deadline = time.monotonic() + _SETTLES
+    while place.left() != before and time.monotonic() < deadline:
+        time.sleep(0.02)  # a zygote closes what it had of the last worker
+    assert place.left() == before
+
+
+def check_outcome(attack: Attack, outcome: Outcome, *, shut_in: bool) -> None:
+    """Check that an attack came to no more than it may."""
+    assert outcome.points == 0 or attack.comes_to == ITS_OWN, "it has points"
+    if shut_in or attack.held_by == PROCESS:
+        assert outcome.reached == [], f"it has reached {outcome.reached}"
+    if outcome.error:
+        assert re.search(f"{attack.says}|took longer", outcome.error), outcome.error
+        assert outcome.error.replace("\n", "").replace("\t", "").isprintable()
+        assert len(outcome.error) < 4200
+    assert outcome.output.replace("\n", "").replace("\t", "").isprintable()
