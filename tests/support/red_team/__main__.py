@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import tempfile
+from contextlib import nullcontext
 from pathlib import Path
 
 from red_team import ATTACKS, HONEST, LAYERS, Attack
@@ -42,13 +43,22 @@ def main() -> None:
     parser.add_argument("--small", action="store_true", help="on half a core with 768 MB")
     parser.add_argument("names", nargs="*", help="attacks; default: all")
     options = parser.parse_args()
-    chosen = [ATTACKS[name] for name in options.names] if options.names else ATTACKS.values()
+    chosen = [ATTACKS[name] for name in options.names] if options.names else [*ATTACKS.values()]
+    with small_machine() if options.small else nullcontext("the whole machine") as machine:
+        print(machine)
+        try:
+            show(chosen)
+        finally:
+            close_zygotes()
+    print(NOT_COVERED)
+
+
+def show(attacks: list[Attack]) -> None:
+    """Run attacks, and print a line for each."""
     with tempfile.TemporaryDirectory() as folder, ground(Path(folder)) as place:
-        if options.small:
-            print(small_machine())
         first = {level: place.outcome(HONEST, isolation=level) for level in ("auto", "process")}
         print(f"{'attack':<42}{'shut in':<12}{'process':<12}what it tries")
-        for attack in chosen:
+        for attack in attacks:
             said = {}
             for level, honest in first.items():
                 before = place.left()
@@ -59,8 +69,7 @@ def main() -> None:
                 check_after(place, before, honest.trace, isolation=level)
             why = f" [{attack.why}]" if attack.held_by == LAYERS else ""
             print(f"{attack.name:<42}{said['auto']:<12}{said['process']:<12}{attack.about}{why}")
-    close_zygotes()
-    print(NOT_COVERED)
 
 
-main()
+if __name__ == "__main__":
+    main()
