@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import robsim
-from graded import assert_same_trace, folder_of, honest
+from graded import assert_same_trace, folder_of
 from robsim.grading import (
     AssignmentError,
     Key,
