@@ -141,7 +141,7 @@ def zygote_for(setup: ZygoteSetup) -> ZygoteProcess:
             if zygote is not None:
                 zygote.close()
             zygote = _zygotes[setup] = ZygoteProcess(setup)
-            _end_lost_users(zygote)
+        _end_lost_users(zygote)
         return zygote
 
 
