@@ -83,9 +83,11 @@ def graded(folder, *arguments):
 @pytest.fixture
 def class_room(tmp_path):
     """A folder with the tests, and a submission."""
-    folder_of(tmp_path / "mine", control=FAILS)
-    (tmp_path / "grade.py").write_text(TESTS)
-    return tmp_path
+    room = tmp_path / "room"
+    room.mkdir()
+    folder_of(room / "mine", control=FAILS)
+    (room / "grade.py").write_text(TESTS)
+    return room
 
 
 def outcomes(folder):
@@ -166,9 +168,12 @@ def test_robsim_is_not_compiled_anew(tmp_path):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("above", [None, "[pytest]\ntestpaths = tests\n"])
 @pytest.mark.parametrize("arguments", [(), (".",), ("tests_of_mine",), ("grade.py",)])
-def test_nothing_of_a_submission_is_run_by_pytest(class_room, arguments):
+def test_nothing_of_a_submission_is_run_by_pytest(class_room, arguments, above):
     """Neither what pytest collects, nor what a pytest.ini names."""
+    if above is not None:  # a pytest.ini whose folders are not those of the class room
+        (class_room.parent / "pytest.ini").write_text(above)
     mine = folder_of(class_room / "tests_of_mine", control="def control(step): return 0, 0")
     for name in ("conftest.py", "test_mine.py", "evil.py"):
         (mine / name).write_text("open('harm', 'w')\ndef test_passes(): pass\n")

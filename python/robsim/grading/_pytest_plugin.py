@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Generator, Sequence
+from glob import glob
 from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import Any
@@ -57,8 +58,7 @@ class Grading:
         self._path = Path(os.path.abspath(options.robsim_submission))
         if not os.path.lexists(self._path):
             raise pytest.UsageError(f"{_OPTION}: there is no {one_line(self._path)}")
-        tests = options.file_or_dir or config.getini("testpaths") or [os.curdir]
-        _keep_apart(self._path, tests)
+        _keep_apart(self._path, options.file_or_dir or _default_tests(config))
         try:
             self._key = None if options.robsim_key is None else Key.read(options.robsim_key)
         except AssignmentError as error:
@@ -136,6 +136,15 @@ class Grading:
         if whose is None:
             return None
         return _FAILED if whose == SubmissionError.whose else _ERROR
+
+
+def _default_tests(config: pytest.Config) -> Sequence[str]:
+    """Return where pytest looks for tests that no argument names."""
+    here = config.invocation_params.dir
+    if here != config.rootpath:  # testpaths of a pytest.ini further up do not count
+        return [os.curdir]
+    found = [path for pattern in config.getini("testpaths") for path in sorted(glob(pattern))]
+    return found or [os.curdir]
 
 
 def _keep_apart(path: Path, tests: Sequence[str]) -> None:
