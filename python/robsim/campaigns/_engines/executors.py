@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import time
 from concurrent.futures import Executor, Future
 from typing import Any, Protocol, TypeGuard
@@ -62,6 +63,10 @@ class DaskWorkers(ExecutorWorkers):
         self._client = client
         self._count, self._asked = 0, -_PATIENCE
 
+    def submit(self, jobs: list[Job], /) -> Future[list[Row]]:
+        """Hand over a chunk: as bytes, for Dask looks into each tuple of a list for its futures."""
+        return self._executor.submit(_rows_of, self._spec, pickle.dumps(jobs))
+
     def room(self) -> int:
         """Return how many chunks they may have at a time."""
         if (now := time.monotonic()) >= self._asked + _PATIENCE:
@@ -84,6 +89,10 @@ def check_dask_client(client: DaskClient) -> None:
         )
     if (status := getattr(client, "status", "running")) != "running":
         raise ValueError(f"executor is a Dask client that is {status}: give one that is connected")
+
+
+def _rows_of(spec: CampaignSpec, jobs: bytes) -> list[Row]:
+    return rows_of(spec, pickle.loads(jobs))
 
 
 def _same(spec: CampaignSpec) -> CampaignSpec:
