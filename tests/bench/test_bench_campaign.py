@@ -11,7 +11,9 @@ from robsim.bench._campaign.dask_tasks import TaskCost, dask_task_cost
 from robsim.bench._campaign.parent import ParentCost, parent_cost
 from robsim.bench._campaign.result import CampaignBench
 from robsim.bench._campaign.scaling import scaling_of
-from robsim.campaigns._engines.chunks import SECONDS, size_for
+from robsim.campaigns._engines.chunks import SECONDS, Chunks, size_for
+from robsim.campaigns._engines.executors import SECONDS_OF_WORKER, seconds_of_chunk
+from robsim.campaigns._runs import Row
 
 NUMBERS = {
     "serial": {"no_frames": (0.0002, 0.00025), "frames_240": (0.010, 0.011)},
@@ -63,11 +65,12 @@ def test_what_many_workers_would_give_follows_from_the_costs(result):
     assert found["workers_rate"]["1000"]["chunk_1"] == pytest.approx(1 / 1.01e-3, rel=0.02)
     assert found["workers_rate"]["10"]["chunk_1"] == pytest.approx(10, rel=0.03)
     assert found["workers_parent"]["1000"]["chunk_100"] == pytest.approx(0.02, rel=0.03)
-    # Chunks of 25 runs of 10 ms: 1.25 ms for each
-    short = found["durations"]["0.01_s"]
-    assert (short["chunk"], short["most"], short["chunk_needed"]) == (25, 200, None)
-    assert short["rate"] == pytest.approx(25 / 1.25e-3, rel=0.02)
-    assert found["durations"]["10_s"]["parent"] == pytest.approx(0.101, rel=0.05)
+    # Chunks of 500 runs of 1 ms: 6 ms for each
+    short = found["durations"]["0.001_s"]
+    assert (short["chunk"], short["most"], short["chunk_needed"]) == (500, 83, None)
+    assert short["rate"] == pytest.approx(500 / 6e-3, rel=0.02)
+    # 25 s for a chunk of two runs of 10 s: 50 chunks a second
+    assert found["durations"]["10_s"]["parent"] == pytest.approx(50 * 1.02e-3, rel=0.05)
     # 1 ms over 0.1 ms less 10 us
     assert found["durations"]["1_s"]["chunk_needed"] == 12
     assert "chunks of 12 keep the calling process busy" in str(result).replace("\n    ", " ")
@@ -88,6 +91,21 @@ def test_the_costs_of_dask_are_measured():
 def test_chunks_take_a_time_but_have_not_too_many_runs():
     assert size_for(SECONDS / 10.5) == 10
     assert (size_for(0), size_for(60)) == (500, 1)
+    assert size_for(1, seconds_of_chunk(1000)) == 1000 * SECONDS_OF_WORKER
+    assert seconds_of_chunk(2) == SECONDS
+
+
+def test_chunks_are_longer_while_enough_is_left_for_all():
+    chunks = Chunks(((0, run) for run in range(10_000)), 10_000)
+    first = chunks.take(25, 2000)
+    chunks.note([Row(*job, None, None, 1.0, {}) for job in first])
+    sizes = [len(first)]
+    while chunk := chunks.take(25, 100):
+        sizes.append(len(chunk))
+    assert sum(sizes) == 10_000
+    assert sizes[1] == 25
+    assert sizes[1:] == sorted(sizes[1:], reverse=True)
+    assert sizes[-150:] == [1] * 150  # a hundred workers come to the end together
 
 
 def test_other_benchmarks_are_not_run_with_it(tmp_path):

@@ -172,11 +172,11 @@ def run_spec(
 
 def _run(spec: CampaignSpec, engine: Engine, store: Store, *, shows: bool, stops: bool) -> None:
     """Do the runs that the store does not have."""
-    total = len(spec.cases) * spec.runs
-    bar = progress_bar(total=total, initial=store.count(), unit="run") if shows else None
+    total, done = len(spec.cases) * spec.runs, store.count()
+    bar = progress_bar(total=total, initial=done, unit="run") if shows else None
     failed = 0
     try:
-        with closing(rows_by(engine, spec, store.missing())) as chunks:
+        with closing(rows_by(engine, spec, store.missing(), total - done)) as chunks:
             for rows in chunks:
                 wrong = [row for row in rows if row.error is not None]
                 if wrong and stops:

@@ -11,22 +11,43 @@ SECONDS = 0.25  # of a chunk: what is lost when a worker, or the whole program, 
 _FIRST, _MOST = 4, 500  # runs
 
 
-def size_for(seconds: float) -> int:
-    """Return how many runs of a duration (s) make a chunk."""
-    return min(max(int(SECONDS / max(seconds, 1e-9)), 1), _MOST)
+def size_for(seconds: float, whole: float = SECONDS) -> int:
+    """Return how many runs of a duration (s) make a chunk of another (s)."""
+    return min(max(int(whole / max(seconds, 1e-9)), 1), _MOST)
 
 
 class Chunks:
-    """The runs that are still to be done, in their order."""
+    """The runs that are still to be done, in their order.
 
-    def __init__(self, jobs: Iterable[Job]) -> None:
-        self._jobs = iter(jobs)
+    Parameters
+    ----------
+    jobs : iterable of (int, int)
+        Case and number of each run.
+    count : int
+        How many there are.
+    """
+
+    def __init__(self, jobs: Iterable[Job], count: int) -> None:
+        self._jobs, self._left = iter(jobs), count
         self._runs, self._seconds = 0, 0.0
 
-    def take(self) -> list[Job]:
-        """Take the next chunk; empty = nothing is left."""
-        size = size_for(self._seconds / self._runs) if self._runs else _FIRST
-        return list(islice(self._jobs, size))
+    def take(self, whole: float = SECONDS, room: int = 1) -> list[Job]:
+        """Take the next chunk; empty = nothing is left.
+
+        Parameters
+        ----------
+        whole : float
+            How long a chunk may take (s), as long as enough runs are left for all.
+        room : int
+            How many chunks there may be at a time.
+        """
+        size = _FIRST
+        if self._runs:
+            each = self._seconds / self._runs
+            size = max(size_for(each), min(size_for(each, whole), self._left // room))
+        chunk = list(islice(self._jobs, size))
+        self._left -= len(chunk)
+        return chunk
 
     def note(self, rows: Sequence[Row]) -> None:
         """Learn from the rows of a chunk how long a run takes."""

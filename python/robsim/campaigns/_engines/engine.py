@@ -50,39 +50,40 @@ def engine_value(executor: Any) -> Engine:
 
 
 def rows_by(
-    engine: Engine, spec: CampaignSpec, jobs: Iterable[Job]
+    engine: Engine, spec: CampaignSpec, jobs: Iterable[Job], count: int
 ) -> Generator[list[Row], None, None]:
-    """Yield the rows of all jobs, in the order in which they are done."""
+    """Yield the rows of so many jobs, in the order in which they are done."""
+    chunks = Chunks(jobs, count)
     if engine is None:
-        return _rows_here(spec, jobs)
+        return _rows_here(spec, chunks)
     if isinstance(engine, int):
-        return _rows_in_processes(spec, jobs, engine)
+        return _rows_in_processes(spec, chunks, engine)
     if isinstance(engine, str):
-        return _rows_in_threads(spec, jobs)
+        return _rows_in_threads(spec, chunks)
     if isinstance(engine, Executor):
-        return rows_of_workers(ExecutorWorkers(spec, engine), jobs)
-    return rows_of_workers(DaskWorkers(spec, engine), jobs)
+        return rows_of_workers(ExecutorWorkers(spec, engine), chunks)
+    return rows_of_workers(DaskWorkers(spec, engine), chunks)
 
 
-def _rows_here(spec: CampaignSpec, jobs: Iterable[Job]) -> Generator[list[Row], None, None]:
-    worker, chunks = Worker(spec), Chunks(jobs)
+def _rows_here(spec: CampaignSpec, chunks: Chunks) -> Generator[list[Row], None, None]:
+    worker = Worker(spec)
     while chunk := chunks.take():
         rows = worker.rows(chunk)
         chunks.note(rows)
         yield rows
 
 
-def _rows_in_threads(spec: CampaignSpec, jobs: Iterable[Job]) -> Generator[list[Row], None, None]:
+def _rows_in_threads(spec: CampaignSpec, chunks: Chunks) -> Generator[list[Row], None, None]:
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     pool = ThreadPoolExecutor(workers)
     try:
-        yield from rows_of_workers(ExecutorWorkers(spec, pool), jobs)
+        yield from rows_of_workers(ExecutorWorkers(spec, pool), chunks)
     finally:
         pool.shutdown(cancel_futures=True)
 
 
 def _rows_in_processes(
-    spec: CampaignSpec, jobs: Iterable[Job], count: int
+    spec: CampaignSpec, chunks: Chunks, count: int
 ) -> Generator[list[Row], None, None]:
     with closing(Processes(spec, count)) as processes:
-        yield from rows_of_workers(processes, jobs)
+        yield from rows_of_workers(processes, chunks)

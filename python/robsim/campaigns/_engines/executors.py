@@ -7,11 +7,15 @@ import time
 from concurrent.futures import Executor, Future
 from typing import Any, Protocol, TypeGuard
 
+from robsim.campaigns._engines.chunks import SECONDS
 from robsim.campaigns._runs import Job, Row, rows_of
 from robsim.campaigns._spec import CampaignSpec
 
 _WORKERS_OF_UNKNOWN = 64  # of an executor that does not say how many it has
 _EACH = 2  # chunks of a worker, so that the next one waits for it
+#: s that a chunk may take, for each worker there is: a chunk takes a client of Dask about a
+#: millisecond, and its scheduler as much, and they are to be busy for a tenth of their time.
+SECONDS_OF_WORKER = 0.025
 _PATIENCE = 1.0  # s for which a cluster is taken to stay as large as it is
 
 
@@ -39,6 +43,10 @@ class ExecutorWorkers:
     def room(self) -> int:
         """Return how many chunks they may have at a time."""
         return _EACH * int(getattr(self._executor, "_max_workers", None) or _WORKERS_OF_UNKNOWN)
+
+    def seconds(self) -> float:
+        """Return how long a chunk may take (s)."""
+        return SECONDS
 
     def submit(self, jobs: list[Job], /) -> Future[list[Row]]:
         """Hand over a chunk."""
@@ -72,6 +80,15 @@ class DaskWorkers(ExecutorWorkers):
         if (now := time.monotonic()) >= self._asked + _PATIENCE:
             self._count, self._asked = sum(self._client.nthreads().values()), now
         return _EACH * max(self._count, 1)
+
+    def seconds(self) -> float:
+        """Return how long a chunk may take (s): longer, where there are more workers."""
+        return seconds_of_chunk(self._count)
+
+
+def seconds_of_chunk(workers: int) -> float:
+    """Return how long a chunk may take (s) that Dask hands to one of so many workers."""
+    return max(SECONDS, SECONDS_OF_WORKER * workers)
 
 
 def is_dask_client(value: Any) -> TypeGuard[DaskClient]:

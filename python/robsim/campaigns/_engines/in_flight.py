@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
+from collections.abc import Generator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Protocol
 
@@ -14,12 +14,21 @@ DIED = "WorkerDied: the worker process ended in this run, whenever it was tried"
 
 
 class Workers(Protocol):
-    """Those who do chunks; `deaths` of a run that is tried alone let it count as failed."""
+    """Those who do chunks.
+
+    Attributes
+    ----------
+    deaths : int
+        Those of a run that is tried alone, before it counts as failed.
+    """
 
     deaths: int
 
     def room(self) -> int:
         """Return how many chunks they may have at a time."""
+
+    def seconds(self) -> float:
+        """Return how long a chunk may take (s)."""
 
     def submit(self, jobs: list[Job], /) -> Future[list[Row]]:
         """Hand over a chunk."""
@@ -28,14 +37,13 @@ class Workers(Protocol):
         """Whether a chunk was lost with its worker, and others go on."""
 
 
-def rows_of_workers(workers: Workers, jobs: Iterable[Job]) -> Generator[list[Row], None, None]:
-    """Yield the rows of all jobs.
+def rows_of_workers(workers: Workers, chunks: Chunks) -> Generator[list[Row], None, None]:
+    """Yield the rows of all chunks.
 
     A worker that dies takes chunks with it that are not to blame. All that are in flight are few;
     the runs of those that are lost are done again one by one, alone. Not by halves: the chunk of a
     run that kills would cost a worker each time.
     """
-    chunks = Chunks(jobs)
     while lost := (yield from _together(workers, chunks)):
         yield from _alone(workers, lost)
 
@@ -46,8 +54,8 @@ def _together(workers: Workers, chunks: Chunks) -> Generator[list[Row], None, li
     lost: list[list[Job]] = []
     try:
         while True:
-            room = workers.room()
-            while not lost and len(flying) < room and (chunk := chunks.take()):
+            room, seconds = workers.room(), workers.seconds()
+            while not lost and len(flying) < room and (chunk := chunks.take(seconds, room)):
                 flying[workers.submit(chunk)] = chunk
             if not flying:
                 return lost

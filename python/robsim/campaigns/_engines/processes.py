@@ -15,6 +15,7 @@ from multiprocessing.connection import wait as wait_for
 
 from robsim._base.text import quoted, said_by
 from robsim.campaigns._choices import Callback, Data, Factory, Folder
+from robsim.campaigns._engines.chunks import SECONDS
 from robsim.campaigns._runs import Job, Row, Worker
 from robsim.campaigns._spec import CampaignSpec
 
@@ -50,6 +51,10 @@ class Processes:
     def room(self) -> int:
         """Return how many chunks they may have at a time."""
         return self._count + 1
+
+    def seconds(self) -> float:
+        """Return how long a chunk may take (s)."""
+        return SECONDS
 
     def is_death(self, error: Exception, /) -> bool:
         """Whether a chunk was lost with its process."""
