@@ -19,14 +19,14 @@ from robsim.simulation import Scenario, Simulation
 _WARM_UP = 20  # steps
 _PATIENT = Limits(call=60, first_call=60, run=1e6, cpu=1e6)
 
-_CODE = {
-    "measure": """
+_MEASURE = """
 import robsim
 
 def measure(step):
     return robsim.locate(step.blobs, step.markers, plane_map=step.frame.plane_map)
-""",
-    "estimate_state": """
+"""
+
+_ESTIMATE = """
 import numpy as np
 import robsim
 
@@ -40,19 +40,20 @@ def estimate_state(step):
         pose = pose + gain @ (step.measurement.pose - pose)
         P = (np.eye(3) - gain) @ P
     return robsim.Estimate(pose, (P + P.T) / 2)
-""",
-    "control": """
+"""
+
+_CONTROL = """
 def control(step):
     return 0.3, 0.3 - 0.1 * (step.k % 20 > 10)
-""",
-}
+"""
 
 
 @dataclass(frozen=True)
 class _Kind:
-    """A kind of runs: the slot of the submission, and the world."""
+    """A kind of runs: the slot of the submission, what fills it, and the world."""
 
     slot: str
+    code: str
     size: int = 480
     noise: float = 0
     measure: bool = True
@@ -66,19 +67,19 @@ class _Kind:
         )
 
     def task(self, isolation: Isolation) -> Task:
-        source = {f"{self.slot}.py": _CODE[self.slot].encode()}
+        source = {f"{self.slot}.py": self.code.encode()}
         files = SubmissionFiles("bench", "folder", "", source, (self.slot,))
         rules = Rules(slots=(self.slot,))
         return Task(submission=files, rules=rules, limits=_PATIENT, isolation=isolation)
 
 
 KINDS = {
-    "1200_gaussian_10": _Kind("measure", 1200, 10),
-    "1200_clean": _Kind("measure", 1200),
-    "480_gaussian_10": _Kind("measure", 480, 10),
-    "480_clean": _Kind("measure", 480),
-    "poses": _Kind("estimate_state", 480, 10),
-    "inputs": _Kind("control", measure=False),
+    "1200_gaussian_10": _Kind("measure", _MEASURE, 1200, 10),
+    "1200_clean": _Kind("measure", _MEASURE, 1200),
+    "480_gaussian_10": _Kind("measure", _MEASURE, 480, 10),
+    "480_clean": _Kind("measure", _MEASURE, 480),
+    "poses": _Kind("estimate_state", _ESTIMATE, 480, 10),
+    "inputs": _Kind("control", _CONTROL, measure=False),
 }
 
 
