@@ -79,7 +79,9 @@ def test_a_run_gives_its_bytes_or_says_what_was_killed(place, rng):
     assert [text for text in said if "SIGKILL" not in text and "killed" not in text] == []
     assert_same_trace(place.outcome(HONEST).trace, first)
     after = place.left()
-    assert {**after, "of zygotes": []} == {**before, "of zygotes": []}
+    assert after["processes"] <= before["processes"]  # one may have been about to end before
+    others = {"of zygotes": [], "processes": 0}
+    assert {**after, **others} == {**before, **others}
 
 
 GRADER = """
