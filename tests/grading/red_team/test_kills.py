@@ -13,7 +13,7 @@ import pytest
 
 from graded import assert_same_trace
 from red_team import HONEST
-from red_team.ground import SCENARIO, ground
+from red_team.ground import SCENARIO, ground, more_left
 from robsim.grading import GradingError
 from robsim.grading._isolation import close_zygotes
 from robsim.grading._isolation._processes import zygotes
@@ -78,10 +78,8 @@ def test_a_run_gives_its_bytes_or_says_what_was_killed(place, rng):
     assert whole > 5
     assert [text for text in said if "SIGKILL" not in text and "killed" not in text] == []
     assert_same_trace(place.outcome(HONEST).trace, first)
-    after = place.left()
-    assert after["processes"] <= before["processes"]  # one may have been about to end before
-    others = {"of zygotes": [], "processes": 0}
-    assert {**after, **others} == {**before, **others}
+    # Those zygotes are others.
+    assert more_left({**before, "of zygotes": []}, {**place.left(), "of zygotes": []}) == {}
 
 
 GRADER = """
