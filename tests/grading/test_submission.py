@@ -204,7 +204,7 @@ def test_the_noise_of_graded_frames_is_not_that_of_the_worlds_seed(tmp_path):
             return step.frame.image[:9, :9].mean() / 100, 0
         """
     watched = submission(tmp_path, control=looks, key=key, frames=True)
-    trace = watched.run(SCENARIO, steps=5)
+    trace = watched.run(SCENARIO, steps=5, test="")
     seed = np.random.SeedSequence(key.world_seed("s", "", 0))
     sim = robsim.Simulation(SCENARIO, seed=seed, control=robsim.Replay(trace.u))
     frames = [sim.step().frame.image for _ in range(5)]
@@ -277,9 +277,10 @@ def test_samples_of_the_truth_are_for_parameter_estimators(tmp_path, identify_fr
     trace = submission(tmp_path, control=TELLS).run(scenario, steps=8, seed=1)
     assert (trace.u[:, 0] > 0).any() == are_given
     scenario = scenario.replace(estimate_parameters=True)
-    if identify_from == "truth":
+    if identify_from == "truth":  # the parameters are given, and not what they come from
         trace = submission(tmp_path, control=TELLS).run(scenario, steps=8, seed=1)
-        assert (trace.u[:, 0] > 0).any()
+        assert (trace.u[:, 0] == 0).all()
+        assert np.isfinite(trace.parameters[-1]).all()
 
 
 def test_one_that_raises_the_errors_of_the_grader_is_told_as_any_other(tmp_path):
@@ -327,7 +328,15 @@ def test_arguments_that_are_wrong_are_named(tmp_path):
     folder = folder_of(tmp_path / "s", control=at_step("pass"))
     for options, name in (
         ({"slots": "contol"}, "slots"),
-        ({"slots": "evaluate_model"}, "slots"),
+        ({"slots": ["evaluate_model", "control"]}, "control and evaluate_model"),
+        ({}, "slots or functions must name"),
+        ({"functions": "control"}, "which is a slot"),
+        ({"functions": "random"}, "a module may have this name"),
+        ({"functions": ["fit", "fit"]}, "each name once"),
+        ({"slots": []}, "slots must name at least one"),
+        ({"functions": 3}, "functions must be names"),
+        ({"functions": "a b"}, "names of functions"),
+        ({"slots": "control", "test": 3}, "test must be a name"),
         ({"slots": "control", "isolation": "full"}, "isolation"),
         ({"slots": "control", "limits": 3}, "limits"),
         ({"slots": "control", "key": "k"}, "key"),

@@ -6,10 +6,11 @@ import textwrap
 import numpy as np
 
 import robsim
-from robsim.grading._graded_run import Task, all_here, graded_run
+from robsim.grading._graded_run import all_here, graded_run
 from robsim.grading._isolation._processes import zygotes
 from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import Rules, read_submission
+from robsim.grading._tasks.task import Task
 
 HONEST = {
     "define_model": """
@@ -87,7 +88,7 @@ def task_of(folder, slots, **options):
 
 def ran(folder, slots, scenario, *, steps=20, seed=1, **options):
     """Run a submission in a worker; return its trace."""
-    return graded_run(task_of(folder, slots, **options), scenario, steps, RunSeeds.of(seed)).trace
+    return graded_run(task_of(folder, slots, **options), scenario, steps, RunSeeds.of(seed)).result
 
 
 def ran_here(folder, slots, scenario, *, steps=20, seed=1, **options):

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from robsim.simulation import FailedCallback
 
 
 class GradingError(Exception):
@@ -64,6 +67,8 @@ class SubmissionError(GradingError):
 
     #: What it had printed when it failed in a run, cut; what cannot be seen stands as escapes.
     output: str = ""
+    #: Its place, as of a callback that fails in one process: in a run of a campaign.
+    callback: FailedCallback
 
 
 class AssignmentError(GradingError):

@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import dataclasses
-import glob
-import importlib.util
-from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from copy import copy
 from typing import Any
 
 from robsim import _core
 from robsim._base.seeds import stream_number
 from robsim._core import RobotModel
-from robsim.grading._errors import AssignmentError, SubmissionError
+from robsim.grading._calls.calling import CallWorker, calling, world_slots
+from robsim.grading._errors import AssignmentError, GradingError, SubmissionError
 from robsim.grading._frame_memory import FrameMemory, has_frame_memory
-from robsim.grading._isolation import Isolation, Limits
 from robsim.grading._robot_half import STAGES, Setup
 from robsim.grading._seeds import RunSeeds
-from robsim.grading._submissions import Rules, SubmissionFiles, loaded_slots
-from robsim.grading._texts import clean_text, error_text
+from robsim.grading._submissions import loaded_slots
+from robsim.grading._tasks.allowed import ESTIMATORS, WORLD_SLOTS
+from robsim.grading._tasks.task import Done, Task, hidden_files
+from robsim.grading._texts import error_text
 from robsim.grading._wire import Ready
-from robsim.grading._worker import Worker
+from robsim.grading._worker import Worker, done
 from robsim.simulation import Scenario, Simulation
 from robsim.simulation._callbacks.errors import callback_of
 from robsim.simulation._slots import SLOTS
@@ -31,34 +30,6 @@ from robsim.simulation._world.world_of_scenario import frame_size
 from robsim.trace import RunInfo, Trace
 
 LARGEST_INPUT = 12.0  # V
-
-
-@dataclass(frozen=True, kw_only=True)
-class Task:
-    """What is the same in all graded runs of a submission.
-
-    Attributes
-    ----------
-    submission : SubmissionFiles
-        What was read of it.
-    rules : Rules
-        What it may fill and import.
-    frames : bool or None
-        Whether it sees the frames; None = if it fills `measure`.
-    limits : Limits
-        What a run may take.
-    isolation : str
-        How its process is shut in.
-    callbacks : mapping of str to callback
-        What the teacher fills other slots with.
-    """
-
-    submission: SubmissionFiles
-    rules: Rules
-    frames: bool | None = None
-    limits: Limits = field(default_factory=Limits)
-    isolation: Isolation = "auto"
-    callbacks: Mapping[str, Any] = field(default_factory=dict)
 
 
 class GradedSimulation(Simulation):
@@ -75,10 +46,8 @@ class GradedSimulation(Simulation):
                 self._set_slot(slot, True)
         self._set_slot("define_model", ready.model)
         set_noise_keys(self, seeds)
-        self._gives_samples = scenario.identify_from != "truth" or (
-            # Of the truth they are for a parameter estimator alone: they tell where the robot goes.
-            "estimate_parameters" in filled or self._callbacks["estimate_parameters"] is True
-        )
+        # Samples of the truth tell where the robot is: they are for an estimator of parameters.
+        self._gives_samples = scenario.identify_from != "truth" or "estimate_parameters" in filled
         self._ask(worker, filled, ready, frames=task.frames)
 
     def _ask(
@@ -113,27 +82,8 @@ class GradedSimulation(Simulation):
         return slot in self._code_there or is_code(self._callbacks[slot])
 
 
-@dataclass(frozen=True)
-class GradedRun:
-    """What came of a run.
-
-    Attributes
-    ----------
-    trace : Trace
-        The run, with the truth.
-    output : str
-        What the submission has printed, cut; what cannot be seen stands as escapes.
-    layers : str
-        What has shut it in, in a line.
-    """
-
-    trace: Trace
-    output: str
-    layers: str
-
-
-def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> GradedRun:
-    """Run a submission.
+def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> Done[Trace]:
+    """Run a submission; return its trace, with the truth.
 
     Raises
     ------
@@ -143,21 +93,13 @@ def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> G
     AssignmentError
         If a callback of the teacher's fails.
     """
+    if task.rules.slots[0] in WORLD_SLOTS:
+        with calling(task) as answering:
+            return done(
+                answering, lambda: _driven(_world_of(answering, task, scenario, seeds), steps)
+            )
     with started(task, scenario, seeds) as worker:
-        try:
-            trace = _driven(asking(worker, task, scenario, seeds), steps)
-        except SubmissionError as error:
-            worker.close()
-            error.output = printed_by(worker)
-            raise
-        worker.end()
-    return GradedRun(trace, printed_by(worker), worker.process.layers.line)
-
-
-def printed_by(worker: Worker) -> str:
-    """Return what a submission has printed, as text that is harmless."""
-    text = worker.process.output
-    return clean_text(text, 2 * len(text) + 100)
+        return done(worker, lambda: _driven(asking(worker, task, scenario, seeds), steps))
 
 
 @contextmanager
@@ -172,7 +114,7 @@ def started(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Worker]
         worker = Worker(
             _setup(task, scenario, seeds),
             memory=memory,
-            limits=task.limits,
+            limits=task.limits_of_worker,
             isolation=task.isolation,
             hidden=hidden_files(task.rules),
         )
@@ -187,10 +129,20 @@ def asking(worker: Worker, task: Task, scenario: Scenario, seeds: RunSeeds) -> G
     return GradedSimulation(task, scenario, seeds, worker, ready)
 
 
-def _driven(simulation: GradedSimulation, steps: int) -> Trace:
+def _world_of(worker: CallWorker, task: Task, scenario: Scenario, seeds: RunSeeds) -> Simulation:
+    """Return the simulation whose world a worker fills slots of."""
+    callbacks: dict[str, Any] = {**task.callbacks, **world_slots(worker)}
+    simulation = Simulation(_with_model(scenario), seed=seeds.world, **callbacks)
+    set_noise_keys(simulation, seeds)
+    return simulation
+
+
+def _driven(simulation: Simulation, steps: int) -> Trace:
     """Run; say whose fault it is if a callback here fails."""
     try:
         return simulation.run(steps)
+    except GradingError as error:
+        raise copy(error) from None  # without the notes of the loop on a callback here
     except Exception as error:
         failed = callback_of(error)
         if failed is None:
@@ -199,26 +151,6 @@ def _driven(simulation: GradedSimulation, steps: int) -> Trace:
         raise AssignmentError(
             f"a callback of the assignment has failed: {text}", slot=failed.slot, step=failed.k
         ) from error
-
-
-def hidden_files(rules: Rules) -> list[str]:
-    """Return the files and folders of the modules that a submission must not have."""
-    hidden = []
-    for name in rules.masked:
-        with suppress(ImportError, ValueError):
-            found = importlib.util.find_spec(name)
-            if found is not None and found.has_location and found.origin is not None:
-                folders = found.submodule_search_locations
-                hidden += list(folders) if folders else _files_of(found.origin)
-    return hidden
-
-
-def _files_of(source: str) -> list[str]:
-    """Return the file of a module, and those that Python keeps of it compiled, or may."""
-    levels = ("", 1, 2)
-    compiled = [importlib.util.cache_from_source(source, optimization=level) for level in levels]
-    others = Path(compiled[0]).parent.glob(f"{glob.escape(Path(source).stem)}.*.pyc")
-    return [source, *compiled, *map(str, others)]
 
 
 def set_noise_keys(simulation: Simulation, seeds: RunSeeds) -> None:
@@ -260,7 +192,9 @@ def _setup(task: Task, scenario: Scenario, seeds: RunSeeds) -> Setup:
         markers=scenario._marker_layout,
         smoothing=scenario.smoothing,
         model=model,
-        estimates_parameters=given["estimate_parameters"] is True,
+        # Else it is told the parameters: it must not see the samples that they come from.
+        estimates_parameters=given["estimate_parameters"] is True
+        and (scenario.identify_from != "truth" or not ESTIMATORS.isdisjoint(task.rules.slots)),
         controller_seed=stream_number(seeds.robot, "controller"),
     )
 

@@ -3,35 +3,40 @@
 from __future__ import annotations
 
 import dataclasses
-import pickle
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from os import PathLike
-from typing import Any
+from typing import Any, TypeVar
 
-import numpy as np
+from numpy.typing import ArrayLike
 
-from robsim._base.checks import check_bool, check_choice, check_int
+from robsim._base.checks import check_bool, check_choice
+from robsim._base.files import as_path
 from robsim._base.seeds import Seed
-from robsim._base.source_line import SourceLine
 from robsim._base.spelling import check_names
 from robsim._base.text import quoted
 from robsim.campaigns import CampaignResult, campaign
-from robsim.campaigns._choices import FOLDER, WholeRun
+from robsim.campaigns._choices import FOLDER
 from robsim.campaigns._engines.executors import DaskClient
+from robsim.grading._calls.arrays import as_arrays
+from robsim.grading._calls.calling import Shape, called, wanted
 from robsim.grading._errors import SubmissionError
-from robsim.grading._graded_run import GradedRun, Task, graded_run
+from robsim.grading._graded_run import graded_run
 from robsim.grading._isolation import Isolation, Limits
 from robsim.grading._isolation._request import LEVELS
 from robsim.grading._keys import Key
 from robsim.grading._robot_half import ROBOT_SLOTS
-from robsim.grading._seeds import RunSeeds
-from robsim.grading._submissions import Rules, read_submission
-from robsim.simulation import FailedCallback, Scenario
+from robsim.grading._submissions import read_submission
+from robsim.grading._tasks.allowed import check_samples, rules_of
+from robsim.grading._tasks.many_runs import GradedRuns, seeds_of
+from robsim.grading._tasks.task import Done, Task
+from robsim.simulation import Scenario
 from robsim.simulation._callbacks.checks import check_callback
 from robsim.simulation._options import step_count
+from robsim.simulation._slots import SLOTS
 from robsim.trace import Trace
+
+R = TypeVar("R")
 
 
 class Submission:
@@ -43,15 +48,21 @@ class Submission:
     as in one process, byte for byte.
 
     A stage that the submission does not fill is done here, so that nobody can say what it gave.
-    Samples of the truth (`identify_from`) go to it only where parameters are estimated: they tell
-    where the robot is. With ``"measurement"`` they tell what it knows.
+    Samples of the truth (`identify_from`) tell where the robot is: they go to submissions that may
+    fill the parameter estimator, and no other stage; others get the parameters alone.
+
+    A submission may fill slots of the world in place of those of the robot half. Then its process
+    gets what `evaluate_model` and `adjust_background` document, and nothing of the rest.
 
     Parameters
     ----------
     path : path
-        A folder with a file for each slot, one Python file, a notebook, or a zip of these.
+        A folder with a file for each slot or function, one Python file, a notebook, or a zip of
+        these.
     slots : str or sequence of str
-        The slots of the robot half that it may fill.
+        The slots that it may fill: of the robot half, or of the world.
+    functions : str or sequence of str
+        The functions that it may define, for `call`.
     imports : sequence of str, optional
         The modules that it may import. Default: all that there are.
     masked : sequence of str
@@ -61,7 +72,7 @@ class Submission:
     frames : bool, optional
         Whether it sees the frames. Default: if it fills `measure`. Poses are cheaper.
     limits : Limits, optional
-        What a run may take: time, memory, output, files.
+        What it may weigh, and what a run may take: time, memory, output, files.
     isolation : {"auto", "strict", "process", "none"}
         How its process is shut in; see `check_isolation`.
     key : Key, optional
@@ -69,6 +80,9 @@ class Submission:
         secret ones that are forgotten.
     student : str, optional
         The name for the key. Default: that of the file or folder.
+    test : str, optional
+        The name of the test, for the key, of runs that give none. pytest's fixture gives that of
+        the test.
 
     Raises
     ------
@@ -82,7 +96,7 @@ class Submission:
     name : str
         Its name.
     output : str
-        What it has printed in the last run by `run`, cut; what cannot be seen stands as escapes.
+        What it has printed in the last run or call, cut; what cannot be seen stands as escapes.
     isolation_line : str
         What has shut it in then.
 
@@ -96,7 +110,8 @@ class Submission:
         self,
         path: str | PathLike[str],
         *,
-        slots: str | Iterable[str],
+        slots: str | Iterable[str] = (),
+        functions: str | Iterable[str] = (),
         imports: Iterable[str] | None = None,
         masked: Iterable[str] = (),
         frames: bool | None = None,
@@ -104,32 +119,42 @@ class Submission:
         isolation: Isolation = "auto",
         key: Key | None = None,
         student: str | None = None,
+        test: str | None = None,
     ) -> None:
-        rules = _rules(slots, imports, masked)
         if frames is not None:
             check_bool("frames", frames)
         for name, value, kind in (("limits", limits, Limits), ("key", key, Key)):
             if value is not None and not isinstance(value, kind):
                 raise TypeError(f"{name} must be {kind.__name__}, got {quoted(value)}")
         check_choice("isolation", isolation, LEVELS)
+        path = as_path(path)
+        given_student = None if student is None else _name("student", student)
+        self._test = None if test is None else _name("test", test)
+        limits = limits or Limits()
+        rules = rules_of(slots, functions, imports, masked, limits)
         files = read_submission(path, rules)
         self.name = files.name
         self.output = ""
         self.isolation_line = ""
         self._key = key
-        self._student = files.name if student is None else _name("student", student)
+        self._student = files.name if given_student is None else given_student
         self._task = Task(
             submission=files,
             rules=rules,
             frames=frames,
-            limits=limits or Limits(),
+            limits=limits,
             isolation=isolation,
         )
 
     @property
     def slots(self) -> tuple[str, ...]:
         """The slots for which it has something."""
-        return self._task.submission.slots
+        return tuple(name for name in self._task.submission.slots if name in SLOTS)
+
+    @property
+    def functions(self) -> tuple[str, ...]:
+        """The functions of the assignment that it defines."""
+        return tuple(name for name in self._task.submission.slots if name not in SLOTS)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -142,7 +167,7 @@ class Submission:
         *,
         steps: int,
         seed: Seed = None,
-        test: str = "",
+        test: str | None = None,
         number: int = 0,
         **callbacks: Any,
     ) -> Trace:
@@ -158,8 +183,9 @@ class Submission:
             Seed of the run, which is then that of ``Simulation(scenario, seed=seed)``: for public
             tests, as who knows it knows all noise. Default: from the key, by `test` and `number`;
             without a key a secret one.
-        test : str
-            The name of the test, for the key.
+        test : str, optional
+            The name of the test, for the key; each has other worlds. Default: that of the
+            `Submission`, which it must have where it has a key.
         number : int
             The number of the run in the test, for the key.
         **callbacks
@@ -180,22 +206,111 @@ class Submission:
             If one of `callbacks` fails.
         GraderError
             If no process can be started.
+        TypeError, ValueError
+            If an argument is wrong; the message names it. So where `slots` has the parameter
+            estimator beside other stages, and the scenario identifies from the truth.
         """
-        task = self._task_with(callbacks)
+        task = self._task_with(callbacks, scenario)
         n_steps = _checked(scenario, steps)
-        _name("test", test)
-        seeds = _seeds(self._key, self._student, test, number, n_steps, seed)
-        return self._noted(task, scenario, n_steps, seeds).trace
+        test = self._test_of(test, seed)
+        seeds = seeds_of(self._key, self._student, test, number, n_steps, seed)
+        return self._noted(lambda: graded_run(task, scenario, n_steps, seeds))
 
-    def _noted(self, task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> GradedRun:
+    def _noted(self, act: Callable[[], Done[R]]) -> R:
+        """Return what comes of a run or of calls; note what was printed, and what held."""
         self.output = self.isolation_line = ""
         try:
-            result = graded_run(task, scenario, steps, seeds)
+            done = act()
         except SubmissionError as error:
             self.output = error.output
             raise
-        self.output, self.isolation_line = result.output, result.layers
+        self.output, self.isolation_line = done.output, done.layers
+        return done.result
+
+    def call(
+        self,
+        name: str,
+        *arrays: ArrayLike,
+        shape: Shape | list[Shape] | None = None,
+        finite: bool = True,
+    ) -> Any:
+        """Call one of its functions, in a process of its own that is shut in.
+
+        Parameters
+        ----------
+        name : str
+            One of `functions` of the assignment.
+        *arrays : array_like
+            What it gets: at most 16 arrays of up to three axes, of real numbers, as float64, int64
+            or uint8, of 64 MiB in all. Those without an axis it gets as numbers.
+        shape : tuple, or list of tuples, optional
+            What it must return: an array of that shape, None for an axis of any length, as in
+            ``(None, 2)``; or, as a list, a tuple of several arrays. Default: any.
+        finite : bool
+            Whether all numbers must be finite.
+
+        Returns
+        -------
+        array, number, or tuple of these
+            What it returns, with the limits of what it gets; lists of numbers as arrays.
+
+        Raises
+        ------
+        SubmissionError
+            If it has no such function, which fails, takes too long, ends its process, or returns
+            what cannot be; with function and line.
+        GraderError
+            If no process can be started.
+        TypeError, ValueError
+            If an argument is wrong; the message names it.
+
+        Examples
+        --------
+        >>> submission = robsim.grading.Submission("mine", functions="fit")  # doctest: +SKIP
+        >>> theta = submission.call("fit", phi, y, shape=(3, 5))  # doctest: +SKIP
+        """
+        (result,) = self.calls(name, [arrays], shape=shape, finite=finite)
         return result
+
+    def calls(
+        self,
+        name: str,
+        arguments: Iterable[Sequence[ArrayLike]],
+        *,
+        shape: Shape | list[Shape] | None = None,
+        finite: bool = True,
+    ) -> list[Any]:
+        """Call one of its functions many times, one after the other in one process.
+
+        It may remember the calls before. Calls that it must not connect are those of `call`.
+
+        Parameters
+        ----------
+        name, shape, finite
+            As in `call`.
+        arguments : iterable of tuple
+            What each call gets.
+
+        Returns
+        -------
+        list
+            What each call returns.
+
+        Raises
+        ------
+        SubmissionError, GraderError, TypeError, ValueError
+            As in `call`; nothing is returned if one call fails.
+        """
+        if _name("name", name) not in self._task.rules.functions:
+            known = ", ".join(self._task.rules.functions) or "none"
+            raise ValueError(f"name must be one of functions, {known}, got {quoted(name)}")
+        check_bool("finite", finite)
+        result = wanted(shape, finite)
+        given = [as_arrays("argument", each) for each in _listed(arguments)]
+        if name not in self.functions:
+            raise SubmissionError(f"{self.name} has no function {name}", slot=name)
+        task = self._task.only([name])
+        return self._noted(lambda: called(task, name, given, result))
 
     def runs(
         self,
@@ -205,7 +320,7 @@ class Submission:
         steps: int,
         metrics: Iterable[str | Callable[..., Any]] | Mapping[str, Any] | str | Callable[..., Any],
         seed: Seed = None,
-        test: str = "",
+        test: str | None = None,
         executor: int | str | Executor | DaskClient | None = None,
         store: str | PathLike[str] | None = None,
         keep: str = "numbers",
@@ -242,14 +357,14 @@ class Submission:
             If an argument is wrong; the message names it.
         """
         _checked(scenario, steps)
-        _name("test", test)
+        test = self._test_of(test, seed)
         if callbacks is not None and not isinstance(callbacks, Mapping):
             raise TypeError(
                 f"callbacks must be a mapping of slot to callback, got {quoted(callbacks)}"
             )
         key = self._key or (Key.new() if seed is None else None)
-        whole = _GradedRuns(
-            self._task_with(callbacks or {}),
+        whole = GradedRuns(
+            self._task_with(callbacks or {}, scenario),
             None if seed is not None else key,
             self._student,
             test,
@@ -267,58 +382,41 @@ class Submission:
             progress=progress,
         )
 
-    def _task_with(self, callbacks: Mapping[str, Any]) -> Task:
+    def _test_of(self, test: str | None, seed: Seed) -> str:
+        if test is None:
+            test = self._test
+        if test is None and self._key is not None and seed is None:
+            raise ValueError("with a key a run needs the name of its test: test='drives a square'")
+        return "" if test is None else _name("test", test)
+
+    def _task_with(self, callbacks: Mapping[str, Any], scenario: Scenario) -> Task:
         """Return what is run, with callbacks of the teacher's."""
+        slots = self._task.rules.slots
+        if not slots:
+            raise ValueError("slots must have what it may fill in a run: this one has functions")
+        if not self.slots:
+            raise SubmissionError(f"{self.name} fills no slot: it has no {' or '.join(slots)}")
+        check_samples(slots, scenario)
         check_names("the robot half has no slot", callbacks, ROBOT_SLOTS, TypeError)
         for slot, callback in callbacks.items():
             if slot in self._task.rules.slots:
                 raise ValueError(f"{slot} is for the submission to fill: leave it out of slots")
             check_callback(slot, callback)
-        return dataclasses.replace(self._task, callbacks=dict(callbacks))
+        return dataclasses.replace(self._task.only(slots), callbacks=dict(callbacks))
 
     def __repr__(self) -> str:
-        return f"<Submission {quoted(self.name)}: fills {', '.join(self.slots)}>"
+        has = [("fills", self.slots), ("defines", self.functions)]
+        told = "; ".join(f"{verb} {', '.join(names)}" for verb, names in has if names)
+        return f"<Submission {quoted(self.name)}: {told}>"
 
 
-@dataclass(frozen=True)
-class _GradedRuns(WholeRun):
-    """Graded runs as those of a campaign."""
-
-    task: Task
-    key: Key | None
-    student: str
-    test: str
-
-    def trace(
-        self, scenario: Scenario, steps: int, *, seed: np.random.SeedSequence, run: int
-    ) -> Trace:
-        given = seed if self.key is None else None
-        seeds = _seeds(self.key, self.student, self.test, run, steps, given)
-        try:
-            return graded_run(self.task, scenario, steps, seeds).trace
-        except SubmissionError as error:  # a row has the line of a callback
-            if error.slot is not None and error.file is not None:
-                line = SourceLine(error.file, error.line or 1, "")
-                error.callback = FailedCallback(error.slot, error.step, line)  # type: ignore[attr-defined]
-            raise
-
-    @property
-    def content(self) -> bytes:
-        rules, files = self.task.rules.to_dict(), self.task.submission.to_message()
-        return pickle.dumps((rules, self.task.frames, self.student, self.test)) + files
-
-
-def _rules(
-    slots: str | Iterable[str], imports: Iterable[str] | None, masked: Iterable[str]
-) -> Rules:
-    wanted: Any = (slots,) if isinstance(slots, str) else slots
-    rules = Rules(slots=wanted, imports=imports, masked=masked)  # type: ignore[arg-type]
-    if others := [slot for slot in rules.slots if slot not in ROBOT_SLOTS]:
-        raise ValueError(
-            f"slots must be of the robot half, {', '.join(ROBOT_SLOTS)}, got {others[0]}: what "
-            "fills it knows the truth"
-        )
-    return rules
+def _listed(arguments: Any) -> list[Sequence[Any]]:
+    """Return the arguments of calls; raise TypeError if they are none."""
+    listed: list[Any] = list(arguments) if isinstance(arguments, Iterable) else [None]
+    for each in listed:
+        if not isinstance(each, (tuple, list)):
+            raise TypeError(f"arguments must be tuples, one for each call, got {quoted(arguments)}")
+    return listed
 
 
 def _name(argument: str, name: str) -> str:
@@ -331,10 +429,3 @@ def _checked(scenario: Scenario, steps: int) -> int:
     if not isinstance(scenario, Scenario):
         raise TypeError(f"scenario must be a Scenario, got {quoted(scenario)}")
     return step_count(steps)
-
-
-def _seeds(key: Key | None, student: str, test: str, run: int, steps: int, seed: Seed) -> RunSeeds:
-    if seed is not None:
-        return RunSeeds.of(seed)
-    check_int("number", run, minimum=0, maximum=2**62)
-    return RunSeeds.of_key(key or Key.new(), student, test, run, steps)

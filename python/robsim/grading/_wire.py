@@ -29,6 +29,8 @@ class Kind(IntEnum):
     ANSWER = 4  # from it: the same, filled in
     END = 5  # to it: there are no more steps
     ERROR = 6  # from it: an `ErrorText`, in JSON
+    CALL = 7  # to it: the number of a function, and arrays
+    RESULT = 8  # from it: arrays
 
 
 #: Most bytes of a body that comes from a worker.

@@ -5,26 +5,31 @@ from __future__ import annotations
 import pickle
 import socket
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from types import TracebackType
-from typing import NoReturn, Self
+from typing import NoReturn, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robsim._core import RobotModel
+from robsim.grading._calls.answering import CallSetup
 from robsim.grading._errors import GraderError, SubmissionError
 from robsim.grading._frame_memory import FrameMemory
 from robsim.grading._isolation import Isolation, Limits, start_worker
 from robsim.grading._isolation._ending import GRADER_LOST_IT
 from robsim.grading._isolation._limits import as_size
 from robsim.grading._robot_half import ROBOT_SLOTS, Setup, groups_of
-from robsim.grading._texts import ErrorText
+from robsim.grading._tasks.task import Done
+from robsim.grading._texts import ErrorText, clean_text
 from robsim.grading._wire import LIMITS, Channel, Kind, Ready, WireError
 
-_ENTRY = "robsim.grading._robot_half:work"
+R = TypeVar("R")
+
+# The same for all workers, so that they come from one zygote.
+_MODULES = ("numpy", "robsim", "robsim.grading._robot_half", "robsim.grading._calls.answering")
 _ENDING = 0.2  # s that a worker whose run is over has to end by itself
 _DYING = 1.0  # s after its connection is closed, until it is known how it ended
 
@@ -32,10 +37,12 @@ _DYING = 1.0  # s after its connection is closed, until it is known how it ended
 class Worker:
     """The process that has the robot half of one run.
 
+    Subclasses have other code in it, and another conversation.
+
     Parameters
     ----------
-    setup : Setup
-        What the robot half is told.
+    setup : Setup or CallSetup
+        What it is told.
     memory : FrameMemory, optional
         Where it sees frames.
     limits : Limits
@@ -46,9 +53,12 @@ class Worker:
         Files that it must not read.
     """
 
+    _ENTRY = "robsim.grading._robot_half:work"
+    _LIMITS = LIMITS
+
     def __init__(
         self,
-        setup: Setup,
+        setup: Setup | CallSetup,
         *,
         memory: FrameMemory | None,
         limits: Limits,
@@ -64,7 +74,8 @@ class Worker:
         try:
             with theirs:
                 self.process = start_worker(
-                    entry=_ENTRY,
+                    entry=self._ENTRY,
+                    modules=_MODULES,
                     channel=theirs,
                     memory=[] if memory is None else [memory.descriptor],
                     limits=limits,
@@ -74,7 +85,7 @@ class Worker:
         except BaseException:
             ours.close()
             raise
-        self._channel = Channel(ours, LIMITS)
+        self._channel = Channel(ours, self._LIMITS)
 
     def ready(self) -> Ready:
         """Send the submission, wait until it is loaded, and return what it fills.
@@ -84,26 +95,33 @@ class Worker:
         SubmissionError
             If it cannot be loaded, or not in time.
         """
-        patience = self._limits.first_call
-        kind, body = self._asked(Kind.HELLO, pickle.dumps(self._setup), None, patience, (), None)
-        if kind != Kind.READY:
-            self._refuse_kind(kind, body, None, None)
+        setup = self._setup
+        assert isinstance(setup, Setup)
+        body = self._hello()
         try:
             ready = Ready.from_bytes(body, ROBOT_SLOTS)
         except WireError as error:
             self.refuse(None, None, f"the worker has sent {error}")
         except ValueError as error:
             self.refuse("define_model", None, str(error))
-        allowed = {*self._setup.rules.slots}
+        allowed = {*setup.rules.slots}
         if "init_parameter_estimator" in allowed:  # whose updates are this stage
             allowed.add("estimate_parameters")
         if foreign := {*ready.filled, *ready.switched_on} - allowed:
             self.refuse(min(foreign), None, "the submission must not fill this slot")
-        if "define_model" not in ready.filled and not _same(ready.model, self._setup.model):
+        if "define_model" not in ready.filled and not _same(ready.model, setup.model):
             self.refuse("define_model", None, "the submission must not change the model")
-        groups = groups_of(ready.filled, self._setup.on)
+        groups = groups_of(ready.filled, setup.on)
         self._groups = {group[0]: group for group in groups}
         return ready
+
+    def _hello(self) -> bytes:
+        """Send the submission; return what is said when it is loaded."""
+        message = [pickle.dumps(self._setup)]
+        kind, body = self._asked(Kind.HELLO, message, self._limits.first_call, (), None)
+        if kind != Kind.READY:
+            self._refuse_kind(kind, body, None, None)
+        return body
 
     def exchange(
         self, message: bytes, pixels: NDArray[np.uint8] | None, slot: str, k: int
@@ -111,7 +129,10 @@ class Worker:
         """Send a step as far as it is known; return it as the worker has filled it in."""
         group = self._groups.get(slot, (slot,))
         call = self._limits.first_call if k == 0 else self._limits.call
-        kind, body = self._asked(Kind.STEP, message, pixels, call * len(group), group, k)
+        parts: list[bytes | memoryview] = [message]
+        if pixels is not None:
+            parts.append(pixels.data)
+        kind, body = self._asked(Kind.STEP, parts, call * len(group), group, k)
         if kind != Kind.ANSWER:
             self._refuse_kind(kind, body, slot, k)
         return body
@@ -119,8 +140,7 @@ class Worker:
     def _asked(
         self,
         kind: Kind,
-        message: bytes,
-        pixels: NDArray[np.uint8] | None,
+        parts: Sequence[bytes | memoryview],
         seconds: float,
         group: tuple[str, ...],
         k: int | None,
@@ -129,7 +149,6 @@ class Worker:
         slot = group[0] if group else None
         patience = min(seconds, max(self._deadline - time.monotonic(), 1e-3))
         try:
-            parts = (message,) if pixels is None else (message, pixels.data)
             self._channel.send(kind, *parts, patience=patience)
             return self._channel.receive(patience)
         except TimeoutError:
@@ -163,9 +182,9 @@ class Worker:
         if told.type == "MemoryError":
             more = f"it asked for more than {as_size(self._limits.memory)}"
             told = replace(told, message=f"{told.message}: {more}" if told.message else more)
-        if not told.type and k is not None:  # what says all by itself is said before the first step
+        if not told.type and slot is not None:  # what says all by itself is said before that
             told = replace(told, type="Exception")
-        named = told.slot if told.slot in ROBOT_SLOTS else slot
+        named = told.slot if told.slot in (*ROBOT_SLOTS, *self._setup.rules.names) else slot
         step = None if k is None else min(k if told.step is None else told.step, k)
         raise replace(told, slot=named, step=step).as_error() from None
 
@@ -197,6 +216,30 @@ class Worker:
         traceback: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def done(worker: Worker, act: Callable[[], R]) -> Done[R]:
+    """Return what comes of using a worker, and what it has printed until its end.
+
+    Raises
+    ------
+    SubmissionError
+        If it fails; the attribute ``output`` has what it had printed.
+    """
+    try:
+        result = act()
+    except SubmissionError as error:
+        worker.close()
+        error.output = _printed_by(worker)
+        raise
+    worker.end()
+    return Done(result, _printed_by(worker), worker.process.layers.line)
+
+
+def _printed_by(worker: Worker) -> str:
+    """Return what a submission has printed, as text that is harmless."""
+    text = worker.process.output
+    return clean_text(text, 2 * len(text) + 100)
 
 
 def _same(one: RobotModel, other: RobotModel) -> bool:

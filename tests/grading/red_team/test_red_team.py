@@ -6,6 +6,7 @@
 import re
 import sys
 
+import numpy as np
 import pytest
 
 from red_team import ATTACKS, HONEST, LAYERS, PROCESS
@@ -21,6 +22,8 @@ SAMPLE = (
     *("the teacher's files", "results of its own", "os._exit(0)", "a daemon", "sockets"),
     *("an answer to another step", "NaN on the wire", "READY with another model"),
     *("a masked module by its source", "__str__ that exits", "somebody else's fault"),
+    *("objects for numbers", "a huge result", "NaN behind its back", "a pickle for a result"),
+    *("a late result", "a result by a thread"),
 )
 
 #: What may come to something else where the process alone holds it.
@@ -103,9 +106,13 @@ def test_clean_frames_are_seen_where_frames_are_clean(place):
     assert place.outcome(ATTACKS["clean frames in the ring"], clean).reached
 
 
-def test_samples_are_those_of_the_truth_where_parameters_are_identified_from_it(place):
-    open_to_all = SCENARIO.replace(estimate_parameters=True)
-    assert place.outcome(ATTACKS["samples of the truth"], open_to_all).reached
-    closed = open_to_all.replace(identify_from="measurement")
-    trace = place.outcome(HONEST, closed).trace
-    assert trace.info.identify_from == "measurement"
+def test_samples_are_found_where_they_are_not_those_of_the_truth(place):
+    measured = SCENARIO.replace(estimate_parameters=True, identify_from="measurement")
+    assert len(place.outcome(ATTACKS["samples of the truth"], measured).reached) >= 2
+
+
+def test_samples_of_the_truth_are_not_there_where_parameters_are_identified_from_it(place):
+    truth = SCENARIO.replace(estimate_parameters=True)
+    outcome = place.outcome(ATTACKS["samples of the truth"], truth)
+    check_outcome(ATTACKS["samples of the truth"], outcome, shut_in=True)
+    assert np.isfinite(outcome.trace.parameters[-1]).all()

@@ -20,7 +20,8 @@ Not covered by any attack here, nor by the grader:
   marked "not tried";
 - masked modules that robsim itself needs in a worker (evaluation, vision, ...), and masked names:
   code that searches memory finds them; robsim.reference is not among them;
-- samples of the truth, where an assignment lets parameters be identified from the truth;
+- samples of the truth, where an assignment lets a submission identify parameters from the truth:
+  they go to submissions that fill the parameter estimator, and no other stage;
 - public seeds: who knows the seed knows the noise; a copy of somebody else's solution."""
 
 

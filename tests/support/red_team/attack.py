@@ -120,12 +120,12 @@ if "estimate_state" not in globals():
 """
 
 
-def file_of(attack: Attack, places: dict[str, str]) -> str:
+def file_of(attack: Attack, places: dict[str, str], end: str = _END) -> str:
     """Return the submission of an attack; `places`: paths for the names in braces of its code."""
     code = textwrap.dedent(attack.code)
     for name, path in places.items():
         code = code.replace("{" + name + "}", path)
-    return _BEGINNING + code + _END
+    return _BEGINNING + code + end
 
 
 HONEST = Attack(

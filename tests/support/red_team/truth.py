@@ -75,12 +75,13 @@ def cheat(step):
     ),
     Attack(
         "samples of the truth",
-        "adds up the samples that parameter estimators get",
+        "looks for the samples that parameter estimators get, and for what they were given to",
         """
 def cheat(step):
     if step.sample is not None:
         reached("a sample of the truth")
-        poses.append(step.sample.y)
+    if step.estimator is not None and np.any(step.estimator.n_samples):
+        reached("an estimator with samples")
     return None
 """,
     ),

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from robsim._base.checks import check_float, check_int
 from robsim._core import DriveAround
 from robsim.bench._grading.result import GradingBench
-from robsim.grading._graded_run import Task, all_here, asking, graded_run, started
+from robsim.grading._graded_run import all_here, asking, graded_run, started
 from robsim.grading._isolation import Isolation, Limits
 from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import Rules, SubmissionFiles
+from robsim.grading._tasks.task import Task
 from robsim.imaging._noise import GaussianNoise
 from robsim.simulation import Scenario, Simulation
 

@@ -11,7 +11,7 @@ _MI = 1 << 20
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What one run of a submission may take: time, memory, output, files, threads.
+    """What a submission may weigh, and what one run may take: time, memory, output, files, threads.
 
     Parameters
     ----------
@@ -38,6 +38,13 @@ class Limits:
         Open files, with the few that it begins with.
     threads : int, default: 32
         Threads, its first one among them. Kept only where the worker has a user of its own.
+    submission_files : int, default: 100
+        Files that may be handed in.
+    submission_size : int, default: 5 MiB
+        All of them together (bytes), unpacked; of a notebook, with its outputs.
+    submission_file_size : int, default: 1 MiB
+        Each of them (bytes); of a notebook, without its outputs. What is handed in lies in the
+        scratch folder, beside what may be written there.
     """
 
     call: float = 1.0
@@ -50,6 +57,9 @@ class Limits:
     folder_size: int = 64 * _MI
     open_files: int = 64
     threads: int = 32
+    submission_files: int = 100
+    submission_size: int = 5 * _MI
+    submission_file_size: int = _MI
 
     def __post_init__(self) -> None:
         for name in ("call", "first_call", "run", "cpu"):
@@ -60,6 +70,9 @@ class Limits:
         check_int("folder_size", self.folder_size, minimum=0, maximum=1 << 40)
         check_int("open_files", self.open_files, minimum=16, maximum=1 << 16)
         check_int("threads", self.threads, minimum=1, maximum=1 << 12)
+        check_int("submission_files", self.submission_files, minimum=1, maximum=10_000)
+        for name in ("submission_size", "submission_file_size"):
+            check_int(name, getattr(self, name), minimum=1, maximum=128 * _MI)
 
 
 def as_size(count: int) -> str:

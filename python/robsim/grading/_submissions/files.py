@@ -37,7 +37,7 @@ class SubmissionFiles:
     sources : mapping of str to bytes
         The files by their paths in the submission, with ``/``. Of a notebook, code and tags.
     slots : tuple of str
-        The slots for which it has something, out of those that it may fill.
+        The slots and functions for which it has something, out of those that it may have.
     notes : tuple of str
         What was left out, as sentences.
     """

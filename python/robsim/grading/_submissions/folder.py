@@ -27,25 +27,29 @@ _KINDS = {
 }
 
 
+_Where = tuple[str, int | None]
+
+
 @dataclass(frozen=True)
 class _Folder:
     """An open folder: its descriptor, or its path where there are none."""
 
     place: int | str
 
-    def where(self, name: str) -> dict[str, int | str]:
+    def where(self, name: str) -> _Where:
+        """Return a path, and the descriptor of the folder that it begins at."""
         if isinstance(self.place, int):
-            return {"path": name, "dir_fd": self.place}
-        return {"path": os.path.join(self.place, name)}
+            return name, self.place
+        return os.path.join(self.place, name), None
 
 
 @contextmanager
 def _opened_folder(path: str, above: _Folder | None = None) -> Iterator[_Folder]:
-    where = above.where(path) if above else {"path": path}
+    path, start = above.where(path) if above else (path, None)
     if not _BY_DESCRIPTOR:
-        yield _Folder(str(where["path"]))
+        yield _Folder(path)
         return
-    descriptor = os.open(flags=_FLAGS | _SAFE | os.O_DIRECTORY, **where)
+    descriptor = os.open(path, _FLAGS | _SAFE | os.O_DIRECTORY, dir_fd=start)
     try:
         yield _Folder(descriptor)
     finally:
@@ -61,7 +65,7 @@ def kind_of(path: str, whole: str) -> int:
 def read_file(path: str, whole: str, most: int) -> bytes:
     """Return the first `most` bytes of a file that is no link; raise SubmissionError."""
     with _told(whole, whole):
-        return _content({"path": path}, whole, whole, most)
+        return _content((path, None), whole, whole, most)
 
 
 def read_folder(path: str, whole: str, intake: Intake) -> None:
@@ -77,7 +81,7 @@ def _read(folder: _Folder, prefix: str, whole: str, intake: Intake) -> None:
             continue
         with _told(whole, path):
             where = folder.where(name)
-            status = os.stat(follow_symlinks=False, **where)  # type: ignore[arg-type]
+            status = os.stat(where[0], dir_fd=where[1], follow_symlinks=False)
             if _kind(status, whole, path) == stat.S_IFDIR:
                 with _opened_folder(name, folder) as inner:
                     _read(inner, f"{path}/", whole, intake)
@@ -106,8 +110,8 @@ def _kind(status: os.stat_result, whole: str, path: str) -> int:
     return kind
 
 
-def _content(where: dict[str, int | str], whole: str, path: str, most: int) -> bytes:
-    descriptor = os.open(flags=_FLAGS | _SAFE, **where)  # type: ignore[arg-type]
+def _content(where: _Where, whole: str, path: str, most: int) -> bytes:
+    descriptor = os.open(where[0], _FLAGS | _SAFE, dir_fd=where[1])
     with open(descriptor, "rb") as file:
         if _kind(os.fstat(descriptor), whole, path) != stat.S_IFREG:
             raise SubmissionError(f"{whole}: {quoted(path)} changed while it was read", file=path)

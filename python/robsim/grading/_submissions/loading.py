@@ -8,11 +8,13 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
+from importlib import import_module
 from os import PathLike
 from pathlib import Path, PurePosixPath
 from types import ModuleType
 from typing import Any
 
+from robsim._base.text import one_line, quoted
 from robsim.grading._errors import SubmissionError
 from robsim.grading._submissions.files import FILE, FOLDER, SubmissionFiles
 from robsim.grading._submissions.imports import builtins_for, masked
@@ -47,7 +49,8 @@ def load_slots(
     Returns
     -------
     dict of str to callable or bool
-        The callbacks by slot. False = switched off, True = the default stage.
+        The callbacks by slot, and the functions by name. False = switched off, True = the default
+        stage.
 
     Raises
     ------
@@ -84,10 +87,13 @@ def _folder(
     files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]
 ) -> Iterator[Callbacks]:
     with _failing(files.name, None):
-        folder, callbacks = CallbackFolder.of_sources(
-            Path(), where, files.modules, files.slots, own
-        )
+        slots = [slot for slot in files.slots if slot in SLOTS]
+        folder, callbacks = CallbackFolder.of_sources(Path(), where, files.modules, slots, own)
     with folder.importable():
+        for name in files.slots:
+            if name not in SLOTS:  # a module like others, of one file
+                with _failing(f"{name}.py", name):
+                    callbacks[name] = _function(import_module(name), name, f"{name}.py")
         yield callbacks
 
 
@@ -108,8 +114,21 @@ def _module(
         callbacks = {}
         for slot in files.slots:
             with _failing(files.main, slot):
-                callbacks[slot] = callback_of_module(module, slot, Path(files.main))
+                if slot in SLOTS:
+                    callbacks[slot] = callback_of_module(module, slot, Path(files.main))
+                else:
+                    callbacks[slot] = _function(module, slot, files.main)
         yield callbacks
+
+
+def _function(module: ModuleType, name: str, file: str) -> Callable[..., Any]:
+    """Return a function of a module; raise ValueError or TypeError if it is none."""
+    if name not in vars(module):
+        raise ValueError(f"{one_line(file)} must define {name}(...)")
+    function: Callable[..., Any] = vars(module)[name]
+    if not callable(function):
+        raise TypeError(f"{one_line(file)}: {name} must be a function, got {quoted(function)}")
+    return function
 
 
 @contextmanager
@@ -122,7 +141,7 @@ def _removed(name: str) -> Iterator[None]:
 
 def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]) -> ModuleType:
     """Run what counts of a notebook as one module."""
-    notebook = chosen(files.sources[files.main], files.main, rules.slots)
+    notebook = chosen(files.sources[files.main], files.main, rules.names)
     module = ModuleType(module_name(_NOTEBOOK))
     module.__file__ = str(where / files.main)
     vars(module)["__builtins__"] = own

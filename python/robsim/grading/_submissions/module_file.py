@@ -1,4 +1,4 @@
-"""The slots that a single Python file defines, told without running it."""
+"""The slots and functions that a single Python file defines, told without running it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robsim.simulation._slots import SLOTS
 
 
 def slots_of_module(text: str, file: str, slots: tuple[str, ...]) -> tuple[str, ...]:
-    """Return those of some slots that a file defines at its top level.
+    """Return those of some slots and functions that a file defines at its top level.
 
     Raises
     ------
@@ -28,17 +28,22 @@ def slots_of_module(text: str, file: str, slots: tuple[str, ...]) -> tuple[str, 
     return found
 
 
+def _call_of(name: str) -> str:
+    return f"{name}({SLOTS[name].argument if name in SLOTS else '...'})"
+
+
 def no_slot(place: str, defined: set[str], slots: tuple[str, ...]) -> SubmissionError:
-    """Return the error for a file or notebook that fills no slot."""
-    wanted = " or ".join(f"{slot}({SLOTS[slot].argument})" for slot in slots)
+    """Return the error for a file or notebook that has nothing of what it may."""
+    wanted = " or ".join(map(_call_of, slots))
     hints = [
         f"; is {one_line(name)} meant to be {slot}?"
         for name, slot in sorted(misspelled(defined).items())
         if slot in slots
     ]
     first = next(iter(slots))
+    lacks = "fills no slot" if first in SLOTS else "defines no function that is asked for"
     return SubmissionError(
-        f"{place} fills no slot: define {wanted}, or write {first} = ... for an object that can be "
+        f"{place} {lacks}: define {wanted}, or write {first} = ... for an object that can be "
         "called" + "".join(hints[:3]),
         file=place,
     )

@@ -85,10 +85,10 @@ def _arranged(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFil
     top = [path for path in files if "/" not in path]
     python = [path for path in top if path.endswith(".py")]
     notebooks = [path for path in top if path.endswith(".ipynb")]
-    if any(_slot_of(path) in rules.slots for path in python):
+    if any(_slot_of(path, rules) in rules.names for path in python):
         return _of_folder(name, files, rules)
     mains = notebooks or python
-    if len(mains) == 1 and _slot_of(mains[0]) is None:
+    if len(mains) == 1 and _slot_of(mains[0], rules) is None:
         return _of_one_file(name, mains[0], files, rules)
     if len(mains) > 1 and notebooks:
         raise SubmissionError(f"{name} has {len(mains)} notebooks, {listed(mains)}: hand in one")
@@ -104,14 +104,15 @@ def _below_the_top(files: dict[str, bytes]) -> dict[str, bytes]:
     return files
 
 
-def _slot_of(path: str) -> str | None:
-    """Return the slot that a file is named after."""
+def _slot_of(path: str, rules: Rules) -> str | None:
+    """Return the slot, or the function of the assignment, that a file is named after."""
     stem = PurePosixPath(path).stem
-    return stem if stem in SLOTS and path == f"{stem}.py" else None
+    is_one = stem in SLOTS or stem in rules.functions
+    return stem if is_one and path == f"{stem}.py" else None
 
 
 def _nothing(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionError:
-    wanted = " or ".join(f"{slot}.py" for slot in rules.slots)
+    wanted = " or ".join(f"{name}.py" for name in rules.names)
     stems = {PurePosixPath(path).stem: path for path in files if path.endswith((".py", ".ipynb"))}
     hints = [
         f"; is {one_line(stems[stem])} meant to be {slot}.py?"
@@ -123,9 +124,9 @@ def _nothing(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionErro
 
 
 def _of_folder(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:
-    of_slots = {slot: path for path in files if (slot := _slot_of(path))}
-    slots = tuple(slot for slot in rules.slots if slot in of_slots)
-    used = {of_slots[slot] for slot in slots} | _imported_files(files)
+    of_slots = {slot: path for path in files if (slot := _slot_of(path, rules))}
+    slots = tuple(name for name in rules.names if name in of_slots)
+    used = {of_slots[slot] for slot in slots} | _imported_files(files, rules)
     for path in sorted(used):
         check_source(files[path], one_line(path))
     _check_spelling(name, files, used, slots, rules)
@@ -133,7 +134,7 @@ def _of_folder(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFi
     notes = [
         f"{path} is not used: the assignment has no such slot"
         for slot, path in of_slots.items()
-        if slot not in rules.slots
+        if slot not in rules.names
     ]
     return SubmissionFiles(name, FOLDER, "", files, slots, tuple(notes))
 
@@ -143,13 +144,13 @@ def _modules(files: dict[str, bytes]) -> dict[str, bytes]:
     return {path: c for path, c in files.items() if "/" not in path and path.endswith(".py")}
 
 
-def _imported_files(files: dict[str, bytes]) -> set[str]:
+def _imported_files(files: dict[str, bytes], rules: Rules) -> set[str]:
     """Return the Python files that others seem to import."""
     words = {path: imported_words(content) for path, content in _modules(files).items()}
     return {
         path
         for path in words
-        if _slot_of(path) is None
+        if _slot_of(path, rules) is None
         and any(PurePosixPath(path).stem in words[other] for other in words if other != path)
     }
 
@@ -187,13 +188,14 @@ def _check_helpers(name: str, files: dict[str, bytes]) -> None:
 def _of_one_file(name: str, main: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:
     if main.endswith(".ipynb"):
         small = reduced(files[main], main, rules.file_size)
-        notebook = chosen(small, main, rules.slots)
+        notebook = chosen(small, main, rules.names)
         sources = {**files, main: small}
         return SubmissionFiles(name, NOTEBOOK, main, sources, notebook.slots, notebook.notes)
-    if (slot := _slot_of(main)) is not None and slot in rules.slots:
+    slot = _slot_of(main, rules)
+    if slot in rules.slots:
         return _of_folder(name, files, rules)
-    if slot is not None:
+    if slot in SLOTS:
         raise _nothing(name, files, rules)
     check_source(files[main], one_line(main))
-    slots = slots_of_module(decoded(files[main], main), main, rules.slots)
+    slots = slots_of_module(decoded(files[main], main), main, rules.names)
     return SubmissionFiles(name, FILE, main, files, slots)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
@@ -12,6 +13,7 @@ from typing import Any
 from robsim._base.checks import check_int
 from robsim._base.spelling import suggestion
 from robsim._base.text import quoted
+from robsim.simulation._folders.modules import reserved_names
 from robsim.simulation._slots import SLOTS, checked_slots
 
 _MODULE = re.compile(r"[A-Za-z_]\w{0,60}(\.[A-Za-z_]\w{0,60}){0,9}")
@@ -24,7 +26,9 @@ class Rules:
     Parameters
     ----------
     slots : sequence of str
-        The slots that it may fill; at least one of them it must.
+        The slots that it may fill.
+    functions : sequence of str
+        The functions that it may define beside them. One slot or function it must have.
     imports : sequence of str or None
         Top-level modules that it may import beside its own; None = all that the worker has.
     masked : sequence of str
@@ -44,6 +48,7 @@ class Rules:
     """
 
     slots: tuple[str, ...] = tuple(SLOTS)
+    functions: tuple[str, ...] = ()
     imports: tuple[str, ...] | None = None
     masked: tuple[str, ...] = ()
     files: int = 100
@@ -53,7 +58,9 @@ class Rules:
 
     def __post_init__(self) -> None:
         own = object.__setattr__
-        own(self, "slots", checked_slots(self.slots, tuple(SLOTS)))
+        own(self, "functions", _functions(self.functions))
+        if not isinstance(self.slots, tuple) or self.slots:
+            own(self, "slots", checked_slots(self.slots, tuple(SLOTS)))
         if self.imports is not None:
             own(self, "imports", _modules("imports", self.imports))
             if dotted := [name for name in self.imports if "." in name]:
@@ -65,6 +72,18 @@ class Rules:
         check_int("size", self.size, minimum=1, maximum=2**27)
         check_int("file_size", self.file_size, minimum=1, maximum=2**27)
         check_int("ratio", self.ratio, minimum=1, maximum=10_000)
+        if not self.names:
+            raise ValueError("slots or functions must name what a submission may have, got none")
+
+    @classmethod
+    def of(cls, **rules: Any) -> Rules:
+        """Return rules of values whose types are not known; raise what the class raises."""
+        return cls(**rules)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The slots and the functions."""
+        return (*self.slots, *self.functions)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the rules as data that JSON can hold."""
@@ -73,7 +92,23 @@ class Rules:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Rules:
         """Return the rules of `to_dict`; raise what the class raises."""
-        return cls(**data)
+        return cls.of(**data)
+
+
+def _functions(functions: Any) -> tuple[str, ...]:
+    if isinstance(functions, Mapping) or not isinstance(functions, Iterable):
+        raise TypeError(f"functions must be names, such as ['fit'], got {quoted(functions)}")
+    names = (functions,) if isinstance(functions, str) else tuple(functions)
+    for name in names:
+        if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
+            raise ValueError(f"functions must have names of functions, got {quoted(name)}")
+        if name.startswith("_") or reserved_names([name]):
+            raise ValueError(f"functions must not have {name}: a module may have this name")
+        if name in SLOTS:
+            raise ValueError(f"functions must not have {name}, which is a slot: put it into slots")
+    if len(set(names)) < len(names):
+        raise ValueError(f"functions must have each name once, got {', '.join(names)}")
+    return names
 
 
 def _check_there(name: str) -> None:

@@ -6,6 +6,7 @@ import os
 import secrets
 import stat
 import tempfile
+from collections.abc import Iterable
 from contextlib import suppress
 
 _BLOCK = 1 << 16  # bytes: to remove a folder takes milliseconds on some disks
@@ -53,6 +54,11 @@ def exceeds(folder: str, most: int) -> bool:
         except OSError:
             return True
     return False
+
+
+def room_for(sizes: Iterable[int]) -> int:
+    """Return how much `exceeds` counts for files of these sizes (bytes)."""
+    return sum(size + _BLOCK for size in sizes)
 
 
 def remove(folder: str) -> None:

@@ -1,0 +1,1 @@
+"""Calls of functions and world slots: arrays to a worker, arrays back."""

@@ -1,0 +1,226 @@
+"""Functions of a submission are called with arrays: the numbers come, or whose fault it is."""
+
+import re
+
+import numpy as np
+import pytest
+
+import robsim
+from graded import folder_of
+from robsim.grading import Limits, Submission, SubmissionError
+from submissions import notebook
+
+QUICK = Limits(call=0.4, first_call=5.0, run=20.0)
+
+FIT = """
+    import numpy as np
+
+    def line(x, y):
+        slope, offset = np.polyfit(x, y, 1)
+        return np.array([slope, offset])
+
+    def parts(x, scale):
+        return x * scale, len(x), [1, 2, 3], x > 0
+
+    calls = 0
+    def counted():
+        global calls
+        calls += 1
+        print("call", calls)
+        return calls
+    """
+FUNCTIONS = ("line", "parts", "counted")
+
+
+def of(tmp_path, text=FIT, functions=FUNCTIONS, name="mine", **options):
+    folder = folder_of(tmp_path / "s", **{name: text})
+    return Submission(folder, functions=functions, limits=QUICK, **options)
+
+
+def failure(tmp_path, *lines, **options):
+    """The error of a call of a function that does this."""
+    body = "".join(f"        {line}\n" for line in lines)
+    graded = of(
+        tmp_path, f"    import os, time\n    import numpy as np\n    def f(x):\n{body}", "f"
+    )
+    with pytest.raises(SubmissionError) as failed:
+        graded.call("f", [1.0, 2.0], **options)
+    assert failed.value.slot == "f"
+    return failed.value
+
+
+def test_a_function_gets_arrays_and_returns_some(tmp_path):
+    graded = of(tmp_path)
+    assert (graded.functions, graded.slots) == (FUNCTIONS, ())
+    x = np.linspace(0, 1, 50)
+    np.testing.assert_allclose(graded.call("line", x, 3 * x + 2, shape=(2,)), [3, 2])
+    scaled, length, numbers, signs = graded.call("parts", x - 0.5, 2)
+    np.testing.assert_array_equal(scaled, 2 * x - 1)
+    assert (length, type(length)) == (50, np.int64)
+    assert numbers.tolist() == [1, 2, 3]
+    assert signs.tolist() == (x > 0.5).astype(int).tolist()
+    assert "isolation" in graded.isolation_line
+
+
+def test_what_is_called_computes_as_here(tmp_path, rng):
+    """The parameters of a batch, byte for byte: numbers are not changed on their way."""
+    text = """
+        import robsim
+        def fit(phi, y):
+            theta, errors = [], []
+            for row in range(3):
+                result = robsim.identification.least_squares(phi[row], y[row])
+                theta.append(result.theta)
+                errors.append(result.standard_errors)
+            return theta, errors
+        """
+    phi, y = rng.normal(size=(3, 40, 5)), rng.normal(size=(3, 40))
+    theta, errors = of(tmp_path, text, "fit").call("fit", phi, y, shape=[(3, 5), (3, 5)])
+    for row in range(3):
+        here = robsim.identification.least_squares(phi[row], y[row])
+        assert theta[row].tobytes() == here.theta.tobytes()
+        assert errors[row].tobytes() == here.standard_errors.tobytes()
+
+
+def test_calls_in_one_go_share_a_process_and_single_ones_do_not(tmp_path):
+    graded = of(tmp_path)
+    assert graded.calls("counted", [()] * 3) == [1, 2, 3]
+    assert graded.output == "call 1\ncall 2\ncall 3\n"
+    assert [graded.call("counted") for _ in range(2)] == [1, 1]
+    assert graded.calls("counted", []) == []
+
+
+@pytest.mark.parametrize("kind", ["one file", "file named after it", "folder", "notebook"])
+def test_each_kind_of_submission_can_have_functions(tmp_path, kind):
+    text = "import helper\ndef f(x): return helper.twice(x)\n"
+    helper = "def twice(x): return 2 * x\n"
+    folder = tmp_path / "s"
+    if kind == "notebook":
+        folder = notebook(tmp_path / "s.ipynb", helper, "def f(x): return twice(x)", "1 / 0")
+    elif kind == "one file":
+        folder = tmp_path / "s.py"
+        folder.write_text(helper + "def f(x): return twice(x)\n")
+    elif kind == "file named after it":
+        folder = tmp_path / "f.py"
+        folder.write_text(helper + "def f(x): return twice(x)\ndef g(x): return -x\n")
+    else:
+        folder_of(folder, f=text, helper=helper)
+    functions = ("f", "g") if "named" in kind else "f"
+    graded = Submission(folder, functions=functions)
+    assert graded.call("f", [1, 2]).tolist() == [2, 4]
+    if "named" in kind:
+        assert graded.call("g", 3) == -3
+
+
+def test_slots_and_functions_stand_beside_each_other_and_only_what_is_used_is_loaded(tmp_path):
+    folder = folder_of(
+        tmp_path / "s",
+        control="def control(step): return 0.1, 0.2",
+        fit="1 / 0\ndef fit(x): return x",
+    )
+    graded = Submission(folder, slots="control", functions=("fit", "other"))
+    assert (graded.slots, graded.functions) == (("control",), ("fit",))
+    assert repr(graded) == "<Submission 's': fills control; defines fit>"
+    assert (graded.run(robsim.Scenario(), steps=3, seed=1).u == [0.1, 0.2]).all()
+    with pytest.raises(SubmissionError, match=r"fit.py, line 1: ZeroDivisionError"):
+        graded.call("fit", 1)
+    with pytest.raises(SubmissionError, match="s has no function other"):
+        graded.call("other", 1)
+    with pytest.raises(
+        ValueError, match="name must be one of functions, fit, other, got 'control'"
+    ):
+        graded.call("control", 1)
+
+
+@pytest.mark.parametrize(
+    ("line", "message", "number"),
+    [
+        ("return x[7]", r"^f, mine.py, line 4: IndexError", 4),
+        ("return None", "TypeError: the result must be an array of real numbers, got None$", None),
+        ("return 'a'", "real numbers, got 'a'$", None),
+        ("return x * np.nan", "^f: the result must be all finite$", None),
+        ("return np.zeros((2, 2, 2, 2))", "at most 3 axes, got 4$", None),
+        ("return (0,) * 17", "there may be 16 results, got 17$", None),
+        ("return np.zeros(10**7)", "the results may have 64 MiB in all, got 76 MiB$", None),
+        ("return np.zeros(10**9)", "it asked for more than 1 GiB$", 4),
+        ("raise SystemExit(0)", "line 4: SystemExit: 0$", 4),
+        ("os._exit(0)", r"^f: the worker ended by itself \(exit code 0\)$", None),
+        ("return x.undefined", "^f, mine.py, line 4: AttributeError", 4),
+    ],
+)
+def test_what_goes_wrong_is_told_with_function_and_line(tmp_path, line, message, number):
+    error = failure(tmp_path, line)
+    assert re.search(message, str(error)), str(error)
+    assert error.line == number
+
+
+def test_each_call_has_its_time_and_the_first_one_more(tmp_path):
+    text = "import time\ndef f(seconds):\n    time.sleep(seconds)\n    return 0\n"
+    graded = of(tmp_path, text, "f")
+    assert graded.calls("f", [(0.6,), (0.0,)]) == [0, 0]
+    with pytest.raises(SubmissionError, match=r"^f took longer than 0.4 s \(in call 2 of 3\)$"):
+        graded.calls("f", [(0.0,), (9.0,), (0.0,)])
+
+
+def test_a_result_of_another_shape_is_refused(tmp_path):
+    for shape, told in (
+        ((3,), r"must be an array of shape \(3,\), got \(2,\)"),
+        ((2, 1), r"got \(2,\)"),
+        ([(2,), (2,)], "must be 2 arrays, got 1"),
+        ((None, None), r"shape \(any, any\)"),
+    ):
+        assert re.search(told, str(failure(tmp_path, "return x", shape=shape)))
+    assert of(tmp_path, "def f(x): return x * float('nan')", "f").call(
+        "f", [1.0], shape=(None,), finite=False
+    ).shape == (1,)
+
+
+def test_wrong_arguments_are_named(tmp_path):
+    graded = of(tmp_path)
+    for arguments, options, told in (
+        (("a",), {}, "the argument must be an array of real numbers"),
+        ((1, None), {}, "argument 2 must be"),
+        ((1,), {"shape": 3}, "shape must be a tuple"),
+        ((1,), {"shape": ("a",)}, "shape must have lengths"),
+        ((1,), {"finite": 1}, "finite"),
+    ):
+        with pytest.raises((TypeError, ValueError), match=told):
+            graded.call("line", *arguments, **options)
+    with pytest.raises(ValueError, match="slots must have what it may fill"):
+        graded.run(robsim.Scenario(), steps=1)
+
+
+def test_a_submission_without_what_is_wanted_says_so(tmp_path):
+    for files, told in (
+        (
+            {"lines": "def f(x): return x"},
+            r"lines.py defines no function .*: define line\(\.\.\.\)",
+        ),
+        ({"a": "def f(x): return x", "b": ""}, "s has no line.py: it has"),
+        (
+            {"line": "def lines(x): return x"},
+            r"line.py (must|.*:) define line\(\.\.\.\)",
+        ),
+    ):
+        folder = tmp_path / next(iter(files)) / "s"
+        folder.parent.mkdir()
+        folder_of(folder, **files)
+        with pytest.raises(SubmissionError, match=told):
+            Submission(folder, functions="line").call("line", 1)
+
+
+def test_large_tables_can_be_handed_in_where_the_teacher_lets_them(tmp_path):
+    text = """
+        import numpy as np
+        def f():
+            return np.load("table.npy").sum()
+        """
+    folder = folder_of(tmp_path / "s", f=text)
+    np.save(folder / "table.npy", np.ones(500_000))
+    with pytest.raises(SubmissionError, match="has more than 1 MiB"):
+        Submission(folder, functions="f")
+    limits = Limits(submission_file_size=5 << 20, file_size=1000)
+    assert Submission(folder, functions="f", limits=limits).call("f") == 500_000
+    few = Limits(submission_file_size=5 << 20, submission_files=1)
+    with pytest.raises(SubmissionError, match="more than 1 files"):
+        Submission(folder, functions="f", limits=few)
