@@ -10,6 +10,7 @@ from robsim.grading._isolation import (
 )
 from robsim.grading._keys import Key
 from robsim.grading._submission import Submission
+from robsim.grading._texts import clean_text, fenced
 
 __all__ = [
     "AssignmentError",
@@ -22,6 +23,8 @@ __all__ = [
     "Submission",
     "SubmissionError",
     "check_isolation",
+    "clean_text",
+    "fenced",
 ]
 
 _present(globals())

@@ -21,7 +21,7 @@ from robsim.grading._keys import Key
 from robsim.grading._submission import Submission
 
 _OPTION = "--robsim-submission"
-_OPTIONS = ("slots", "imports", "masked", "frames", "limits")  # of the marker
+_OPTIONS = ("slots", "functions", "imports", "masked", "frames", "limits")  # of the marker
 _NOT_STRICT, _NO_WORKER = 3, 2  # exit statuses, as of ``robsim grade``
 _WHOSE = "robsim_whose"  # of a report
 # What a submission does is a failed test, what others do an error.
@@ -76,13 +76,19 @@ class Grading:
                 raise AssignmentError('robsim_submission: give options by name: slots="control"')
             check_names("robsim_submission has no option", marker.kwargs, _OPTIONS, AssignmentError)
             rules |= marker.kwargs
-        if "slots" not in rules:
+        if not rules.keys() & {"slots", "functions"}:
             raise AssignmentError(
                 "which slots may the submission fill? In the tests: pytestmark = "
                 'pytest.mark.robsim_submission(slots="control"), or --robsim-slots control'
             )
         try:
-            return Submission(self._path, isolation=self._isolation, key=self._key, **rules)
+            return Submission(
+                self._path,
+                isolation=self._isolation,
+                key=self._key,
+                test=f"{item.path.stem}::{item.nodeid.partition('::')[2]}",
+                **rules,
+            )
         except (TypeError, ValueError) as error:
             raise AssignmentError(f"robsim_submission: {error}") from None
 

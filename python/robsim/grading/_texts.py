@@ -72,9 +72,20 @@ def clean_line(text: object, most: int = MOST_LINE) -> str:
     return line if len(line) <= most else line[: max(most - len(_CUT), 0)] + _CUT
 
 
-def fenced(text: object, most: int = MOST_TEXT) -> str:
-    """Return a text as a block of Markdown that it cannot end by itself."""
-    clean = _cleaned(text, most)
+def fenced(text: str, most: int = MOST_TEXT) -> str:
+    """Return a text of a student's, cleaned, as a block of Markdown that it cannot end by itself.
+
+    Parameters
+    ----------
+    text, most
+        As for `clean_text`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is wrong; the message names it.
+    """
+    clean = clean_text(text, most)
     longest = max((len(run) for run in re.findall(r"`+", clean)), default=0)
     fence = "`" * max(3, longest + 1)
     return f"{fence}text\n{clean}\n{fence}"

@@ -80,3 +80,49 @@ def test_a_link_in_the_place_of_the_folder_is_not_followed(tmp_path):
     link.symlink_to(kept)
     scratch.remove(str(link))
     assert kept.exists()
+
+
+def left_in(folder):
+    scratch.remove_leftovers(str(folder))
+    return sorted(os.listdir(folder))
+
+
+def test_what_nobody_holds_is_removed_and_nothing_else(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    mine, gone = scratch.Base(), scratch.Base()
+    scratch.make_scratch(gone.path, None)
+    gone.let_go()  # as the end of a process does
+    (tmp_path / "robsim-grading").mkdir()
+    (tmp_path / "others").mkdir()
+    (tmp_path / "others" / "file").write_text("kept")
+    (tmp_path / "robsim-grading-link").symlink_to(tmp_path / "others")
+    (tmp_path / "robsim-grading-file").write_text("kept")
+    kept = ["others", "robsim-grading", "robsim-grading-file", "robsim-grading-link"]
+    assert left_in(tmp_path) == sorted([*kept, os.path.basename(mine.path)])
+    assert os.listdir(tmp_path / "others") == ["file"]
+    mine.remove()
+    mine.remove()
+    assert left_in(tmp_path) == kept
+
+
+def test_a_folder_of_another_user_is_kept(tmp_path, monkeypatch):
+    (tmp_path / "robsim-grading-x").mkdir()
+    monkeypatch.setattr(os, "geteuid", lambda: os.stat(tmp_path).st_uid + 1)
+    assert left_in(tmp_path) == ["robsim-grading-x"]
+
+
+def test_a_folder_that_is_removed_before_it_is_held_is_made_anew(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    held, tries = scratch.held, []
+
+    def slow(base):
+        tries.append(base)
+        if len(tries) == 1:
+            assert left_in(tmp_path) == []
+        return held(base)
+
+    monkeypatch.setattr(scratch, "held", slow)
+    base = scratch.Base()
+    assert len(tries) == 2
+    assert os.listdir(tmp_path) == [os.path.basename(base.path)]
+    base.remove()

@@ -96,6 +96,33 @@ with ground(Path(sys.argv[1])) as place:
 """
 
 
+def test_what_grader_and_zygote_leave_that_are_killed_together_the_next_grader_removes(tmp_path):
+    support = str(Path(__file__).parents[2] / "support")
+    scratch, folder = tmp_path / "scratch", tmp_path / "class"
+    scratch.mkdir()
+    folder.mkdir()
+    environment = {**os.environ, "PYTHONPATH": support, "TMPDIR": str(scratch)}
+    left = []
+    for _ in range(2):
+        command = [sys.executable, "-c", GRADER, str(folder)]
+        with subprocess.Popen(
+            command, stdout=subprocess.PIPE, text=True, env=environment
+        ) as grader:
+            zygote, base = grader.stdout.readline().split()
+            assert os.listdir(scratch) == [os.path.basename(base)]
+            assert base not in left
+            processes = [*children_of(int(zygote)), int(zygote), grader.pid]
+            os.kill(int(zygote), signal.SIGSTOP)
+            grader.kill()
+            os.kill(int(zygote), signal.SIGKILL)
+        left.append(base)
+        deadline = time.monotonic() + 30
+        while not all(map(gone, processes)):
+            assert time.monotonic() < deadline, processes
+            time.sleep(0.02)
+    assert os.path.exists(left[-1])
+
+
 def test_a_grader_that_is_killed_at_any_moment_leaves_nothing(tmp_path, rng):
     support = str(Path(__file__).parents[2] / "support")
     command = [sys.executable, "-c", GRADER, str(tmp_path)]

@@ -27,11 +27,11 @@ def fresh_worker(
     """Start a worker as a process of its own, which imports what it needs."""
     if sys.platform == "win32":
         raise GraderError("submissions can be run on Linux and macOS; on Windows, in WSL")
-    base = scratch.make_base()
+    base = scratch.Base()
     ours, theirs = socket.socketpair()
     reading, writing = os.pipe()
     try:
-        folder = scratch.make_scratch(base, None)
+        folder = scratch.make_scratch(base.path, None)
         given = [descriptors[0], writing, theirs.fileno(), *descriptors[1:]]
         message = {
             "request": request.to_message(),
@@ -40,12 +40,12 @@ def fresh_worker(
             "descriptors": given,
             "scratch": folder,
         }
-        process = _started(message, given, base)
+        process = _started(message, given, base.path)
     except BaseException:
         ours.close()
         theirs.close()
         os.close(reading)
-        scratch.remove(base)
+        base.remove()
         raise
     finally:
         os.close(writing)
@@ -75,7 +75,9 @@ def _started(
 class _Keeper:
     """Two threads of the grader's that are to one worker what a zygote is to all."""
 
-    def __init__(self, process: subprocess.Popen[bytes], life: socket.socket, base: str) -> None:
+    def __init__(
+        self, process: subprocess.Popen[bytes], life: socket.socket, base: scratch.Base
+    ) -> None:
         self._process = process
         self._life = life
         self._base = base
@@ -104,12 +106,12 @@ class _Keeper:
             _, status, usage = os.wait4(self._process.pid, 0)
             self._over = True
         self._process.returncode = os.waitstatus_to_exitcode(status)
-        scratch.remove(self._base)
+        self._base.remove()
         ending = {
             "status": status,
             "cpu": usage.ru_utime + usage.ru_stime,
             "max_rss": usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024),
-            "left": [f"folder {self._base}"] if os.path.lexists(self._base) else [],
+            "left": [f"folder {self._base.path}"] if os.path.lexists(self._base.path) else [],
         }
         with suppress(OSError):
             self._life.sendall(json.dumps(ending).encode() + b"\n")

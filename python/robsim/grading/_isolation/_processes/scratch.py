@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import secrets
 import stat
@@ -9,16 +10,85 @@ import tempfile
 from collections.abc import Iterable
 from contextlib import suppress
 
+_PREFIX = "robsim-grading-"
 _BLOCK = 1 << 16  # bytes: to remove a folder takes milliseconds on some disks
 _DEEPEST = 100  # folders in folders
-_FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
+_FLAGS = ("O_DIRECTORY", "O_NOFOLLOW", "O_CLOEXEC")  # not on Windows, which has no workers
+_FOLDER = os.O_RDONLY | sum(getattr(os, name, 0) for name in _FLAGS)
 
 
-def make_base() -> str:
-    """Make the folder of a grader's scratch folders: others may pass through, not list it."""
-    base = tempfile.mkdtemp(prefix="robsim-grading-")
-    os.chmod(base, 0o711)
-    return base
+class Base:
+    """The folder of a grader's scratch folders: others may pass through, not list it.
+
+    Whoever uses it holds a lock on it, which ends with his process. What nobody holds was left by
+    a grader that was killed, and is removed by the next one that makes its own.
+    """
+
+    _lock: int | None = None
+
+    def __init__(self) -> None:
+        _remove_leftovers()
+        while True:
+            self.path = tempfile.mkdtemp(prefix=_PREFIX)
+            os.chmod(self.path, 0o711)
+            try:
+                self._lock = held(self.path)
+            except FileNotFoundError:  # taken for a leftover, before it was held
+                continue
+            return
+
+    def let_go(self) -> None:
+        """Leave it to others, as a forked process does."""
+        if self._lock is not None:
+            os.close(self._lock)
+        self._lock = None
+
+    def remove(self) -> None:
+        """Remove it with all that is in it."""
+        remove(self.path)
+        self.let_go()
+
+
+def held(base: str) -> int:
+    """Return a descriptor of a folder that nobody removes as long as it is open.
+
+    FileNotFoundError if it is just being removed.
+    """
+    import fcntl
+
+    lock = os.open(base, _FOLDER)
+    fcntl.flock(lock, fcntl.LOCK_SH)
+    if not os.path.lexists(base):
+        os.close(lock)
+        raise FileNotFoundError(base)
+    return lock
+
+
+@functools.cache
+def _remove_leftovers() -> None:
+    """Remove what graders of the same user have left that are gone; once in a process."""
+    remove_leftovers(tempfile.gettempdir())
+
+
+def remove_leftovers(folder: str) -> None:
+    """Remove the bases in a folder that are this user's, and that nobody holds."""
+    with suppress(OSError):
+        for name in os.listdir(folder):
+            if name.startswith(_PREFIX):
+                with suppress(OSError):  # another's, or held
+                    _remove_if_left(os.path.join(folder, name))
+
+
+def _remove_if_left(base: str) -> None:
+    import fcntl
+
+    lock = os.open(base, _FOLDER)
+    try:
+        if os.fstat(lock).st_uid == os.geteuid():
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            remove(base)
+    finally:
+        os.close(lock)
 
 
 def make_scratch(base: str, user: int | None) -> str:

@@ -232,6 +232,7 @@ def main(descriptor: int) -> None:
     control = socket.socket(fileno=descriptor)
     setup = json.loads(control.recv(LONGEST))
     base = setup["base"]
+    lock = scratch.held(base)
     try:
         try:
             zygote = _prepared(control, setup)
@@ -243,6 +244,7 @@ def main(descriptor: int) -> None:
         zygote.serve()
     finally:
         scratch.remove(base)
+        os.close(lock)
 
 
 def _prepared(control: socket.socket, setup: dict[str, object]) -> Zygote:

@@ -35,7 +35,8 @@ class ZygoteProcess:
     """A zygote, as the grader sees it."""
 
     def __init__(self, setup: ZygoteSetup) -> None:
-        self.base = scratch.make_base()
+        self._base = scratch.Base()
+        self.base = self._base.path
         try:
             self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             with theirs:
@@ -102,6 +103,7 @@ class ZygoteProcess:
     def let_go(self) -> None:
         """Forget it, in a forked process."""
         self._control.close()
+        self._base.let_go()
 
     def close(self) -> None:
         """End it, its workers, and all their folders."""
@@ -113,7 +115,7 @@ class ZygoteProcess:
             except subprocess.TimeoutExpired:
                 self._process.kill()
                 self._process.wait()
-        scratch.remove(self.base)
+        self._base.remove()
 
 
 def _started(descriptor: int, base: str) -> subprocess.Popen[bytes]:
