@@ -221,7 +221,7 @@ cheat = honest
         "closes its wire",
         "shuts its side, and goes on",
         speech("one.shutdown(socket.SHUT_RDWR)", "time.sleep(600)"),
-        says="closed its connection|took longer|ended",
+        says="closed its connection|ended",
     ),
     Attack(
         "reads its own questions",

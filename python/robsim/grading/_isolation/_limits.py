@@ -29,10 +29,12 @@ class Limits:
     output : int, default: 64 KiB
         What is kept of the text that it prints (bytes); the rest is read and dropped.
     file_size : int, default: 1 MiB
-        The largest file that it may write (bytes), in its scratch folder.
+        The largest file that it may write (bytes), in its scratch folder, or the largest that was
+        handed in.
     folder_size : int, default: 64 MiB
-        All its files together (bytes), each counted with at least 64 KiB; folders lie within one
-        another 100 deep at most. Looked after four times a second, so that more may be there for a
+        All its files together (bytes), each counted with at least 64 KiB, with those that were
+        handed in, of which it has room for twice as many; folders lie within one another 100 deep
+        at most. Looked after four times a second, so that more may be there for a
         moment.
     open_files : int, default: 64
         Open files, with the few that it begins with.
@@ -43,8 +45,8 @@ class Limits:
     submission_size : int, default: 5 MiB
         All of them together (bytes), unpacked; of a notebook, with its outputs.
     submission_file_size : int, default: 1 MiB
-        Each of them (bytes); of a notebook, without its outputs. What is handed in lies in the
-        scratch folder, beside what may be written there.
+        Each of them (bytes); of a notebook, without its outputs. They are written to the scratch
+        folder, whatever `file_size` is.
     """
 
     call: float = 1.0

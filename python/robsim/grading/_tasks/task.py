@@ -88,7 +88,7 @@ class Task:
         return dataclasses.replace(
             self.limits,
             file_size=max(self.limits.file_size, *sizes),
-            folder_size=self.limits.folder_size + room_for(sizes),
+            folder_size=max(self.limits.folder_size, 2 * room_for(sizes)),
         )
 
 
