@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
@@ -205,7 +206,9 @@ def grading(folder, arguments=(), **options):
 def item(*markers):
     """A test with these options in its markers, the nearest first."""
     return SimpleNamespace(
-        iter_markers=lambda name: [SimpleNamespace(args=(), kwargs=given) for given in markers]
+        path=Path("tests/grade.py"),
+        nodeid="tests/grade.py::test_it",
+        iter_markers=lambda name: [SimpleNamespace(args=(), kwargs=given) for given in markers],
     )
 
 
@@ -272,3 +275,38 @@ def test_without_isolation_nothing_is_run(class_room, monkeypatch, error, status
     with pytest.raises(pytest.exit.Exception, match="strict: no") as ended:
         plugin.pytest_sessionstart(SimpleNamespace(config=SimpleNamespace()))
     assert ended.value.returncode == status
+
+
+FUNCTIONS = """
+import pytest, robsim
+
+pytestmark = pytest.mark.robsim_submission(slots="control", functions="double")
+SCENARIO = robsim.Scenario(resolution=(100, 100), start="random")
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_double(submission, number):
+    assert submission.call("double", [number]) == [2 * number]
+    trace = submission.run(SCENARIO, steps=1)
+    with open("starts", "a") as file:
+        print(trace.pose_true[0].tolist(), file=file)
+
+@pytest.mark.robsim_submission(slots=(), functions="double")
+def test_function_alone(submission):
+    assert submission.functions == ("double",)
+"""
+
+
+def test_functions_are_called_and_each_test_has_worlds_of_its_own(tmp_path):
+    folder_of(
+        tmp_path / "mine",
+        control="def control(step): return 0, 0",
+        double="def double(x): return 2 * x",
+    )
+    (tmp_path / "grade.py").write_text(FUNCTIONS)
+    Key(bytes(range(32))).write(tmp_path / "key")
+    for _ in range(2):
+        run = graded(tmp_path, "--robsim-submission=mine", "--robsim-key=key", "grade.py")
+        assert run.returncode == 0, run.stdout
+    one, two, *again = (tmp_path / "starts").read_text().splitlines()
+    assert one != two
+    assert again == [one, two]

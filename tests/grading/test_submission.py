@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import robsim
-from graded import assert_same_trace, folder_of
+from graded import HONEST, assert_same_trace, folder_of, ran_here
 from robsim.grading import (
     AssignmentError,
     Key,
@@ -389,3 +389,44 @@ def test_hundreds_of_runs_leave_nothing_behind(tmp_path):
     after = held()
     assert after[0] < before[0] + 20, (before, after)
     assert after[1:] == before[1:]
+
+
+def test_a_key_asks_for_the_name_of_a_test(tmp_path):
+    keyed = submission(tmp_path, control=at_step("pass"), key=Key(bytes(32)))
+    with pytest.raises(ValueError, match="with a key a run needs the name of its test"):
+        keyed.run(SCENARIO, steps=1)
+    with pytest.raises(ValueError, match="with a key a run needs"):
+        keyed.runs(SCENARIO, runs=1, steps=1, metrics="tracking")
+    assert len(keyed.run(SCENARIO, steps=1, seed=1)) == 1
+    named = submission(tmp_path, control=at_step("pass"), key=Key(bytes(32)), test="t")
+    assert_same_trace(named.run(SCENARIO, steps=2), keyed.run(SCENARIO, steps=2, test="t"))
+
+
+@pytest.mark.parametrize("estimator", ["init_parameter_estimator", "estimate_parameters"])
+def test_an_estimator_beside_a_stage_that_must_not_have_the_truth_is_refused(tmp_path, estimator):
+    both = submission(tmp_path, slots=[estimator, "control"], control=at_step("pass"))
+    with pytest.raises(ValueError, match=f"slots has {estimator} and control, and identify_from"):
+        both.run(SCENARIO, steps=3)
+    assert len(both.run(SCENARIO.replace(identify_from="measurement"), steps=3, seed=1)) == 3
+    alone = folder_of(tmp_path / "alone", **{estimator: HONEST[estimator]})
+    graded = Submission(alone, slots=["define_model", estimator])
+    scenario = SCENARIO.replace(estimate_parameters=True, control=robsim.DriveAround())
+    here = ran_here(alone, ["define_model", estimator], scenario, steps=20)
+    assert_same_trace(graded.run(scenario, steps=20, seed=1), here)
+    assert np.isfinite(here.parameters[-1]).all()
+
+
+def test_parameters_from_the_truth_are_told_as_they_are_in_one_process(tmp_path):
+    """The samples do not go over, and all numbers are the same."""
+    reads = """
+        def control(step):
+            assert step.sample is None
+            known = 0 if step.parameters is None else step.parameters[0, 0]
+            return 0.3 + 0.1 * known, 0.4 * (step.k % 3)
+        """
+    graded = submission(tmp_path, control=reads)
+    scenario = SCENARIO.replace(estimate_parameters=True)
+    trace = graded.run(scenario, steps=20, seed=1)
+    plain = folder_of(tmp_path / "plain", control=reads.replace("assert step.sample is None", ""))
+    assert_same_trace(ran_here(plain, ["control"], scenario, steps=20), trace)
+    assert len(np.unique(trace.u[:, 0])) > 5

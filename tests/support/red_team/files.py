@@ -131,8 +131,8 @@ def cheat(step):
         for i in range(10**6):
             open(f"f{i}", "w").close()
 """,
-        says="wrote more than|took longer",
-        limits={"folder_size": 4 << 20, "call": 3.0},
+        says="wrote more than",
+        limits={"folder_size": 4 << 20},
     ),
     Attack(
         "a large file",

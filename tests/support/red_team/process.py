@@ -155,10 +155,10 @@ def spin():
     while True: hashlib.sha256(data).digest()
 def cheat(step):
     if step.k == 0: threading.Thread(target=spin, daemon=True).start()
-    time.sleep(0.15)
+    time.sleep(0.3)
     return honest(step)
 """,
-        says="more than 1 s of processor time|took longer",
+        says="more than 1 s of processor time",
         limits={"cpu": 1.0, "call": 2.0},
     ),
     Attack(
@@ -228,13 +228,14 @@ def cheat(step):
         "arrays",
         "fills arrays until there is no memory",
         at_once("x = []", "while True: x.append(np.ones(1 << 22))"),
-        says="emory|took longer",
+        says="emory",
+        limits={"memory": 1 << 28},
     ),
     Attack(
         "mappings",
         "maps memory until there is none",
         at_once("import mmap", "x = []", "while True: x.append(mmap.mmap(-1, 1 << 26))", "x[0][0]"),
-        says="emory|took longer",
+        says="emory",
     ),
     Attack(
         "memfd",
