@@ -59,6 +59,11 @@ class GradingError(Exception):
         places = {name: getattr(self, name) for name in ("slot", "step", "file", "line")}
         return _restored, (type(self), str(self), places)
 
+    def _anew(self) -> GradingError:
+        """Return the same without notes and traceback; `copy` keeps them where tblib is."""
+        _, arguments = self.__reduce__()
+        return _restored(*arguments)
+
 
 class SubmissionError(GradingError):
     """The submission is at fault: it cannot be read or loaded, or it failed in a run."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from copy import copy
 from typing import Any
 
 from robsim import _core
@@ -142,7 +141,7 @@ def _driven(simulation: Simulation, steps: int) -> Trace:
     try:
         return simulation.run(steps)
     except GradingError as error:
-        raise copy(error) from None  # without the notes of the loop on a callback here
+        raise error._anew() from None  # without the notes of the loop on a callback here
     except Exception as error:
         failed = callback_of(error)
         if failed is None:
