@@ -8,12 +8,13 @@
 
 namespace robsim::simd {
 
-/// A vector of 32 bytes of numbers, in registers as wide as the processor has. In memory: so many
-/// numbers at any alignment. Operations are those of the numbers, one by one.
-template <typename Number>
+/// A vector of so many bytes of numbers. In memory: so many numbers at any alignment. Operations
+/// are those of the numbers, one by one.
+template <typename Number, int bytes = 32>
 class LanesOf {
  public:
-  static constexpr int count = 32 / sizeof(Number);
+  using Element = Number;
+  static constexpr int count = bytes / sizeof(Number);
 
   LanesOf() = default;  // any numbers
 
@@ -57,7 +58,7 @@ class LanesOf {
 
  private:
 #if defined(__GNUC__) || defined(__clang__)
-  typedef Number Vector __attribute__((vector_size(32)));  // `using` would lose the attribute
+  typedef Number Vector __attribute__((vector_size(bytes)));  // `using` would lose the attribute
 #else
   struct Vector {
     Number at[count];
@@ -87,10 +88,55 @@ class LanesOf {
 
 using Lanes = LanesOf<double>;
 
-/// The sum of all numbers, always in the same order.
+/// The same 32 bytes in two vectors, for code that runs on any processor: compilers take wider
+/// vectors than its own apart number by number where these are compared.
 template <typename Number>
-ROBSIM_INLINE double sum_of(const LanesOf<Number>& lanes) {
-  Number numbers[LanesOf<Number>::count];
+class HalvedLanesOf {
+ public:
+  using Half = LanesOf<Number, 16>;
+  using Element = Number;
+  static constexpr int count = 2 * Half::count;
+
+  HalvedLanesOf() = default;  // any numbers
+
+  static ROBSIM_INLINE HalvedLanesOf all(Number value) {
+    return {Half::all(value), Half::all(value)};
+  }
+
+  static ROBSIM_INLINE HalvedLanesOf load(const Number* values) {
+    return {Half::load(values), Half::load(values + Half::count)};
+  }
+  ROBSIM_INLINE void store(Number* values) const {
+    low_.store(values);
+    high_.store(values + Half::count);
+  }
+
+  friend ROBSIM_INLINE HalvedLanesOf operator+(const HalvedLanesOf& a, const HalvedLanesOf& b) {
+    return {a.low_ + b.low_, a.high_ + b.high_};
+  }
+  friend ROBSIM_INLINE HalvedLanesOf operator-(const HalvedLanesOf& a, const HalvedLanesOf& b) {
+    return {a.low_ - b.low_, a.high_ - b.high_};
+  }
+  friend ROBSIM_INLINE HalvedLanesOf operator*(const HalvedLanesOf& a, const HalvedLanesOf& b) {
+    return {a.low_ * b.low_, a.high_ * b.high_};
+  }
+
+  friend ROBSIM_INLINE HalvedLanesOf within(const HalvedLanesOf& a, const HalvedLanesOf& least,
+                                            const HalvedLanesOf& most) {
+    return {within(a.low_, least.low_, most.low_), within(a.high_, least.high_, most.high_)};
+  }
+
+ private:
+  ROBSIM_INLINE HalvedLanesOf(const Half& low, const Half& high) : low_(low), high_(high) {}
+
+  Half low_, high_;
+};
+
+/// The sum of all numbers, always in the same order.
+template <typename AnyLanes>
+ROBSIM_INLINE double sum_of(const AnyLanes& lanes) {
+  using Number = typename AnyLanes::Element;
+  Number numbers[AnyLanes::count];
   lanes.store(numbers);
   double sum = 0;
   for (const Number number : numbers) sum += static_cast<double>(number);

@@ -11,11 +11,12 @@ namespace robsim::fit {
 
 namespace {
 
+using simd::HalvedLanesOf;
 using simd::LanesOf;
-using Floats = LanesOf<float>;
 
 constexpr float steepness = 0.27F;  // of the step, by q
 
+template <typename Floats>
 struct Shift {
   Floats x, y, turn, grow, per_px;
 
@@ -41,8 +42,9 @@ struct CoverSums {
   double products[3][3];               // y y', c <= d
 };
 
+template <typename Floats>
 ROBSIM_INLINE void cover_all(EdgePixels& pixels, const EdgeShift& edge_shift, CoverSums& result) {
-  const Shift shift(pixels, edge_shift);
+  const Shift<Floats> shift(pixels, edge_shift);
   const Floats zero = Floats::all(0), half = Floats::all(0.5F), one = Floats::all(1);
   Floats ones = zero, coverage = zero, squares = zero;
   Floats color[3] = {zero, zero, zero};
@@ -91,6 +93,7 @@ constexpr int z_column = parameters, one_column = parameters + 1, t_column = par
 constexpr int columns_count = parameters + 3;
 using Columns = float[columns_count][EdgeBlock::size];
 
+template <typename Floats>
 struct Line {
   Floats weights[3], gain, constant;
 
@@ -102,8 +105,9 @@ struct Line {
   }
 };
 
-ROBSIM_INLINE void fill(const EdgeBlock& block, const Shift& shift, const Line& line,
-                        Columns& columns) {
+template <typename Floats>
+ROBSIM_INLINE void fill(const EdgeBlock& block, const Shift<Floats>& shift,
+                        const Line<Floats>& line, Columns& columns) {
   for (int i = 0; i < EdgeBlock::size; i += Floats::count) {
     const Floats root = Floats::load(block.weight + i);
     const Floats coverage = Floats::load(block.coverage + i);
@@ -125,10 +129,11 @@ ROBSIM_INLINE void fill(const EdgeBlock& block, const Shift& shift, const Line& 
 // The products of the first columns with themselves and all others.
 using Products = double[parameters][columns_count];
 
+template <typename Floats>
 ROBSIM_INLINE void multiply(const EdgePixels& pixels, const EdgeShift& edge_shift,
                             const ChannelWeights& weights, Products& products) {
-  const Shift shift(pixels, edge_shift);
-  const Line line(weights);
+  const Shift<Floats> shift(pixels, edge_shift);
+  const Line<Floats> line(weights);
   Floats sums[parameters][columns_count];
   for (auto& row : sums) {
     for (Floats& sum : row) sum = Floats::all(0);
@@ -152,23 +157,23 @@ ROBSIM_INLINE void multiply(const EdgePixels& pixels, const EdgeShift& edge_shif
 }
 
 void cover_baseline(EdgePixels& pixels, const EdgeShift& shift, CoverSums& sums) {
-  cover_all(pixels, shift, sums);
+  cover_all<HalvedLanesOf<float>>(pixels, shift, sums);
 }
 
 void multiply_baseline(const EdgePixels& pixels, const EdgeShift& shift,
                        const ChannelWeights& weights, Products& products) {
-  multiply(pixels, shift, weights, products);
+  multiply<HalvedLanesOf<float>>(pixels, shift, weights, products);
 }
 
 #if ROBSIM_HAS_AVX2_CODE
 
 ROBSIM_AVX2 void cover_avx2(EdgePixels& pixels, const EdgeShift& shift, CoverSums& sums) {
-  cover_all(pixels, shift, sums);
+  cover_all<LanesOf<float>>(pixels, shift, sums);
 }
 
 ROBSIM_AVX2 void multiply_avx2(const EdgePixels& pixels, const EdgeShift& shift,
                                const ChannelWeights& weights, Products& products) {
-  multiply(pixels, shift, weights, products);
+  multiply<LanesOf<float>>(pixels, shift, weights, products);
 }
 
 #endif

@@ -107,7 +107,8 @@ PixelBox box_around(const ImageView& image, const PlaneMap& map, const MarkerSha
   return is_large ? PixelBox{} : seen;
 }
 
-using Floats = simd::LanesOf<float>;
+using simd::HalvedLanesOf;
+using simd::LanesOf;
 using Cell = MarkerShape::Table::Cell;
 
 // Pixels next to each other in a row: where they are in the robot's frame, and in the table.
@@ -126,13 +127,15 @@ struct RowMap {
 };
 
 // `start`: the first column, from the middle of the box.
+template <typename Floats>
 ROBSIM_INLINE void look_up(const RowMap& map, float start, std::vector<Run>& runs) {
   constexpr int cells = MarkerShape::Table::cells;
+  constexpr float columns[Run::size] = {0, 1, 2, 3, 4, 5, 6, 7};
   static_assert(Run::size == Floats::count);
   const Floats last = Floats::all(cells - 0.001F);
   const float width = 1 / map.per_px;
   for (Run& run : runs) {
-    const Floats a = Floats::all(start) + Floats(0, 1, 2, 3, 4, 5, 6, 7);
+    const Floats a = Floats::all(start) + Floats::load(columns);
     const Floats x =
         Floats::all(map.x[0]) + a * (Floats::all(map.x[1]) + a * Floats::all(map.x[2]));
     const Floats y =
@@ -156,12 +159,12 @@ ROBSIM_INLINE void look_up(const RowMap& map, float start, std::vector<Run>& run
 }
 
 void look_up_baseline(const RowMap& map, float start, std::vector<Run>& runs) {
-  look_up(map, start, runs);
+  look_up<HalvedLanesOf<float>>(map, start, runs);
 }
 
 #if ROBSIM_HAS_AVX2_CODE
 ROBSIM_AVX2 void look_up_avx2(const RowMap& map, float start, std::vector<Run>& runs) {
-  look_up(map, start, runs);
+  look_up<LanesOf<float>>(map, start, runs);
 }
 #endif
 

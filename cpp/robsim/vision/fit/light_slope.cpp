@@ -25,9 +25,11 @@ struct SlopeSums {
   double squares[4];   // f^2
 };
 
-using Floats = simd::LanesOf<float>;
+using simd::HalvedLanesOf;
+using simd::LanesOf;
 using Weights = std::array<float, 3>;
 
+template <typename Floats>
 ROBSIM_INLINE void add_slopes(const EdgeFit& marker, const Weights& weights, SlopeSums& result) {
   const Appearance& appearance = marker.appearance;
   float constant = 0, rise = 0;  // e = w . y - w . level - w . contrast T
@@ -61,12 +63,12 @@ ROBSIM_INLINE void add_slopes(const EdgeFit& marker, const Weights& weights, Slo
 }
 
 void add_slopes_baseline(const EdgeFit& marker, const Weights& weights, SlopeSums& sums) {
-  add_slopes(marker, weights, sums);
+  add_slopes<HalvedLanesOf<float>>(marker, weights, sums);
 }
 
 #if ROBSIM_HAS_AVX2_CODE
 ROBSIM_AVX2 void add_slopes_avx2(const EdgeFit& marker, const Weights& weights, SlopeSums& sums) {
-  add_slopes(marker, weights, sums);
+  add_slopes<LanesOf<float>>(marker, weights, sums);
 }
 #endif
 
