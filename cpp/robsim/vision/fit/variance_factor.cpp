@@ -47,21 +47,22 @@ class Grid {
   }
 
   int stride() const { return stride_; }
-  int height() const { return height_; }
-  const std::int16_t* row(int v) const { return numbers_.data() + v * stride_; }
+  int count() const { return stride_ * height_; }  // those of the box
+  const std::int16_t* data() const { return numbers_.data(); }
 
  private:
   int stride_, height_;
   std::vector<std::int16_t> numbers_;
 };
 
-// So large that the sum of a row of 2^14 products does not overflow.
+// So large that the sum of so many products does not overflow.
 constexpr int most_number = 256;
+constexpr int most_products = 1 << 14;
 constexpr auto most = static_cast<float>(most_number);
 
 // The nearest whole numbers.
 void round_block(const float (&values)[EdgeBlock::size], std::int16_t* numbers) {
-  using Floats = simd::LanesOf<float>;
+  using Floats = simd::LanesOf<float, 16>;
   float raised[EdgeBlock::size];  // above 0, where to round is to cut off
   for (int k = 0; k < EdgeBlock::size; k += Floats::count) {
     const Floats near = within(Floats::load(values + k), Floats::all(-most), Floats::all(most));
@@ -74,11 +75,12 @@ void round_block(const float (&values)[EdgeBlock::size], std::int16_t* numbers) 
 
 ROBSIM_INLINE double product(const Grid& grid, int offset) {
   std::int64_t sum = 0;
-  for (int v = 0; v < grid.height(); ++v) {
-    const std::int16_t* numbers = grid.row(v);
-    std::int32_t of_row = 0;
-    for (int u = 0; u < grid.stride(); ++u) of_row += numbers[u] * numbers[u + offset];
-    sum += of_row;
+  for (int start = 0; start < grid.count(); start += most_products) {
+    const std::int16_t* numbers = grid.data() + start;
+    const int count = std::min(most_products, grid.count() - start);
+    std::int32_t of_part = 0;
+    for (int i = 0; i < count; ++i) of_part += numbers[i] * numbers[i + offset];
+    sum += of_part;
   }
   return static_cast<double>(sum);
 }
