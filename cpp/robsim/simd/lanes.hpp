@@ -31,6 +31,12 @@ class LanesOf {
   }
   ROBSIM_INLINE void store(Number* values) const { std::memcpy(values, &vector_, sizeof(vector_)); }
 
+  ROBSIM_INLINE Number first() const {
+    Number numbers[count];
+    store(numbers);
+    return numbers[0];
+  }
+
   friend ROBSIM_INLINE LanesOf operator+(const LanesOf& a, const LanesOf& b) {
     return LanesOf(a.vector_ + b.vector_);
   }

@@ -7,6 +7,7 @@
 
 #include "robsim/elementary/sine.hpp"
 #include "robsim/geometry/pose.hpp"
+#include "robsim/simd/lanes.hpp"
 
 namespace robsim::fit {
 
@@ -23,43 +24,44 @@ constexpr double half_band = 1.5;  // frame px: how far from the line pixels are
 constexpr double clear_gain = 36;
 constexpr double visible_change = 0.03;  // root mean square, as a share of the contrast
 
-// Sums over the pixels of a side, or of those between two lines.
+using Four = simd::LanesOf<float, 16>;
+
+// Sums over the pixels of a side, or of those between two lines. z: what one appearance leaves of a
+// channel, in its standard deviations.
 struct SideSums {
-  double count = 0, coverage = 0, squares = 0;      // 1, T, T^2
-  std::array<double, 3> color{}, color_coverage{};  // y, y T
+  Four coverage = Four::all(0);           // 1, T, T^2
+  Four residuals = Four::all(0);          // z of R, G, B
+  Four residual_coverage = Four::all(0);  // z T
 
   SideSums& operator+=(const SideSums& other) {
-    count += other.count;
-    coverage += other.coverage;
-    squares += other.squares;
-    for (std::size_t c = 0; c < 3; ++c) {
-      color[c] += other.color[c];
-      color_coverage[c] += other.color_coverage[c];
-    }
+    coverage = coverage + other.coverage;
+    residuals = residuals + other.residuals;
+    residual_coverage = residual_coverage + other.residual_coverage;
     return *this;
   }
   SideSums operator-(const SideSums& other) const {
-    SideSums rest = *this;
-    rest.count -= other.count;
-    rest.coverage -= other.coverage;
-    rest.squares -= other.squares;
-    for (std::size_t c = 0; c < 3; ++c) {
-      rest.color[c] -= other.color[c];
-      rest.color_coverage[c] -= other.color_coverage[c];
-    }
-    return rest;
+    return {coverage - other.coverage, residuals - other.residuals,
+            residual_coverage - other.residual_coverage};
   }
 
-  // The sum of squares that the line level + contrast T explains, each channel in its variances.
-  double explained(const std::array<double, 3>& variances) const {
-    const double spread = squares - coverage * coverage / count;
+  double count() const { return static_cast<double>(coverage.first()); }
+
+  // The sum of squares that the lines level + contrast T explain of z.
+  double explained() const {
+    float t[4], z[4], zt[4];
+    coverage.store(t);
+    residuals.store(z);
+    residual_coverage.store(zt);
+    const double by_count = 1 / static_cast<double>(t[0]);
+    const double ones = static_cast<double>(t[0]), mean = static_cast<double>(t[1]) * by_count;
+    // A side without an edge has a level alone.
+    const double spread = static_cast<double>(t[2]) - static_cast<double>(t[1]) * mean;
+    const double by_spread = spread > 1e-3 * ones ? 1 / spread : 0;
     double sum = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double covariance = color_coverage[c] - coverage * color[c] / count;
-      double of_channel = color[c] * color[c] / count;
-      // A side without an edge has a level alone.
-      if (spread > 1e-3 * count) of_channel += covariance * covariance / spread;
-      sum += of_channel / variances[c];
+    for (int c = 0; c < 3; ++c) {
+      const auto of_level = static_cast<double>(z[c]);
+      const double covariance = static_cast<double>(zt[c]) - mean * of_level;
+      sum += of_level * of_level * by_count + covariance * covariance * by_spread;
     }
     return sum;
   }
@@ -67,26 +69,33 @@ struct SideSums {
 
 // A pixel with its place in the box around the marker.
 struct Pixel {
-  double u, v;  // frame px
+  float u, v;  // frame px
   SideSums sums;
 };
 
-std::vector<Pixel> pixels_of(const EdgePixels& pixels) {
+std::vector<Pixel> pixels_of(const EdgeFit& marker, const std::array<double, 3>& variances) {
+  const EdgePixels& pixels = marker.pixels;
+  const Appearance& appearance = marker.appearance;
+  float by_deviation[3], level[3], contrast[3];
+  for (std::size_t c = 0; c < 3; ++c) {
+    by_deviation[c] = static_cast<float>(1 / std::sqrt(variances[c]));
+    level[c] = static_cast<float>(appearance.level[c]);
+    contrast[c] = static_cast<float>(appearance.contrast[c]);
+  }
   std::vector<Pixel> all;
   all.reserve(static_cast<std::size_t>(pixels.count));
   for (int i = 0; i < pixels.count; ++i) {
     const EdgeBlock& block = pixels.blocks[static_cast<std::size_t>(i / EdgeBlock::size)];
     const int k = i % EdgeBlock::size;
-    const auto t = static_cast<double>(block.coverage[k]);
-    Pixel pixel{static_cast<double>(block.place[k] % pixels.stride),
-                static_cast<double>(block.place[k] / pixels.stride),
-                {1, t, t * t, {}, {}}};
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto y = static_cast<double>(block.color[c][k]);
-      pixel.sums.color[c] = y;
-      pixel.sums.color_coverage[c] = y * t;
+    const float t = block.coverage[k];
+    float z[3];
+    for (int c = 0; c < 3; ++c) {
+      z[c] = (block.color[c][k] - level[c] - contrast[c] * t) * by_deviation[c];
     }
-    all.push_back(pixel);
+    all.push_back(
+        {static_cast<float>(block.place[k] % pixels.stride),
+         static_cast<float>(block.place[k] / pixels.stride),
+         {Four(1, t, t * t, 0), Four(z[0], z[1], z[2], 0), Four(z[0] * t, z[1] * t, z[2] * t, 0)}});
   }
   return all;
 }
@@ -97,47 +106,63 @@ struct Split {
   double gain = 0;    // what it explains beyond one appearance, in variances
 };
 
-// The best line with a normal of this direction, of those a pixel apart.
-Split best_split(const std::vector<Pixel>& pixels, const SideSums& all, double angle,
-                 const std::array<double, 3>& variances) {
-  const auto [sin, cos] = elementary::sin_cos(angle);
-  double least = 1e9, most = -1e9;
-  for (const Pixel& pixel : pixels) {
-    const double along = pixel.u * cos + pixel.v * sin;
-    least = std::min(least, along);
-    most = std::max(most, along);
+// Looks for lines that divide the pixels of a marker.
+class SplitSearch {
+ public:
+  SplitSearch(const EdgeFit& marker, const std::array<double, 3>& variances)
+      : pixels_(pixels_of(marker, variances)),
+        right_(static_cast<float>(marker.pixels.stride)),
+        bottom_(static_cast<float>(marker.pixels.height)) {
+    for (const Pixel& pixel : pixels_) all_ += pixel.sums;
   }
-  std::vector<SideSums> strips(static_cast<std::size_t>(most - least) + 1);
-  for (const Pixel& pixel : pixels) {
-    strips[static_cast<std::size_t>(pixel.u * cos + pixel.v * sin - least)] += pixel.sums;
+
+  double count() const { return all_.count(); }
+
+  // The best line with a normal of this direction, of those a pixel apart.
+  Split best(double angle) {
+    const auto [sin, cos] = elementary::sin_cos(angle);
+    const auto along_u = static_cast<float>(cos), along_v = static_cast<float>(sin);
+    const float least = std::min(0.0F, along_u * right_) + std::min(0.0F, along_v * bottom_);
+    const float most = std::max(0.0F, along_u * right_) + std::max(0.0F, along_v * bottom_);
+    strips_.assign(static_cast<std::size_t>(most - least) + 1, {});
+    for (const Pixel& pixel : pixels_) {
+      strips_[static_cast<std::size_t>(pixel.u * along_u + pixel.v * along_v - least)] +=
+          pixel.sums;
+    }
+    const double before = all_.explained();
+    Split best;
+    SideSums near;
+    for (std::size_t i = 0; i + 1 < strips_.size(); ++i) {
+      near += strips_[i];
+      const SideSums beyond = all_ - near;
+      if (near.count() < least_side || beyond.count() < least_side) continue;
+      const double gain = near.explained() + beyond.explained() - before;
+      if (gain > best.gain) {
+        best = {angle, static_cast<double>(least) + static_cast<double>(i) + 1, gain};
+      }
+    }
+    return best;
   }
-  const double before = all.explained(variances);
-  Split best;
-  SideSums near;
-  for (std::size_t i = 0; i + 1 < strips.size(); ++i) {
-    near += strips[i];
-    const SideSums beyond = all - near;
-    if (near.count < least_side || beyond.count < least_side) continue;
-    const double gain = near.explained(variances) + beyond.explained(variances) - before;
-    if (gain > best.gain) best = {angle, least + static_cast<double>(i) + 1, gain};
-  }
-  return best;
-}
+
+ private:
+  std::vector<Pixel> pixels_;
+  float right_, bottom_;  // frame px, of the box
+  SideSums all_;
+  std::vector<SideSums> strips_;
+};
 
 }  // namespace
 
 std::optional<LightStep> find_light_step(const EdgeFit& marker) {
-  const std::vector<Pixel> pixels = pixels_of(marker.pixels);
-  SideSums all;
-  for (const Pixel& pixel : pixels) all += pixel.sums;
-  if (all.count < 2 * least_side) return std::nullopt;
   std::array<double, 3> variances;
   for (std::size_t c = 0; c < 3; ++c) {
     variances[c] = marker.appearance.residuals[c][c] / marker.appearance.ones + rounding;
   }
+  SplitSearch search(marker, variances);
+  if (search.count() < 2 * least_side) return std::nullopt;
   Split best;
   const auto look = [&](double angle) {
-    const Split split = best_split(pixels, all, angle, variances);
+    const Split split = search.best(angle);
     if (split.gain > best.gain) best = split;
   };
   double apart = pi / directions;
@@ -154,7 +179,7 @@ std::optional<LightStep> find_light_step(const EdgeFit& marker) {
     contrast += marker.appearance.contrast[c] * marker.appearance.contrast[c];
   }
   // What one appearance leaves is a variance for each pixel and channel.
-  const double change = best.gain / (3 * all.count) * variance;  // square of it
+  const double change = best.gain / (3 * search.count()) * variance;  // square of it
   if (best.gain < clear_gain || change < visible_change * visible_change * contrast)
     return std::nullopt;
   const auto [sin, cos] = elementary::sin_cos(best.angle);
