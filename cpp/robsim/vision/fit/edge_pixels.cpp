@@ -179,14 +179,16 @@ struct Place {
 int in_ring(const MarkerShape::Table& table, const std::vector<Run>& runs, int count, float outside,
             float inside, std::vector<Place>& places) {
   int found = 0;
-  for (int i = 0; i < count; ++i) {
-    const Run& run = runs[static_cast<std::size_t>(i / Run::size)];
-    const int k = i % Run::size;
-    const Cell& cell = table.data()[run.cell[k]];
-    const float distance =
-        cell.distance + cell.slope_x * run.across[k] + cell.slope_y * run.down[k];
-    places[static_cast<std::size_t>(found)] = {i, distance};
-    found += static_cast<int>(distance >= outside) & static_cast<int>(distance <= inside);
+  Place* place = places.data();
+  for (int left = 0; left < count; left += Run::size) {
+    const Run& run = runs[static_cast<std::size_t>(left / Run::size)];
+    for (int k = 0; k < std::min(Run::size, count - left); ++k) {
+      const Cell& cell = table.data()[run.cell[k]];
+      const float distance =
+          cell.distance + cell.slope_x * run.across[k] + cell.slope_y * run.down[k];
+      place[found] = {left + k, distance};
+      found += static_cast<int>(distance >= outside) & static_cast<int>(distance <= inside);
+    }
   }
   return found;
 }
