@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <random>
 #include <utility>
 #include <vector>
@@ -103,6 +104,31 @@ TEST(BitRow, WidensEachBitByItsNeighboursWithinTheRow) {
       EXPECT_EQ(runs_of(wide, width), (Runs{{std::max(0, u - 1), std::min(width, u + 2)}}))
           << width << ", " << u;
       EXPECT_EQ(wide.back() >> ((width - 1) % 64) >> 1, 0U) << width << ", " << u;
+    }
+  }
+}
+
+TEST(BitRow, LosesBitsThatHaveNoneBesideThem) {
+  constexpr int width = 130;
+  for (const int u : {0, 1, 62, 63, 64, 65, 127, 128, 129}) {
+    BitRow row(words_of(width), 0);
+    set(row, u, u + 1);
+    const BitRow none(words_of(width), 0);
+    BitRow result;
+    drop_isolated(none, row, none, result);
+    EXPECT_TRUE(is_empty(result)) << u;
+    for (int other = 0; other < width; ++other) {
+      BitRow with_other(words_of(width), 0);
+      set(with_other, other, other + 1);
+      const bool is_beside = std::abs(other - u) <= 1;
+      drop_isolated(with_other, row, none, result);
+      EXPECT_EQ(is_set(result, u), is_beside) << u << ", " << other << " above";
+      drop_isolated(none, row, with_other, result);
+      EXPECT_EQ(is_set(result, u), is_beside) << u << ", " << other << " below";
+      if (other == u) continue;
+      set(with_other, u, u + 1);
+      drop_isolated(none, with_other, none, result);
+      EXPECT_EQ(result, is_beside ? with_other : none) << u << ", " << other << " in the row";
     }
   }
 }

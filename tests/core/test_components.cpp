@@ -130,5 +130,28 @@ TEST(Components, AgreeWithAFloodFillOnRandomPatterns) {
   }
 }
 
+// Rows of noise wait for the next one, and lose their isolated pixels: here and there.
+TEST(Components, OfNoiseAreThoseThatAreLargeEnough) {
+  for (const unsigned seed : {1U, 2U, 3U, 4U}) {
+    for (const double density : {0.1, 0.2, 0.4}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", density " + std::to_string(density));
+      std::mt19937 random(seed);
+      Pattern pattern = random_pattern(random, 200, 12, density);
+      for (const double calmer : {0.01, 0.5, 0.0, 0.3}) {
+        const Pattern more = random_pattern(random, 200, 5, calmer);
+        pattern.insert(pattern.end(), more.begin(), more.end());
+      }
+      const std::vector<Moments> all = flooded(pattern);
+      for (const int minimum_area : {2, 3, 9}) {
+        std::vector<Moments> large;
+        for (const Moments& moments : all) {
+          if (std::get<0>(moments) >= minimum_area) large.push_back(moments);
+        }
+        EXPECT_EQ(found(pattern, minimum_area), large) << minimum_area;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace robsim::pixels

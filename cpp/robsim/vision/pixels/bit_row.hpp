@@ -75,6 +75,22 @@ inline void widen(const BitRow& bits, int width, BitRow& result) {
   clear_beyond(result, width);
 }
 
+/// The bits of a row but those with none beside them, in their row or in the rows above and below
+/// (8 neighbours). All three are equally long.
+inline void drop_isolated(const BitRow& above, const BitRow& row, const BitRow& below,
+                          BitRow& result) {
+  result.resize(row.size());
+  std::uint64_t before = 0;  // the last bit of any row in the previous word
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const std::uint64_t others = above[i] | below[i];
+    const std::uint64_t any = others | row[i];
+    const bool is_last = i + 1 == row.size();
+    const std::uint64_t next = is_last ? 0 : above[i + 1] | below[i + 1] | row[i + 1];
+    result[i] = row[i] & (others | (any << 1) | before | (any >> 1) | (next << 63));
+    before = any >> 63;
+  }
+}
+
 /// Sets the bits of a row one after the other.
 class BitWriter {
  public:
