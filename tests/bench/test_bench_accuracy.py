@@ -51,6 +51,7 @@ def result():
     return run.run_accuracy_bench(frames=4, sizes=(480,), noises=noises)
 
 
+@pytest.mark.long
 def test_every_case_has_numbers(result):
     cases = result.to_dict()["cases"]
     assert list(cases) == ["480_clean", "480_gaussian_10", "480_uniform_10"]
@@ -70,6 +71,7 @@ def test_every_case_has_numbers(result):
     json.loads(result.to_json())
 
 
+@pytest.mark.long
 def test_the_same_frames_have_the_same_errors(result):
     again = run.run_accuracy_bench(frames=4, sizes=(480,), noises=(robsim.GaussianNoise(10),))
     assert again.cases[0].errors["counted"] == result.cases[1].errors["counted"]
@@ -189,6 +191,7 @@ def test_a_weighted_centroid_is_that_of_a_blurred_disc():
     assert np.hypot(*(weighted.centroid - centre)) < 0.02
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("small_bench")
 def test_the_command_writes_the_figure_and_prints_numbers(tmp_path):
     options = ("--accuracy", "--frames", "2", "--figure", "accuracy.png")
@@ -198,6 +201,7 @@ def test_the_command_writes_the_figure_and_prints_numbers(tmp_path):
     assert (tmp_path / "accuracy.png").stat().st_size > 10_000
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -219,6 +223,7 @@ def test_wrong_options_are_refused_before_anything_is_measured(options, message,
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_a_figure_that_cannot_be_written_is_refused_before_anything_is_measured(tmp_path):
     (tmp_path / "folder.png").mkdir()
     (tmp_path / "file").touch()

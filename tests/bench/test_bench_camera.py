@@ -28,6 +28,7 @@ def _small(monkeypatch):
     monkeypatch.setattr(serving, "WAYS", ())
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("_small")
 def test_the_command_prints_numbers_for_scripts(tmp_path):
     run = command("bench", "--camera", "--rounds", "1", "--json", cwd=tmp_path)

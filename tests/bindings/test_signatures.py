@@ -34,6 +34,7 @@ ALL = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("name", "function"), ALL, ids=[name for name, _ in ALL])
 def test_every_native_function_has_a_signature_and_its_types_in_the_doc(name, function):
     signature = inspect.signature(function)

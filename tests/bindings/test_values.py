@@ -135,6 +135,7 @@ def test_a_class_of_the_users_own_keeps_what_it_adds():
     assert repr(tired) == "Tired(voltage=0.1)"
 
 
+@pytest.mark.long
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_every_bit_of_a_number_is_kept(voltage):
     spin = pickle.loads(pickle.dumps(Spin(voltage)))
@@ -197,6 +198,7 @@ def test_an_estimator_of_a_spoilt_pickle_is_refused(state):
         filters.__setstate__(((5, 3, 1.0, 1e9, state), {}))
 
 
+@pytest.mark.long
 def test_a_copy_of_a_step_has_all_but_the_estimator():
     sim = robsim.Simulation(control=DriveAround(), measure=True, estimate_parameters=True)
     step = sim.run(20) and sim.last_step
@@ -245,6 +247,7 @@ def test_a_step_made_by_hand_tests_a_callback():
     assert seen.blobs == sim.last_step.blobs
 
 
+@pytest.mark.long
 @given(st.integers(0, 2**31 - 1), st.integers(1, 7), st.floats(-10, 10))
 def test_frames_are_equal_if_every_pixel_is(index, value, t):
     image = np.zeros((3, 2, 3), np.uint8)

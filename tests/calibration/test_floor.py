@@ -77,6 +77,7 @@ def test_marks_give_the_map_at_the_markers_height():
     assert report.calibration.floor_residuals.points == 25
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("with_lens", [True, False])
 def test_a_wrong_mark_is_named_and_left_out(with_lens):
     places, pixels = floor(3)
@@ -98,6 +99,7 @@ def test_a_wrong_mark_is_named_and_left_out(with_lens):
     assert all(one.is_used for one in right.points)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("wrong", [0, 12, 23])
 def test_a_wrong_mark_is_found_among_many(wrong):
     places, pixels = floor(5)
@@ -183,6 +185,7 @@ def crosses():
     }
 
 
+@pytest.mark.long
 def test_sheets_anywhere_on_the_floor_give_the_map(picture):
     report = calibrate_floor_by_sheets(
         [picture], lens=LENS, marker_height=160, places=crosses(), **AREA

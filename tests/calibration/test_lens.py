@@ -8,6 +8,8 @@ import pytest
 from photographed_sheets import VIEWS, Shot, board_pictures
 from robsim.calibration import Charuco, Chessboard, calibrate_lens
 
+pytestmark = pytest.mark.long
+
 pytest.importorskip("cv2")
 
 BASE = Shot()

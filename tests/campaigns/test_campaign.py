@@ -200,6 +200,7 @@ def test_cases_of_a_group_are_averaged_run_by_run():
     np.testing.assert_allclose(summary.difference[1, 0], (table[1] - table[0]).mean())
 
 
+@pytest.mark.long
 def test_the_errors_of_a_kalman_filter_are_those_of_theory():
     """The mean squared error of the filter of a random walk is P of the Riccati equation."""
     result = campaign(

@@ -138,6 +138,7 @@ def give_up():
     raise Killed("Attempted to run task on 4 workers")
 
 
+@pytest.mark.long
 def test_the_runs_of_chunks_that_a_cluster_gives_up_are_done_again_one_by_one(serial):
     client = FakeClient(2)
     assert run(executor=client).checksum == serial.checksum

@@ -10,6 +10,8 @@ import robsim
 from campaign_code import Faster, Inline, failing_in_some, final, steady
 from robsim.campaigns import campaign
 
+pytestmark = pytest.mark.long
+
 SCENARIO = robsim.Scenario(
     area=(300, 300),
     start="random",
@@ -44,7 +46,6 @@ def test_threads_give_the_same_bytes(serial):
     assert run(executor="threads").checksum == serial.checksum
 
 
-@pytest.mark.long
 def test_processes_give_the_same_bytes(serial):
     result = run(executor=2)
     assert result.checksum == serial.checksum

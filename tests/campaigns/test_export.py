@@ -89,6 +89,7 @@ def test_parquet_without_pyarrow_says_what_to_install(result, tmp_path, monkeypa
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_the_command_exports_and_refuses_before_it_runs(tmp_path, monkeypatch):
     (tmp_path / "few.toml").write_text(SPEC)
     words = ("campaign", "few.toml")

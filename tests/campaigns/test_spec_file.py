@@ -22,6 +22,7 @@ def run(spec):
     return run_spec(spec, executor=None, store=None, progress=False)
 
 
+@pytest.mark.long
 def test_the_example_is_the_campaign_that_it_seems(tmp_path):
     (tmp_path / "example.toml").write_text(EXAMPLE)
     spec = load_spec(tmp_path / "example.toml", runs=2)
@@ -104,6 +105,7 @@ def test_what_is_wrong_in_a_file_is_named(tmp_path, text, message):
         load_spec(tmp_path / "campaign.toml")
 
 
+@pytest.mark.long
 def test_the_command_runs_a_file_and_goes_on(tmp_path):
     (tmp_path / "few.toml").write_text(PLAIN + SCENARIO + "[vary]\nmotor_delay = [0, 1]\n")
     words = ("campaign", "few.toml", "--store", "few.sqlite")
@@ -120,6 +122,7 @@ def test_the_command_runs_a_file_and_goes_on(tmp_path):
     assert record["checksum"] == run(spec).checksum
 
 
+@pytest.mark.long
 def test_a_file_may_ask_for_traces_which_need_a_store(tmp_path):
     (tmp_path / "few.toml").write_text(PLAIN + 'keep = "traces"\n' + SCENARIO)
     refused = command("campaign", "few.toml", cwd=tmp_path)
@@ -138,6 +141,7 @@ def test_the_command_writes_an_example_but_not_over_a_file(tmp_path):
     assert "mine.toml exists" in again.stderr
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("words", [(), ("a.toml", "--example", "b.toml"), ("nothing.toml",)])
 def test_the_command_says_what_is_wrong(tmp_path, words):
     ended = command("campaign", *words, cwd=tmp_path)

@@ -104,6 +104,7 @@ def test_a_campaign_that_was_ended_goes_on(store):
     assert run(store, metrics=[interrupt]).checksum == run(metrics=[interrupt]).checksum
 
 
+@pytest.mark.long
 def test_a_program_that_is_killed_loses_the_chunk_in_hand(store):
     program = Path(__file__).parents[1] / "support/killed_campaign.py"
     ended = subprocess.run([sys.executable, program, store], capture_output=True, check=False)
@@ -126,6 +127,7 @@ OTHERS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("other", "message"), OTHERS.values(), ids=OTHERS)
 def test_another_campaign_is_refused(store, other, message):
     run(store)
@@ -172,6 +174,7 @@ def test_what_is_no_store_is_refused(store):
         run(store, seed=None)
 
 
+@pytest.mark.long
 def test_a_damaged_store_is_found(store):
     run(store, runs=300)
     content = store.read_bytes()
@@ -180,6 +183,7 @@ def test_a_damaged_store_is_found(store):
         run(store, runs=300)
 
 
+@pytest.mark.long
 def test_a_page_that_was_not_written_is_found_or_holds_nothing(store):
     def many(trace):
         return dict.fromkeys(map(str, range(20)), run_of(trace))
@@ -237,6 +241,7 @@ def test_an_empty_file_is_begun(store):
     assert run(store).checksum == run().checksum
 
 
+@pytest.mark.long
 def test_a_full_disk_leaves_what_is_there(store, monkeypatch):
     class Small(Store):
         def _open(self):
@@ -253,6 +258,7 @@ def test_a_full_disk_leaves_what_is_there(store, monkeypatch):
     assert run(store, runs=500).checksum == run(runs=500).checksum
 
 
+@pytest.mark.long
 def test_a_disk_that_fills_up_leaves_what_is_there(store):
     expected = run(runs=500).checksum
     with (

@@ -106,6 +106,7 @@ class TestByNumber:
         with pytest.raises(NoPermissionError, match="no permission to read /dev/video2"):
             robsim.Camera(2)
 
+    @pytest.mark.long
     def test_one_that_does_not_open(self, nodes):
         with pytest.raises(CameraBusyError, match="fuser /dev/video10 names it"):
             robsim.Camera(10)

@@ -7,6 +7,8 @@ import robsim
 from robsim import _core
 from robsim.capture import EndOfStream
 
+pytestmark = pytest.mark.long
+
 DT = 1 / 30
 START = 1000.0  # s
 

@@ -106,6 +106,7 @@ def test_times_start_at_the_first_frame(source):
     assert later.epoch + later.t_arrival <= time.monotonic()
 
 
+@pytest.mark.long
 def test_other_threads_run_while_a_reader_waits(source):
     with robsim.Camera(source) as camera:
         camera.read()

@@ -24,7 +24,7 @@ from robsim.capture import (
 )
 from robsim.capture._devices.http import HttpCamera
 
-pytestmark = pytest.mark.threads
+pytestmark = [pytest.mark.threads, pytest.mark.long]
 
 
 def images():
@@ -116,7 +116,6 @@ def test_the_end_of_the_stream_comes_after_its_last_image(back_end):
     assert "http://127.0.0.1" in str(error)
 
 
-@pytest.mark.long
 def test_it_is_opened_again_if_that_is_asked_for():
     with MjpegServer(images) as server, robsim.Camera(server.url, reopen=True) as camera:
         while camera.counts.reopened < 1 or camera.counts.grabbed < 5:

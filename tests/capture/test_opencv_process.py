@@ -20,6 +20,7 @@ SUPPORT = Path(__file__).parents[1] / "support"
 SOON = 30  # s
 
 pytestmark = [
+    pytest.mark.long,
     pytest.mark.threads,
     pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="needs /proc"),
 ]
@@ -86,7 +87,6 @@ def waits(condition):
         time.sleep(0.02)
 
 
-@pytest.mark.long
 def test_frames_do_not_wait_for_who_keeps_the_interpreter(url):
     usleep = ctypes.PyDLL(None).usleep
     with robsim.Camera(url, back_end="ffmpeg") as camera:
@@ -99,7 +99,6 @@ def test_frames_do_not_wait_for_who_keeps_the_interpreter(url):
 
 @pytest.mark.slow
 @pytest.mark.sanitized
-@pytest.mark.long
 @pytest.mark.parametrize("end", ["kill", "exit"])
 def test_the_process_ends_with_its_reader(url, end):
     with child(READER, url) as reader:
@@ -120,7 +119,6 @@ def test_the_process_ends_with_the_camera(url):
 
 @pytest.mark.slow
 @pytest.mark.sanitized
-@pytest.mark.long
 def test_a_process_that_dies_is_an_unplugged_camera(url):
     with robsim.Camera(url, back_end="ffmpeg", reopen=True) as camera:
         camera.read(SOON)

@@ -13,7 +13,7 @@ from posed_frames import AREA, POSES, SIZE, difference, true_difference
 from python_cameras import SteppedCamera
 from robsim.capture import EndOfStream
 
-pytestmark = pytest.mark.threads
+pytestmark = [pytest.mark.threads, pytest.mark.long]
 
 _LOSSY = 0.3  # px of the work area, at a quality of 95
 

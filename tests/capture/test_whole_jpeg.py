@@ -28,6 +28,7 @@ def coded(rng, mode, **coding):
     return data.getvalue()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("coding", CODINGS)
 @pytest.mark.parametrize("mode", ["RGB", "L"])
 def test_whole_ones_are_known_and_cut_ones_refused(rng, coding, mode):

@@ -25,6 +25,8 @@ from robsim.imaging import (
 )
 from robsim.trace import Trace
 
+pytestmark = pytest.mark.long
+
 pytest.importorskip("cv2")
 BOARD = Chessboard(9, 6, 25)
 AREA = ("--area", "1000x800", "--scale", "2")

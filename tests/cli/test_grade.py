@@ -17,6 +17,7 @@ def report():
     return grading.check_isolation()
 
 
+@pytest.mark.long
 def test_what_holds_is_printed(report):
     run = command(*CHECK)
     assert run.exit_code == 0, run.stderr
@@ -27,6 +28,7 @@ def test_what_holds_is_printed(report):
     assert told["attempts"] == len(report.attempts)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("level", ["none", "process"])
 def test_a_level_that_asks_for_little_can_be_had_anywhere(level):
     run = command(*CHECK, "--isolation", level)

@@ -120,6 +120,7 @@ def test_a_rehearsal_leaves_results_and_a_session(tmp_path):
     assert len(Session(out / "session-2")) == 2
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_a_file_is_played_and_measured(film, tmp_path):
     options = ("--area", "400x400", "--robot", "lab", "--out", "played")
@@ -131,6 +132,7 @@ def test_a_file_is_played_and_measured(film, tmp_path):
     assert not [*(tmp_path / "played").glob("session*")]
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_an_error_in_a_callback_keeps_the_steps_before_it(tmp_path):
     (tmp_path / "mine").mkdir()
@@ -145,6 +147,7 @@ def test_an_error_in_a_callback_keeps_the_steps_before_it(tmp_path):
     assert len(robsim.Trace.load(tmp_path / "robsim-live/trace.npz")) == 3
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_a_camera_is_checked_without_driving(film, tmp_path):
     options = ("--area", "400x400", "--robot", "lab", "--check")

@@ -31,6 +31,7 @@ def autocorrelation(x, y):
 # --- pseudo-random binary sequences
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("order", range(3, 13))
 def test_a_sequence_is_balanced_and_of_maximum_length(order):
     length = 2**order - 1

@@ -28,6 +28,7 @@ NO_TRACE = (None, 1, "x", ERRORS)
 NO_SEQUENCE = (None, 1, "x")
 
 
+@pytest.mark.long
 @refusals(
     options(nees, {"error covariance": NO_SAMPLE}, says=MUST, error=ERRORS, covariance=ALIKE),
     options(nis, {"innovation S": NO_SAMPLE}, says=MUST, innovation=ERRORS, S=ALIKE),

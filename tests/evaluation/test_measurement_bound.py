@@ -38,6 +38,7 @@ def grey_frame(values):
     return Frame(np.repeat(np.rint(values).astype(np.uint8)[..., np.newaxis], 3, axis=2))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("size", "kind", "percent", "rmse_xy", "rmse_heading_deg"),
     [
@@ -74,6 +75,7 @@ def test_the_bound_without_noise_is_that_of_rounding():
     np.testing.assert_array_equal(bound.covariance, zero.covariance)
 
 
+@pytest.mark.long
 def test_two_discs_by_hand():
     width, contrast, radius, apart, sigma = 0.8, 100.0, 15.0, 60.0, 5.1
     covered = sum(coverage((160, 100), (u, 49.5), radius, width) for u in (50.0, 110.0))
@@ -96,6 +98,7 @@ def test_two_discs_by_hand():
     np.testing.assert_allclose(bound.covariance[0, 1], 0, atol=1e-3 * bound.covariance[0, 0])
 
 
+@pytest.mark.long
 def test_the_best_fit_of_many_noisy_frames_reaches_the_bound(rng):
     """Least squares for place, blur, level and contrast, on noise without clipping."""
     width, radius, sigma, centre = 0.8, 12.0, 10.2, np.array((30.3, 29.6))
@@ -136,6 +139,7 @@ def test_the_information_of_a_pixel_is_that_of_noise_that_was_added(kind, mean):
         assert found * 0.97 < information < found * 1.3
 
 
+@pytest.mark.long
 def test_the_information_of_a_pixel_by_hand():
     assert pixel_information(None)(MIDDLE) == pytest.approx(12)
     for percent in (2, 10):
@@ -233,12 +237,14 @@ def test_wrong_arguments(change, error, message):
         measurement_bound(**arguments)
 
 
+@pytest.mark.long
 def test_markers_that_nobody_sees_have_no_bound():
     grey = Frame(np.full((120, 120, 3), 90, np.uint8))
     with pytest.raises(ValueError, match=r"frame must show markers that .* noise of 0\.0 at"):
         measurement_bound(grey, (60, 60, 0), [disc(20)], noise=robsim.GaussianNoise(10))
 
 
+@pytest.mark.long
 def test_an_edge_that_tells_no_place_along_it_has_no_bound():
     image = np.where(np.arange(40) < 20, 70.0, 200.0) * np.ones((40, 1))
     half = [(-50, 0), (50, 0), (50, 50), (-50, 50)]  # forward, right

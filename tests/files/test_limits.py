@@ -157,6 +157,7 @@ def test_a_text_that_would_take_long(text, reason):
     assert len(str(caught.value)) < 300
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("text", ["x=[" + "1," * 90_000 + "]", "x = '" + "a" * 900_000 + "'"])
 @pytest.mark.parametrize("read", [robsim.load_colors, robsim.Scenario.load])
 def test_a_message_is_never_as_long_as_the_file(tmp_path, text, read):

@@ -47,6 +47,7 @@ def test_escaped_text_has_nothing_that_commands_a_terminal(text):
         assert one_line(text) == printable(text) == text
 
 
+@pytest.mark.long
 @settings(max_examples=30)
 @given(
     st.recursive(TEXTS | st.integers() | st.binary(), lambda values: st.lists(values, max_size=9))
@@ -101,6 +102,7 @@ def test_what_came_is_quoted_whatever_its_repr(value):
         assert len(str(caught.value)) < 500, name
 
 
+@pytest.mark.long
 def test_no_message_writes_the_repr_of_what_came():
     """It may be long, have control characters, or fail: there is `quoted` for it."""
     for file in PACKAGE.rglob("*.py"):

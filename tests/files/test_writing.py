@@ -343,6 +343,7 @@ def calls_of(file):
                 yield function.id
 
 
+@pytest.mark.long
 def test_every_file_is_written_by_the_one_writer():
     files = {str(f.relative_to(PACKAGE)): f for f in PACKAGE.rglob("*.py")}
     own = {name: f for name, f in files.items() if not name.startswith(("notebooks", "bench"))}

@@ -95,6 +95,7 @@ def check_trace(path):
         assert robsim.Trace.load(path) == trace
 
 
+@pytest.mark.long
 @fuzzed
 @given(st.data())
 def test_traces(whole, scratch, data):
@@ -165,6 +166,7 @@ def check_scenario(path):
         assert robsim.Scenario.load(path) == scenario
 
 
+@pytest.mark.long
 @fuzzed
 @given(st.data())
 def test_scenarios(whole, scratch, data):
@@ -260,6 +262,7 @@ def small_run_frames():
     return [sim.render_step(k) for k in range(6)]
 
 
+@pytest.mark.long
 @fuzzed
 @given(st.data())
 def test_videos(video, data):

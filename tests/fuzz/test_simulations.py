@@ -9,7 +9,7 @@ import robsim
 from fuzzing import FLOATS, attempt, fuzzed
 from scenarios import scenarios
 
-pytestmark = pytest.mark.fuzz
+pytestmark = [pytest.mark.fuzz, pytest.mark.long]
 
 POSES = st.tuples(st.floats(-50, 300), st.floats(-50, 300), st.floats(-7, 7))
 SQUARES = st.integers(0, 2**31).map(

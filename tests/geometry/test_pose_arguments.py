@@ -44,6 +44,7 @@ NO_NUMBERS = (
 )
 
 
+@pytest.mark.long
 @refusals(
     [Refusal(take, of.split()[0], NO_POSE) for of, take in POSE_TAKERS.items()],
     [

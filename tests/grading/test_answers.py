@@ -119,6 +119,7 @@ def test_an_answer_that_cannot_be_is_refused_with_slot_and_step(slot, reply):
     assert refused.value.args[:2] == (slot, 1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in range(1, 9))]
 )

@@ -14,6 +14,8 @@ from graded import honest, where
 from robsim.grading import Key, Submission
 from waiting import wait_for
 
+pytestmark = pytest.mark.long
+
 SLOTS = ("estimate_state", "control")
 SCENARIO = robsim.Scenario(
     resolution=(200, 200), measure=True, noise=robsim.GaussianNoise(5), start="random"

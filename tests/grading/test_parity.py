@@ -24,6 +24,7 @@ def assert_parity(folder, slots, scenario, **options):
     return there
 
 
+@pytest.mark.long
 def test_a_submission_that_fills_all_slots_gives_the_same_trace(tmp_path):
     trace = assert_parity(honest(tmp_path / "s", SLOTS), SLOTS, NOISY, steps=40)
     assert trace.info.callbacks == SLOTS

@@ -22,6 +22,8 @@ from robsim.grading import (
     check_isolation,
 )
 
+pytestmark = pytest.mark.long
+
 SCENARIO = robsim.Scenario(resolution=(200, 200), measure=True, noise=robsim.GaussianNoise(5))
 QUICK = Limits(call=0.3, first_call=5.0, run=20.0)
 

@@ -37,6 +37,7 @@ def test_what_does_harm_stands_as_escapes(text):
     assert "\n" not in clean_line(text)
 
 
+@pytest.mark.long
 @given(st.text(st.characters(), max_size=300) | st.lists(st.sampled_from(NASTY)).map("".join))
 def test_any_text_is_harmless(text):
     assert harmless(clean_text(text, 200))
@@ -118,6 +119,7 @@ raise Meta('\\x1b[31m' + 'x' * 10**6, (Exception,), {})('\\x1b')
     assert text.message == "\\x1b"
 
 
+@pytest.mark.long
 def test_a_message_of_any_length_is_short():
     for code in ("raise ValueError('x' * 10**8)", "raise ValueError(b'x' * 10**7)",
                  "raise ValueError(10**4000)", "raise KeyError('x' * 10**7)",
@@ -196,6 +198,7 @@ ANYTHING = st.recursive(
 )
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(st.dictionaries(FIELDS, ANYTHING) | ANYTHING)
 def test_whatever_a_worker_tells_is_cleaned(value):

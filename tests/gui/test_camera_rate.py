@@ -12,7 +12,7 @@ from robsim.gui._panel import view as _panel_view
 from robsim.gui._panel.run import transport
 from waiting import wait_for
 
-pytestmark = pytest.mark.threads
+pytestmark = [pytest.mark.threads, pytest.mark.long]
 
 IMAGE = np.zeros((64, 64, 3), np.uint8)
 SOON = 20  # s

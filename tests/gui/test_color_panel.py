@@ -94,6 +94,7 @@ def test_a_panel_that_was_open_stays_open():
         assert len(panel.trace) == 2
 
 
+@pytest.mark.long
 def test_a_picture_of_12_megapixels_is_sent_in_few():
     image = np.full((3000, 4000, 3), FLOOR, np.uint8)
     image[1500:1700, 900:1100] = RED
@@ -111,6 +112,7 @@ def test_a_picture_of_12_megapixels_is_sent_in_few():
         )
 
 
+@pytest.mark.long
 def test_its_picture_for_a_saved_notebook_is_small():
     rng = np.random.default_rng(1)
     noise = rng.integers(0, 255, (1200, 1200, 3), dtype=np.uint8)

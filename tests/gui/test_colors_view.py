@@ -139,6 +139,7 @@ def test_a_recording_is_looked_through_and_trained_on(tmp_path):
     view.close()
 
 
+@pytest.mark.long
 def test_a_camera_is_shown_live_until_it_is_frozen(tmp_path):
     from python_cameras import SteppedCamera
 

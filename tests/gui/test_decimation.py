@@ -56,6 +56,7 @@ def as_json(values):
     return [None if np.isnan(v) else v for v in values.tolist()]
 
 
+@pytest.mark.long
 def test_blocks_have_the_extremes_of_their_rows_however_they_came(run_node, numbers):
     counts = [1, 7, 8, 9, 100, 101, 2048, 2049, 4000, N]
     code = _FILL + (

@@ -73,6 +73,7 @@ def runs(driver, steps=3):
 # Commands
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("speed", [1000.0, math.inf])
 @pytest.mark.parametrize("callback", [None, lambda step: (0.1, 0.2)])
 def test_start_and_pause(drive, speed, callback):
@@ -209,6 +210,7 @@ def test_stages_come_in_their_order_and_step_finishes_a_step(drive):
     assert driver.runner.stage == "world"
 
 
+@pytest.mark.long
 def test_animated_it_goes_from_stage_to_stage_and_step_by_step_again(drive, monkeypatch):
     monkeypatch.setattr(_driver, "_STAGE_PAUSE", 0.01)
     driver = drive(all_on(), speed=math.inf)
@@ -296,6 +298,7 @@ def test_a_change_of_speed_counts_at_once(drive):
     assert driver.runner.n_steps <= steps + 1
 
 
+@pytest.mark.long
 def test_what_was_held_up_is_not_made_up_for(drive):
     driver = drive(speed=20.0)  # 10 ms for a step of 0.2 s
     times = []
@@ -479,6 +482,7 @@ def waiting(request, drive, camera):
     return driver
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("command", ["pause", "step", "reset"])
 def test_a_wait_for_a_frame_is_cut(waiting, camera, command):
     future = getattr(waiting, command)()
@@ -491,6 +495,7 @@ def test_a_wait_for_a_frame_is_cut(waiting, camera, command):
     assert waiting.motors.sent[1:3] == [(0, 0), (0, 0)]
 
 
+@pytest.mark.long
 def test_a_look_or_a_setting_does_not_stop_the_robot(waiting, camera):
     future = waiting.call(lambda: waiting.runner.n_steps)
     time.sleep(0.12)  # it has looked up twice
@@ -511,6 +516,7 @@ def test_without_motors_nothing_waits_for_a_frame(drive, camera):
     wait_for(lambda: driver.runner.n_steps == 2)
 
 
+@pytest.mark.long
 def test_closing_does_not_wait_for_a_frame(waiting):
     assert waiting.close()
     assert waiting.state == "closed"
@@ -653,6 +659,7 @@ def test_one_that_is_forgotten_is_collected(monkeypatch):
     assert gone() is None
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
 def test_a_forked_process_is_told_that_the_run_is_not_its_own(drive):

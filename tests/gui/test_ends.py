@@ -51,6 +51,7 @@ def test_ctrl_c_ends_a_wait_and_pauses(monkeypatch):
         assert panel.state == "paused"
 
 
+@pytest.mark.long
 def test_closing_in_another_thread_ends_a_wait():
     panel = robsim.panel(simulation())
     timer = threading.Timer(0.05, panel.close)

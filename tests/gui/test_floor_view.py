@@ -140,6 +140,7 @@ def test_a_grid_of_too_many_places_is_refused_before_corners_are_looked_for(tool
     assert len(looked) == 24
 
 
+@pytest.mark.long
 def test_it_is_saved_and_loaded_with_the_lens_that_is_there(tool, tmp_path):
     matrix = [(700, 0, 399.5), (0, 700, 299.5), (0, 0, 1)]
     lens = Calibration(size=(800, 600), intrinsics=Intrinsics(matrix, [-0.05, 0, 0, 0, 0]))
@@ -307,6 +308,7 @@ def test_a_calibration_of_another_size_is_said_and_can_be_forgotten(tool, browse
     assert "mine.toml" in browser.take("note", level="info")[0]["text"]
 
 
+@pytest.mark.long
 def test_sheets_in_a_picture(tmp_path, monkeypatch):
     pytest.importorskip("cv2")
     from photographed_sheets import OBLIQUE, floor_picture
@@ -382,6 +384,7 @@ def boards():
     return list(board_pictures(Chessboard(9, 6)))
 
 
+@pytest.mark.long
 def test_a_lens_is_calibrated_by_pictures_of_a_board(boards, tmp_path, monkeypatch):
     from photographed_sheets import Shot
 
@@ -433,6 +436,7 @@ def test_a_lens_is_calibrated_by_pictures_of_a_board(boards, tmp_path, monkeypat
         assert "not live" in browser.take("note", level="error")[0]["text"]
 
 
+@pytest.mark.long
 def test_a_lens_by_methods(boards, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "film").mkdir()
@@ -451,6 +455,7 @@ def test_a_lens_by_methods(boards, tmp_path, monkeypatch):
             tool.take_board()
 
 
+@pytest.mark.long
 def test_live_pictures_of_a_board_are_taken_by_themselves(boards, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with (
@@ -562,6 +567,7 @@ def test_with_another_side_of_a_square_the_pictures_stay(tool, browser, fakes):
         tool.take_board(Chessboard(8, 6))
 
 
+@pytest.mark.long
 def test_more_pictures_than_enough_are_refused(tool, browser, fakes):
     lens = tool._view.lens
     for _ in range(60):
@@ -575,6 +581,7 @@ def test_more_pictures_than_enough_are_refused(tool, browser, fakes):
     assert not lens.watches
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [40, 41, 79, 81])
 def test_pictures_of_a_whole_film_are_taken(tool, fakes, monkeypatch, count):
     lens, looked = tool._view.lens, []

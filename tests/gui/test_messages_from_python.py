@@ -29,6 +29,7 @@ def test_what_is_asked_is_answered(panel):
     assert "def control(step)" in source["text"]
 
 
+@pytest.mark.long
 def test_finish_has_drawn_its_figure(panel):
     panel.message("set", name="control", value="drive-around")
     for _ in range(30):

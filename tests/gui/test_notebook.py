@@ -124,6 +124,7 @@ def test_whoever_fetches_nothing_gets_no_more_until_he_is_back(panel, link):
     assert types(link.sent_messages).count("note") > 100
 
 
+@pytest.mark.long
 def test_rows_that_were_lost_come_again(panel, link):
     panel.step()
     say(link, type="hello", width=150)
@@ -248,6 +249,7 @@ def test_what_another_cell_shows_stays(cells):
     assert panel.state == "closed"
 
 
+@pytest.mark.long
 def test_a_closed_panel_is_let_go_of_though_its_cell_shows_it(cells):
     panel = robsim.panel(simulation())
     cells.run("a", panel)

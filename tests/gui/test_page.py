@@ -39,6 +39,7 @@ def test_the_files_come_with_headers_that_keep_others_out(page):
         assert "Content-Encoding" not in headers
 
 
+@pytest.mark.long
 def test_a_page_is_told_everything_and_gets_frames(page):
     with greeted(page) as client:
         head, (picture,) = client.hear("frame")
@@ -70,6 +71,7 @@ def test_a_page_that_does_not_read_is_cut_off_and_nothing_waits(page, monkeypatc
         assert page.view.driver.state == "running"
 
 
+@pytest.mark.long
 def test_a_page_that_is_cut_off_pauses_nothing_that_others_look_at(page, monkeypatch):
     monkeypatch.setattr(_panel_view, "_PATIENCE", 0.1)
     with greeted(page) as reader:
@@ -80,6 +82,7 @@ def test_a_page_that_is_cut_off_pauses_nothing_that_others_look_at(page, monkeyp
     wait_for(lambda: page.view.driver.state == "paused")
 
 
+@pytest.mark.long
 def test_waiting_ends_some_time_after_the_last_page(page, monkeypatch):
     now = [100.0]
     monkeypatch.setattr(_page, "time", SimpleNamespace(monotonic=lambda: now[0]))
@@ -105,6 +108,7 @@ def test_waiting_ends_some_time_after_the_last_page(page, monkeypatch):
     assert not waiter.is_alive()
 
 
+@pytest.mark.long
 def test_the_server_ends_while_messages_are_under_way(page):
     with ExitStack() as stack:
         clients = [stack.enter_context(greeted(page)) for _ in range(3)]

@@ -63,6 +63,7 @@ def test_own_measure_that_fails_is_told_from_a_robot_that_cannot_be_seen():
     assert head["missed"] == "your measure found no robot; the default one finds the robot here"
 
 
+@pytest.mark.long
 def test_who_looks_back_gets_rows_but_no_newest_frame_until_he_returns(noisy):
     simulation = robsim.Simulation(measure=True, seed=1)
     simulation.run(5)

@@ -32,6 +32,7 @@ def view():
     view.close()
 
 
+@pytest.mark.long
 def test_a_paused_picture_comes_again_in_the_new_size(view):
     link = Recorder()
     view.connect(link)

@@ -63,6 +63,7 @@ def test_every_field_of_the_state_of_a_robot_stands_there():
         assert set(tool._view._state()) - {"type"} <= told
 
 
+@pytest.mark.long
 def test_every_field_of_the_state_of_a_floor_stands_there():
     told = set(re.findall(r"`(\w+)`", FLOOR)) | rows(TOOLS_TO)["state"]
     with robsim.gui.floor_panel() as tool:

@@ -177,6 +177,7 @@ def test_a_callback_may_pause_its_own_run():
         assert len(panel.trace) == 4
 
 
+@pytest.mark.long
 def test_commands_from_many_threads(panel):
     panel.speed = float("inf")
     with ThreadPoolExecutor(4) as pool:
@@ -231,6 +232,7 @@ def test_a_snapshot_of_a_run_under_way(panel, monkeypatch):
     assert panel.state == "running"
 
 
+@pytest.mark.long
 def test_an_experiment_ends_and_gives_a_snapshot():
     frames = [robsim.Frame(np.full((64, 48, 3), 90, np.uint8), t=0.1 * i) for i in range(4)]
     with robsim.panel(robsim.Experiment(frames, area=(48, 64)), speed=float("inf")) as panel:

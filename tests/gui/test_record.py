@@ -132,6 +132,7 @@ def test_a_session_shows_its_video(simulation, tmp_path):
         assert np.abs(again.image.astype(float) - simulation.render_step(2).image).mean() < 5
 
 
+@pytest.mark.long
 def test_a_recording_becomes_an_experiment(simulation, tmp_path):
     for k in range(3):
         Image.fromarray(simulation.render_step(k).image).save(tmp_path / f"{k}.png")
@@ -147,6 +148,7 @@ def test_a_recording_becomes_an_experiment(simulation, tmp_path):
         assert picture
 
 
+@pytest.mark.long
 def test_a_long_record_comes_in_parts(saved, monkeypatch):
     monkeypatch.setattr(_rows, "_MOST_BYTES", 100)
     wanted = {"pose_true": saved.pose_true, "u": saved.u}
@@ -166,6 +168,7 @@ def test_a_long_record_comes_in_parts(saved, monkeypatch):
         np.testing.assert_array_equal(got[name], rows.astype("<f4"))
 
 
+@pytest.mark.long
 def test_a_line_that_is_behind_gets_its_rows_later(saved, monkeypatch):
     with panel_of(saved) as (_, browser):
         monkeypatch.setattr(FakeBrowser, "is_behind", True)

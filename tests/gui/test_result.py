@@ -18,6 +18,7 @@ def finish(simulation):
         return browser.take("result")
 
 
+@pytest.mark.long
 def test_a_run_gives_table_remarks_and_figure():
     simulation = robsim.Simulation(estimate_parameters=True, seed=1, control=robsim.DriveAround())
     trace = simulation.run(800)
@@ -33,6 +34,7 @@ def test_a_run_gives_table_remarks_and_figure():
     assert figure[:4] == PNG
 
 
+@pytest.mark.long
 def test_a_run_that_excites_too_little_says_which_parameters_are_lost():
     simulation = robsim.Simulation(seed=1)
     simulation.run(50)

@@ -178,6 +178,7 @@ def test_a_centre_that_was_given_stays_until_there_is_another_outline():
     np.testing.assert_array_equal(drawing.centre, lab.centre)
 
 
+@pytest.mark.long
 def test_a_robot_that_ships_can_be_taken_up_and_given_back():
     for name in ("lab", "robot2", "sheep"):
         robot = robsim.load_robot(name)

@@ -12,6 +12,8 @@ from robsim.robots import load_robot
 from robsim.vision import load_colors
 from waiting import wait_for
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture
 def view(user_folder):

@@ -192,6 +192,7 @@ def test_the_panel_answers_while_they_are_computed(monkeypatch):
         browser.take("statistics", last=2)
 
 
+@pytest.mark.long
 def test_closing_waits_for_what_is_computed(monkeypatch):
     inside, closed, was_closed = threading.Event(), threading.Event(), []
 

@@ -12,6 +12,8 @@ from browsers import panel_of
 from robsim.gui._panel.view import PanelView
 from robsim.reference import ExtendedKalmanFilter
 
+pytestmark = pytest.mark.long
+
 
 def still_of(shown):
     view = PanelView(shown)

@@ -109,6 +109,7 @@ MALFORMED = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("message", MALFORMED, ids=lambda text: text[:30].decode())
 def test_a_malformed_message_is_told_and_forgotten(page, message):
     with greeted(page) as client:
@@ -157,6 +158,7 @@ def test_ten_thousand_messages_stop_neither_the_run_nor_other_pages(page):
             pass
 
 
+@pytest.mark.long
 def test_commands_do_not_pile_up_while_a_callback_hangs():
     inside, is_free = threading.Event(), threading.Event()
 
@@ -195,6 +197,7 @@ def test_a_line_that_is_flooded_takes_no_room_from_others():
         other.take("state", k=0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["hello", "size"])
 @pytest.mark.parametrize("width", [0, 2**31, 2**53 - 1])
 def test_a_picture_of_any_width_comes_to_all(kind, width):
@@ -243,6 +246,7 @@ def test_a_thousand_half_open_requests_keep_no_page_out(page):
         line.close()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "start", [b"", b"GET /", b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n1"]
 )

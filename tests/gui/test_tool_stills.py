@@ -13,6 +13,8 @@ from robsim.gui._tools.pictures import OnePicture
 from robsim.gui._tools.tool import ToolView
 from waiting import wait_for
 
+pytestmark = pytest.mark.long
+
 SIDE, LEFT, TOP = 455, 6, 34  # of the picture on the sheet (px)
 YELLOW, RED_INK, WHITE, ACCENT = (255, 213, 0), (229, 72, 77), (255, 255, 255), (87, 80, 211)
 FLOOR, RED = (120, 122, 118), (210, 40, 30)

@@ -73,6 +73,7 @@ def test_what_a_tool_says_and_hears_goes_through_the_panel(watcher):
     wait_for(lambda: told(watcher, "note"))
 
 
+@pytest.mark.long
 def test_the_run_goes_on_with_the_robot_that_is_drawn(watcher):
     sim = watcher.view.runner
     watcher.say("press", button="step")
@@ -89,6 +90,7 @@ def test_the_run_goes_on_with_the_robot_that_is_drawn(watcher):
     assert sim.trace.seen.all()
 
 
+@pytest.mark.long
 def test_a_robot_that_is_changed_is_saved_and_survives(watcher):
     opened(watcher, "robots")
     tell(watcher, "turn", degrees=-30)
@@ -103,6 +105,7 @@ def test_a_robot_that_is_changed_is_saved_and_survives(watcher):
     assert robot_names().count("mine") == 1
 
 
+@pytest.mark.long
 def test_another_picture_never_takes_the_place_of_a_robot_of_the_users(watcher):
     lab, sheep = load_robot("lab"), load_robot("sheep")
     robsim.robots.add_robot("mine", sheep)
@@ -192,6 +195,7 @@ def test_a_robot_that_the_run_refuses_is_neither_saved_nor_the_default(watcher):
     assert watcher.newest("state")["tool"] == "robots"
 
 
+@pytest.mark.long
 def test_another_robot_of_the_same_name_is_not_written_over(watch, user_folder):
     robsim.robots.add_robot("mine", "sheep")
     other = dataclasses.replace(load_robot("lab"), name="mine")
@@ -240,6 +244,7 @@ def test_a_line_that_is_gone_is_gone_for_the_tool(watcher):
     wait_for(lambda: not tool._view.links)
 
 
+@pytest.mark.long
 def test_another_robot_from_a_cell_is_shown(watcher):
     watcher.view.runner.robot = "sheep"
     wait_for(lambda: watcher.newest("setup")["robot"]["name"] == "sheep")

@@ -333,6 +333,7 @@ def loops(may_go_on):
         pass
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("hang", [sleeps, loops])
 def test_stop_stops_the_robot_whatever_a_callback_does(robot, hanging, hang):
     control = hanging(hang)
@@ -388,6 +389,7 @@ def test_what_was_asked_for_before_stop_does_not_move_the_robot_after(hanging):
         assert robot.stands
 
 
+@pytest.mark.long
 def test_stop_between_two_steps(robot):
     sim = experiment(frames(20), send=robot.send, control=lambda step: (1, 2), frame_timeout=1000)
     with panel_of(sim, speed=1e-3) as (_, browser):
@@ -414,6 +416,7 @@ def test_a_stop_from_elsewhere_pauses_the_run_too():
         assert robot.stands
 
 
+@pytest.mark.long
 def test_stop_in_the_midst_of_many_steps_is_never_lost():
     """Wherever it comes between the looks of the run: it moves no more."""
     robot = Sender()
@@ -448,6 +451,7 @@ def test_a_robot_that_cannot_be_stopped_is_told(monkeypatch):
         wait_for(lambda: robot.stands)
 
 
+@pytest.mark.long
 def test_the_panel_answers_while_what_stops_the_robot_hangs():
     is_free = threading.Event()
 

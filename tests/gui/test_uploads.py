@@ -220,6 +220,7 @@ def test_what_is_given_up_while_it_is_decoded_is_not_shown(view, browser, monkey
     np.testing.assert_array_equal(shown(view), FLOOR)
 
 
+@pytest.mark.long
 def test_a_live_picture_waits_and_comes_back(tmp_path):
     source = SteppedCamera([FLOOR + k for k in range(9)])
     source.permits.release()  # the size is that of a frame
@@ -274,6 +275,7 @@ def robots(user_folder, monkeypatch):
     view.close()
 
 
+@pytest.mark.long
 def test_a_robot_that_is_cut_out_is_drawn_on_at_once(robots):
     lab = load_robot("lab")
     large = np.kron(lab.image, np.ones((2, 2, 1), np.uint8))
@@ -294,6 +296,7 @@ def test_a_robot_that_is_cut_out_is_drawn_on_at_once(robots):
     assert not state["can_undo"]
 
 
+@pytest.mark.long
 def test_a_photograph_is_captured_in_part_or_whole(robots):
     sim = robsim.Simulation(robot="lab", start=(200, 200, 0.6), area=(400, 400), seed=2)
     photo = sim.step().frame.image
@@ -331,6 +334,7 @@ def test_a_transparent_picture_is_no_robot(robots):
     assert robots.drawing.sketch is before
 
 
+@pytest.mark.long
 def test_methods_do_what_the_mouse_does(tmp_path, user_folder):
     file = tmp_path / "other.png"
     file.write_bytes(png(OTHER))

@@ -126,6 +126,7 @@ class Cut(FakeBrowser):
         super().transmit(head, buffers)
 
 
+@pytest.mark.long
 def test_a_line_that_is_cut_is_forgotten_and_others_go_on(panel):
     view, browser = panel
     cut = Cut(view)
@@ -146,6 +147,7 @@ def test_the_last_line_that_is_cut_pauses_the_run(monkeypatch):
     view.close()
 
 
+@pytest.mark.long
 def test_a_slow_line_gets_fewer_frames_and_the_last_one_and_holds_up_nobody(panel, monkeypatch):
     monkeypatch.setattr(_link, "SLOW", 1000.0)
     view, browser = panel
@@ -168,6 +170,7 @@ def test_a_slow_line_gets_fewer_frames_and_the_last_one_and_holds_up_nobody(pane
     assert few[0]["n"] == 1
 
 
+@pytest.mark.long
 def test_without_any_room_frames_go_on_slowly(panel, monkeypatch):
     monkeypatch.setattr("robsim.gui._panel.run.camera.SLOW", 0.02)
     monkeypatch.setattr(_link, "SLOW", 0.02)
@@ -202,6 +205,7 @@ def test_views_that_say_nothing_while_others_do_are_forgotten(monkeypatch):
     assert len(line._grants) == 20
 
 
+@pytest.mark.long
 def test_while_the_view_is_busy_only_the_newest_frame_is_kept():
     before = [shot for shot in gc.get_objects() if isinstance(shot, Shot)]  # of other tests
     with panel_of(simulation()) as (view, browser):

@@ -35,6 +35,7 @@ def gain_errors(theta):
     return np.nanmax(np.abs(theta / np.where(TRUTH, TRUTH, np.nan) - 1)[:, 2:4])
 
 
+@pytest.mark.long
 @each_method
 @pytest.mark.parametrize("delay", [0, 1, 2.4, 40.5])
 def test_the_true_delay_gives_back_the_true_parameters(method, delay):
@@ -62,6 +63,7 @@ def test_noise_adds_no_bias_to_a_fit_that_knows_the_delay(fit):
     assert beyond[without.determined].max() > 8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("delay", [2.4, pytest.param(0.0, marks=pytest.mark.long)])
 def test_the_delay_is_estimated_and_the_parameters_with_it(delay):
     trace = late_run(delay=delay)
@@ -88,6 +90,7 @@ def test_the_standard_error_of_the_delay_is_honest(delay):
     assert 0.86 < np.square(errors).sum() < 26.1
 
 
+@pytest.mark.long
 def test_a_batch_estimate_estimates_the_delay_from_measured_poses():
     trace = late_run(delay=1.7, boundary="bounce", steps=250)
     groups = {name: getattr(trace, name) for name in ("pose_true", "u", "bounced")}

@@ -43,6 +43,7 @@ LAYOUTS = {
 in_all_layouts = pytest.mark.parametrize("lay_out", LAYOUTS.values(), ids=LAYOUTS)
 
 
+@pytest.mark.long
 @in_all_layouts
 def test_a_borrowed_frame_is_seen_as_its_copy(lay_out):
     image = drawn()

@@ -123,6 +123,7 @@ def test_without_a_floor_there_is_no_map():
         _ = lens.plane_map
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

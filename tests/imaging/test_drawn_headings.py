@@ -50,6 +50,7 @@ def test_of_the_simulated_lab(headings):
         assert camera.read().headings == headings
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("suffix", [".mkv", ".avi", ".mp4", ".webm"])
 def test_of_a_video(tmp_path, suffix):
     pytest.importorskip("cv2")

@@ -35,6 +35,7 @@ IMAGE_TAKERS = {
 takes_images = pytest.mark.parametrize("take", IMAGE_TAKERS.values(), ids=IMAGE_TAKERS)
 
 
+@pytest.mark.long
 @refusals([Refusal(take, "image", NO_IMAGE) for take in IMAGE_TAKERS.values()])
 def test_what_is_no_image(refusal):
     refusal()

@@ -23,6 +23,7 @@ NO_POINTS = (
 )
 
 
+@pytest.mark.long
 @refusals(
     Refusal(PlaneMap, "matrix", NO_HOMOGRAPHY[1:]),  # None: the identity
     Refusal(lambda value: PlaneMap.scaled(value, (1, 1)), "resolution", (*NO_PIXELS, (None, 1))),
@@ -42,6 +43,7 @@ def test_a_homography_is_the_same_times_any_number(factor):
     np.testing.assert_allclose(PlaneMap(np.eye(3) * factor).to_world((3, 4)), (3, 4))
 
 
+@pytest.mark.long
 @map_points
 @settings(max_examples=60)
 @given(shape=npst.array_shapes(min_dims=1, max_dims=3, min_side=0, max_side=4))

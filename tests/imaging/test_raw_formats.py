@@ -73,6 +73,7 @@ def debayered(raw, filter_):
     return image
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("filter_", FILTERS)
 @pytest.mark.parametrize("size", [(2, 2), (3, 3), (5, 31), (4, 34), (2, 67)])
 def test_missing_colours_are_means_of_their_neighbours(rng, filter_, size):
@@ -136,6 +137,7 @@ def test_chroma_that_is_sent_is_the_mean_of_its_pixels(rng, format_):
         assert np.abs(sent[:, ::n] - np.minimum(means, 127)).max() <= 0.51
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("format_", FORMATS)
 @pytest.mark.parametrize("size", [(2, 4), (480, 644)])
 def test_a_byte_too_few_is_refused(format_, size):

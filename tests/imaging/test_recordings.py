@@ -236,6 +236,7 @@ class TestVideo:
             Recording(file)
         assert capfd.readouterr().err == ""
 
+    @pytest.mark.long
     @pytest.mark.parametrize("ending", [".mp4", ".webm", ".mkv", ".avi"])
     def test_that_is_cut_off(self, tmp_path, ending, rng, capfd):
         pytest.importorskip("cv2")

@@ -52,6 +52,7 @@ def test_small_files_look_alike(tmp_path, rng, ending):
     assert error.mean() < 5  # as if red and blue were swapped: 50
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ending", CODECS)
 @pytest.mark.parametrize("fps", [0.1, 1 / 3, 5, 29.97, 1 / 0.015, 100.001, 333.3333, 500])
 def test_keeps_the_rate(tmp_path, ending, fps):
@@ -218,6 +219,7 @@ def test_quiet_threads_leave_the_log_as_it_was():
     assert logging.getLogLevel() == before
 
 
+@pytest.mark.long
 def test_what_others_print_while_a_video_is_read_is_not_lost(tmp_path, rng, capfd):
     save_video(tmp_path / "run.mkv", smooth(rng), fps=5)
     damaged = bytearray((tmp_path / "run.mkv").read_bytes())

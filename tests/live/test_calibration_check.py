@@ -14,6 +14,8 @@ from robsim.imaging import Calibration, Intrinsics, PlaneMap
 from robsim.live import Lens, SimulatedLab, check_camera
 from robsim.live import _calibration_findings as mapping
 
+pytestmark = pytest.mark.long
+
 SIZE = (480, 480)
 MATRIX = [[420.0, 0, 239.5], [0, 420.0, 239.5], [0, 0, 1]]
 AREA = (600, 600)

@@ -13,6 +13,8 @@ from robsim.live._marker_light import marker_light
 from robsim.motors import UdpMotors
 from robsim.robots._appearance import _pixels_at
 
+pytestmark = pytest.mark.long
+
 SIZE = (400, 400)
 
 
@@ -175,7 +177,6 @@ def lab_check(seconds=1.0, fps=20, faults=None, **options):
     return report
 
 
-@pytest.mark.long
 def test_a_lab_in_real_time_is_judged():
     report = lab_check()
     assert kinds(report) == set()
@@ -212,7 +213,6 @@ def test_a_silent_camera_is_an_error():
             check_camera(camera, seconds=0.2)
 
 
-@pytest.mark.long
 def test_the_picture_shows_the_robot_or_that_there_is_none():
     figure = robsim.plotting.plot_camera_check(check(picture()))
     assert len(figure.axes) == 3

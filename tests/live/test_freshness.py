@@ -10,6 +10,8 @@ import robsim
 from robsim.live import SimulatedLab
 from robsim.motors import RecordedMotors
 
+pytestmark = pytest.mark.long
+
 FPS = 100
 SCENARIO = robsim.Scenario(area=(300, 300), resolution=(60, 60), seed=1)
 

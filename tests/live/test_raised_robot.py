@@ -10,6 +10,8 @@ from robsim.live import Lens, SimulatedLab
 from robsim.vision import detect
 from tilted_camera import TiltedCamera
 
+pytestmark = pytest.mark.long
+
 pytest.importorskip("cv2")
 
 HEIGHT = 80  # work-area px

@@ -76,6 +76,7 @@ def errors_of(lab, frames):
     return np.hypot(*np.transpose(off))
 
 
+@pytest.mark.long
 def test_frames_are_those_of_the_true_poses():
     with lab_of() as lab:
         frames = driven_frames(lab, 25)
@@ -90,6 +91,7 @@ def test_frames_are_those_of_the_true_poses():
         assert frame.plane_map == lab.plane_map
 
 
+@pytest.mark.long
 def test_the_robot_moves_as_its_model_says_by_the_inputs_that_it_received():
     with lab_of() as lab:
         driven_frames(lab, 25)
@@ -156,6 +158,7 @@ def test_faults_are_counted_and_never_wrong():
     assert ticks[-1] + 1 > 50 + counts.torn  # some were dropped
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("seed", "dropped"), [(1, {2, 3, 7, 8, 11, 13, 17, 18}), (2, {3, 5, 6, 12})]
 )
@@ -179,6 +182,7 @@ def test_a_stalled_camera_times_out_and_comes_back():
         assert camera.counts.timeouts > 0
 
 
+@pytest.mark.long
 def test_the_world_goes_on_while_the_camera_is_unplugged():
     with lab_of() as lab:
         with robsim.Camera(lab) as camera:
@@ -212,6 +216,7 @@ def test_a_camera_that_reopens_finds_it_again():
         assert tick >= 35
 
 
+@pytest.mark.long
 def test_delay_comes_between_exposure_and_arrival():
     with lab_of(camera_delay=0.1) as lab, robsim.Camera(lab) as camera:
         for _ in range(5):
@@ -238,6 +243,7 @@ def test_noise_and_exposure_change_the_pixels_after_the_optics():
             assert 12 < rest[inside].std() < 13.5
 
 
+@pytest.mark.long
 def test_two_labs_at_once_have_robots_of_their_own():
     with (
         lab_of() as lab,
@@ -312,6 +318,7 @@ def test_no_thread_outlives_it():
     until(lambda: threads() <= before)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
 @pytest.mark.skipif(

@@ -1,9 +1,12 @@
 """What is no parameter of a robot, no model and no input is refused in its name."""
 
 import numpy as np
+import pytest
 
 from refusals import INF, NAN, NOT_FINITE, POSE, Refusal, options, refusals
 from robsim import RobotModel, RobotParameters
+
+pytestmark = pytest.mark.long
 
 MODEL = RobotModel()
 THETA = MODEL.theta

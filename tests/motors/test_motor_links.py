@@ -30,6 +30,7 @@ from threads import in_thread, together
 from waiting import wait_for
 
 pytestmark = [
+    pytest.mark.long,
     pytest.mark.threads,
     pytest.mark.skipif(sys.platform == "win32", reason="made for Linux and macOS"),
 ]
@@ -173,7 +174,6 @@ def sending(code, robot, **options):
     return process
 
 
-@pytest.mark.long
 def test_the_robot_stops_by_itself_when_the_sender_is_killed(robot):
     with sending(KILLED, robot) as process:
         wait_for(lambda: robot.counts.valid > 5)
@@ -186,7 +186,6 @@ def test_the_robot_stops_by_itself_when_the_sender_is_killed(robot):
     assert robot.mean(end.t, end.t + 1).tolist() == [0, 0]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     "end", ["pass", "raise ValueError", "sys.exit(3)", "del motors; sys.stdin.read()"]
 )
@@ -198,7 +197,6 @@ def test_the_end_of_the_program_stops_the_robot(robot, end):
     assert "timeout" not in kinds(robot)
 
 
-@pytest.mark.long
 def test_ctrl_c_reaches_the_interpreter_and_stops_the_robot(robot):
     # What a shell starts in the background ignores Ctrl-C.
     hears = "signal.signal(signal.SIGINT, signal.default_int_handler)\nmotors = "
@@ -247,7 +245,6 @@ def test_a_forked_process_is_refused_in_words(robot, motors):
 @pytest.mark.slow
 @pytest.mark.sanitized
 @needs_proc
-@pytest.mark.long
 def test_threads_and_sockets_end_with_their_owners(robot):
     time.sleep(0.05)  # those of the test before may still be on their way out
     gc.collect()

@@ -50,6 +50,7 @@ def test_it_stands_and_hears_nobody_at_first(robot, sender):
     assert sender.answer() == line("a 40000")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "text",
     [
@@ -132,6 +133,7 @@ def test_it_stops_by_itself_when_the_time_to_live_is_over(robot, sender):
     assert robot.input.tolist() == [0, 0]
 
 
+@pytest.mark.long
 def test_what_it_ignores_does_not_count_as_heard(robot, sender):
     say(robot, sender, drive_line(10, ttl=50))
     end = time.monotonic() + 0.1

@@ -90,6 +90,7 @@ def test_any_bytes_are_read_as_the_page_says(line):
     assert parse_line(line) == read_by_the_page(line)
 
 
+@pytest.mark.long
 @given(numbers, voltages, voltages, times, st.data())
 def test_up_to_three_bits_that_change_are_found(number, u1, u2, ttl, data):
     line = bytearray(to_line("u", number, (u1, u2), ttl)[:-1])

@@ -294,6 +294,7 @@ def test_every_result_has_every_form(results):
         assert result.verdict is None or len(result.verdict.split()) <= 2
 
 
+@pytest.mark.long
 def test_no_result_writes_a_layout_of_its_own(results):
     forms = {"__str__", "_repr_html_", "to_dict", "to_json", "to_pandas"}
     own = {name for result in results for name in vars(type(result))}

@@ -205,6 +205,7 @@ def test_ticks_of_many_decades_do_not_overlap():
     assert np.count_nonzero((ticks > low) & (ticks < high)) < 15
 
 
+@pytest.mark.long
 def test_the_verdict_is_the_title():
     rng = np.random.default_rng(2)
     axes = plot_consistency(nis_consistency(3 * rng.normal(size=(20, 80, 2)), np.eye(2)))

@@ -70,6 +70,7 @@ def mean_nees(kind, given, runs=8):
     return np.mean(values), 5 * np.std(values, ddof=1) / np.sqrt(runs)
 
 
+@pytest.mark.long
 @each_filter
 def test_a_filter_that_knows_the_delay_is_consistent_and_one_that_does_not_is_not(kind):
     mean, margin = mean_nees(kind, DELAY)
@@ -78,6 +79,7 @@ def test_a_filter_that_knows_the_delay_is_consistent_and_one_that_does_not_is_no
     assert mean - margin > 4, mean
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("delay", [0, 1, 3, 0.4, 2.4, 30.5])
 def test_it_predicts_where_the_robot_is_when_an_input_begins_to_act(delay):
     trace = late_run(3, delay, process_noise=None)
@@ -101,6 +103,7 @@ def test_it_predicts_where_the_robot_is_when_an_input_begins_to_act(delay):
         assert now > 10 * np.abs(error[20:, :2]).max()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [ExtendedKalmanFilter, UnscentedKalmanFilter, ParticleFilter])
 def test_looking_ahead_changes_nothing(kind):
     trace = late_run(1, steps=30)
@@ -236,6 +239,7 @@ def drive(delay, compensated):
     return np.abs(trace.pose_true[60:, 1] - 600).max(), trace
 
 
+@pytest.mark.long
 def test_a_controller_that_looks_ahead_drives_as_without_the_delay():
     prompt, _ = drive(0, compensated=False)
     late, _ = drive(4.5, compensated=False)

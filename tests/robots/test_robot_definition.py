@@ -282,6 +282,7 @@ WRONG_VALUES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("key", "value", "says"),
     [

@@ -186,6 +186,7 @@ def test_a_damaged_picture_is_named(folder, pictures, match):
     refused(folder, match)
 
 
+@pytest.mark.long
 @pytest.mark.fuzz
 def test_any_damage_is_told_or_harmless(folder, rng):
     files = {name: (folder / name).read_bytes() for name in ("setup.toml", "steps.csv", "end.toml")}

@@ -43,6 +43,7 @@ def exported(request, tmp_path_factory):
     return session, messages_of(folder / "run.mcap")
 
 
+@pytest.mark.long
 def test_the_images_are_those_of_the_session(exported):
     session, messages = exported
     frames = []

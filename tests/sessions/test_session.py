@@ -63,6 +63,7 @@ def run(tmp_path_factory):
 
 
 class TestReplay:
+    @pytest.mark.long
     def test_gives_the_frames_to_the_byte(self, run):
         _, frames, session = run
         for frame, observation in zip(frames, session, strict=True):

@@ -20,6 +20,7 @@ def picture(sim, k):
     return sim.render_step(k).image.copy()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("camera_delay", [0, 2])
 def test_the_next_step_shows_the_new_robot_and_earlier_ones_the_old(camera_delay):
     sim = simulation(headings=None, camera_delay=camera_delay, noise=robsim.GaussianNoise(5))

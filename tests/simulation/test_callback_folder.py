@@ -236,6 +236,7 @@ def test_a_switch_must_be_true_or_false(mine, value):
         CallbackFolder(mine).load()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("slot", "line"),
     [("control", "control = robsim.DriveAround()"),
@@ -284,6 +285,7 @@ def test_a_byte_order_mark_and_windows_line_ends_are_no_mistake(mine):
     assert CallbackFolder(mine).load()["control"](None) == (0.05, -0.05)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", SLOTS)
 def test_a_file_that_fails_when_executed(mine, slot):
     file = mine / f"{slot}.py"
@@ -295,6 +297,7 @@ def test_a_file_that_fails_when_executed(mine, slot):
     assert f'File "{file}", line 2, in <module>\n    numbers[2]\n' in text
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", SLOTS)
 def test_a_file_with_another_name_in_it(mine, slot):
     file = mine / f"{slot}.py"
@@ -307,6 +310,7 @@ def test_a_file_with_another_name_in_it(mine, slot):
     assert str(error) == f"{file} must define {wanted}; it defines: {slot}l, Other"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", SLOTS)
 def test_an_empty_file(mine, slot):
     (mine / f"{slot}.py").write_bytes(b"")
@@ -331,6 +335,7 @@ def test_true_is_for_stages_of_robsim_only(mine):
         CallbackFolder(mine).load()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", SLOTS)
 def test_a_function_with_other_arguments(mine, slot):
     (mine / f"{slot}.py").write_text(f"def {slot}(a, b):\n    pass\n")
@@ -395,6 +400,7 @@ def test_a_folder_without_callbacks(tmp_path):
         CallbackFolder(tmp_path).load()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "meant"),
     [("mesure", "measure"), ("controller", "control"), ("Control", "control"),
@@ -415,6 +421,7 @@ def test_a_misspelt_file_is_told(tmp_path, name, meant):
     assert [warning.filename for warning in caught] == [str(tmp_path / f"{name}.py")]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", ["control_old", "control2", "control (1)", "geometry", "plot", "test_control", "test"]
 )
@@ -631,6 +638,7 @@ def test_a_folder_is_the_same_from_another_working_folder(mine, tmp_path, monkey
         folder.load()
 
 
+@pytest.mark.long
 def test_another_thread_waits_for_its_turn(tmp_path):
     for gain, name in enumerate(("anna", "ben")):
         (tmp_path / name).mkdir()

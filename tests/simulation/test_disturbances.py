@@ -127,6 +127,7 @@ def test_every_world_is_stable(rng, friction):
 NO_SIGMA = (None, "1", -1, *NOT_FINITE, 1j, True)
 
 
+@pytest.mark.long
 @refusals(
     Refusal(
         PoseNoise,

@@ -42,6 +42,7 @@ def with_a_world():
     return sim
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("make", [plain, with_a_callback, with_an_estimator, with_a_world])
 @pytest.mark.parametrize("steps", [0, 3])
 def test_a_dropped_simulation_goes(make, steps):

@@ -53,6 +53,7 @@ def waits(condition):
         time.sleep(0.005)
 
 
+@pytest.mark.long
 def test_what_is_sent_arrives_and_the_end_stops_the_robot(robot, motors):
     trace = experiment(motors).run(5)
     waits(lambda: heard(robot, "stop"))
@@ -87,6 +88,7 @@ def test_a_callback_that_holds_the_interpreter_does_not_keep_the_robot_driving(r
     assert heard(robot, "input")[-1].u == pytest.approx((0.2, 0.1))
 
 
+@pytest.mark.long
 def test_a_cut_line_ends_the_run_and_says_so(robot):
     def control(step):
         if step.k == 3:

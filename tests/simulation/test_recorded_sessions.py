@@ -20,6 +20,7 @@ def control(step):
     return x / 1000, heading
 
 
+@pytest.mark.long
 def test_what_is_recorded_runs_again_to_the_byte(frames, tmp_path):
     options = {"control": control, "robot": "lab"}
     with robsim.Experiment(

@@ -194,6 +194,7 @@ class OwnNoise(robsim.GaussianNoise):
     pass
 
 
+@pytest.mark.long
 @refusals(
     options(Scenario, WRONG_OPTIONS, says=IN_WORDS),
     options(Scenario, {"background": NO_BACKGROUNDS}),

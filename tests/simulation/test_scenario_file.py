@@ -49,6 +49,7 @@ def test_all_options_at_once(tmp_path):
     assert np.array_equal(again.background.pixels, FULL.background.pixels)
 
 
+@pytest.mark.long
 @given(st.floats(-1e300, 1e300), st.floats(-1e300, 1e300))
 def test_every_bit_of_a_number_is_kept(one, other):
     for control in (robsim.Spin(one), Replay([(one, other)])):
@@ -78,6 +79,7 @@ def test_the_users_own_default_robot_is_written(user_folder):
     assert 'robot = "sheep"' in Scenario().to_toml()
 
 
+@pytest.mark.long
 def test_a_robot_that_another_machine_does_not_have(user_folder, tmp_path):
     robsim.robots.add_robot("mine", robsim.load_robot("robot2"))
     scenario = Scenario(robot="mine")
@@ -194,6 +196,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("text", "says"), REFUSED.items(), ids=[text[:50] for text in REFUSED])
 def test_what_is_wrong_in_a_file(text, says, tmp_path):
     (tmp_path / "run.toml").write_text(text, encoding="utf-8")
@@ -236,6 +239,7 @@ def test_what_is_too_large(tmp_path, monkeypatch):
         Scenario(background=np.zeros((8, 10, 3), np.uint8)).to_toml()
 
 
+@pytest.mark.long
 @given(st.dictionaries(st.sampled_from(list(FULL.changes())), st.from_type(type) | st.integers()))
 def test_whatever_stands_there_is_an_error_or_a_scenario(values):
     text = "\n".join(f"{name} = {value!r}" for name, value in values.items())

@@ -142,6 +142,7 @@ def test_stage_by_stage_gives_the_same_bytes_as_a_run(on):
     assert equal_groups(mixed.trace, expected)
 
 
+@pytest.mark.long
 @of_all_kinds
 def test_other_threads_may_read_what_is_recorded(options):
     sim = simulation(**options, noise=robsim.UniformNoise(1))

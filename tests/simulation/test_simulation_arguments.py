@@ -38,6 +38,7 @@ def sim():
     return Simulation(area=(200, 200), seed=1)
 
 
+@pytest.mark.long
 @refusals(
     options(Simulation, WRONG_OPTIONS, says=IN_WORDS),
     options(
@@ -120,6 +121,7 @@ MAY_BE_ON = ("estimate_parameters", "measure")
 MAY_BE_OFF = (*MAY_BE_ON, "estimate_state")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", SLOTS)
 @pytest.mark.parametrize("value", [0, 1, "control.py", (0, 1), [], {}, Ellipsis], ids=short)
 def test_callbacks_must_be_callable(slot, value):

@@ -81,6 +81,7 @@ def lists_of_slots(source):
                 yield node.lineno
 
 
+@pytest.mark.long
 def test_no_other_file_lists_the_slots():
     assert list(lists_of_slots("a = ('measure', 'control', 'estimate_state')"))
     found = {

@@ -150,6 +150,7 @@ def test_an_ordinary_end_stops_the_robot(steps):
     assert robot.sent == [*map(input_of, range(steps or 6)), STOP]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slot", RESULTS)
 @pytest.mark.parametrize(
     ("act", "error"),
@@ -509,6 +510,7 @@ class Stalled:
         assert self.robot.sent[4:] == [*map(input_of, range(3, 6)), STOP]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("twice", [False, True])
 def test_a_frame_that_does_not_come_stops_the_robot_and_then_says_so(twice):
     stalled = Stalled(frame_timeout=0.06)
@@ -543,6 +545,7 @@ def test_another_thread_can_stop_a_run_that_waits_for_a_frame():
     stalled.check_that_nothing_is_lost()
 
 
+@pytest.mark.long
 def test_a_stage_waits_for_its_frame_and_after_the_last_one_the_robot_is_stopped():
     stalled = Stalled(frame_timeout=SOON)
     for _ in range(3):
@@ -717,6 +720,7 @@ class Busy:
             self.stopped_while_busy.set()
 
 
+@pytest.mark.long
 @pytest.mark.threads
 def test_a_watchdog_stops_the_robot_while_a_callback_takes_too_long():
     busy = Busy(lambda busy: busy.stopped_while_busy.wait(SOON))
@@ -733,6 +737,7 @@ def test_a_watchdog_stops_the_robot_while_a_callback_takes_too_long():
     np.testing.assert_array_equal(np.flatnonzero(trace.interrupted), [4])
 
 
+@pytest.mark.long
 @pytest.mark.threads
 def test_a_watchdog_stops_the_robot_after_a_step():
     busy = Busy(lambda busy: None)

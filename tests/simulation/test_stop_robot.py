@@ -135,6 +135,7 @@ def test_what_send_raises_is_raised_here_between_two_runs_and_by_the_run_otherwi
     assert send.sent[-1] == STOP
 
 
+@pytest.mark.long
 def test_a_stop_in_the_midst_of_many_short_runs_disturbs_none_of_them():
     """Between two runs it has the loop for a moment, for which the next one waits."""
     send, said = Sender(), set()

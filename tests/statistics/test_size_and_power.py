@@ -88,6 +88,7 @@ def test_trials_are_kept_gone_on_with_and_are_written(tmp_path):
     assert [entry["hits"] for entry in json.loads(as_json(more))] == [one.hits for one in more]
 
 
+@pytest.mark.long
 def test_another_seed_gives_other_trials():
     rows, others = (measured(20, ["whiteness"], seed=seed) for seed in (1, 2))
     assert [one.hits for one in rows] != [one.hits for one in others]

@@ -75,6 +75,7 @@ def test_a_refused_run_stops_the_robot():
     assert (sent[0], *{*sent[1:]}) == ((0.5, 0.5), (0, 0))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "control", [robsim.DriveAround(), robsim.Spin(), robsim.Replay(np.full((400, 2), 0.4))]
 )
@@ -160,6 +161,7 @@ def test_callbacks_in_several_threads():
         np.testing.assert_array_equal(sim.trace.u, expected)
 
 
+@pytest.mark.long
 def test_the_garbage_collector_looks_at_a_run():
     """It comes in the midst of anything, and looks at what the loop holds."""
 

@@ -59,6 +59,7 @@ def public(thing):
 REFUSED = {"estimator.theta", "last_step", "frame", "missed_detections"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "use",
     [
@@ -94,6 +95,7 @@ def test_all_of_an_estimator_is_thought_of(sim):
     assert set(public(robsim.RecursiveLeastSquares)) <= known | never_changes
 
 
+@pytest.mark.long
 def test_all_of_a_simulation_can_be_asked_for(sim):
     """Each property gives something, or says why not; none of them disturbs the run."""
     told = {}
@@ -120,6 +122,7 @@ def test_a_live_plot(sim):
             np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[: len(part)])
 
 
+@pytest.mark.long
 def test_nothing_can_be_changed(sim):
     def fill(slot):
         setattr(sim, slot, None)
@@ -172,6 +175,7 @@ def test_a_kept_step_can_be_given_back_while_the_next_run_begins():
         together(lambda sim=sim: sim.run(20), give_back)
 
 
+@pytest.mark.long
 def test_a_run_ends_when_another_thread_says_so():
     sims = [simulation() for _ in range(2)]
     for _ in range(3):

@@ -76,6 +76,7 @@ def test_a_converted_trace_is_saved_and_converted_back(simulation, converted, tm
     np.testing.assert_allclose(back.info.theta_true, simulation.trace.info.theta_true)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("source", ["truth", "measurement"])
 @pytest.mark.parametrize("method", ["least_squares", "instrumental_variables", "output_error"])
 def test_batch_estimates_are_the_same(simulation, converted, method, source):
@@ -123,6 +124,7 @@ def test_paths_are_scored_in_that_unit(simulation, converted):
     assert f"cross-track error, rmse ({converted.info.unit})" in str(other)
 
 
+@pytest.mark.long
 def test_figures_are_labelled(converted):
     unit, length = converted.info.unit, LENGTHS[converted.info.unit]
     figure = robsim.plot_traces(converted)

@@ -97,6 +97,7 @@ def test_grey_rows_and_noisy_rows_take_turns(width, height, window, seed, path):
     check_masks(image, RED_AND_BLUE, window, path)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", [4095, 4096, 4097, 4160, 8193])
 def test_more_than_64_blocks_in_a_row(width):
     """Blocks at the ends of a word of blocks know their neighbours in the next word."""

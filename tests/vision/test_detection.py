@@ -218,6 +218,7 @@ def test_what_was_missed_in_a_run():
     assert explain_missed([], 1) is None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("disturb", "reason", "explanation"),
     [

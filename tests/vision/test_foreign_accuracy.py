@@ -75,6 +75,7 @@ def test_the_script_fails_where_the_fit_is_worse(monkeypatch, capsys, ways, stat
     assert len(re.findall(r"\n(clean|tilted) .* 0    0 .* 0    0", printed)) == 4
 
 
+@pytest.mark.long
 def test_the_hsv_threshold_finds_the_markers_in_dim_light():
     pytest.importorskip("cv2")
     for view in NARROW.values():

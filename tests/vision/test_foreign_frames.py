@@ -85,6 +85,7 @@ def painted(colors, view, pose, tilted):
     return levels
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tilted", [False, True])
 def test_a_marker_stands_within_a_thousandth_of_a_pixel_of_where_it_should(tilted):
     view = View((160, 160), 0.9)

@@ -84,6 +84,7 @@ def test_it_is_found_step_by_step():
     assert found.explanation.startswith("green and orange blobs ")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("exposure", [0.2, 0.3])
 def test_it_gets_a_second_chance_in_dim_light(exposure):
     frame = simulation(start=(300, 400, 0.7)).frame
@@ -189,6 +190,7 @@ def test_its_figure_names_them():
     assert {"right marker (green)", "left marker (orange)"} <= {text.get_text() for text in texts}
 
 
+@pytest.mark.long
 def test_the_check_of_a_camera_names_them():
     image = simulation(start=(600, 600, 0.7)).frame.image
     nothing_is_orange = (COLORS[0], ColorClass("orange", u=(0, 1), v=(254, 255)))

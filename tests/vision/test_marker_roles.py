@@ -232,6 +232,7 @@ def test_a_robot_with_green_in_front_and_orange_behind_is_saved_loaded_and_track
 # --- drafts
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("alignment", "colors"),
     [
@@ -260,6 +261,7 @@ def test_the_roles_of_a_draft_follow_from_its_heading(alignment, colors, user_fo
     np.testing.assert_array_equal(turned.markers[role], FRONT)
 
 
+@pytest.mark.long
 def test_comments_in_a_file_survive_new_roles(user_folder):
     add_robot("mine", "lab")
     file = user_folder / "robots/mine/robot.toml"

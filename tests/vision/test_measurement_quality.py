@@ -180,6 +180,7 @@ def test_a_measure_that_says_only_the_pose_records_no_more():
         trace.require("covariance_measured")
 
 
+@pytest.mark.long
 def test_reports_and_figures_show_what_measurements_say():
     trace = simulation(headings=None, noise=robsim.GaussianNoise(10), seed=2).run(30)
     report = robsim.pose_errors(trace, of="measurement")
@@ -264,6 +265,7 @@ def test_figures_are_finite_and_at_least_0(figure):
             robsim.Measurement((1, 2, 3), **{figure: value})
 
 
+@pytest.mark.long
 def test_huge_figures_break_neither_filters_nor_reports_nor_plots():
     def measure(step):
         return robsim.Measurement(

@@ -29,6 +29,7 @@ def off(detection, pose):
     return np.hypot(*(detection.measurement.pose[:2] - pose[:2]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name",
     [
@@ -48,6 +49,7 @@ def test_what_the_classes_miss_is_found_relative_to_brightness(name):
         assert "second chance, by colours relative to brightness" in detection.explanation
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gradient", [(0.2, 1), (1, 0.2), (0.3, 1.2)])
 def test_in_a_gradient_of_light_the_robot_is_found_everywhere(gradient):
     light = Light(gradient=gradient)
@@ -72,6 +74,7 @@ def test_strong_casts_and_overexposure_hide_the_robot_from_hsv_but_not_from_it()
         assert off(by_classes(frame), POSES[0]) < 0.5
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("noise", ["clean", "Gaussian 10 %", "Gaussian 40 %", "uniform 60 %"])
 @pytest.mark.parametrize("size", [(320, 240), (640, 480)])
 def test_no_pose_is_reported_on_an_empty_floor(noise, size):
@@ -150,6 +153,7 @@ def slow_masks(image, colors, window, gains, least_chroma):
     return masks
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("path", _core.cpu_paths())
 @pytest.mark.parametrize("window", [1, 3, 7, 15])
 @pytest.mark.parametrize("shape", [(1, 1), (9, 64), (20, 131), (5, 3)])

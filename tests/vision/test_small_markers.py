@@ -36,6 +36,7 @@ def window_of(frame, markers=LAB):
     return same[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("size", "percent", "window"),
     [
@@ -93,6 +94,7 @@ def test_small_markers_are_found_in_noise(name):
     assert (found.false, found.on_empty_floor) == (0, 0), found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("camera", "name"),
     [

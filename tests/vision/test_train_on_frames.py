@@ -40,6 +40,7 @@ def marker_boxes(frame, pose=POSE):
 # --- what counts as a colour
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name",
     [
@@ -62,6 +63,7 @@ def test_weak_colours_that_stand_out_of_the_noise_are_trained_and_found(name):
         assert np.hypot(*(measurement.pose[:2] - pose[:2])) < 1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", ["exposure 0.2", "exposure 1", "faded, Gaussian 10 %", "cast 1.4, 1, 0.5"]
 )
@@ -199,6 +201,7 @@ def drive(lights):
         yield light.frame(pose, SIZE, 2, k)
 
 
+@pytest.mark.long
 def test_both_markers_are_trained_wherever_the_robot_drives():
     lights = [Light(e) for e in (1, 0.7, 0.4, 0.2)]
     red, blue = train_markers(drive(lights), MARKERS)

@@ -126,6 +126,7 @@ def test_a_phase_looks_like_the_continuous_picture_of_its_heading():
         assert np.abs(a - b).max() <= 1
 
 
+@pytest.mark.long
 def test_half_a_pixel_is_the_mean_of_two_places():
     draw = renderer()
     left, middle, right = (

@@ -34,6 +34,7 @@ NO_SPRITE = (
 )
 
 
+@pytest.mark.long
 @refusals(
     options(
         small_renderer,

@@ -13,6 +13,8 @@ from commands import cli, command, interruptible
 from needs import needs_extension, needs_program
 from robsim.cli.live import serving_bus
 
+pytestmark = pytest.mark.long
+
 SERVE = ("serve", "--firewire")
 
 

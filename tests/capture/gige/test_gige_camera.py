@@ -31,6 +31,7 @@ def open_files():
     return len(os.listdir("/proc/self/fd"))
 
 
+@pytest.mark.long
 @pytest.mark.sanitized
 def test_frames_are_those_of_the_lab_and_poses_are_right():
     with served() as server:

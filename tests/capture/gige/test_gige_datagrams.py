@@ -10,6 +10,8 @@ import pytest
 from gige_cameras import ADDRESS, camera_of, driven, served, ticks_of
 from needs import needs_extension
 
+pytestmark = pytest.mark.long
+
 PORT = 3956
 KEY, WANTS_ANSWER = 0x42, 1
 DISCOVERY, WRITE = 2, 0x82

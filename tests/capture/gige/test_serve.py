@@ -12,6 +12,8 @@ from gige_cameras import ADDRESS, URL, measured, program, wait_for_camera
 from needs import needs_program
 from robsim.motors import UdpMotors
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.parametrize(
     ("arguments", "words"),

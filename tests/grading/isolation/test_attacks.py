@@ -97,6 +97,7 @@ BY_CALLS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.uname().machine != "x86_64", reason="by the numbers of x86-64")
 @pytest.mark.parametrize("without", [(), only(CALLS)], ids=["all layers", "system calls alone"])
 def test_calls_are_refused(tried, without):
@@ -137,6 +138,7 @@ print("fine")
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("isolation", ["process", "auto"])
 def test_honest_code_runs(tried, isolation):
     _, output = tried(HONEST, isolation=isolation)

@@ -7,7 +7,10 @@ import pytest
 
 from robsim.grading._isolation import IsolationError, _start, check_isolation
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="not on Windows")
+pytestmark = [
+    pytest.mark.skipif(sys.platform == "win32", reason="not on Windows"),
+    pytest.mark.long,
+]
 
 
 @pytest.fixture(autouse=True)

@@ -15,7 +15,10 @@ import pytest
 from robsim.grading._isolation import _process, close_zygotes
 from robsim.grading._isolation._processes import zygotes as _zygotes
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
+pytestmark = [
+    pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux"),
+    pytest.mark.long,
+]
 
 WAITS = "channel.sendall(b'x'); import time; time.sleep(600)"
 

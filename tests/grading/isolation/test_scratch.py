@@ -25,6 +25,7 @@ def deep(tmp_path, monkeypatch):
     return folder
 
 
+@pytest.mark.long
 def test_folders_of_any_depth_are_removed(deep):
     scratch.remove(str(deep))
     assert not deep.exists()

@@ -84,6 +84,7 @@ SOURCES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("without", WITHOUT.values(), ids=WITHOUT)
 def test_no_daemon_is_left(worker, without):
     end_of(worker, SOURCES["daemon of one that stays"], False, without)
@@ -147,6 +148,7 @@ print(os.getcwd())
         assert not left
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stays", [False, True], ids=["ends", "stays"])
 def test_deep_folders_are_removed_and_counted(ended, stays):
     source = f"""

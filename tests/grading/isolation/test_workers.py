@@ -14,6 +14,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for
 LEVELS = ["none", "process", "auto"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("isolation", LEVELS)
 def test_the_entry_gets_the_channel_and_the_memory(worker, isolation):
     memory = os.memfd_create("frames")
@@ -26,6 +27,7 @@ def test_the_entry_gets_the_channel_and_the_memory(worker, isolation):
     os.close(memory)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("source", "text"),
     [
@@ -45,6 +47,7 @@ def test_how_a_worker_ended_is_said_in_words(ended, source, text):
     assert not ending.left
 
 
+@pytest.mark.long
 def test_processor_time_of_all_threads_is_limited_and_counted(ended):
     spin = """
 import threading
@@ -74,6 +77,7 @@ import os; print(os.path.getsize("big"))
     assert ended(source, file_size=1000)[1] == "OSError 27\n1000\n"
 
 
+@pytest.mark.long
 def test_all_files_together_are_limited(ended):
     source = """
 import time
@@ -126,6 +130,7 @@ def test_nothing_of_the_grader_is_in_a_worker(ended, monkeypatch):
     assert output.count(",") < 30
 
 
+@pytest.mark.long
 def test_each_worker_is_fresh(ended):
     source = "import robsim; print(hasattr(robsim, 'mark')); robsim.mark = 1"
     assert [ended(source)[1] for _ in range(2)] == ["False\n"] * 2

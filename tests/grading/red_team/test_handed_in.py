@@ -77,6 +77,7 @@ def test_a_link_out_of_a_folder_shows_nothing_of_what_it_leads_to(tmp_path):
     assert "secret" not in str(failed.value)
 
 
+@pytest.mark.long
 def test_a_notebook_runs_its_slot_and_nothing_else(tmp_path):
     left = tmp_path / "left"
     cells = [
@@ -112,6 +113,7 @@ def test_a_notebook_runs_its_slot_and_nothing_else(tmp_path):
     assert not left.exists()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["\x1b[31m\n.py", "\u202egnp.py", "-rf.py", "a\x07.py"])
 def test_names_of_files_reach_no_message_as_they_are(tmp_path, name):
     path = tmp_path / name

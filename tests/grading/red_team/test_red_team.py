@@ -14,7 +14,10 @@ from red_team.ground import SCENARIO, check_after, check_outcome, ground
 from robsim.grading import check_isolation
 from robsim.grading._isolation import close_zygotes
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks at what is left by /proc")
+pytestmark = [
+    pytest.mark.skipif(sys.platform != "linux", reason="looks at what is left by /proc"),
+    pytest.mark.long,
+]
 
 #: Tried each time: one of each kind.
 SAMPLE = (

@@ -176,6 +176,7 @@ def random_notebook(rng):
 ROUNDS = 10
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("make", "suffix", "is_often_read"),
     [

@@ -127,6 +127,7 @@ def test_an_unusual_compression(tmp_path, method):
     assert "is compressed in an unusual way" in str(error)
 
 
+@pytest.mark.long
 def test_bombs(tmp_path):
     zeros = packed(tmp_path / "s001.zip", {"control.py": PLAIN, "zeros": bytes(900_000)})
     assert "'zeros' is more than 100 times larger than packed" in str(refused(zeros))

@@ -350,6 +350,7 @@ def test_outputs_do_not_count(tmp_path):
     assert "more than 1 MiB of code" in says(tmp_path, PLAIN, "#" + "x" * 1_100_000)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "source",
     ["x\n" * 6_000, "x = " + "-" * 50_000 + "1", "x" + "()" * 30_000, "a." * 1000 + "a",
@@ -360,6 +361,7 @@ def test_notebooks_that_keep_parsers_busy_are_refused(tmp_path, source):
     says(tmp_path, source, "y")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("way", ["sim.control = {}", "Simulation(control={})", "control = {}"])
 def test_values_are_as_deep_as_python_takes_them(tmp_path, way):
     deep = "(lambda s: (1, 2)) if 1 else (" * 20 + "0" + ")" * 20

@@ -117,6 +117,7 @@ def test_what_cannot_be_a_submission(tmp_path):
         read_submission(3, CONTROL)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("source", "words"),
     [
@@ -146,6 +147,7 @@ def test_what_is_no_python_is_told_with_its_line(tmp_path, source, words):
     assert error.file == "control.py"
 
 
+@pytest.mark.long
 def test_a_table_of_many_numbers_is_python(tmp_path):
     numbers = ", ".join(f"{i}.25" for i in range(30_000))
     folder = write(tmp_path / "s001", control=f"TABLE = [{numbers}]\n{PLAIN}")
