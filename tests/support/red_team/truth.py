@@ -180,14 +180,16 @@ def clean(slot):
 def watch():
     size = -(-3 * 240 * 240 // 65536) * 65536
     memory = mmap.mmap(ring(), 8 * size, mmap.MAP_SHARED, mmap.PROT_READ)
-    while True:
-        for slot in range(8):
-            if clean(memory[slot * size:(slot + 1) * size]):
-                reached("a clean frame")
-                return
+    slots = [slice(slot * size, (slot + 1) * size) for slot in range(8)]
+    while not any(clean(memory[slot]) for slot in slots):
+        looked.set()
+    reached("a clean frame")
+    looked.set()
+looked = threading.Event()
 def cheat(step):
     if step.k == 0:
         threading.Thread(target=watch, daemon=True).start()
+        looked.wait()
     return honest(step)
 """,
         ITS_OWN,
