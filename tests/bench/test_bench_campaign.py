@@ -30,7 +30,7 @@ def result():
     return CampaignBench(**NUMBERS, scaling=scaling_of(PARENT, TASK), left_out=("joblib is out",))
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_command_prints_numbers_for_scripts(tmp_path, monkeypatch):
     few = {"rounds": 1, "seconds": 0.01, "sizes": (20, 40), "tasks": 10}
     monkeypatch.setattr(run.run_campaign_bench, "__kwdefaults__", few)
@@ -49,6 +49,7 @@ def test_the_command_prints_numbers_for_scripts(tmp_path, monkeypatch):
     assert found["workers_rate"]["1"]["chunk_1"] > 0
 
 
+@pytest.mark.long
 def test_the_table(result):
     text = str(result)
     assert re.search(r"memory over 10000 runs \(MB\) +3\.2", text)
@@ -76,6 +77,7 @@ def test_what_many_workers_would_give_follows_from_the_costs(result):
     assert "chunks of 12 keep the calling process busy" in str(result).replace("\n    ", " ")
 
 
+@pytest.mark.long
 def test_the_costs_of_the_calling_process_are_measured():
     found = parent_cost(200)
     assert found.submit > 0

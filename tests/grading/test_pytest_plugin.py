@@ -147,6 +147,7 @@ def test_it_is_off_unless_asked_for(class_room):
     assert "1 error" in run.stdout
 
 
+@pytest.mark.long
 def test_a_run_of_pytest_loads_one_small_module():
     code = (
         "import sys, pytest; before = set(sys.modules); import pytest_robsim; "
@@ -169,7 +170,9 @@ def test_robsim_is_not_compiled_anew(tmp_path):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("above", [None, "[pytest]\ntestpaths = tests\n"])
+@pytest.mark.parametrize(
+    "above", [None, pytest.param("[pytest]\ntestpaths = tests\n", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("arguments", [(), (".",), ("tests_of_mine",), ("grade.py",)])
 def test_nothing_of_a_submission_is_run_by_pytest(class_room, arguments, above):
     """Neither what pytest collects, nor what a pytest.ini names."""
