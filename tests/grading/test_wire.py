@@ -1,5 +1,7 @@
 """Messages over a socket: lengths and kinds are checked before anything is read."""
 
+import os
+import signal
 import socket
 import struct
 import threading
@@ -22,6 +24,44 @@ def ends():
         yield Channel(one, LIMITS), other
 
 
+@pytest.fixture(params=["receive", "exchange", "exchange by Python"])
+def heard(request):
+    """A function that waits for the next message, alone or after a question."""
+
+    def ask(channel, patience):
+        if request.param == "receive":
+            return channel.receive(patience)
+        if request.param == "exchange by Python":
+            channel._native = None
+        return channel.exchange(Kind.STEP, b"question", patience=patience)
+
+    return ask
+
+
+def test_an_exchange_sends_its_parts_first(ends):
+    channel, other = ends
+    other.send(HEAD.pack(Kind.ANSWER, 0, 2) + b"no")
+    pixels = np.arange(3, dtype=np.uint8).reshape(1, 3)
+    assert channel.exchange(Kind.STEP, b"ab", pixels.data) == (Kind.ANSWER, b"no")
+    assert other.recv(100) == HEAD.pack(Kind.STEP, 0, 5) + b"ab\0\1\2"
+
+
+def test_a_channel_that_is_closed_speaks_no_more(ends):
+    channel, _ = ends
+    channel.close()
+    with pytest.raises(OSError, match="descriptor"):
+        channel.exchange(Kind.STEP, b"ab", patience=10)
+
+
+def test_ctrl_c_ends_an_exchange(ends):
+    channel, _ = ends
+    interrupter = threading.Timer(0.05, os.kill, [os.getpid(), signal.SIGINT])
+    interrupter.start()
+    with pytest.raises(KeyboardInterrupt):
+        channel.exchange(Kind.STEP, b"ab", patience=60)
+    interrupter.join()
+
+
 def test_a_message_of_several_parts_comes_as_one(ends):
     channel, other = ends
     channel.send(Kind.STEP, b"ab", np.arange(3, dtype=np.uint8).data)
@@ -38,7 +78,7 @@ def test_a_large_message_comes_whole(ends):
     sender.join()
 
 
-def test_a_message_in_pieces_comes_whole(ends):
+def test_a_message_in_pieces_comes_whole(ends, heard):
     channel, other = ends
     message = HEAD.pack(Kind.ANSWER, 0, 3) + b"abc"
 
@@ -49,7 +89,7 @@ def test_a_message_in_pieces_comes_whole(ends):
 
     sender = threading.Thread(target=drip)
     sender.start()
-    assert channel.receive(10) == (Kind.ANSWER, b"abc")
+    assert heard(channel, 10) == (Kind.ANSWER, b"abc")
     sender.join()
 
 
@@ -65,26 +105,26 @@ def test_a_message_in_pieces_comes_whole(ends):
         HEAD.pack(Kind.ANSWER, 0, 0) * 2,
     ],
 )
-def test_what_is_no_message_that_is_due_is_refused(ends, message):
+def test_what_is_no_message_that_is_due_is_refused(ends, message, heard):
     channel, other = ends
     other.send(message)
     with pytest.raises(WireError):
-        channel.receive(10)
+        heard(channel, 10)
 
 
-def test_a_connection_that_is_closed_is_told(ends):
+def test_a_connection_that_is_closed_is_told(ends, heard):
     channel, other = ends
     other.send(HEAD.pack(Kind.ANSWER, 0, 10) + b"abc")
-    other.close()
+    other.shutdown(socket.SHUT_WR)
     with pytest.raises(EOFError, match="in the middle"):
-        channel.receive(10)
+        heard(channel, 10)
 
 
-def test_half_a_message_is_waited_for_as_long_as_a_whole_one(ends):
+def test_half_a_message_is_waited_for_as_long_as_a_whole_one(ends, heard):
     channel, other = ends
     other.send(HEAD.pack(Kind.ANSWER, 0, 10) + b"abc")
     with pytest.raises(TimeoutError):
-        channel.receive(0.05)
+        heard(channel, 0.05)
 
 
 READY = Ready(("define_model", "control"), ("measure",), True, RobotModel())

@@ -1,6 +1,8 @@
+#include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/remote_halves.hpp"
+#include "robsim/simulation/remote/message_socket.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
 
 namespace py = pybind11;
@@ -53,9 +55,68 @@ std::shared_ptr<PythonRemoteWorld> make_remote_world(
   return std::make_shared<PythonRemoteWorld>(options, exchange);
 }
 
+// Called without the interpreter.
+void handle_signals() {
+  const py::gil_scoped_acquire interpreter;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+MessageSocket make_socket(int descriptor, const py::object& limits) {
+  return MessageSocket(descriptor, limits.cast<MessageSocket::Limits>(), &handle_signals);
+}
+
+// What objects with a buffer hold; `buffers` keeps it there.
+std::vector<std::string_view> bytes_of(const py::object& parts,
+                                       std::vector<py::buffer_info>& buffers) {
+  std::vector<std::string_view> bytes;
+  for (const py::handle part : parts) {
+    const py::buffer_info& buffer = buffers.emplace_back(py::cast<py::buffer>(part).request());
+    if (!PyBuffer_IsContiguous(buffer.view(), 'C')) throw py::value_error("a part with gaps");
+    bytes.emplace_back(static_cast<const char*>(buffer.ptr),
+                       static_cast<std::size_t>(buffer.size * buffer.itemsize));
+  }
+  return bytes;
+}
+
+// Raises what Python's own sockets raise.
+template <typename Speak>
+auto spoken(Speak speak) {
+  try {
+    const WithoutInterpreter others_go_on;
+    return speak();
+  } catch (const MessageTimeout& error) {
+    PyErr_SetString(PyExc_TimeoutError, error.what());
+  } catch (const ConnectionEnd& error) {
+    PyErr_SetString(PyExc_EOFError, error.what());
+  } catch (const WrongMessage& error) {
+    PyErr_SetString(PyExc_ValueError, error.what());
+  } catch (const std::system_error& error) {
+    errno = error.code().value();
+    PyErr_SetFromErrno(PyExc_OSError);
+  }
+  throw py::error_already_set();
+}
+
+// Sends a message of these parts; returns the next one.
+std::pair<int, py::bytes> exchanged(MessageSocket& socket, int kind, const py::object& parts,
+                                    double patience) {
+  std::vector<py::buffer_info> buffers;
+  const std::vector<std::string_view> bytes = bytes_of(parts, buffers);
+  const MessageSocket::Message message = spoken([&] {
+    socket.send(static_cast<std::uint16_t>(kind), bytes, patience);
+    return socket.receive(patience);
+  });
+  return {message.kind, py::bytes(message.body.data(), message.body.size())};
+}
+
 }  // namespace
 
 void bind_remote(py::module_& module) {
+  Class<MessageSocket>(public_in(module, "robsim._core"), "MessageSocket",
+                       "One end of a stream socket between two processes that speak in turn.")
+      .def(py::init(&make_socket), py::arg("descriptor"), py::arg("limits"))
+      .def("exchange", &exchanged, py::arg("kind"), py::arg("parts"), py::arg("patience"));
+
   Class<PythonRemoteRobot, std::shared_ptr<PythonRemoteRobot>>(
       public_in(module, "robsim._core"), "RemoteRobot",
       "A robot half in another process: a value for the slots that it fills. exchange(message, "

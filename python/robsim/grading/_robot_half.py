@@ -174,9 +174,8 @@ class RobotHalf(Runner):
 
     def _next_message(self, answer: bytes) -> bytes | None:
         """Send an answer, if there is one; return the next step."""
-        if answer:
-            self._channel.send(Kind.ANSWER, answer)
-        kind, body = self._channel.receive()
+        channel = self._channel
+        kind, body = channel.exchange(Kind.ANSWER, answer) if answer else channel.receive()
         return body if kind == Kind.STEP else None
 
     def _default(self, slot: str) -> Any:

@@ -149,8 +149,7 @@ class Worker:
         slot = group[0] if group else None
         patience = min(seconds, max(self._deadline - time.monotonic(), 1e-3))
         try:
-            self._channel.send(kind, *parts, patience=patience)
-            return self._channel.receive(patience)
+            return self._channel.exchange(kind, *parts, patience=patience)
         except TimeoutError:
             what = " and ".join(group) or "loading the submission"
             if patience < seconds:

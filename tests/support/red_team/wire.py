@@ -7,15 +7,15 @@ from red_team.attack import ITS_OWN, Attack
 _CHANGES = """
 from robsim.grading import _robot_half
 from robsim.grading._wire import Channel, Kind
-send = Channel.send
+exchange = Channel.exchange
 answers = []
 def changed(self, kind, *parts, **options):
     if kind == Kind.ANSWER:
         answers.append(bytes(parts[0]))
         if len(answers) == 3:
             parts = change(self, bytearray(parts[0])),
-    send(self, kind, *parts, **options)
-Channel.send = changed
+    return exchange(self, kind, *parts, **options)
+Channel.exchange = changed
 cheat = honest
 """
 
@@ -79,7 +79,7 @@ WIRE = [
     Attack(
         "an answer before it is asked",
         "sends the answer of the next step beside its own",
-        answer("send(channel, Kind.ANSWER, bytes(body))"),
+        answer("channel.send(Kind.ANSWER, bytes(body))"),
         says="more than one|must be that to this step",
     ),
     Attack(
