@@ -20,7 +20,7 @@
 namespace robsim {
 namespace {
 
-constexpr double patient = 60;  // s
+constexpr double a_minute = 60;  // s
 constexpr double always = std::numeric_limits<double>::infinity();
 constexpr std::uint16_t answer = 4;
 constexpr std::uint32_t most = 1 << 14;  // bytes
@@ -62,12 +62,12 @@ TEST(MessageSocket, GivesBackWhatWasSent) {
   const Ends ends;
   MessageSocket socket = ends.careful();
   MessageSocket theirs(ends.other, std::nullopt, [] {});
-  theirs.send(answer, {"ab", "", "cd"}, patient);
+  theirs.send(answer, {"ab", "", "cd"}, a_minute);
   const MessageSocket::Message message = socket.receive(always);
   EXPECT_EQ(message.kind, answer);
   EXPECT_EQ(message.body, "abcd");
-  socket.send(3, {}, patient);
-  EXPECT_EQ(theirs.receive(patient).body, "");
+  socket.send(3, {}, a_minute);
+  EXPECT_EQ(theirs.receive(a_minute).body, "");
 }
 
 TEST(MessageSocket, PutsPiecesTogether) {
@@ -81,7 +81,7 @@ TEST(MessageSocket, PutsPiecesTogether) {
       sleep_until(monotonic_now() + 1e-3);
     }
   });
-  EXPECT_EQ(socket.receive(patient).body, body);
+  EXPECT_EQ(socket.receive(a_minute).body, body);
   speaker.join();
 }
 
@@ -90,8 +90,8 @@ TEST(MessageSocket, SendsMoreThanTheSocketHolds) {
   MessageSocket socket = ends.careful();
   MessageSocket theirs(ends.other, std::nullopt, [] {});
   const std::string part(3'000'000, 'a'), last(2'000'001, 'b');
-  std::thread speaker([&] { socket.send(3, {part, last}, patient); });
-  EXPECT_EQ(theirs.receive(patient).body, part + last);
+  std::thread speaker([&] { socket.send(3, {part, last}, a_minute); });
+  EXPECT_EQ(theirs.receive(a_minute).body, part + last);
   speaker.join();
 }
 
@@ -106,7 +106,7 @@ TEST(MessageSocket, RefusesWhatIsNotDue) {
     const Ends ends;
     MessageSocket socket = ends.careful();
     ends.say(bytes);
-    EXPECT_THROW(socket.receive(patient), WrongMessage);
+    EXPECT_THROW(socket.receive(a_minute), WrongMessage);
   }
 }
 
@@ -115,9 +115,9 @@ TEST(MessageSocket, SaysThatTheOtherSideIsGone) {
   MessageSocket socket = ends.careful();
   ends.say(head(answer, 10) + "abc");
   ends.hang_up();
-  EXPECT_THROW(socket.receive(patient), ConnectionEnd);
-  EXPECT_THROW(socket.receive(patient), ConnectionEnd);
-  EXPECT_THROW(socket.send(3, {"a"}, patient), ConnectionEnd);
+  EXPECT_THROW(socket.receive(a_minute), ConnectionEnd);
+  EXPECT_THROW(socket.receive(a_minute), ConnectionEnd);
+  EXPECT_THROW(socket.send(3, {"a"}, a_minute), ConnectionEnd);
 }
 
 TEST(MessageSocket, IsPatientForAWholeMessageOnly) {
@@ -157,7 +157,7 @@ TEST(MessageSocket, LetsASignalEndAWait) {
       sleep_until(monotonic_now() + 1e-3);
     }
   });
-  EXPECT_THROW(socket.receive(patient), Stop);
+  EXPECT_THROW(socket.receive(a_minute), Stop);
   ended = true;
   ringer.join();
   sigaction(SIGUSR1, &before, nullptr);

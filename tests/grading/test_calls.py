@@ -10,6 +10,8 @@ from graded import folder_of
 from robsim.grading import Limits, Submission, SubmissionError
 from submissions import notebook
 
+pytestmark = pytest.mark.long
+
 QUICK = Limits(call=0.4, first_call=5.0, run=20.0)
 
 FIT = """

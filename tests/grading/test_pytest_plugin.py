@@ -299,6 +299,7 @@ def test_function_alone(submission):
 """
 
 
+@pytest.mark.long
 def test_functions_are_called_and_each_test_has_worlds_of_its_own(tmp_path):
     folder_of(
         tmp_path / "mine",

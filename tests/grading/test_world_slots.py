@@ -8,6 +8,8 @@ import robsim
 from graded import assert_same_trace, folder_of, ran, ran_here
 from robsim.grading import AssignmentError, Limits, Submission, SubmissionError
 
+pytestmark = pytest.mark.long
+
 SLOTS = ("adjust_background", "evaluate_model")
 SCENARIO = robsim.Scenario(
     resolution=(200, 200), measure=True, noise=robsim.GaussianNoise(5), start="random"

@@ -47,7 +47,7 @@ CPP = {
         *("text", "random", "estimation", "imaging", "model", "vision"),
         "simulation/seam",
     },
-    "simulation/remote": {"text", "imaging", "simulation/seam", "simulation/robot"},
+    "simulation/remote": {"text", "timing", "imaging", "simulation/seam", "simulation/robot"},
     "simulation": {"timing", "simulation/seam", "simulation/robot"},
     "virtual_bus": {"threads", "imaging", "imaging/raw"},
     "laboratory": {
