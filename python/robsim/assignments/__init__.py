@@ -1,0 +1,1 @@
+"""Assignments: what students hand in, graded by tasks and tests, with reports."""

@@ -1,0 +1,1 @@
+"""Tasks: what students are asked to do, and how a run of it is scored."""
