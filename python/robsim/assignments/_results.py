@@ -90,6 +90,8 @@ class TestResult:
         The number of the run that is shown.
     picture : str or None
         The file of its picture, beside this one.
+    caption : str
+        What the picture shows, in a sentence, for those who cannot see it, too.
     finding : str
         What the doctor found; "" = nothing.
     output : str
@@ -114,6 +116,7 @@ class TestResult:
     failed: tuple[FailedRun, ...] = ()
     worst: int | None = None
     picture: str | None = None
+    caption: str = ""
     finding: str = ""
     output: str = ""
     seconds: float = 0.0
