@@ -74,7 +74,7 @@ def plot_traces(
         panel.tick_params(labelbottom=False)
     style.show_steps(left[-1], trace)
     draw_all_poses(left[:3], trace, show_blobs)
-    _draw_plan(axes["path"], trace)
+    draw_plan(axes["path"], trace)
     if has_errors:
         _draw_errors(left[3:], right[3:], trace)
     style.rasterize_long_lines(axes.values())
@@ -190,7 +190,8 @@ def _draw_blobs(panels: Sequence[Axes], trace: Trace) -> None:
             )
 
 
-def _draw_plan(axes: Axes, trace: Trace) -> None:
+def draw_plan(axes: Axes, trace: Trace) -> None:
+    """Draw the work area from above: the path, true and measured, and where it starts."""
     path = trace.pose_true[:, :2]
     style.draw_path(axes, path, trace.pose_measured[:, :2])
     axes.plot(
