@@ -1,0 +1,1 @@
+"""Reports of grading: pages, tables and files, for students, teachers and platforms."""

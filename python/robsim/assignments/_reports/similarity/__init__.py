@@ -1,0 +1,1 @@
+"""How much submissions resemble each other, as a hint."""

@@ -1,0 +1,72 @@
+"""What a student's page says, as lines of text for a terminal or a mail."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+
+from robsim.assignments._reports import words
+from robsim.assignments._reports.points import most_in_all, of_most, points_in_all, points_of
+from robsim.assignments._results import SubmissionResult, TestResult
+from robsim.grading._texts import clean_line, clean_text
+
+_WIDTH = 88
+
+
+def student_text(result: SubmissionResult) -> str:
+    """Return the result as text: what is in it is said. For students: `for_student`."""
+    points = of_most(points_in_all(result), most_in_all(result))
+    lines = [clean_line(result.title), f"{clean_line(result.student)}: {points}"]
+    if not result.is_done:
+        lines.append("Not all tests have been run yet.")
+    for note in result.notes:
+        lines += _wrapped(note, "Note: ", "      ")
+    for test in result.tests:
+        lines += ["", *_test(result, test)]
+    facts = (result.isolation, words.versions_text(result))
+    for fact in filter(None, facts):
+        lines += ["", *_wrapped(fact, "", "")] if fact is facts[0] else _wrapped(fact, "", "")
+    return "\n".join(lines) + "\n"
+
+
+def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
+    word, sign = words.STATUS.get(test.status, (test.status, " "))
+    points = of_most(points_of(test), test.most)
+    kind = "" if test.public else ", hidden"
+    yield clean_line(f"{sign} {words.heading(test)}: {word}, {points}{kind}")
+    for text in (test.sentence, words.blame(test)):
+        yield from _wrapped(text, "  ", "  ")
+    for score in test.scores:
+        gives = words.points_text(score, test.most)
+        yield from _wrapped(f"{score.title}: {words.score_text(score)}: {gives}", "  - ", "    ")
+    if test.caption:
+        yield from _wrapped(f"{test.caption}", "  ", "  ")
+    if test.finding:
+        yield "  The doctor found:"
+        yield from _quoted(test.finding)
+    if test.failed:
+        yield f"  {words.failed_head(test)}:"
+        for run in test.failed:
+            yield from _wrapped(words.failed_text(run), "  - ", "    ")
+    if test.output:
+        yield "  The submission printed:"
+        yield from _quoted(test.output)
+    if test.public:
+        yield clean_line(f"  To repeat it: {words.repeat_command(result, test)}")
+
+
+def _quoted(text: str) -> Iterator[str]:
+    for line in clean_text(text).split("\n"):
+        yield f"  | {line}".rstrip()
+
+
+def _wrapped(text: str, start: str, indent: str) -> list[str]:
+    if not text:
+        return []
+    return textwrap.wrap(
+        clean_text(text),
+        _WIDTH,
+        initial_indent=start,
+        subsequent_indent=indent,
+        break_on_hyphens=False,
+    )
