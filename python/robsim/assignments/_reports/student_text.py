@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterator
 
 from robsim.assignments._reports import words
-from robsim.assignments._reports.points import most_in_all, of_most, points_in_all, points_of
+from robsim.assignments._reports.points import most_in_all, of_most, points_in_all
 from robsim.assignments._results import SubmissionResult, TestResult
 from robsim.grading._texts import clean_line, clean_text
 
@@ -19,19 +19,20 @@ def student_text(result: SubmissionResult) -> str:
     lines = [clean_line(result.title), f"{clean_line(result.student)}: {points}"]
     if not result.is_done:
         lines.append("Not all tests have been run yet.")
+    lines += _wrapped(words.not_graded(result), "", "")
     for note in result.notes:
         lines += _wrapped(note, "Note: ", "      ")
     for test in result.tests:
         lines += ["", *_test(result, test)]
-    facts = (result.isolation, words.versions_text(result))
-    for fact in filter(None, facts):
-        lines += ["", *_wrapped(fact, "", "")] if fact is facts[0] else _wrapped(fact, "", "")
+    isolation = words.isolation_text(result)
+    lines += ["", *_wrapped(f"Isolation: {isolation}" if isolation else "", "", "  ")]
+    lines += _wrapped(f"Graded with {words.versions_text(result)}", "", "  ")
     return "\n".join(lines) + "\n"
 
 
 def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
     word, sign = words.STATUS.get(test.status, (test.status, " "))
-    points = of_most(points_of(test), test.most)
+    points = words.result_text(test)
     kind = "" if test.public else ", hidden"
     yield clean_line(f"{sign} {words.heading(test)}: {word}, {points}{kind}")
     for text in (test.sentence, words.blame(test)):

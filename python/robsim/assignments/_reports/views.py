@@ -51,6 +51,12 @@ def pseudonymous(
 
 
 def _without_texts(test: TestResult) -> TestResult:
-    failed = tuple(replace(run, reason="", file=None, line=None) for run in test.failed)
-    texts = {"sentence": "", "caption": "", "finding": "", "output": ""}
-    return replace(test, failed=failed, picture=None, **texts)
+    return replace(
+        test,
+        failed=tuple(replace(run, reason="", file=None, line=None) for run in test.failed),
+        picture=None,
+        sentence="",
+        caption="",
+        finding="",
+        output="",
+    )

@@ -6,7 +6,7 @@ import math
 import shlex
 
 from robsim._base.report import percent
-from robsim.assignments._reports.points import number
+from robsim.assignments._reports.points import most_in_all, number, of_most, points_of
 from robsim.assignments._results import (
     ERROR,
     FAILED,
@@ -25,7 +25,7 @@ STATUS = {
     PARTIAL: ("partly", "◐"),
     FAILED: ("failed", "✗"),
     ERROR: ("not graded", "!"),
-    NOT_RUN: ("not run", "–"),
+    NOT_RUN: ("not run", "-"),
 }
 
 _WHOSE = {
@@ -35,8 +35,8 @@ _WHOSE = {
 }
 
 HINT = (
-    "A hint, and no proof: short programs for the same exercise resemble each other. Names, numbers, "
-    "comments and spaces are not compared; what was given to all, or stands in the programs of "
+    "A hint, and no proof: short programs for the same exercise resemble each other. Names, "
+    "numbers, comments and spaces are not compared; what was given to all, or stands in the programs of "
     "many, does not count. Read both before you talk to anybody."
 )
 
@@ -51,6 +51,11 @@ def blame(test: TestResult) -> str:
     if test.status != ERROR:
         return ""
     return _WHOSE.get(test.whose or "grader", "")
+
+
+def result_text(test: TestResult) -> str:
+    """Return the points of a test, where there are any."""
+    return "no points" if test.status == ERROR else of_most(points_of(test), test.most)
 
 
 def score_text(score: ScoreResult) -> str:
@@ -105,6 +110,20 @@ def repeat_command(result: SubmissionResult, test: TestResult) -> str:
     """Return the command with which a student repeats a public test."""
     names = map(shlex.quote, (result.assignment, test.name))
     return "robsim grade {} mine/ --public --only {}".format(*names)
+
+
+def isolation_text(result: SubmissionResult) -> str:
+    """Return what has shut a submission in."""
+    return result.isolation.removeprefix("isolation: ")
+
+
+def not_graded(result: SubmissionResult) -> str:
+    """Return what is to be said of points that nobody could win or lose; "" = there are none."""
+    points = sum(test.most for test in result.tests if test.status == ERROR)
+    if not points:
+        return ""
+    share = f"{number(points)} of these {number(most_in_all(result))} points"
+    return f"{share} could not be graded, by no fault of the submission."
 
 
 def versions_text(result: SubmissionResult) -> str:

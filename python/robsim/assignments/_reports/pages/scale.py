@@ -14,7 +14,7 @@ _WIDEST = 100.0  # what is so many times beyond the limits stands at the edge
 
 
 def scale_of(score: ScoreResult) -> Html:
-    """Return the bar: its axis is the logarithm of the statistic, as the points are linear in it."""
+    """Return the bar; its axis is the logarithm of the statistic: points are linear in that."""
     runs = list(_values_of_runs(score))
     low, high = _range(score, [*runs, score.statistic])
     at = _Axis(low, high)

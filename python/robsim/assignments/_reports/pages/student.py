@@ -12,9 +12,7 @@ from robsim.assignments._reports.points import (
     fraction_of,
     most_in_all,
     number,
-    of_most,
     points_in_all,
-    points_of,
 )
 from robsim.assignments._results import PARTIAL, PASSED, ScoreResult, SubmissionResult, TestResult
 
@@ -22,6 +20,8 @@ _HIDDEN = (
     "This test is hidden: its worlds are not given out before or after. To see a run of it, ask "
     "your teacher, who can repeat each one."
 )
+
+_SCALE = "Bars: green = all points, red = none; the line is the result, dots are single runs."
 
 
 def student_page(
@@ -55,6 +55,8 @@ def _head(result: SubmissionResult, for_teacher: bool) -> Html:
     points, most = points_in_all(result), most_in_all(result)
     share = 100 * fraction_of(points, most)
     notes = [tag("p", note, class_="note") for note in result.notes]
+    if words.not_graded(result):
+        notes.insert(0, tag("p", words.not_graded(result), class_="note"))
     if not result.is_done:
         notes.insert(0, tag("p", "Not all tests have been run yet.", class_="note"))
     if for_teacher:
@@ -76,11 +78,12 @@ def _overview(result: SubmissionResult) -> Html:
             "tr",
             tag("td", tag("a", words.heading(test), href=f"#test-{index}")),
             tag("td", _pill(test)),
-            tag("td", of_most(points_of(test), test.most), class_="right"),
+            tag("td", words.result_text(test), class_="right"),
         )
         for index, test in enumerate(result.tests, 1)
     ]
-    head = tag("tr", *(tag("th", text, scope="col") for text in ("Test", "Result", "Points")))
+    titles = [tag("th", text, scope="col") for text in ("Test", "Result")]
+    head = tag("tr", *titles, tag("th", "Points", scope="col", class_="right"))
     caption = tag("caption", "All tests", class_="unseen")
     return tag("table", caption, tag("thead", head), tag("tbody", *rows), class_="overview")
 
@@ -98,7 +101,7 @@ def _card(
     picture: bytes | None,
     for_teacher: bool,
 ) -> Html:
-    points = tag("span", of_most(points_of(test), test.most), class_="points")
+    points = tag("span", words.result_text(test), class_="points")
     kind = "public" if test.public else "hidden"
     parts = [
         tag("h2", words.heading(test), id=f"test-{index}"),
@@ -106,6 +109,7 @@ def _card(
         tag("p", test.sentence, class_="sentence") if test.sentence else "",
         tag("p", words.blame(test), class_="note") if words.blame(test) else "",
         *(_score(score, test) for score in test.scores),
+        tag("p", _SCALE, class_="quiet") if test.scores else "",
         _figure(test, picture),
         _finding(test),
         _failed(test),
@@ -167,7 +171,7 @@ def _preformatted(text: str) -> Html:
 
 def _foot(result: SubmissionResult, for_teacher: bool) -> Html:
     facts = {
-        "Shut in by": result.isolation,
+        "Isolation": words.isolation_text(result),
         "Graded with": words.versions_text(result),
         "Handed in": _digest(result.submission_digest),
         "Assignment": f"{result.assignment} {_digest(result.assignment_digest)}".strip(),
