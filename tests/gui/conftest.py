@@ -1,19 +1,13 @@
-"""A browser for the tests of the panels; Debian's Chromium, driven by Playwright."""
-
-import shutil
+"""Panels for the tests, in a browser too."""
 
 import pytest
 
+from chromium_browser import running_chromium
 from fake_host import FakeHost, Tabs
 from panel_watcher import Watcher
 from robsim.gui._hosts.page import Page
 from robsim.gui._panel.view import PanelView
 from waiting import wait_for
-
-ARGUMENTS = [
-    *("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-]
 
 #: What is on a canvas before a picture: nothing, then the ground of either theme.
 BARE = ("0,0,0,0", "128,128,128,255", "232,234,238,255", "10,12,15,255")
@@ -42,14 +36,7 @@ def chromium():
     Of each module its own: while it runs, Playwright has an asyncio loop in the thread of the
     tests, where tests of other modules want to run theirs.
     """
-    playwright = pytest.importorskip("playwright.sync_api")
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    if program is None:
-        pytest.skip("needs chromium")
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=program, args=ARGUMENTS)
-        yield browser
-        browser.close()
+    yield from running_chromium()
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -36,6 +36,7 @@ def draw_run(
     *,
     slots: Sequence[str],
     goals: ArrayLike | None = None,
+    asked: Mapping[str, float] | None = None,
 ) -> tuple[Figure, str]:
     """Draw a run of a submission beside that of the reference in the same world.
 
@@ -48,6 +49,9 @@ def draw_run(
         measurement, of the parameters; for a controller the distance from the goal or the path.
     goals : array_like (3,), (2,) or (N, 2), optional
         A pose or a position to drive to, or the corners of a path; in work-area px.
+    asked : mapping of str to float, optional
+        By the unit of an error: how large it may be in this run, by and large, for all points, such
+        as ``{"px": 0.8, "deg": 1.2}``.
 
     Returns
     -------
@@ -66,6 +70,10 @@ def draw_run(
     points = None if goals is None else np.asarray(goals, float)
     errors = run_errors(trace, reference, slots, points)
     figure = _drawn(trace, reference, errors, "control" in slots, points)
+    for error, panel in zip(errors, figure.axes[1:], strict=False):
+        if (level := (asked or {}).get(error.unit)) is not None:
+            _draw_asked(panel, level)
+    _add_legend(figure)
     return figure, _caption(trace, reference, errors)
 
 
@@ -107,7 +115,6 @@ def _drawn(
             panel.tick_params(labelbottom=False)
     if not errors:
         axes["0"].set_axis_off()
-    _add_legend(figure, list(axes.values()))
     return figure
 
 
@@ -167,11 +174,20 @@ def _stretches(mask: Any) -> list[tuple[int, int]]:
     return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
 
 
-def _add_legend(figure: Figure, panels: Sequence[Axes]) -> None:
+def _draw_asked(axes: Axes, level: float) -> None:
+    axes.axhline(
+        level, color=style.WRONG, linewidth=1, linestyle=":", label="asked on average"
+    )
+    if axes.get_yscale() == "linear":
+        axes.set_ylim(top=max(axes.get_ylim()[1], 1.1 * level))
+
+
+@style.applied
+def _add_legend(figure: Figure) -> None:
     entries: dict[str, Any] = {}
-    for panel in panels:
+    for panel in figure.axes:
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
-    look: dict[str, Any] = {"fontsize": 8, "columnspacing": 1.2, "handlelength": 1.6}
-    legend = figure.legend(entries.values(), entries, loc="outside lower center", ncols=7, **look)
+    look: dict[str, Any] = {"fontsize": 8, "columnspacing": 1.1, "handlelength": 1.4}
+    legend = figure.legend(entries.values(), entries, loc="outside lower center", ncols=8, **look)
     style.enlarge_marks(legend)

@@ -7,8 +7,10 @@ from robsim.assignments._results import SubmissionResult, TestResult
 
 def points_of(test: TestResult) -> float:
     """Return the points of a test in hundredths: only all are all, and only none are none."""
+    if test.points >= test.most:
+        return test.most
     points = round(test.points, 2)
-    if test.points < test.most <= points:
+    if points >= test.most:
         points = round(points - 0.01, 2)
     elif points <= 0 < test.points:
         points = 0.01

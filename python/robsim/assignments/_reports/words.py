@@ -36,8 +36,8 @@ _WHOSE = {
 
 HINT = (
     "A hint, and no proof: short programs for the same exercise resemble each other. Names, "
-    "numbers, comments and spaces are not compared; what was given to all, or stands in the programs of "
-    "many, does not count. Read both before you talk to anybody."
+    "numbers, comments and spaces are not compared; what was given to all, or stands in many "
+    "programs, does not count. Read both before you talk to anybody."
 )
 
 

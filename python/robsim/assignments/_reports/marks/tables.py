@@ -53,7 +53,8 @@ def marks_table(
         these go into the right columns. Other names are taken for names to log in with.
     title : str, optional
         Heading of the column of points, for Canvas and Blackboard: for an assignment that is there
-        as the platform exports it, such as ``"Homework 3 (1234)"``. Default: the assignment's title.
+        as the platform exports it, such as ``"Homework 3 (1234)"``. Default: the title of the
+        assignment.
 
     Returns
     -------

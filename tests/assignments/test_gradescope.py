@@ -1,0 +1,135 @@
+"""Gradescope's results.json: to its specification, small enough, and nothing of hidden tests."""
+
+import json
+import math
+import re
+
+import pytest
+
+from graded_results import SECRET, graded, hidden, submission
+from html_outline import Outline
+from robsim.assignments._reports import gradescope, gradescope_json
+from robsim.assignments._results import ERROR, NOT_RUN, PASSED
+
+VISIBILITIES = {"hidden", "after_due_date", "after_published", "visible"}
+FORMATS = {"text", "html", "simple_format", "md", "ansi"}
+NUMBER = (int, float)
+
+# Fields, their types and choices, as in the published specification of autograders.
+TOP = {
+    "score": NUMBER,
+    "execution_time": NUMBER,
+    "output": str,
+    "output_format": FORMATS,
+    "test_output_format": FORMATS,
+    "test_name_format": FORMATS,
+    "visibility": VISIBILITIES,
+    "stdout_visibility": VISIBILITIES,
+    "extra_data": dict,
+    "tests": list,
+    "leaderboard": list,
+}
+TEST = {
+    "score": NUMBER,
+    "max_score": NUMBER,
+    "status": {"passed", "failed"},
+    "name": str,
+    "name_format": FORMATS,
+    "number": str,
+    "output": str,
+    "output_format": FORMATS,
+    "tags": list,
+    "visibility": VISIBILITIES,
+    "extra_data": dict,
+}
+
+
+def check_fields(content, allowed):
+    for key, value in content.items():
+        kind = allowed[key]
+        if isinstance(kind, set):
+            assert value in kind, (key, value)
+        else:
+            assert isinstance(value, kind), (key, value)
+            assert not isinstance(value, bool), key
+        if kind == NUMBER:
+            assert math.isfinite(value), key
+
+
+def check_results(content):
+    """Hold what was written against the specification."""
+    check_fields(content, TOP)
+    for test in content.get("tests", []):
+        check_fields(test, TEST)
+        assert all(isinstance(each, str) for each in test.get("tags", []))
+        assert "\r" not in test.get("output", "")
+    scores = [test for test in content.get("tests", []) if "score" in test]
+    assert "score" in content or len(scores) == len(content["tests"])
+
+
+def results(*tests, **options):
+    text = gradescope_json(submission(tests=tests), **options)
+    content = json.loads(text, parse_constant=lambda name: pytest.fail(name))
+    check_results(content)
+    return content
+
+
+def test_points_and_texts_are_there():
+    content = results(graded(), graded("second", status=PASSED, points=4.0))
+    first, second = content["tests"]
+    assert content["score"] == 6.92
+    assert (first["score"], first["max_score"], first["status"]) == (2.92, 4.0, "failed")
+    assert (second["score"], second["status"]) == (4.0, "passed")
+    assert first["number"] == "1.1"
+    assert content["stdout_visibility"] == "hidden"
+    text = Outline(first["output"]).text
+    for wanted in ("partly: 2.92 of 4 points", "stays behind", "wrap the innovation", "run 7"):
+        assert wanted in text
+
+
+@pytest.mark.parametrize("when", ["after_published", "after_due_date", "visible"])
+def test_of_hidden_tests_nothing_shows_but_points_and_sentence(when):
+    content = results(graded(), hidden(), pictures={"others": b"png"}, hidden=when)
+    assert SECRET not in json.dumps(content)
+    public, other = content["tests"]
+    assert (public["visibility"], other["visibility"]) == ("visible", when)
+    assert Outline(other["output"]).text == "partly: 1 of 4 pointsNot as good there."
+    # What stands above all tests is seen before.
+    assert "2.92 of 4 points" in content["output"]
+    assert not re.search(r"3\.92|\b8\b", content["output"])
+
+
+def test_hidden_tests_that_are_never_shown_are_refused():
+    with pytest.raises(ValueError, match="hidden must be"):
+        gradescope(submission(), hidden="hidden")
+
+
+def test_what_could_not_be_graded_has_no_score():
+    failed, other = results(graded(status=ERROR, whose="grader", points=0.0), graded("b"))["tests"]
+    assert not {"score", "max_score"} & set(failed)
+    assert "tell your teacher" in failed["output"]
+    assert "score" in other
+
+
+def test_a_result_of_half_way_is_valid():
+    content = gradescope(submission(tests=[graded(status=NOT_RUN, points=0.0)], is_done=False))
+    check_results(content)
+    assert "Not all tests have been run." in content["output"]
+    check_results(gradescope(submission(tests=[])))
+
+
+def test_pictures_are_in_it_as_long_as_they_are_small():
+    names = [f"test{i}" for i in range(15)]
+    tests = [graded(name) for name in names]
+    small, large = b"p" * 140_000, b"p" * 160_000  # as text a third more; the limit is 200 KiB
+    content = results(*tests, pictures={name: small for name in names})
+    shown = ["<img" in test["output"] for test in content["tests"]]
+    assert shown == [True] * 11 + [False] * 4
+    assert len(json.dumps(content)) < 2.1 * 2**20
+    content = results(*tests, pictures={name: large for name in names})
+    assert not any("<img" in test["output"] for test in content["tests"])
+
+
+def test_a_name_of_a_picture_alone_shows_none():
+    content = results(graded(picture=None), pictures={"estimate": b"png"})
+    assert "<img" not in content["tests"][0]["output"]

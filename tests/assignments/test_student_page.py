@@ -1,0 +1,151 @@
+"""A student's page and text: all of public tests, and of hidden ones points and sentence."""
+
+import io
+import re
+
+import pytest
+from PIL import Image
+
+from graded_results import SECRET, graded, hidden, score, submission
+from html_outline import Outline
+from robsim.assignments._reports import for_student, student_text, write_student
+from robsim.assignments._reports.pages.student import student_page
+from robsim.assignments._results import ERROR, FAILED, NOT_RUN, SubmissionResult
+
+
+def png(color="red"):
+    content = io.BytesIO()
+    Image.new("RGB", (8, 8), color).save(content, "PNG")
+    return content.getvalue()
+
+
+@pytest.fixture
+def page():
+    return Outline(student_page(for_student(submission()), {"estimate": png()}))
+
+
+def test_the_page_has_what_helps(page):
+    for wanted in (
+        *("s001", "A state estimator", "3.92 of 8 points", "Estimate the state", "2.92 of 4 points"),
+        "The estimate stays behind while the robot is hidden.",
+        "1.5 times that of the reference (all points up to 1.14, none from 3.2 on)",
+        "73 % of 4 points",
+        "The estimate is 43 px off in step 33.",
+        "wrap the innovation",
+        "1 of 10 runs did not come through",
+        "run 7, estimate_state at step 17 (estimate_state.py, line 23): ValueError: no covariance",
+        "printed by me",
+        "robsim grade hw3 mine/ --public --only estimate",
+        "process, files (Landlock 7)",
+        "plot.py is not used",
+        "robsim 0.1.0",
+    ):
+        assert wanted in page.text
+
+
+def test_the_page_needs_no_other_file(page):
+    assert page.names.count("img") == 1
+    assert page.attributes("src")[0].startswith("data:image/png;base64,")
+    assert all(link.startswith("#test-") for link in page.attributes("href"))
+    assert not {"script", "link", "iframe", "object", "form", "base"} & set(page.names)
+    assert any("default-src 'none'" in content for content in page.attributes("content"))
+
+
+def test_the_page_can_be_read_without_seeing_it(page):
+    assert page.attributes("lang") == ["en"]
+    assert page.names.count("h1") == page.names.count("title") == 1
+    assert page.attributes("alt") == ["The estimate is 43 px off in step 33."]
+    ids = page.attributes("id")
+    assert len(ids) == len(set(ids)) == 2
+    assert {link[1:] for link in page.attributes("href")} == set(ids)
+    assert set(page.attributes("aria-labelledby")) == set(ids)
+    labels = page.attributes("aria-label")
+    assert any("error of the position: 1.5 times" in label for label in labels)
+
+
+def test_of_hidden_tests_there_are_points_and_a_sentence_alone():
+    seen = for_student(submission())
+    texts = [
+        student_page(seen, {"others": png(), "estimate": png()}),
+        student_text(seen),
+        seen.to_json(),
+    ]
+    for text in texts:
+        assert SECRET not in text
+        assert "4711" not in text
+        assert "In other worlds" in text
+        assert "Not as good there." in text
+    assert texts[0].count("<img") == 1
+
+
+def test_the_teachers_page_has_all():
+    page = student_page(submission(), {"others": png()}, for_teacher=True)
+    assert SECRET in page
+    assert "--play s001" in page
+
+
+def test_a_bar_has_limits_runs_and_result_in_their_places():
+    test = graded(scores=(score(statistic=3.2, values=(2.0,) * 10, reference=(2.0,) * 10),))
+    page = student_page(submission(tests=[test]), {})
+    places = {
+        kind: [float(x) for x in re.findall(rf'class="{kind}" style="left:([\d.]+)%', page)]
+        for kind in ("mark", "run", "tick")
+    }
+    full, none = places["tick"]
+    assert places["mark"] == [none]
+    assert len(places["run"]) == 10
+    assert 0 < places["run"][0] < full < none < 100
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 0.0, 1e300, -1.0])
+def test_a_bar_holds_any_number(value):
+    test = graded(scores=(score(statistic=value, values=(value,) * 2, reference=(value, 1.0)),))
+    page = student_page(submission(tests=[test]), {})
+    places = [float(x) for x in re.findall(r"(?:left|width):(-?[\d.]+)%", page)]
+    assert places
+    assert all(0 <= place <= 100 for place in places)
+
+
+def test_where_the_grader_failed_nobody_is_blamed_and_no_points_are_shown():
+    test = graded(status=ERROR, whose="grader", points=0.0, most=3.0, scores=())
+    result = submission(tests=[test, graded("second")])
+    for text in (Outline(student_page(result, {})).text, student_text(result)):
+        assert "The grader failed here, not your submission" in " ".join(text.split())
+        assert "3 of these 7 points could not be graded" in text
+        assert "0 of 3 points" not in text
+
+
+def test_what_is_not_done_is_said():
+    result = submission(tests=[graded(status=NOT_RUN, points=0.0)], is_done=False)
+    for text in (student_page(result, {}), student_text(result)):
+        assert "Not all tests have been run yet." in text
+        assert "not run" in text
+
+
+def test_the_text_is_narrow_and_has_no_spaces_at_ends():
+    lines = student_text(submission(notes=("word " * 100,))).split("\n")
+    assert max(map(len, lines)) <= 88
+    assert all(line == line.rstrip() for line in lines)
+
+
+def test_all_files_of_a_submission_are_written(tmp_path):
+    result = submission()
+    write_student(tmp_path / "s001", result, pictures={"estimate": png(), "others": png("blue")})
+    folder = tmp_path / "s001"
+    assert sorted(file.name for file in folder.iterdir()) == sorted(
+        ["index.html", "result.txt", "teacher.html", "result.json"]
+        + ["estimate.png", f"{SECRET}.png"]
+    )
+    assert SubmissionResult.from_json((folder / "result.json").read_text()) == result
+    assert SECRET not in (folder / "index.html").read_text()
+    assert (folder / "index.html").read_text().count("<img") == 1
+    assert (folder / "teacher.html").read_text().count("<img") == 2
+
+
+def test_pictures_of_before_are_shown_again(tmp_path):
+    write_student(tmp_path, submission(), pictures={"estimate": png()})
+    shown = (tmp_path / "index.html").read_text()
+    later = graded("later", picture=None, status=FAILED)
+    write_student(tmp_path, submission(tests=[graded(), hidden(), later]))
+    again = (tmp_path / "index.html").read_text()
+    assert shown.count("<img") == again.count("<img") == 1

@@ -1,0 +1,160 @@
+"""Results of grading, made by hand, and with any texts in them."""
+
+from hypothesis import strategies as st
+
+from robsim.assignments._results import (
+    ERROR,
+    FAILED,
+    NOT_RUN,
+    PARTIAL,
+    PASSED,
+    FailedRun,
+    ScoreResult,
+    SubmissionResult,
+    TestResult,
+)
+
+#: What stands in a hidden test, and is nobody's to see.
+SECRET = "kept secret"
+
+_STATUSES = (PASSED, PARTIAL, FAILED, ERROR, NOT_RUN)
+
+
+def score(name="position", **changes):
+    """Return a score of ten runs, between its limits."""
+    reference = tuple(2.0 + i / 10 for i in range(10))
+    fields = {
+        "title": f"error of the {name}",
+        "unit": "px",
+        "values": tuple(1.5 * value for value in reference),
+        "reference": reference,
+        "statistic": 1.5,
+        "limit": 1.14,
+        "zero": 3.2,
+        "fraction": 0.73,
+        "share": 1.0,
+    }
+    return ScoreResult(name=name, **fields | changes)
+
+
+def graded(name="estimate", **changes):
+    """Return a public test with all that a test can have."""
+    fields = {
+        "title": "Estimate the state",
+        "number": "1.1",
+        "points": 2.92,
+        "most": 4.0,
+        "status": PARTIAL,
+        "sentence": "The estimate stays behind while the robot is hidden.",
+        "scores": (score(),),
+        "runs": 10,
+        "failed": (
+            FailedRun(
+                run=7,
+                reason="ValueError: no covariance",
+                slot="estimate_state",
+                step=17,
+                file="estimate_state.py",
+                line=23,
+            ),
+        ),
+        "worst": 4,
+        "picture": f"{name}.png",
+        "caption": "The estimate is 43 px off in step 33.",
+        "finding": "wrap the innovation",
+        "output": "printed by me",
+        "seconds": 3.0,
+    }
+    return TestResult(name=name, **fields | changes)
+
+
+def hidden(name="others", **changes):
+    """Return a hidden test that has a secret in all that is nobody's to see."""
+    secret = {
+        "scores": (score(SECRET, title=SECRET),),
+        "failed": (FailedRun(run=1, reason=SECRET, slot=SECRET, file=SECRET, line=4711),),
+        "picture": f"{SECRET}.png",
+        "caption": SECRET,
+        "finding": SECRET,
+        "output": SECRET,
+        "whose": "submission",
+    }
+    fields = {"title": "In other worlds", "number": "1.2", "public": False, "points": 1.0}
+    return graded(name, **secret | fields | {"sentence": "Not as good there."} | changes)
+
+
+def submission(student="s001", tests=None, **changes):
+    """Return a graded submission: a public test, and a hidden one."""
+    fields = {
+        "assignment": "hw3",
+        "title": "A state estimator",
+        "notes": ("plot.py is not used",),
+        "isolation": "isolation: process, files (Landlock 7)",
+        "submission_digest": "ab" * 32,
+        "assignment_digest": "cd" * 32,
+        "versions": {"robsim": "0.1.0", "python": "3.11.7"},
+        "is_done": True,
+        "seconds": 12.5,
+    }
+    tests = (graded(), hidden()) if tests is None else tuple(tests)
+    return SubmissionResult(student=student, tests=tests, **fields | changes)
+
+
+#: What breaks formats: ends of tags, quotes, fences and formulas, controls, directions, halves.
+NASTY = (
+    *("<script>alert(1)</script>", "</pre><img src=x onerror=alert(1)>", '"><b>', "&amp;", "'"),
+    *("```\n# heading", "]]>", "<!--", "-->", "${7*7}", "{{7*7}}", "javascript:alert(1)"),
+    *("=cmd|' /C calc'!A0", "+1+1", "-1+1", "@SUM(A1)", "\t=1+1", "\uff1d1+1", "a,b\r\nc;d"),
+    *("\x00\x07\x1b[31mred\x1b]0;title\x07", "\ud800", "\ufffe", "\u202egnp.exe", "\u2028", "e\u0301" * 3),
+    *("a" + "\u0301" * 50, "x" * 500, "../../etc/passwd", "%00", "\N{PILE OF POO}", ""),
+)
+
+texts = st.one_of(st.sampled_from(NASTY), st.text(st.characters(), max_size=60))
+
+
+@st.composite
+def any_tests(draw, name):
+    """Draw a test with any texts, and numbers that need not fit together."""
+    most = draw(st.sampled_from((1.0, 2.5, 4.0)))
+    status = draw(st.sampled_from(_STATUSES))
+    numbers = st.floats(allow_nan=True, allow_infinity=True)
+    return graded(
+        name,
+        title=draw(texts),
+        number=draw(texts),
+        public=draw(st.booleans()),
+        points=most * draw(st.floats(0, 1)),
+        most=most,
+        status=status,
+        sentence=draw(texts),
+        whose=draw(st.sampled_from((None, "submission", "assignment", "grader"))),
+        scores=(
+            score(
+                title=draw(texts),
+                unit=draw(texts),
+                values=tuple(draw(st.lists(numbers, max_size=3))),
+                reference=(1.0, 0.0, 2.0),
+                statistic=draw(numbers),
+                fraction=draw(st.floats(0, 1)),
+            ),
+        ),
+        failed=(FailedRun(run=1, reason=draw(texts), slot=draw(texts), file=draw(texts), line=1),),
+        caption=draw(texts),
+        finding=draw(texts),
+        output=draw(texts),
+    )
+
+
+@st.composite
+def any_submissions(draw):
+    """Draw a result with any texts."""
+    return submission(
+        draw(texts),
+        [draw(any_tests(f"test{i}")) for i in range(draw(st.integers(1, 2)))],
+        assignment=draw(texts),
+        title=draw(texts),
+        notes=(draw(texts),),
+        isolation=draw(texts),
+        versions={"robsim": draw(texts)},
+        is_done=draw(st.booleans()),
+    )
