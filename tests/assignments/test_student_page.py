@@ -26,7 +26,13 @@ def page():
 
 def test_the_page_has_what_helps(page):
     for wanted in (
-        *("s001", "A state estimator", "3.92 of 8 points", "Estimate the state", "2.92 of 4 points"),
+        *(
+            "s001",
+            "A state estimator",
+            "3.92 of 8 points",
+            "Estimate the state",
+            "2.92 of 4 points",
+        ),
         "The estimate stays behind while the robot is hidden.",
         "1.5 times that of the reference (all points up to 1.14, none from 3.2 on)",
         "73 % of 4 points",
@@ -133,8 +139,7 @@ def test_all_files_of_a_submission_are_written(tmp_path):
     write_student(tmp_path / "s001", result, pictures={"estimate": png(), "others": png("blue")})
     folder = tmp_path / "s001"
     assert sorted(file.name for file in folder.iterdir()) == sorted(
-        ["index.html", "result.txt", "teacher.html", "result.json"]
-        + ["estimate.png", f"{SECRET}.png"]
+        ["index.html", "result.txt", "teacher.html", "result.json", "estimate.png", f"{SECRET}.png"]
     )
     assert SubmissionResult.from_json((folder / "result.json").read_text()) == result
     assert SECRET not in (folder / "index.html").read_text()

@@ -100,12 +100,43 @@ def submission(student="s001", tests=None, **changes):
     return SubmissionResult(student=student, tests=tests, **fields | changes)
 
 
+#: A program that somebody may hand in.
+PROGRAM = """
+import numpy as np
+
+# The state is a pose.
+class Filter:
+    def __init__(self, model):
+        self.model = model
+        self.pose = np.zeros(3)
+        self.P = np.diag([4.0, 4.0, 0.01])
+
+    def predict(self, u):
+        jacobian = self.model.jacobian(self.pose, u)
+        self.pose = self.model.predict(self.pose, u)
+        self.P = jacobian @ self.P @ jacobian.T + np.diag([0.1, 0.1, 1e-4])
+
+    def correct(self, measured):
+        innovation = measured - self.pose
+        innovation[2] = np.arctan2(np.sin(innovation[2]), np.cos(innovation[2]))
+        gain = self.P @ np.linalg.inv(self.P + np.diag([1.0, 1.0, 0.001]))
+        self.pose = self.pose + gain @ innovation
+        self.P = (np.eye(3) - gain) @ self.P
+"""
+
 #: What breaks formats: ends of tags, quotes, fences and formulas, controls, directions, halves.
 NASTY = (
     *("<script>alert(1)</script>", "</pre><img src=x onerror=alert(1)>", '"><b>', "&amp;", "'"),
     *("```\n# heading", "]]>", "<!--", "-->", "${7*7}", "{{7*7}}", "javascript:alert(1)"),
     *("=cmd|' /C calc'!A0", "+1+1", "-1+1", "@SUM(A1)", "\t=1+1", "\uff1d1+1", "a,b\r\nc;d"),
-    *("\x00\x07\x1b[31mred\x1b]0;title\x07", "\ud800", "\ufffe", "\u202egnp.exe", "\u2028", "e\u0301" * 3),
+    *(
+        "\x00\x07\x1b[31mred\x1b]0;title\x07",
+        "\ud800",
+        "\ufffe",
+        "\u202egnp.exe",
+        "\u2028",
+        "e\u0301" * 3,
+    ),
     *("a" + "\u0301" * 50, "x" * 500, "../../etc/passwd", "%00", "\N{PILE OF POO}", ""),
 )
 

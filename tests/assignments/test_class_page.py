@@ -1,0 +1,130 @@
+"""The page of a class, and its files."""
+
+import csv
+import re
+
+import numpy as np
+import pytest
+
+from graded_results import PROGRAM, graded, hidden, submission
+from html_outline import Outline
+from robsim.assignments._reports import program_of, write_class
+from robsim.assignments._reports.pages.floor import DrawnPath, floor_of
+from robsim.assignments._reports.pages.histogram import histogram
+from robsim.assignments._results import ERROR, FAILED, PASSED
+
+
+def results():
+    return [
+        submission("s002", [graded(status=PASSED, points=4.0), hidden()]),
+        submission("s001", [graded(status=FAILED, points=0.0), hidden(status=ERROR, points=0.0)]),
+        submission("müller", is_done=False),
+    ]
+
+
+def written(folder, **options):
+    write_class(folder, results(), **options)
+    return Outline((folder / "class.html").read_text("utf-8"))
+
+
+def test_all_files_are_written(tmp_path):
+    page = written(tmp_path / "new")
+    assert sorted(f.name for f in (tmp_path / "new").iterdir()) == [
+        *("class.csv", "class.html", "junit.xml")
+    ]
+    table = (tmp_path / "new/class.csv").read_text("utf-8")
+    rows = list(csv.reader(table.splitlines()))
+    assert [row[0] for row in rows] == ["student", "müller", "s001", "s002"]
+    for wanted in (
+        "3 submissions; mean 2.97, median 3.92 of 8 points",
+        "1 not graded to the end yet",
+        "2 of 3",
+        "s001 (0), müller (2.92)",
+        "! not graded",
+        "(hidden)",
+    ):
+        assert wanted in page.text
+    assert page.attributes("href") == [
+        *("m%C3%BCller/teacher.html", "s001/teacher.html", "s002/teacher.html")
+    ]
+
+
+def test_the_table_can_be_sorted_by_numbers(tmp_path):
+    page = written(tmp_path)
+    values = [float(value) for value in page.attributes("data-value")]
+    assert len(values) == 3 * 4  # points, two tests, seconds
+    assert page.names.count("button") == 5
+
+
+def test_pseudonyms_leave_no_name_and_no_text(tmp_path):
+    programs = {name: program_of({f"{name}.py": PROGRAM.encode()}) for name in ("s001", "s002")}
+    paths = {"estimate": {"s001": np.zeros((3, 2)), "müller": np.ones((3, 2))}}
+    names = {"s001": "abc", "s002": "def", "müller": "ghi"}
+    written(tmp_path, programs=programs, paths=paths, pseudonym=names.__getitem__)
+    for file in tmp_path.iterdir():
+        text = file.read_text("utf-8")
+        assert not re.search(r"s00\d|müller|stays behind|plot\.py|estimate_state\.py", text)
+        assert "printed by me" not in text
+    page = (tmp_path / "class.html").read_text()
+    assert "abc and def" in page
+    assert "np.linalg" not in page
+
+
+def test_similar_programs_are_a_hint(tmp_path):
+    programs = {name: program_of({"state.py": PROGRAM.encode()}) for name in ("s001", "s002")}
+    page = written(tmp_path, programs=programs)
+    assert "A hint, and no proof" in page.text
+    assert "s001 and s002: 100 % of s001, 100 % of s002" in page.text
+    assert "gain = self.P @ np.linalg.inv" in page.text
+    assert "No two programs" in written(tmp_path, programs={}).text
+    assert "Similar programs" not in written(tmp_path).text
+
+
+def test_what_was_given_is_no_similarity(tmp_path):
+    program = program_of({"state.py": PROGRAM.encode()})
+    page = written(tmp_path, programs={"s001": program, "s002": program}, given=[program])
+    assert "No two programs" in page.text
+
+
+def test_paths_lie_on_one_floor_those_with_all_points_on_top():
+    rows = np.array([[100.0, 200.0], [300.0, 600.0], [np.nan, np.nan]])
+    paths = [
+        DrawnPath("all", rows, 4.0),
+        DrawnPath("none", rows, 0.0),
+        DrawnPath("some", rows, 1.0),
+    ]
+    outline = Outline(floor_of("Park", paths, (600.0, 1200.0), 4.0))
+    assert outline.attributes("points") == ["167,333 500,1000"] * 3
+    assert [name for name in outline.attributes("class") if "path" in name] == [
+        *("path none", "path some", "path all")
+    ]
+    assert outline.attributes("viewbox") == ["-20 -20 1040 2040"]
+    assert "none: 0 of 4" in outline.text
+
+
+def test_paths_of_nobody_are_left_out(tmp_path):
+    nowhere = {"estimate": {"s001": np.full((3, 2), np.nan)}, "unknown": {"s001": np.zeros((1, 2))}}
+    page = written(tmp_path, paths=nowhere)
+    assert "Best runs" in page.text
+    assert "polyline" not in page.names
+
+
+@pytest.mark.parametrize(
+    ("points", "counts"),
+    [
+        ([0, 0, 4], [2, *[0] * 10, 1]),
+        ([0.01, 3.99, 2.0], [0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0]),
+        ([], [0] * 12),
+    ],
+)
+def test_a_histogram_counts_none_ten_parts_and_all(points, counts):
+    outline = Outline(histogram("In all", points, 4.0))
+    heights = [float(found["height"]) for name, found in outline.elements if name == "rect"]
+    assert heights == pytest.approx([80.0 * count / max(*counts, 1) for count in counts], abs=0.1)
+    shown = re.findall(r">(\d+)</text>", histogram("In all", points, 4.0))
+    assert shown == [str(count) for count in counts if count]
+
+
+def test_no_result_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="at least one result"):
+        write_class(tmp_path, [])

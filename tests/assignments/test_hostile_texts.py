@@ -1,0 +1,135 @@
+"""Texts of students in reports: text everywhere, whatever they are."""
+
+import csv
+import io
+import json
+import re
+from itertools import chain
+from xml.etree import ElementTree
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from graded_results import NASTY, PROGRAM, any_submissions, submission, texts
+from html_outline import Outline
+from robsim.assignments._reports import (
+    for_student,
+    gradescope_json,
+    junit_xml,
+    marks_table,
+    student_text,
+)
+from robsim.assignments._reports.markup import escaped, tag
+from robsim.assignments._reports.pages.class_page import class_page
+from robsim.assignments._reports.pages.student import student_page
+from robsim.assignments._reports.similarity.pairs import similar_pairs
+from robsim.assignments._reports.similarity.winnowing import program_of
+
+# What no text may have: controls, what turns the text around it, halves, what is no character.
+HARMFUL = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]"
+)
+ELEMENTS = set(
+    re.findall(
+        r"[\w-]+",
+        """
+        html head meta title style script body div header main section footer table caption
+        thead tbody tr th td p b i a span h1 h2 h3 figure figcaption img pre code ul li details
+        summary dl dt dd button svg rect line text circle polyline g
+        """,
+    )
+)
+ATTRIBUTES = set(
+    re.findall(
+        r"[\w-]+",
+        """
+        lang charset http-equiv content name class style href src alt id role aria-label
+        aria-hidden aria-labelledby scope title type data-value viewbox x y x1 x2 y1 y2 width
+        height rx cx cy r points text-anchor
+        """,
+    )
+)
+
+
+def check_page(page):
+    assert not HARMFUL.search(page)
+    outline = Outline(page)
+    assert set(outline.names) <= ELEMENTS
+    assert {name for _, found in outline.elements for name in found} <= ATTRIBUTES
+    assert all(src.startswith("data:image/png;base64,") for src in outline.attributes("src"))
+    styles = outline.attributes("style")
+    assert all(re.fullmatch(r"(left:[\d.]+%;?)?(width:[\d.]+%)?", style) for style in styles)
+    return outline
+
+
+@settings(max_examples=60)
+@given(any_submissions())
+def test_no_text_is_markup_in_a_students_page(result):
+    for page in (
+        student_page(for_student(result), {"test0": b"png"}),
+        student_page(result, {"test0": b"png"}, for_teacher=True),
+    ):
+        outline = check_page(page)
+        assert "script" not in outline.names
+        assert outline.names.count("section") == len(result.tests)
+
+
+@settings(max_examples=40)
+@given(st.lists(any_submissions(), min_size=1, max_size=3))
+def test_no_text_is_markup_in_the_page_of_a_class(results):
+    links = {result.student: f"{result.student}/teacher.html" for result in results}
+    outline = check_page(class_page(results, links=links))
+    assert outline.names.count("script") == 1
+    links = [link for link in outline.attributes("href") if not link.startswith("#")]
+    # None has a scheme, or leads to another machine.
+    assert not any(re.match(r"[\w+.-]*:|//", link) for link in links)
+
+
+@settings(max_examples=60)
+@given(any_submissions())
+def test_no_text_breaks_the_other_formats(result):
+    text = student_text(result)
+    assert not HARMFUL.search(text)
+
+    content = gradescope_json(result, pictures={"test0": b"png"})
+    content.encode("ascii")
+    for test in json.loads(content)["tests"]:
+        assert not HARMFUL.search(test["name"] + test["output"])
+        assert set(Outline(test["output"]).names) <= ELEMENTS - {"script", "style", "a"}
+
+    root = ElementTree.fromstring(junit_xml([result]))
+    assert len(list(root.iter("testcase"))) == len(result.tests)
+    assert not any(HARMFUL.search("".join([*e.itertext(), *e.attrib.values()])) for e in root)
+
+    for columns in ("robsim", "moodle", "canvas", "blackboard"):
+        table = marks_table([result, submission("s2", [])], columns=columns)
+        rows = list(csv.reader(io.StringIO(table, newline="")))
+        assert len(rows) == (4 if columns == "canvas" else 3)
+        assert len({len(row) for row in rows}) == 1
+        assert not HARMFUL.search(table.replace("\r\n", ""))
+        for cell in chain(*rows):
+            assert not re.match(r"\s*[=+\-@\uff0b\uff0d\uff1d\uff20]", cell)
+
+
+@settings(max_examples=60)
+@given(texts)
+def test_escaped_text_comes_back_as_text(text):
+    outline = Outline(f"<p>{escaped(text)}</p>")
+    assert outline.names == ["p"]
+    if text.isprintable():
+        marks = r"[\u0300-\u036f\u0483-\u0489\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff]{4,}"
+        if not re.search(marks, text):
+            assert outline.text == text
+    (element,) = Outline(tag("p", title=text)).elements
+    assert set(element[1]) == {"title"}
+
+
+@pytest.mark.parametrize("text", NASTY)
+def test_programs_are_shown_as_text(text):
+    source = f"# {text}\nname = {text!r}\n{PROGRAM}".encode("utf-8", "surrogatepass")
+    pairs = similar_pairs(
+        {text or "a": program_of({"a.py": source}), "b": program_of({"b.py": source})}
+    )
+    assert len(pairs) == 1
+    check_page(class_page([submission()], pairs=pairs))
