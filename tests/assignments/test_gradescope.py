@@ -8,7 +8,7 @@ import pytest
 
 from graded_results import SECRET, graded, hidden, submission
 from html_outline import Outline
-from robsim.assignments._reports import gradescope, gradescope_json
+from robsim.assignments._reports import gradescope, write_gradescope
 from robsim.assignments._results import ERROR, NOT_RUN, PASSED
 
 VISIBILITIES = {"hidden", "after_due_date", "after_published", "visible"}
@@ -67,14 +67,22 @@ def check_results(content):
     assert "score" in content or len(scores) == len(content["tests"])
 
 
-def results(*tests, **options):
-    text = gradescope_json(submission(tests=tests), **options)
-    content = json.loads(text, parse_constant=lambda name: pytest.fail(name))
-    check_results(content)
-    return content
+@pytest.fixture
+def results(tmp_path):
+    """Return a function that writes tests to a file, and returns what is in it, checked."""
+
+    def written(*tests, **options):
+        file = tmp_path / "results.json"
+        write_gradescope(file, submission(tests=tests), **options)
+        assert [each.name for each in tmp_path.iterdir()] == ["results.json"]
+        content = json.loads(file.read_text("ascii"), parse_constant=pytest.fail)
+        check_results(content)
+        return content
+
+    return written
 
 
-def test_points_and_texts_are_there():
+def test_points_and_texts_are_there(results):
     content = results(graded(), graded("second", status=PASSED, points=4.0))
     first, second = content["tests"]
     assert content["score"] == 6.92
@@ -88,7 +96,7 @@ def test_points_and_texts_are_there():
 
 
 @pytest.mark.parametrize("when", ["after_published", "after_due_date", "visible"])
-def test_of_hidden_tests_nothing_shows_but_points_and_sentence(when):
+def test_of_hidden_tests_nothing_shows_but_points_and_sentence(results, when):
     content = results(graded(), hidden(), pictures={"others": b"png"}, hidden=when)
     assert SECRET not in json.dumps(content)
     public, other = content["tests"]
@@ -104,7 +112,7 @@ def test_hidden_tests_that_are_never_shown_are_refused():
         gradescope(submission(), hidden="hidden")
 
 
-def test_what_could_not_be_graded_has_no_score():
+def test_what_could_not_be_graded_has_no_score(results):
     failed, other = results(graded(status=ERROR, whose="grader", points=0.0), graded("b"))["tests"]
     assert not {"score", "max_score"} & set(failed)
     assert "tell your teacher" in failed["output"]
@@ -118,7 +126,7 @@ def test_a_result_of_half_way_is_valid():
     check_results(gradescope(submission(tests=[])))
 
 
-def test_pictures_are_in_it_as_long_as_they_are_small():
+def test_pictures_are_in_it_as_long_as_they_are_small(results):
     names = [f"test{i}" for i in range(15)]
     tests = [graded(name) for name in names]
     small, large = b"p" * 140_000, b"p" * 160_000  # as text a third more; the limit is 200 KiB
@@ -130,6 +138,6 @@ def test_pictures_are_in_it_as_long_as_they_are_small():
     assert not any("<img" in test["output"] for test in content["tests"])
 
 
-def test_a_name_of_a_picture_alone_shows_none():
+def test_a_name_of_a_picture_alone_shows_none(results):
     content = results(graded(picture=None), pictures={"estimate": b"png"})
     assert "<img" not in content["tests"][0]["output"]

@@ -15,7 +15,7 @@ from graded_results import NASTY, PROGRAM, any_submissions, submission, texts
 from html_outline import Outline
 from robsim.assignments._reports import (
     for_student,
-    gradescope_json,
+    gradescope,
     junit_xml,
     marks_table,
     student_text,
@@ -92,9 +92,9 @@ def test_no_text_breaks_the_other_formats(result):
     text = student_text(result)
     assert not HARMFUL.search(text)
 
-    content = gradescope_json(result, pictures={"test0": b"png"})
-    content.encode("ascii")
-    for test in json.loads(content)["tests"]:
+    content = gradescope(result, pictures={"test0": b"png"})
+    assert json.loads(json.dumps(content, allow_nan=False)) == content
+    for test in content["tests"]:
         assert not HARMFUL.search(test["name"] + test["output"])
         assert set(Outline(test["output"]).names) <= ELEMENTS - {"script", "style", "a"}
 

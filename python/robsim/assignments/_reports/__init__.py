@@ -1,6 +1,6 @@
 """Reports of grading: pages, tables and files, for students, teachers and platforms."""
 
-from robsim.assignments._reports.marks.gradescope import gradescope, gradescope_json
+from robsim.assignments._reports.marks.gradescope import gradescope, write_gradescope
 from robsim.assignments._reports.marks.junit import junit_xml
 from robsim.assignments._reports.marks.tables import marks_table
 from robsim.assignments._reports.similarity.winnowing import Program, program_of
@@ -12,11 +12,11 @@ __all__ = [
     "Program",
     "for_student",
     "gradescope",
-    "gradescope_json",
     "junit_xml",
     "marks_table",
     "program_of",
     "student_text",
     "write_class",
+    "write_gradescope",
     "write_student",
 ]

@@ -175,9 +175,7 @@ def _stretches(mask: Any) -> list[tuple[int, int]]:
 
 
 def _draw_asked(axes: Axes, level: float) -> None:
-    axes.axhline(
-        level, color=style.WRONG, linewidth=1, linestyle=":", label="asked on average"
-    )
+    axes.axhline(level, color=style.WRONG, linewidth=1, linestyle=":", label="asked on average")
     if axes.get_yscale() == "linear":
         axes.set_ylim(top=max(axes.get_ylim()[1], 1.1 * level))
 

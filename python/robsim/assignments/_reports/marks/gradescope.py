@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from os import PathLike
 from typing import Any
 
 from robsim._base.checks import check_choice
+from robsim._base.files import as_path, write_whole
 from robsim.assignments._reports import words
 from robsim.assignments._reports.markup import Html, data_uri, escaped, joined, tag
 from robsim.assignments._reports.points import most_in_all, of_most, points_in_all, points_of
@@ -79,9 +81,30 @@ def gradescope(
     }
 
 
-def gradescope_json(result: SubmissionResult, **options: Any) -> str:
-    """Return the same as the text of the file."""
-    return json.dumps(gradescope(result, **options), indent=1, allow_nan=False) + "\n"
+def write_gradescope(
+    path: str | PathLike[str],
+    result: SubmissionResult,
+    *,
+    pictures: Mapping[str, bytes] | None = None,
+    hidden: str = "after_published",
+) -> None:
+    """Write `gradescope` to a file, whole: whatever happens, there is the old or the new one.
+
+    Parameters
+    ----------
+    path : path
+        The file; on Gradescope ``/autograder/results/results.json``.
+    result, pictures, hidden
+        As for `gradescope`.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    content = gradescope(result, pictures=pictures, hidden=hidden)
+    text = json.dumps(content, indent=1, allow_nan=False) + "\n"
+    write_whole(as_path(path), text.encode("ascii"))
 
 
 class _Room:
