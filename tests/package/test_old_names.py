@@ -50,7 +50,8 @@ OLD = {
     r"robots add [^`]*--(red|blue)\b": "--marker red=POINTS",
     r"--(noise-percent|dropout-steps|rotation|places)\b": "--noise gaussian:10, --headings",
     # private words
-    r"\b(least|most|above)=": "minimum=, maximum=, exclusive_minimum=",
+    # "most=" is that of points, too.
+    r"\b(least|above)=": "minimum=, exclusive_minimum=",
     r"stretch(es)?(?!;)": "segment",  # that of CSS stays
     r"[Pp]atient": "EstimatorUnderTest",
 }

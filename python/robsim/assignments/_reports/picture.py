@@ -151,7 +151,7 @@ def _mark_worst(plan: Axes, trace: Trace, errors: Sequence[RunError]) -> None:
 
 
 def _draw_error(axes: Axes, trace: Trace, error: RunError) -> None:
-    for start, end in _stretches(trace.hidden.astype(int)):
+    for start, end in _segments(trace.hidden.astype(int)):
         low, high = trace.k[start] - 0.5, trace.k[end - 1] + 0.5
         axes.axvspan(low, high, color=style.SEGMENT, zorder=0, label="robot hidden")
     if error.reference is not None:
@@ -168,8 +168,8 @@ def _draw_error(axes: Axes, trace: Trace, error: RunError) -> None:
         axes.set_ylim(bottom=0)
 
 
-def _stretches(mask: Any) -> list[tuple[int, int]]:
-    """Return start and end of each stretch of steps in which a mask is 1."""
+def _segments(mask: Any) -> list[tuple[int, int]]:
+    """Return start and end of each segment of steps in which a mask is 1."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], mask, [0]))))
     return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
 
