@@ -1,1 +1,13 @@
 """Tasks: what students are asked to do, and how a run of it is scored."""
+
+from robsim._base.public import present as _present
+from robsim.tasks._by_name import TASKS, task
+from robsim.tasks._kinds.measure import Measure
+from robsim.tasks._limit import Limit
+from robsim.tasks._score import Score
+from robsim.tasks._solutions import Solution
+from robsim.tasks._task import Task
+
+__all__ = ["TASKS", "Limit", "Measure", "Score", "Solution", "Task", "task"]
+
+_present(globals())

@@ -5,11 +5,21 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Unpack
 
-from robsim.simulation import Scenario
+from robsim._base.checks import check_int
+from robsim._base.seeds import Seed
+from robsim.simulation import Scenario, Simulation
+from robsim.simulation._slots import AllCallbacks
 from robsim.tasks._score import Score
+from robsim.tasks._sheet import sheet_of
+from robsim.tasks._solutions import Solution, shipped_solutions
 from robsim.trace import Trace
+
+#: What no solution may import: answers, or what would make some.
+MASKED = ("robsim.reference", "robsim.tasks", "robsim.grading")
+
+_MOST_STEPS, _MOST_RUNS = 10_000, 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,6 +28,13 @@ class Task(ABC):
 
     A subclass is a dataclass whose fields are what can be set, such as a goal or the noise: a
     value, which can be compared, sent to other processes, and written in an assignment by name.
+
+    Parameters
+    ----------
+    steps : int
+        Number of steps of a run.
+    runs : int
+        Number of runs of a test.
 
     Attributes
     ----------
@@ -32,10 +49,13 @@ class Task(ABC):
         measurement alone).
     scores : tuple of Score
         The numbers of a run; their shares sum to 1.
-    steps : int
-        Number of steps of a run.
-    runs : int
-        Number of runs of a test.
+    masked : tuple of str
+        Modules and names of robsim that a solution that is handed in cannot have.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong type or is out of range; the message names it.
     """
 
     name: ClassVar[str]
@@ -43,9 +63,14 @@ class Task(ABC):
     slots: ClassVar[tuple[str, ...]]
     given: ClassVar[str]
     scores: ClassVar[tuple[Score, ...]]
+    masked: ClassVar[tuple[str, ...]] = MASKED
 
     steps: int = 60
     runs: int = 10
+
+    def __post_init__(self) -> None:
+        check_int("steps", self.steps, minimum=1, maximum=_MOST_STEPS)
+        check_int("runs", self.runs, minimum=1, maximum=_MOST_RUNS)
 
     @property
     @abstractmethod
@@ -55,12 +80,10 @@ class Task(ABC):
     @property
     @abstractmethod
     def values(self) -> Mapping[str, Any]:
-        """What a solution is told: the names in its module ``task``, ``from task import GOAL``."""
+        """What a solution is told: the names in its module ``task``, ``from task import GOAL``.
 
-    @property
-    @abstractmethod
-    def sheet(self) -> str:
-        """What students read, with these values, in Markdown."""
+        Numbers, text, None, and tuples of these.
+        """
 
     @abstractmethod
     def score(self, trace: Trace) -> dict[str, float]:
@@ -70,3 +93,38 @@ class Task(ABC):
     def parameters(self) -> dict[str, Any]:
         """What was set, by name: ``type(task)(**task.parameters) == task``."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @property
+    def sheet(self) -> str:
+        """What students read, with these values, in Markdown."""
+        return sheet_of(self)
+
+    @property
+    def solutions(self) -> tuple[Solution, ...]:
+        """Those that ship with robsim: the right ones, the reference first, then wrong ones."""
+        return shipped_solutions(self.name, self.slots)
+
+    def simulation(
+        self,
+        *,
+        seed: Seed = None,
+        time_limit: float | None = None,
+        **callbacks: Unpack[AllCallbacks],
+    ) -> Simulation:
+        """Return a simulation of its world, for a run of `steps` steps.
+
+        Parameters
+        ----------
+        seed : int, SeedSequence or Generator, optional
+            The seed of the run. Default: an unpredictable one.
+        time_limit : float, optional
+            Maximum duration of a call of a callback (s).
+        **callbacks
+            What fills the slots, as for `Simulation`.
+
+        Returns
+        -------
+        Simulation
+            ``task.score(task.simulation(...).run(task.steps))`` has the numbers of the run.
+        """
+        return Simulation(self.scenario, seed=seed, time_limit=time_limit, **callbacks)

@@ -1,0 +1,129 @@
+"""`Solution`: code that solves a task, or does it wrong in a way that students do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from robsim._base.files import as_folder
+from robsim._base.text import one_line, quoted
+from robsim.campaigns._choices import Folder
+
+if TYPE_CHECKING:
+    from robsim.tasks._task import Task
+
+#: The right solution that scores are relative to, and the wrong one that gets no points.
+REFERENCE, NAIVE = "reference", "naive"
+
+#: The module from which a solution has the values of its task.
+MODULE = "task"
+
+SHIPPED = Path(__file__).parent / "solutions"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution:
+    """Code for the slots of a task.
+
+    Attributes
+    ----------
+    name : str
+        Its name; ``"reference"`` and ``"naive"`` are those that scores are relative to.
+    is_right : bool
+        Whether it is to get full points, or fewer.
+    folder : Path
+        Where it was read from.
+    files : mapping of str to bytes
+        The Python files by name without ``.py``, as they were then.
+    slots : tuple of str
+        The slots that it may fill.
+    """
+
+    name: str
+    is_right: bool
+    folder: Path
+    files: Mapping[str, bytes] = field(repr=False)
+    slots: tuple[str, ...]
+
+    @classmethod
+    def read(
+        cls, folder: str | PathLike[str], slots: tuple[str, ...], *, is_right: bool
+    ) -> Solution:
+        """Read the files of a folder; nothing of it is run.
+
+        Raises
+        ------
+        OSError
+            If there is no such folder, or it cannot be read.
+        ValueError
+            If it has none of the slots.
+        """
+        path = as_folder(folder)
+        files = {
+            file.stem: file.read_bytes()
+            for file in sorted(path.iterdir())
+            if file.suffix == ".py" and file.is_file() and file.stem != MODULE
+        }
+        if not files.keys() & set(slots):
+            raise ValueError(
+                f"{one_line(path)} has no solution: it must have {' or '.join(slots)}.py"
+            )
+        return cls(name=path.name, is_right=is_right, folder=path, files=files, slots=slots)
+
+    def choice(self, task: Task) -> Folder:
+        """Return it as a folder of a campaign, ``vary={"folder": {...}}``, beside its `task`."""
+        return folder_with(task, self.folder, self.files)
+
+    def __repr__(self) -> str:
+        kind = "right" if self.is_right else "wrong"
+        return f"<Solution {quoted(self.name)}, {kind}: {', '.join(sorted(self.files))}>"
+
+
+def folder_with(task: Task, path: Path, files: Mapping[str, bytes]) -> Folder:
+    """Return files as a folder of a campaign, with the module that has the values of a task."""
+    sources = {**files, MODULE: module_source(task)}
+    return Folder(str(path), str(path.absolute()), sources, task.slots)
+
+
+def module_source(task: Task) -> bytes:
+    """Return the module ``task`` of solutions: what they are told."""
+    lines = [f'"""What is given: {task.title}."""', ""]
+    lines += [f"{name} = {value!r}" for name, value in task.values.items()]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def solutions_in(folder: str | PathLike[str], slots: tuple[str, ...]) -> tuple[Solution, ...]:
+    """Return the solutions of a folder: those in ``right``, the reference first, and ``wrong``.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be read.
+    ValueError
+        If there is no reference, or a folder has none of the slots.
+    """
+    found = tuple(_found(as_folder(folder), slots))
+    if not any(one.is_right and one.name == REFERENCE for one in found):
+        raise ValueError(f"{one_line(folder)} must have a solution right/{REFERENCE}")
+    return found
+
+
+def _found(folder: Path, slots: tuple[str, ...]) -> Iterator[Solution]:
+    for kind, first in (("right", REFERENCE), ("wrong", NAIVE)):
+        places = [one for one in (folder / kind).glob("*") if one.is_dir() and _is_named(one)]
+        for place in sorted(places, key=lambda one: (one.name != first, one.name)):
+            yield Solution.read(place, slots, is_right=kind == "right")
+
+
+def _is_named(folder: Path) -> bool:
+    return not folder.name.startswith((".", "__"))
+
+
+@cache
+def shipped_solutions(task: str, slots: tuple[str, ...]) -> tuple[Solution, ...]:
+    """Return the solutions of a kind of task that ship with robsim."""
+    return solutions_in(SHIPPED / task, slots)
