@@ -26,6 +26,8 @@ def test_errors_are_those_at_the_end_and_headings_turn_around():
         final_distance=5.0,
         final_heading_error=pytest.approx(-0.1),
         settled_step=1,
+        settling_time=pytest.approx(0.2),
+        overshoot=0.0,
         effort=pytest.approx(np.sqrt(0.125)),
     )
 
@@ -40,6 +42,23 @@ def test_it_settles_where_it_stays_within_both_tolerances():
     never = score_pose(trace, (100, 50, 0), heading_tolerance=0.05)
     assert (never.settled_step, never.verdict) == (None, "not settled")
     assert score_pose(trace_of(poses[1:2]), (100, 50, 0)).settled_step == 0
+
+
+def test_settling_takes_the_time_since_the_first_step_of_the_trace():
+    poses = [(0, 0, 0), (100, 50, 0), (100, 80, 0), (100, 50, 0), (100, 50, 0)]
+    score = score_pose(trace_of(poses), (100, 50, 0))
+    assert (score.settled_step, score.settling_time) == (3, pytest.approx(0.6))
+    assert score_pose(trace_of(poses)[1:], (100, 50, 0)).settling_time == pytest.approx(0.4)
+    assert score_pose(trace_of(poses), (100, 50, 0.5)).settling_time is None
+
+
+def test_the_overshoot_is_beyond_the_tolerance_after_the_first_arrival():
+    poses = [(0, 0, 0), (90, 50, 0), (140, 50, 0), (96, 50, 0), (60, 50, 0)]
+    trace = trace_of(poses)
+    assert score_pose(trace, (100, 50, 0), position_tolerance=15).overshoot == 25
+    assert score_pose(trace, (100, 50, 0), position_tolerance=5).overshoot == 35
+    assert score_pose(trace, (100, 50, 0), position_tolerance=60).overshoot == 0
+    assert score_pose(trace, (100, 50, 0), position_tolerance=1).overshoot is None
 
 
 def test_without_truth_the_measured_poses_count_where_there_are_any():

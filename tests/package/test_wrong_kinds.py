@@ -139,6 +139,19 @@ def submission_folder():
 
 
 EXAMPLES = {
+    "Limit.full": lambda: 1.1,
+    "Limit.zero": lambda: 4.0,
+    "Limit.fraction.statistic": lambda: 1.5,
+    "Score.name": lambda: "error",
+    "Score.title": lambda: "error of the position",
+    "Score.floor": lambda: 0.1,
+    "Score.worst": lambda: 10.0,
+    "Score.statistic.values": lambda: [1.0, 2.0],
+    "Score.statistic.reference": lambda: [1.0, 1.0],
+    "Solution.choice.task": robsim.tasks.Measure,
+    "Solution.read.folder": lambda: robsim.tasks.Measure().solutions[0].folder,
+    "Solution.read.slots": lambda: "measure",
+    "Solution.read.is_right": lambda: True,
     "Submission.path": submission_folder,
     "Submission.call.name": lambda: "fit",
     "Submission.calls.name": lambda: "fit",
@@ -378,6 +391,8 @@ def floor_panel():
 
 #: What methods are called on, where the class cannot be made of the examples alone.
 OBJECTS = {
+    "Task": robsim.tasks.Measure,
+    "Solution": lambda: robsim.tasks.Measure().solutions[0],
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),
     "CampaignResult": campaign,
     "CampaignSpec": lambda: campaign().spec,

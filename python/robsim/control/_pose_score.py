@@ -34,6 +34,11 @@ class PoseScore(Report):
     settled_step : int or None
         The first step from which on the robot stays within both tolerances; None = at the end it
         is not within them.
+    settling_time : float or None
+        How long that took (s).
+    overshoot : float or None
+        How far beyond the position tolerance it was again after it had once been within (in
+        `unit`); None = it never was.
     effort : float
         Root mean square of the voltages of both motors (V); NaN = not known.
     unit : str
@@ -44,6 +49,8 @@ class PoseScore(Report):
     final_distance: float
     final_heading_error: float
     settled_step: int | None
+    settling_time: float | None
+    overshoot: float | None
     effort: float
     unit: str = "px"
 
@@ -66,6 +73,8 @@ class PoseScore(Report):
             Quantity("final_distance", "distance at the end", self.final_distance, unit, length),
             Quantity("final_heading_error", heading, self.final_heading_error, "rad", ".3f"),
             Quantity("settled_step", "settled from step", self.settled_step),
+            Quantity("settling_time", "settled after", self.settling_time, "s", ".1f"),
+            Quantity("overshoot", "overshoot", self.overshoot, unit, length),
             Quantity("effort", "rms voltage", self.effort, "V", ".2f"),
             Quantity("source", "poses from", self.source),
         )
@@ -94,7 +103,7 @@ def score_pose(
     Returns
     -------
     PoseScore
-        Errors at the end, settling step, effort.
+        Errors at the end, settling step and time, overshoot, effort.
 
     Raises
     ------
@@ -105,7 +114,8 @@ def score_pose(
 
     Notes
     -----
-    Steps without a pose do not count: neither as left nor as settled.
+    Steps without a pose do not count: neither as left nor as settled. The overshoot is the largest
+    distance after the first step within the position tolerance, less that tolerance, or 0.
     """
     check_trace(trace)
     px = trace.info.px_length
@@ -121,11 +131,15 @@ def score_pose(
     headings = np.asarray(wrap_angle(errors[:, 2]))
     is_away = (distances > near) | (np.abs(headings) > turned)
     first = int(np.flatnonzero(is_away)[-1]) + 1 if is_away.any() else 0
+    settled = rows[first] if first < len(rows) else None
+    after = distances[np.argmax(distances <= near) :] if (distances <= near).any() else None
     return PoseScore(
         source=source,
         final_distance=float(distances[-1]),
         final_heading_error=float(headings[-1]),
-        settled_step=int(trace.k[rows[first]]) if first < len(rows) else None,
+        settled_step=None if settled is None else int(trace.k[settled]),
+        settling_time=None if settled is None else float(trace.t[settled] - trace.t[0]),
+        overshoot=None if after is None else max(0.0, float(after.max()) - near),
         effort=rms_voltage(trace),
         unit=trace.info.unit,
     )

@@ -46,9 +46,9 @@ def as_waypoints(waypoints: ArrayLike) -> Floats:
     return points
 
 
-def as_pose(pose: ArrayLike) -> Floats:
+def as_pose(pose: ArrayLike, name: str = "pose") -> Floats:
     """Return a pose x, y (px), heading (rad) as an array (3,)."""
-    expected = "pose must be an array (3,): x, y in px, heading in rad"
+    expected = f"{name} must be an array (3,): x, y in px, heading in rad"
     try:
         values = np.array(pose)
     except ValueError:
@@ -59,6 +59,6 @@ def as_pose(pose: ArrayLike) -> Floats:
         raise ValueError(f"{expected}, got shape {values.shape}")
     if not (np.abs(values) <= MAXIMUM_COORDINATE).all():  # NaN fails, too
         raise ValueError(
-            f"pose must be finite, within {MAXIMUM_COORDINATE:g} px, got {quoted(pose)}"
+            f"{name} must be finite, within {MAXIMUM_COORDINATE:g} px, got {quoted(pose)}"
         )
     return values.astype(np.float64)

@@ -9,10 +9,11 @@ from typing import Any
 from robsim._base.checks import check_text
 from robsim._base.spelling import check_names
 from robsim.tasks._kinds.measure import Measure
+from robsim.tasks._kinds.park import Park
 from robsim.tasks._task import Task
 
 #: The kinds of tasks by name.
-TASKS: Mapping[str, type[Task]] = MappingProxyType({kind.name: kind for kind in (Measure,)})
+TASKS: Mapping[str, type[Task]] = MappingProxyType({kind.name: kind for kind in (Measure, Park)})
 
 
 def task(name: str, /, **parameters: Any) -> Task:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from robsim._base.checks import check_float
+
 
 @dataclass(frozen=True, kw_only=True)
 class Limit:
     """Up to where the statistic of a score has full points, and from where on none.
 
-    Attributes
+    Parameters
     ----------
     full : float
         The largest statistic with full points.
@@ -19,7 +21,12 @@ class Limit:
     low : float or None
         The smallest statistic with full points, for what can be too small; None = none is.
     low_zero : float or None
-        The statistic down from which there are none.
+        The statistic down from which there are none; given with `low`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If one is not a number above 0, or `low` and `low_zero` are not given together.
     """
 
     full: float
@@ -27,8 +34,27 @@ class Limit:
     low: float | None = None
     low_zero: float | None = None
 
+    def __post_init__(self) -> None:
+        for name in ("full", "zero", "low", "low_zero"):
+            if getattr(self, name) is not None or name in ("full", "zero"):
+                check_float(name, getattr(self, name), exclusive_minimum=0)
+        if (self.low is None) != (self.low_zero is None):
+            raise ValueError("low and low_zero must be given together")
+
     def fraction(self, statistic: float) -> float:
-        """Return the share of the points, 0 to 1: linear in the logarithm between the limits."""
+        """Return the share of the points, 0 to 1: linear in the logarithm between the limits.
+
+        Parameters
+        ----------
+        statistic : float
+            As of `Score.statistic`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is not a number above 0.
+        """
+        check_float("statistic", statistic, exclusive_minimum=0)
         share = _between(statistic, self.full, self.zero)
         if self.low is None or self.low_zero is None:
             return share

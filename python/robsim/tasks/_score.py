@@ -8,7 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robsim._base.checks import Floats, check_choice
+from robsim._base.checks import (
+    Floats,
+    as_float_array,
+    check_choice,
+    check_float,
+    check_name,
+    check_text,
+)
 
 KINDS = ("ratio", "consistency")
 
@@ -35,8 +42,8 @@ class Score:
 
     Raises
     ------
-    ValueError
-        If the kind is none of these.
+    TypeError, ValueError
+        If an argument has the wrong type or is out of range; the message names it.
     """
 
     name: str
@@ -48,7 +55,13 @@ class Score:
     worst: float
 
     def __post_init__(self) -> None:
+        check_name("name", self.name)
+        check_text("title", self.title)
+        check_text("unit", self.unit)
         check_choice("kind", self.kind, KINDS)
+        check_float("share", self.share, minimum=0, maximum=1)
+        check_float("floor", self.floor, self.unit, exclusive_minimum=0)
+        check_float("worst", self.worst, self.unit, exclusive_minimum=self.floor)
 
     def statistic(self, values: Sequence[float], reference: Sequence[float]) -> float:
         """Return what the numbers of some runs come to, relative to those of a reference.
@@ -64,20 +77,34 @@ class Score:
             With kind ``"ratio"`` the geometric mean of value over reference: 1 is as good, 2 twice
             as bad. With ``"consistency"`` that of the values alone, which should be 1.
 
+        Raises
+        ------
+        TypeError, ValueError
+            If these are no numbers, none at all, or not equally many.
+
         Notes
         -----
         A geometric mean, since a single run in which a robot is lost, of which there are some with
         any method, outweighs in a mean of squares all others together.
         """
         # statistic = exp(mean over runs of log(value / reference))
-        logs = self._logs(values)
+        logs = self._logs("values", values)
+        reference_logs = self._logs("reference", reference)
+        if len(logs) != len(reference_logs):
+            raise ValueError(
+                f"values and reference must be of the same runs, got {len(logs)} and "
+                f"{len(reference_logs)}"
+            )
         if self.kind == "ratio":
-            logs = logs - self._logs(reference)
+            logs = logs - reference_logs
         return math.exp(float(np.mean(logs)))
 
-    def _logs(self, values: Sequence[float]) -> Floats:
-        numbers = np.asarray(values, float)
-        logs: Floats = np.log(
-            np.clip(np.where(np.isnan(numbers), self.worst, numbers), self.floor, self.worst)
-        )
+    def _logs(self, argument: str, values: Sequence[float]) -> Floats:
+        numbers = as_float_array(argument, values)
+        if numbers.ndim != 1 or not len(numbers):
+            raise ValueError(
+                f"{argument} must be the numbers of one or more runs, got shape {numbers.shape}"
+            )
+        known = np.where(np.isnan(numbers), self.worst, numbers)
+        logs: Floats = np.log(np.clip(known, self.floor, self.worst))
         return logs

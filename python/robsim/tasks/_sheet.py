@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from robsim._base.text import listed
-from robsim.simulation._slots import SLOTS
+from robsim.simulation._slots import ONCE, SLOTS
 
 if TYPE_CHECKING:
     from robsim.tasks._task import Task
@@ -30,9 +30,7 @@ def sheet_of(task: Task) -> str:
 
 def _common(task: Task) -> Iterator[str]:
     yield "## What you write"
-    yield "\n".join(
-        f"- `{slot}.py` defines `{SLOTS[slot].call}`, {SLOTS[slot].doc}" for slot in task.slots
-    )
+    yield "\n".join(_files(task))
     yield "## What you are given"
     example = f"`from task import {next(iter(task.values))}`"
     yield f"{_GIVEN[task.given]} And from the module `task`, as {example}:"
@@ -53,6 +51,12 @@ def _common(task: Task) -> Iterator[str]:
     )
     yield "## Try it"
     yield f"```\nrobsim tasks show {task.name} --to mine\nrobsim tasks try {task.name} mine\n```"
+
+
+def _files(task: Task) -> Iterator[str]:
+    for slot in (SLOTS[name] for name in task.slots):
+        when = "once, at the start" if slot.when == ONCE else "at each step"
+        yield f"- `{slot.name}.py` with `{slot.signature}`, called {when}: {slot.result}."
 
 
 def _rows_of_values(task: Task) -> Iterator[str]:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from robsim._base.checks import check_bool
 from robsim._base.files import as_folder
 from robsim._base.text import one_line, quoted
 from robsim.campaigns._choices import Folder
+from robsim.simulation._slots import SLOTS, checked_slots
 
 if TYPE_CHECKING:
     from robsim.tasks._task import Task
@@ -50,19 +52,28 @@ class Solution:
     slots: tuple[str, ...]
 
     @classmethod
-    def read(
-        cls, folder: str | PathLike[str], slots: tuple[str, ...], *, is_right: bool
-    ) -> Solution:
+    def read(cls, folder: str | PathLike[str], slots: Iterable[str], *, is_right: bool) -> Solution:
         """Read the files of a folder; nothing of it is run.
+
+        Parameters
+        ----------
+        folder : path
+            The folder.
+        slots : sequence of str
+            The slots that it may fill.
+        is_right : bool
+            Whether it is to get full points.
 
         Raises
         ------
         OSError
             If there is no such folder, or it cannot be read.
-        ValueError
-            If it has none of the slots.
+        TypeError, ValueError
+            If an argument is wrong, or it has none of the slots.
         """
         path = as_folder(folder)
+        check_bool("is_right", is_right)
+        slots = checked_slots(slots, tuple(SLOTS))
         files = {
             file.stem: file.read_bytes()
             for file in sorted(path.iterdir())
@@ -75,7 +86,13 @@ class Solution:
         return cls(name=path.name, is_right=is_right, folder=path, files=files, slots=slots)
 
     def choice(self, task: Task) -> Folder:
-        """Return it as a folder of a campaign, ``vary={"folder": {...}}``, beside its `task`."""
+        """Return it as a folder of a campaign, ``vary={"folder": {...}}``, beside its `task`.
+
+        Parameters
+        ----------
+        task : Task
+            What it is told of.
+        """
         return folder_with(task, self.folder, self.files)
 
     def __repr__(self) -> str:
@@ -85,6 +102,10 @@ class Solution:
 
 def folder_with(task: Task, path: Path, files: Mapping[str, bytes]) -> Folder:
     """Return files as a folder of a campaign, with the module that has the values of a task."""
+    from robsim.tasks._task import Task  # which imports this
+
+    if not isinstance(task, Task):
+        raise TypeError(f"task must be a Task, got {quoted(task)}")
     sources = {**files, MODULE: module_source(task)}
     return Folder(str(path), str(path.absolute()), sources, task.slots)
 

@@ -29,13 +29,6 @@ class Task(ABC):
     A subclass is a dataclass whose fields are what can be set, such as a goal or the noise: a
     value, which can be compared, sent to other processes, and written in an assignment by name.
 
-    Parameters
-    ----------
-    steps : int
-        Number of steps of a run.
-    runs : int
-        Number of runs of a test.
-
     Attributes
     ----------
     name : str
@@ -51,11 +44,10 @@ class Task(ABC):
         The numbers of a run; their shares sum to 1.
     masked : tuple of str
         Modules and names of robsim that a solution that is handed in cannot have.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If a parameter has the wrong type or is out of range; the message names it.
+    steps : int
+        Number of steps of a run.
+    runs : int
+        Number of runs of a test.
     """
 
     name: ClassVar[str]
@@ -87,7 +79,27 @@ class Task(ABC):
 
     @abstractmethod
     def score(self, trace: Trace) -> dict[str, float]:
-        """Return the numbers of a run by the names of `scores`; NaN where there is none."""
+        """Return the numbers of a run by the names of `scores`; NaN where there is none.
+
+        Parameters
+        ----------
+        trace : Trace
+            The run, with the truth.
+
+        Raises
+        ------
+        NotRecordedError
+            If the trace has no truth.
+        TypeError
+            If it is no Trace.
+        """
+
+    def broken_rule(self, trace: Trace) -> str | None:
+        """Return in a sentence which rule of the task a run has broken; None = none.
+
+        Such a run has no numbers: all are NaN.
+        """
+        return None
 
     @property
     def parameters(self) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from robsim.tasks._kinds.world import AREA, DT, RESOLUTION, camera_noise, dropou
 from robsim.tasks._score import Score
 from robsim.tasks._task import MASKED, Task
 from robsim.trace import Trace
+from robsim.trace._trace import check_trace
 from robsim.trace._tracking import FALSE_POSE_LIMITS
 
 
@@ -30,6 +31,11 @@ class Measure(Task):
         Probability that the robot is hidden, 0..1, in each of the segments of 3 steps.
     steps, runs : int
         As of `Task`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong type or is out of range; the message names it.
     """
 
     name: ClassVar[str] = "measure"
@@ -96,11 +102,13 @@ class Measure(Task):
             "AREA": AREA,
             "NOISE": self.noise,
             "MARKER_DISTANCE": markers.distance,
-            "MARKER_OFFSET": markers.offset,
+            "MARKER_OFFSET": round(markers.offset, 6),
         }
 
     def score(self, trace: Trace) -> dict[str, float]:
         """Return the rms errors of the poses that are not false, and the share of frames lost."""
+        check_trace(trace)
+        trace.require("pose_true")
         is_good = trace.seen & ~trace.is_false
         errors = trace.error[is_good]
         is_lost = trace.is_false | ~(trace.seen | trace.hidden.astype(bool))
