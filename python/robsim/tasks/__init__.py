@@ -2,6 +2,8 @@
 
 from robsim._base.public import present as _present
 from robsim.tasks._by_name import TASKS, task
+from robsim.tasks._kinds.estimate import EstimateState
+from robsim.tasks._kinds.identify import Identify
 from robsim.tasks._kinds.measure import Measure
 from robsim.tasks._kinds.park import Park
 from robsim.tasks._limit import Limit
@@ -9,6 +11,17 @@ from robsim.tasks._score import Score
 from robsim.tasks._solutions import Solution
 from robsim.tasks._task import Task
 
-__all__ = ["TASKS", "Limit", "Measure", "Park", "Score", "Solution", "Task", "task"]
+__all__ = [
+    "TASKS",
+    "EstimateState",
+    "Identify",
+    "Limit",
+    "Measure",
+    "Park",
+    "Score",
+    "Solution",
+    "Task",
+    "task",
+]
 
 _present(globals())

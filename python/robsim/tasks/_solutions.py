@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from os import PathLike
 from pathlib import Path
@@ -120,6 +120,9 @@ def module_source(task: Task) -> bytes:
 def solutions_in(folder: str | PathLike[str], slots: tuple[str, ...]) -> tuple[Solution, ...]:
     """Return the solutions of a folder: those in ``right``, the reference first, and ``wrong``.
 
+    What the reference has beside its slots, all others can import, too: so they need not repeat
+    what they do not change.
+
     Raises
     ------
     OSError
@@ -134,10 +137,14 @@ def solutions_in(folder: str | PathLike[str], slots: tuple[str, ...]) -> tuple[S
 
 
 def _found(folder: Path, slots: tuple[str, ...]) -> Iterator[Solution]:
+    shared: dict[str, bytes] = {}
     for kind, first in (("right", REFERENCE), ("wrong", NAIVE)):
         places = [one for one in (folder / kind).glob("*") if one.is_dir() and _is_named(one)]
         for place in sorted(places, key=lambda one: (one.name != first, one.name)):
-            yield Solution.read(place, slots, is_right=kind == "right")
+            one = Solution.read(place, slots, is_right=kind == "right")
+            if one.is_right and one.name == REFERENCE:
+                shared = {name: file for name, file in one.files.items() if name not in SLOTS}
+            yield replace(one, files={**shared, **one.files})
 
 
 def _is_named(folder: Path) -> bool:

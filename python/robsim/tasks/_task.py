@@ -19,7 +19,7 @@ from robsim.trace import Trace
 #: What no solution may import: answers, or what would make some.
 MASKED = ("robsim.reference", "robsim.tasks", "robsim.grading")
 
-_MOST_STEPS, _MOST_RUNS = 10_000, 1000
+MOST_STEPS, _MOST_RUNS = 10_000, 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,7 @@ class Task(ABC):
     runs: int = 10
 
     def __post_init__(self) -> None:
-        check_int("steps", self.steps, minimum=1, maximum=_MOST_STEPS)
+        check_int("steps", self.steps, minimum=1, maximum=MOST_STEPS)
         check_int("runs", self.runs, minimum=1, maximum=_MOST_RUNS)
 
     @property

@@ -1,0 +1,149 @@
+"""The task to estimate: the robot's pose through noise and dropouts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from robsim._base.checks import Floats, check_float, check_int
+from robsim._core import DriveAround, RobotModel
+from robsim.evaluation import nees, wrapped_error
+from robsim.simulation import PoseNoise, Scenario
+from robsim.simulation._world.scene import HEADINGS
+from robsim.tasks._kinds.world import AREA, DT, RESOLUTION, camera_noise, dropout_of
+from robsim.tasks._score import Score
+from robsim.tasks._task import MOST_STEPS, Task
+from robsim.trace import Trace
+
+#: Steps that are not scored, in which the robot is seen for the first time.
+_SETTLING = 10
+
+#: What camera noise of 1 % adds to a measured pose (px, px, rad), found by simulation.
+_BY_NOISE = (0.0155, 0.0155, 0.00065)
+
+#: Steps for which an input is held: with longer ones it would hardly matter which one is taken.
+_HOLD = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class EstimateState(Task):
+    """Estimate the pose of a robot that slips, from noisy measurements that are missing at times.
+
+    Parameters
+    ----------
+    noise : float
+        Gaussian noise of the camera (%).
+    dropout : float
+        Probability that the robot is hidden, 0..1, in each of the segments of 3 steps.
+    slip : float
+        Standard deviation of the process noise of the position in a step (px).
+    turn : float
+        Standard deviation of the process noise of the heading in a step (rad).
+    steps, runs : int
+        As of `Task`; the first 10 steps are not scored.
+    """
+
+    name: ClassVar[str] = "estimate"
+    title: ClassVar[str] = "estimate the robot's pose through noise and dropouts"
+    slots: ClassVar[tuple[str, ...]] = ("estimate_state",)
+    given: ClassVar[str] = "pose"
+    scores: ClassVar[tuple[Score, ...]] = (
+        Score(
+            name="position",
+            title="rms error of the position",
+            unit="px",
+            share=0.35,
+            floor=0.01,
+            worst=1000.0,
+        ),
+        Score(
+            name="heading",
+            title="rms error of the heading",
+            unit="deg",
+            share=0.35,
+            floor=0.01,
+            worst=180.0,
+        ),
+        Score(
+            name="consistency",
+            title="mean NEES of the pose / 3",
+            kind="consistency",
+            share=0.3,
+            floor=1e-3,
+            worst=1e3,
+        ),
+    )
+
+    noise: float = 0.0
+    dropout: float = 0.2
+    slip: float = 0.3
+    turn: float = 0.01
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_int("steps", self.steps, minimum=2 * _SETTLING, maximum=MOST_STEPS)
+        check_float("noise", self.noise, "%", minimum=0, maximum=25)
+        check_float("dropout", self.dropout, minimum=0, maximum=0.9)
+        check_float("slip", self.slip, "px", minimum=0, maximum=20)
+        check_float("turn", self.turn, "rad", minimum=0, maximum=0.5)
+
+    @property
+    def scenario(self) -> Scenario:
+        """The world of its runs: a robot that drives around, and slips."""
+        return Scenario(
+            robot="lab",
+            area=AREA,
+            resolution=RESOLUTION,
+            boundary="unlimited",
+            start="random",
+            noise=camera_noise(self.noise),
+            dropout=dropout_of(self.dropout),
+            process_noise=PoseNoise.from_sigma(self.slip, self.slip, self.turn),
+            control=DriveAround(hold=_HOLD),
+            measure=True,
+        )
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """The model, and the standard deviations of both noises (px, px, rad)."""
+        return {
+            "DT": DT,
+            "AREA": AREA,
+            "THETA": tuple(map(tuple, RobotModel().theta.tolist())),
+            "MEASUREMENT_SIGMA": tuple(_measured(self.noise).round(4).tolist()),
+            "PROCESS_SIGMA": (self.slip, self.slip, self.turn),
+        }
+
+    def score(self, trace: Trace) -> dict[str, float]:
+        """Return the rms errors of position and heading, and the mean NEES over 3."""
+        error = wrapped_error(trace.pose_estimated, trace.pose_true)[_SETTLING:]
+        return {
+            "position": _rms(error[:, :2]),
+            "heading": float(np.rad2deg(_rms(error[:, 2:]))),
+            "consistency": _mean_nees(error, trace.covariance[_SETTLING:]) / 3,
+        }
+
+
+def _measured(noise: float) -> Floats:
+    """Return the standard deviations of a measured pose (px, px, rad).
+
+    The robot is drawn at whole pixels of the frame, in the nearest of some headings: these errors
+    are uniform, of variance (step size)^2 / 12, and white, as the robot moves.
+    """
+    step_size = np.array([AREA[0] / RESOLUTION[0], AREA[1] / RESOLUTION[1], 2 * np.pi / HEADINGS])
+    sigma: Floats = np.sqrt(step_size**2 / 12 + np.square(_BY_NOISE) * noise**2)
+    return sigma
+
+
+def _rms(rows: Floats) -> float:
+    return float(np.sqrt(np.mean((rows**2).sum(axis=1))))
+
+
+def _mean_nees(error: Floats, covariance: Floats) -> float:
+    try:
+        return float(np.mean(nees(error, covariance)))
+    except ValueError:  # what it reports is no covariance
+        return float("nan")
