@@ -17,6 +17,7 @@ from robsim.tasks._kinds.world import AREA, DT, RESOLUTION, camera_noise, dropou
 from robsim.tasks._score import Score
 from robsim.tasks._task import MOST_STEPS, Task
 from robsim.trace import Trace
+from robsim.trace._trace import check_trace
 
 #: Steps that are not scored, in which the robot is seen for the first time.
 _SETTLING = 10
@@ -119,6 +120,7 @@ class EstimateState(Task):
 
     def score(self, trace: Trace) -> dict[str, float]:
         """Return the rms errors of position and heading, and the mean NEES over 3."""
+        check_trace(trace)
         error = wrapped_error(trace.pose_estimated, trace.pose_true)[_SETTLING:]
         return {
             "position": _rms(error[:, :2]),

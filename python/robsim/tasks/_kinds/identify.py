@@ -16,6 +16,7 @@ from robsim.tasks._kinds.world import AREA, DT, RESOLUTION, camera_noise
 from robsim.tasks._score import Score
 from robsim.tasks._task import MOST_STEPS, Task
 from robsim.trace import Trace
+from robsim.trace._trace import check_trace
 
 #: At which part of a run the early estimate is scored.
 _EARLY = 1 / 3
@@ -120,6 +121,7 @@ class Identify(Task):
 
     def score(self, trace: Trace) -> dict[str, float]:
         """Return the rms errors of what the parameters predict, at the end and early."""
+        check_trace(trace)
         phi = regression_of(trace, identify_from="truth").phi
         error = trace.parameters - np.asarray(trace.info.theta_true, dtype=np.float64)
         last, early = (_predicted(phi, error[k]) for k in (-1, round(_EARLY * len(trace))))
