@@ -45,6 +45,11 @@ class EstimateState(Task):
         Standard deviation of the process noise of the heading in a step (rad).
     steps, runs : int
         As of `Task`; the first 10 steps are not scored.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong type or is out of range; the message names it.
     """
 
     name: ClassVar[str] = "estimate"
@@ -121,6 +126,7 @@ class EstimateState(Task):
     def score(self, trace: Trace) -> dict[str, float]:
         """Return the rms errors of position and heading, and the mean NEES over 3."""
         check_trace(trace)
+        trace.require("pose_true")
         error = wrapped_error(trace.pose_estimated, trace.pose_true)[_SETTLING:]
         return {
             "position": _rms(error[:, :2]),

@@ -45,6 +45,11 @@ class Identify(Task):
         Standard deviation of the process noise of the heading in a step (rad).
     steps, runs : int
         As of `Task`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong type or is out of range; the message names it.
     """
 
     name: ClassVar[str] = "identify"
@@ -122,6 +127,7 @@ class Identify(Task):
     def score(self, trace: Trace) -> dict[str, float]:
         """Return the rms errors of what the parameters predict, at the end and early."""
         check_trace(trace)
+        trace.require("pose_true")
         phi = regression_of(trace, identify_from="truth").phi
         error = trace.parameters - np.asarray(trace.info.theta_true, dtype=np.float64)
         last, early = (_predicted(phi, error[k]) for k in (-1, round(_EARLY * len(trace))))

@@ -1,0 +1,16 @@
+"""Make the estimator of the parameters. So far: it keeps those of the model."""
+
+
+class Estimator:
+    """What is remembered from sample to sample."""
+
+    def __init__(self, theta):
+        self.theta = theta
+
+    def update(self, phi, y):
+        # To do: y = sum(phi * theta, axis=1), with a row for each of x, y and the heading.
+        return self.theta
+
+
+def init_parameter_estimator(model):
+    return Estimator(model.theta)
