@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.tasks import TASKS, Limit, Measure, Park, Score, task
+from robsim.tasks import TASKS, Follow, Limit, Measure, Park, Score, task
 from robsim.tasks._solutions import SHIPPED, module_source, solutions_in
 
 KINDS = pytest.mark.parametrize("name", TASKS)
@@ -50,6 +50,7 @@ def test_a_task_by_name_is_that_of_its_class():
         (lambda: Measure(steps=0), "steps must lie within 1.."),
         (lambda: Park(goal=(1, 2)), r"goal must be an array \(3,\)"),
         (lambda: Park(goal=(20, 300, 0)), "goal must be at least 80 px from the walls"),
+        (lambda: Follow(waypoints=[(200, 900)]), "waypoints must be at least 80 px from the walls"),
         (lambda: Park(mismatch=1), "mismatch must lie within 0..0.3"),
         (lambda: Limit(full=1, zero=2, low=0.5), "low and low_zero must be given together"),
         (lambda: Score(name="a", title="a", floor=2, worst=1), "worst must be finite and above 2"),

@@ -3,6 +3,7 @@
 from robsim._base.public import present as _present
 from robsim.tasks._by_name import TASKS, task
 from robsim.tasks._kinds.estimate import EstimateState
+from robsim.tasks._kinds.follow import Follow
 from robsim.tasks._kinds.identify import Identify
 from robsim.tasks._kinds.measure import Measure
 from robsim.tasks._kinds.park import Park
@@ -14,6 +15,7 @@ from robsim.tasks._task import Task
 __all__ = [
     "TASKS",
     "EstimateState",
+    "Follow",
     "Identify",
     "Limit",
     "Measure",

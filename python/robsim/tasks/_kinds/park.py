@@ -90,8 +90,8 @@ class Park(Task):
         ),
     )
 
-    steps: int = 160
-    goal: Sequence[float] = (450.0, 350.0, 3.14)
+    steps: int = 150
+    goal: Sequence[float] = (380.0, 300.0, 3.14)
     noise: float = 10.0
     dropout: float = 0.15
     mismatch: float = 0.1

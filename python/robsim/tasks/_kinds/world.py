@@ -16,7 +16,7 @@ from robsim.trace import Trace
 AREA, RESOLUTION = (1200, 1200), (400, 400)
 
 #: A smaller area, so that a robot comes to a goal within some 100 steps.
-DRIVING_AREA = (800, 800)
+DRIVING_AREA, DRIVING_RESOLUTION = (640, 640), (320, 320)
 
 #: Time of a step (s).
 DT = RobotModel().dt
@@ -51,7 +51,7 @@ def driving_world(*, noise: float, dropout: float, mismatch: float) -> Scenario:
     return Scenario(
         robot="lab",
         area=DRIVING_AREA,
-        resolution=RESOLUTION,
+        resolution=DRIVING_RESOLUTION,
         headings=None,
         start="random",
         noise=camera_noise(noise),
