@@ -65,8 +65,6 @@ def test_the_page_can_be_read_without_seeing_it(page):
     assert len(ids) == len(set(ids)) == 2
     assert {link[1:] for link in page.attributes("href")} == set(ids)
     assert set(page.attributes("aria-labelledby")) == set(ids)
-    labels = page.attributes("aria-label")
-    assert any("error of the position: 1.5 times" in label for label in labels)
 
 
 def test_of_hidden_tests_there_are_points_and_a_sentence_alone():

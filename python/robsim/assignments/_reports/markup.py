@@ -54,9 +54,9 @@ def tag(name: str, /, *content: object, **attributes: Any) -> Html:
     return Html(f"<{name}{given}>{joined(*content)}</{name}>")
 
 
-def data_uri(png: bytes) -> str:
+def data_uri(png: bytes) -> Html:
     """Return a picture as an address that has it all."""
-    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+    return Html("data:image/png;base64," + base64.b64encode(png).decode("ascii"))
 
 
 def page(title: str, *body: object, script: str | None = None) -> str:

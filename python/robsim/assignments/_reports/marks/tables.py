@@ -45,7 +45,8 @@ def marks_table(
         - ``"robsim"``: student, points, most, percent, the points of each test, notes.
         - ``"moodle"``: those of a grading worksheet of an assignment (offline grading), which the
           import of grades takes, too: Identifier, Full name, Grade, Maximum grade, Last modified
-          (grade), Feedback comments. In the dialog, allow updating records that have been modified.
+          (grade), Feedback comments, for a site in English. In the dialog, allow updating records
+          that have been modified.
         - ``"canvas"``: Student, ID, SIS User ID, SIS Login ID, Section, and the points.
         - ``"blackboard"``: Username, and the points.
 

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable
 
 from robsim.assignments._reports.markup import Html, tag
-from robsim.assignments._reports.words import score_text
 from robsim.assignments._results import ScoreResult
 
 _EDGE = 1.15  # room beside the outermost of what is shown, a factor
@@ -31,9 +30,8 @@ def scale_of(score: ScoreResult) -> Html:
         for limit in _limits(score)
     ]
     bar = tag("div", *zones, *dots, *mark, class_="bar")
-    label = f"{score.title}: {score_text(score)}"
-    axis = tag("div", *ticks, class_="ticks", aria_hidden="true")
-    return tag("div", bar, axis, class_="scale", role="img", aria_label=label)
+    # What it shows stands above it in words.
+    return tag("div", bar, tag("div", *ticks, class_="ticks"), class_="scale", aria_hidden="true")
 
 
 class _Axis:
