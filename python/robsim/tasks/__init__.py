@@ -8,12 +8,15 @@ from robsim.tasks._kinds.identify import Identify
 from robsim.tasks._kinds.measure import Measure
 from robsim.tasks._kinds.park import Park
 from robsim.tasks._limit import Limit
+from robsim.tasks._marks.calibrate import calibrate
+from robsim.tasks._marks.calibration import Calibration, SolutionMarks
 from robsim.tasks._score import Score
 from robsim.tasks._solutions import Solution
 from robsim.tasks._task import Task
 
 __all__ = [
     "TASKS",
+    "Calibration",
     "EstimateState",
     "Follow",
     "Identify",
@@ -22,7 +25,9 @@ __all__ = [
     "Park",
     "Score",
     "Solution",
+    "SolutionMarks",
     "Task",
+    "calibrate",
     "task",
 ]
 

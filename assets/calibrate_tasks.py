@@ -1,0 +1,49 @@
+"""Calibrates the limits of the tasks that ship with robsim: python/robsim/tasks/limits.json.
+
+``./run limits``. It takes some minutes a task; it says before how many.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from robsim.tasks import TASKS, calibrate, task
+from robsim.tasks._marks.calibrate import calibration_seconds
+from robsim.tasks._marks.files import read_calibrations, write_calibrations
+
+FILE = Path(__file__).parents[1] / "python/robsim/tasks/limits.json"
+
+#: Of the shipped limits: everybody knows them, as public tests have them.
+SEED = 22
+
+
+def main() -> int:
+    """Calibrate, print what each solution comes to, and return 1 if a wrong one often passes."""
+    parser = argparse.ArgumentParser(prog="./run limits", description=__doc__)
+    parser.add_argument("--only", nargs="+", choices=list(TASKS), default=list(TASKS))
+    parser.add_argument("--jobs", type=int, help="processes; default: one for each core")
+    parser.add_argument("--keep", type=Path, help="folder for the runs, to go on later")
+    given = parser.parse_args()
+    jobs = given.jobs or len(os.sched_getaffinity(0))
+    known = read_calibrations(FILE) if FILE.exists() else {}
+    passed = False
+    for name in given.only:
+        one = task(name)
+        minutes = calibration_seconds(one, processes=jobs) / 60
+        print(f"{name}: about {minutes:.0f} min", file=sys.stderr, flush=True)
+        calibration = calibrate(
+            one, seed=SEED, executor=jobs, store=given.keep and given.keep / name
+        )
+        print(calibration, end="\n\n", flush=True)
+        known[name] = calibration
+        write_calibrations(FILE, known)
+        passed |= bool(calibration.missed)
+    print(f"written: {FILE}", file=sys.stderr)
+    return int(passed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

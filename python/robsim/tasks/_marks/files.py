@@ -1,0 +1,61 @@
+"""Calibrations in files, and those that ship with robsim: of each kind of task, as it is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+from robsim._base.files import write_whole
+from robsim._base.text import one_line
+from robsim.tasks._limit import Limit
+from robsim.tasks._marks.calibration import Calibration, task_digest
+from robsim.tasks._task import Task
+
+SHIPPED = Path(__file__).parents[1] / "limits.json"
+
+
+def read_calibrations(file: Path) -> dict[str, Calibration]:
+    """Return what `write_calibrations` wrote.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is something else; the message names the file.
+    """
+    try:
+        records = json.loads(file.read_text(encoding="utf-8"))
+        if not isinstance(records, dict):
+            raise ValueError("it must have names and calibrations")
+        return {name: Calibration.from_record(record) for name, record in records.items()}
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{one_line(file)} has no calibrations: {error}") from None
+
+
+def write_calibrations(file: Path, calibrations: Mapping[str, Calibration]) -> None:
+    """Write calibrations by name, as JSON; readers never get half of the file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    records = {name: calibration.as_record() for name, calibration in calibrations.items()}
+    write_whole(file, (json.dumps(records, indent=1, allow_nan=False) + "\n").encode())
+
+
+@cache
+def shipped_calibrations() -> Mapping[str, Calibration]:
+    """Return the calibrations that ship with robsim, by the name of the task."""
+    return read_calibrations(SHIPPED)
+
+
+def shipped_limits(task: Task) -> Mapping[str, Limit] | None:
+    """Return the limits that ship for a task; None unless it has its default parameters."""
+    calibration = shipped_calibrations().get(task.name)
+    if calibration is None or calibration.task_digest != task_digest(task):
+        return None
+    return calibration.limits

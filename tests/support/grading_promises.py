@@ -1,0 +1,129 @@
+"""What the limits of the shipped tasks promise, by tests on fresh runs: a table.
+
+    python tests/support/grading_promises.py --graded 1000 --jobs 2
+
+Each right solution of each task is graded so many times: it may have less than full points as
+rarely as its calibration says. Each wrong one is to have less in at least 95 % of 200 tests.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from scipy.stats import binomtest
+
+from robsim.tasks import TASKS, Calibration, SolutionMarks, task
+from robsim.tasks._marks.calibrate import marks_of
+from robsim.tasks._marks.calibration import POWER
+from robsim.tasks._marks.files import shipped_calibrations
+from robsim.tasks._marks.sets import runs_of, sets_of
+
+#: So improbable a number of failures does not come about by chance.
+IMPROBABLE = 1e-3
+
+
+@dataclass(frozen=True)
+class Promise:
+    """What was promised of a solution, and what came."""
+
+    task: str
+    marks: SolutionMarks
+    false_fail: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether what came is compatible with what was promised."""
+        failing, tests = self.marks.failing, self.marks.tests
+        if self.marks.is_right:
+            promised, side = self.false_fail, "greater"
+        else:
+            promised, side = POWER, "less"
+        return bool(binomtest(failing, tests, promised, alternative=side).pvalue > IMPROBABLE)
+
+    @property
+    def row(self) -> str:
+        """A row of the table."""
+        marks = self.marks
+        low, high = (100 * share for share in marks.rate_interval)
+        kind = "right" if marks.is_right else "wrong"
+        promised = f"<= {self.false_fail:.1%}" if marks.is_right else f">= {POWER:.0%}"
+        return (
+            f"| {self.task} | {marks.name} | {kind} | {promised} | {marks.failing} of {marks.tests}"
+            f" | {low:.1f} to {high:.1f} % | {marks.points:.0%} | {'yes' if self.holds else 'NO'} |"
+        )
+
+
+HEAD = (
+    "| task | solution | is | fails, promised | fails | 95 % | median points | holds |\n"
+    "| --- | --- | --- | --- | --- | --- | --- | --- |"
+)
+
+
+def promises(
+    calibration: Calibration,
+    *,
+    graded: int,
+    graded_wrong: int,
+    seed: int,
+    jobs: int | None = None,
+    keep: Path | None = None,
+    progress: bool = False,
+) -> list[Promise]:
+    """Grade the solutions of a task anew, and return what came of each."""
+    one = task(calibration.task, **calibration.parameters)
+    reference = one.solutions[0]
+    promised = []
+    for is_right, tests in ((True, graded), (False, graded_wrong)):
+        chosen = [solution for solution in one.solutions if solution.is_right == is_right]
+        store = keep and keep / f"{one.name}-{'right' if is_right else 'wrong'}.sqlite"
+        runs = runs_of(
+            one,
+            chosen if is_right else [reference, *chosen],
+            tests,
+            seed=seed,
+            executor=jobs,
+            store=store,
+            progress=progress,
+        )
+        for solution in chosen:
+            sets = sets_of(one, runs[solution.name], runs[reference.name])
+            marks = marks_of(one, solution, sets, dict(calibration.limits))
+            promised.append(Promise(one.name, marks, calibration.false_fail))
+    return promised
+
+
+def main() -> int:
+    """Print the table; return 1 if a promise does not hold."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--graded", type=int, default=1000, help="of each right one; default: 1000")
+    parser.add_argument("--graded-wrong", type=int, default=200, help="default: 200")
+    parser.add_argument("--only", nargs="+", choices=list(TASKS), default=list(TASKS))
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, help="processes; default: one for each core")
+    parser.add_argument("--keep", type=Path, help="folder for the runs, to go on later")
+    given = parser.parse_args()
+    if given.keep:
+        given.keep.mkdir(parents=True, exist_ok=True)
+    print(HEAD)
+    broken = False
+    for name in given.only:
+        found = promises(
+            shipped_calibrations()[name],
+            graded=given.graded,
+            graded_wrong=given.graded_wrong,
+            seed=given.seed,
+            jobs=given.jobs or len(os.sched_getaffinity(0)),
+            keep=given.keep,
+            progress=sys.stderr.isatty(),
+        )
+        print(*(promise.row for promise in found), sep="\n", flush=True)
+        broken |= not all(promise.holds for promise in found)
+    return int(broken)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

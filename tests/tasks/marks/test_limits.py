@@ -1,0 +1,97 @@
+"""Limits from tests of right solutions: what they promise, by simulation; where points end."""
+
+import numpy as np
+import pytest
+from scipy.stats import binomtest
+
+from robsim.tasks import EstimateState, Limit, Measure
+from robsim.tasks._marks.limits import limits_from
+from robsim.tasks._marks.sets import Runs, Sets, points_of, sets_of
+
+PILOT = 60
+
+
+def as_sets(statistics):
+    return Sets(statistics, np.ones(len(statistics)))
+
+
+def skewed(rng, n, *, scale, shift):
+    """Statistics of n tests: skewed, of unequal size, and depending on each other."""
+    common = rng.exponential(size=(n, 1))
+    own = rng.exponential(size=(n, 3))
+    size = np.array([0.02, 0.2, 0.1])
+    return np.exp(scale * size * (common + own - 2) + shift)
+
+
+@pytest.mark.long
+def test_right_solutions_fail_as_rarely_as_promised_whatever_the_distribution(rng):
+    task, promised, n = EstimateState(), 0.05, 59
+    kinds = [{"scale": 1.0, "shift": 0.0}, {"scale": 1.3, "shift": -0.05}]
+    naive = as_sets(np.full((3, 3), 5.0))
+    fresh = [skewed(rng, 4000, **kind) for kind in kinds]
+    too_often = np.zeros((300, 2), dtype=bool)
+    rates = []
+    for trial in range(300):
+        right = [as_sets(skewed(rng, PILOT + n, **kind)) for kind in kinds]
+        limits = limits_from(task, right, naive, PILOT, rank=1)
+        full = [limits[score.name].full for score in task.scores]
+        low = limits["consistency"].low
+        fails = [((one > full).any(axis=1) | (one[:, 2] < low)).mean() for one in fresh]
+        too_often[trial] = np.array(fails) > promised
+        rates.append(fails)
+    for count in too_often.sum(axis=0).tolist():
+        assert binomtest(count, 300, 0.05, alternative="greater").pvalue > 1e-4
+    # the one that is off more often decides; it fails at times
+    assert np.mean(rates, axis=0).max() > promised / 10
+
+
+def test_of_right_solutions_the_worst_test_of_all_sets_the_limits():
+    task = Measure()
+    rows = np.full((PILOT + 5, 3), 1.0)
+    rows[:PILOT, 0] = np.exp(0.01 * np.tile([1, -1], PILOT // 2))
+    rows[:PILOT, 1] = np.exp(0.1 * np.tile([1, -1], PILOT // 2))
+    rows[-1] = np.exp([0.06, 0.0, 0.0])  # two units of 3 x 0.01
+    limits = limits_from(task, [as_sets(rows)], as_sets(np.full((3, 3), 9.0)), PILOT, rank=1)
+    assert limits["position"].full == pytest.approx(np.exp(0.06))
+    assert limits["heading"].full == pytest.approx(np.exp(0.6))  # as many units of its own
+    assert limits["lost"].full == pytest.approx(1.0201, abs=1e-3)  # at least
+    assert as_sets(rows[PILOT:]).points(task.scores, limits).tolist() == pytest.approx([1] * 5)
+    second = limits_from(task, [as_sets(rows)], as_sets(np.full((3, 3), 9.0)), PILOT, rank=2)
+    assert second["position"].full == pytest.approx(1.01)
+
+
+def test_no_points_are_given_where_naive_is_and_never_close_to_the_limit():
+    task = EstimateState()
+    rows = np.tile(np.exp([[0.1, 0.1, 0.1], [0.1, 0.1, -0.1]]), (PILOT, 1))
+    naive = as_sets(np.tile([3.0, 1.0, 0.01], (3, 1)))
+    limits = limits_from(task, [as_sets(rows)], naive, PILOT, rank=1)
+    assert limits["position"].zero == 3.0
+    assert limits["heading"].zero == limits["heading"].full ** 2
+    assert limits["consistency"].zero == limits["consistency"].full ** 2
+    assert limits["consistency"].low_zero == 0.01
+
+
+LIMITS = {
+    "position": Limit(full=1.5, zero=6.0),
+    "heading": Limit(full=2.0, zero=3.0),
+    "consistency": Limit(full=2.0, zero=4.0, low=0.5, low_zero=0.25),
+}
+
+
+def test_points_are_shares_of_fractions_less_what_failed():
+    scores = EstimateState().scores
+    assert points_of(scores, LIMITS, [1.5, 2.0, 0.5], 1.0) == pytest.approx(1)
+    assert points_of(scores, LIMITS, [3.0, 2.0, 1.0], 1.0) == pytest.approx(0.35 / 2 + 0.65)
+    assert points_of(scores, LIMITS, [1.0, 1.0, 1.0], 0.7) == pytest.approx(0.7)
+    assert points_of(scores, LIMITS, [np.nan] * 3, 0.0) == 0
+
+
+def test_the_statistic_of_a_test_is_that_of_runs_that_came_through():
+    task = EstimateState(runs=2)
+    failed = np.array([False, False, False, True, True, True])
+    own = Runs(np.array([[2.0, 2, 3]] * 2 + [[8.0, 8, 2]] + [[np.nan] * 3] * 3), failed)
+    reference = Runs(np.ones((6, 3)), np.zeros(6, dtype=bool))
+    sets = sets_of(task, own, reference)
+    assert sets.through.tolist() == [1, 0.5, 0]
+    assert sets.statistics[:2] == pytest.approx(np.array([[2, 2, 3], [8, 8, 2]]))
+    assert np.isnan(sets.statistics[2]).all()
