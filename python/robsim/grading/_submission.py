@@ -83,6 +83,9 @@ class Submission:
     test : str, optional
         The name of the test, for the key, of runs that give none. pytest's fixture gives that of
         the test.
+    given : mapping of str to bytes, optional
+        Files by name that lie beside it, such as a module with the values of its task. They count
+        in place of its own copies.
 
     Raises
     ------
@@ -120,6 +123,7 @@ class Submission:
         key: Key | None = None,
         student: str | None = None,
         test: str | None = None,
+        given: Mapping[str, bytes] | None = None,
     ) -> None:
         if frames is not None:
             check_bool("frames", frames)
@@ -132,7 +136,7 @@ class Submission:
         self._test = None if test is None else _name("test", test)
         limits = limits or Limits()
         rules = rules_of(slots, functions, imports, masked, limits)
-        files = read_submission(path, rules)
+        files = read_submission(path, rules, given)
         self.name = files.name
         self.output = ""
         self.isolation_line = ""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Mapping
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path, PurePosixPath
 
@@ -27,7 +29,9 @@ from robsim.simulation._slots import SLOTS
 _TAKEN = "hand in a folder, a Python file (.py), a notebook (.ipynb) or a zip of these"
 
 
-def read_submission(path: str | PathLike[str], rules: Rules) -> SubmissionFiles:
+def read_submission(
+    path: str | PathLike[str], rules: Rules, given: Mapping[str, bytes] | None = None
+) -> SubmissionFiles:
     """Read a submission.
 
     Parameters
@@ -37,6 +41,8 @@ def read_submission(path: str | PathLike[str], rules: Rules) -> SubmissionFiles:
         file or a notebook that defines them; a zip of any of these.
     rules : Rules
         What it may fill and weigh.
+    given : mapping of str to bytes, optional
+        Files by name that all submissions have at their top, in place of copies of theirs.
 
     Returns
     -------
@@ -50,21 +56,25 @@ def read_submission(path: str | PathLike[str], rules: Rules) -> SubmissionFiles:
     TypeError, ValueError
         If `path` is not a path.
     """
-    given = Path(os.path.abspath(as_path(path)))
-    name = one_line(given.name)
+    files = _read(Path(os.path.abspath(as_path(path))), rules, given or {})
+    return replace(files, sources={**files.sources, **given}) if given else files
+
+
+def _read(path: Path, rules: Rules, given: Mapping[str, bytes]) -> SubmissionFiles:
+    name = one_line(path.name)
     intake = Intake(name, rules)
-    if kind_of(str(given), name) == stat.S_IFDIR:
-        read_folder(str(given), name, intake)
-        return _arranged(name, intake.files, rules)
-    suffix = given.suffix.lower()
+    if kind_of(str(path), name) == stat.S_IFDIR:
+        read_folder(str(path), name, intake)
+        return _arranged(name, intake.files, rules, given)
+    suffix = path.suffix.lower()
     if suffix == ".zip":
         most = most_of_archive(rules)
-        read_archive(_all_of(given, name, most), name, rules, intake)
-        return _arranged(name, intake.files, rules)
+        read_archive(_all_of(path, name, most), name, rules, intake)
+        return _arranged(name, intake.files, rules, given)
     if suffix not in (".py", ".ipynb"):
         raise SubmissionError(f"{name} is none of what can be graded: {_TAKEN}", file=name)
-    file = f"{given.stem}{suffix}"
-    intake.add(file, _all_of(given, name, intake.most_of(file)))
+    file = f"{path.stem}{suffix}"
+    intake.add(file, _all_of(path, name, intake.most_of(file)))
     (main,) = intake.files or [""]
     if not main:
         raise SubmissionError(f"{name} is a hidden file: give it another name", file=name)
@@ -79,9 +89,11 @@ def _all_of(path: Path, name: str, most: int) -> bytes:
     return content
 
 
-def _arranged(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:
+def _arranged(
+    name: str, files: dict[str, bytes], rules: Rules, given: Mapping[str, bytes]
+) -> SubmissionFiles:
     """Return the submission of a folder: by files of slots, or by the one file that has them."""
-    files = _below_the_top(files)
+    files = {path: each for path, each in _below_the_top(files).items() if path not in given}
     top = [path for path in files if "/" not in path]
     python = [path for path in top if path.endswith(".py")]
     notebooks = [path for path in top if path.endswith(".ipynb")]
