@@ -1,1 +1,17 @@
 """Assignments: what students hand in, graded by tasks and tests, with reports."""
+
+from robsim._base.public import present as _present
+from robsim.assignments._assignment import Assignment, FileTests, TaskTest
+from robsim.assignments._results import FailedRun, ScoreResult, SubmissionResult, TestResult
+
+__all__ = [
+    "Assignment",
+    "FailedRun",
+    "FileTests",
+    "ScoreResult",
+    "SubmissionResult",
+    "TaskTest",
+    "TestResult",
+]
+
+_present(globals())

@@ -1,0 +1,163 @@
+"""An assignment's folder is read whole, and what is wrong in it is said."""
+
+import json
+import os
+import pickle
+import sys
+
+import pytest
+from assignments import SHORT, TESTS, assignment
+
+from robsim.assignments import Assignment
+from robsim.grading import AssignmentError, Key
+from robsim.tasks import Limit, task
+
+
+def refused(folder):
+    with pytest.raises(AssignmentError) as caught:
+        Assignment.load(folder)
+    return str(caught.value)
+
+
+def changed(folder, old, new, **options):
+    assert old in TESTS
+    return refused(assignment(folder / "hw3", TESTS.replace(old, new, 1), **options))
+
+
+def test_what_a_file_does_not_say_comes_from_the_tasks(tmp_path):
+    found = Assignment.load(assignment(tmp_path / "hw3"))
+    assert (found.name, found.title) == ("hw3", "Through dropouts")
+    assert found.slots == ("estimate_state",)
+    assert found.given == "pose"
+    assert {"robsim.reference", "robsim.tasks", "robsim.assignments"} <= set(found.masked)
+    assert found.own_seeds
+    assert found.seconds == 540
+    shown, hidden = found.tests
+    assert shown.task == task("estimate", **SHORT)
+    assert hidden.task == task("estimate", **SHORT, noise=12)
+    assert (shown.public, hidden.public) == (True, False)
+    assert (hidden.number, hidden.points) == ("3.1", 4)
+    assert shown.reference.name == "reference"
+    assert shown.limits["consistency"] == Limit(full=3.0, zero=100.0, low=0.3, low_zero=0.01)
+    assert found.key == Key.read(tmp_path / "hw3/key")
+
+
+def test_all_that_can_be_said_is_taken(tmp_path):
+    head = """
+    slots = ["estimate_state", "control"]
+    given = "frames"
+    imports = ["numpy"]
+    masked = ["robsim.reference"]
+    seeds = "class"
+    isolation = "process"
+    limits = { call = 2.0, submission = 60 }
+    files = [{ path = "more.py", public = true }]
+    """
+    folder = assignment(tmp_path / "hw3", head + TESTS, more="")
+    (folder / "given").mkdir()
+    (folder / "given/table.csv").write_bytes(b"1,2\n")
+    found = Assignment.load(folder)
+    assert found.slots == ("estimate_state", "control")
+    assert (found.given, found.imports, found.masked) == (
+        "frames",
+        ("numpy",),
+        ("robsim.reference",),
+    )
+    assert (found.own_seeds, found.isolation) == (False, "process")
+    assert (found.limits.call, found.seconds) == (2.0, 60)
+    (more,) = found.files
+    assert (more.path.name, more.public) == ("more.py", True)
+    assert found.given_files == {"table.csv": b"1,2\n"}
+
+
+def test_solutions_of_its_own_come_before_those_that_ship(tmp_path):
+    folder = assignment(tmp_path / "hw3")
+    place = folder / "solutions/estimate/right/reference"
+    place.mkdir(parents=True)
+    (place / "estimate_state.py").write_text("def estimate_state(step):\n    return None\n")
+    (shown, _) = Assignment.load(folder).tests
+    assert b"return None" in shown.reference.files["estimate_state"]
+
+
+def test_what_is_no_assignment_is_said_to_be_none(tmp_path):
+    assert "there is no such folder" in refused(tmp_path / "nowhere")
+    assert "it has no assignment.toml" in refused(tmp_path)
+    (tmp_path / "assignment.toml").write_text("name = ")
+    assert "assignment.toml is not a TOML file" in refused(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("title =", "titel =", "there is no key 'titel': did you mean 'title'?"),
+        ('name = "hw3"', "", "name is missing"),
+        ('name = "hw3"', "name = 3", "name must be a text, got 3"),
+        ("points = 2", "", "[[tests]] 1: points is missing"),
+        ("points = 2", "points = -2", "points must be a number within 0..1e+06, got -2"),
+        ("points = 2", "point = 2", "no key 'point': did you mean 'points'?"),
+        ("public = true", "", "[[tests]] 1: public is missing"),
+        ("public = true", 'public = "no"', "public must be true or false, got 'no'"),
+        ('name = "shown"', 'name = "a/b"', "name must be of letters, digits and _, got 'a/b'"),
+        ('name = "shown"', 'name = "hidden"', "two tests have the name 'hidden'"),
+        ('task = "estimate"', 'task = "estimat"', "task must be one of 'measure'"),
+        ("runs = 2", "runs = 0", "[[tests]] 1: runs must lie within 1..1000, got 0"),
+        (
+            "runs = 2",
+            "run = 2",
+            "[[tests]] 1: the task estimate has no 'run': did you mean 'runs'?",
+        ),
+        ("name =", "seeds = 1\nname =", "seeds must be one of 'student', 'class', got 1"),
+        ("name =", 'slots = "control"\nname =', "slots must be a list of names"),
+        ("name =", 'slots = ["control"]\nname =', "slots must have estimate_state, which its"),
+        ("name =", 'slots = ["contrl"]\nname =', "slots: the robot has no 'contrl': did you"),
+        ("name =", 'masked = ["robsim.refrence"]\nname =', "no robsim.refrence; did you mean"),
+        ("name =", "limits = { call = 0 }\nname =", "[limits]: call must be above 0"),
+        ("name =", "limits = { cal = 1 }\nname =", "[limits]: there is no key 'cal': did you mean"),
+        ("name =", 'isolation = "full"\nname =', "isolation must be one of 'auto', 'none'"),
+        ("name =", 'files = [{path = "x.py", public = true}]\nname =', "there is no file x.py"),
+        ("name =", 'files = [{path = "../x.py", public = true}]\nname =', "a Python file in the"),
+    ],
+)
+def test_what_is_wrong_is_named_with_key_and_value(tmp_path, old, new, said):
+    message = changed(tmp_path, old, new)
+    assert message.startswith("assignment.toml")
+    assert said in message
+
+
+def test_one_without_tests_is_refused(tmp_path):
+    folder = assignment(tmp_path, 'name = "hw3"\ntitle = "x"\nslots = ["control"]', limits=())
+    assert "it has no tests" in refused(folder)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("{", "it is not JSON"),
+        ('{"format": 2}', "it is not of format 1"),
+        ('{"format": 1, "tests": []}', "tests must be an object"),
+        ({"shown": {"limits": {"position": {"full": 1}}}}, "must have full and zero"),
+        ({"shown": {"limits": {"position": {"full": 1, "zero": "x"}}}}, "zero must be a number"),
+        ({"shown": {"limits": {"positon": {"full": 1, "zero": 2}}}}, "did you mean 'position'?"),
+        ({"shown": {"limits": {"position": {"full": 1, "zro": 2, "zero": 3}}}}, "mean 'zero'?"),
+    ],
+)
+def test_limits_that_are_wrong_are_named(tmp_path, content, said):
+    folder = assignment(tmp_path)
+    text = content if isinstance(content, str) else json.dumps({"format": 1, "tests": content})
+    (folder / "limits.json").write_text(text)
+    message = refused(folder)
+    assert message.startswith("limits.json")
+    assert said in message
+
+
+def test_a_key_that_others_can_read_is_refused(tmp_path):
+    if sys.platform == "win32":
+        pytest.skip("who can read a file is not checked on Windows")
+    folder = assignment(tmp_path)
+    os.chmod(folder / "key", 0o644)
+    assert "others can read the key" in refused(folder)
+
+
+def test_a_value_of_it_can_be_sent_to_another_process(tmp_path):
+    found = Assignment.load(assignment(tmp_path))
+    assert pickle.loads(pickle.dumps(found)) == found
