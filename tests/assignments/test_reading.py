@@ -6,11 +6,11 @@ import pickle
 import sys
 
 import pytest
-from assignments import SHORT, TESTS, assignment
 
 from robsim.assignments import Assignment
 from robsim.grading import AssignmentError, Key
 from robsim.tasks import Limit, task
+from small_assignments import SHORT, TESTS, assignment
 
 
 def refused(folder):
