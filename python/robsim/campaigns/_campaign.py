@@ -12,6 +12,7 @@ from robsim._base.checks import check_bool, check_choice
 from robsim._base.files import as_path
 from robsim._base.seeds import Seed
 from robsim._base.text import one_line
+from robsim.campaigns._engines.chunks import Chunks
 from robsim.campaigns._engines.engine import Engine, engine_value, rows_by
 from robsim.campaigns._engines.executors import DaskClient
 from robsim.campaigns._engines.in_flight import DIED
@@ -19,6 +20,7 @@ from robsim.campaigns._result import CampaignResult, result_of
 from robsim.campaigns._runs import CaseRuns, Row
 from robsim.campaigns._spec import CampaignSpec
 from robsim.campaigns._store import Store, seed_in_store
+from robsim.campaigns._work import CampaignWork
 from robsim.simulation import Scenario
 from robsim.simulation._progress import progress_bar
 
@@ -176,7 +178,8 @@ def _run(spec: CampaignSpec, engine: Engine, store: Store, *, shows: bool, stops
     bar = progress_bar(total=total, initial=done, unit="run") if shows else None
     failed = 0
     try:
-        with closing(rows_by(engine, spec, store.missing(), total - done)) as chunks:
+        jobs = Chunks(store.missing(), total - done)
+        with closing(rows_by(engine, CampaignWork(spec), jobs)) as chunks:
             for rows in chunks:
                 wrong = [row for row in rows if row.error is not None]
                 if wrong and stops:

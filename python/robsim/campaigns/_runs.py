@@ -121,11 +121,6 @@ class Worker:
         return rows
 
 
-def rows_of(spec: CampaignSpec, jobs: list[Job]) -> list[Row]:
-    """Return the rows of some runs: what an executor calls."""
-    return Worker(spec).rows(jobs)
-
-
 def _line_of(error: BaseException) -> str | None:
     failed = callback_of(error)
     source: SourceLine | None = line_of_error(error) if failed is None else failed.source

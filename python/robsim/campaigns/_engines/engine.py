@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Generator, Iterable
+from collections.abc import Generator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import closing
 from typing import Any
 
 from robsim._base.checks import check_int, is_int
 from robsim._base.text import quoted
-from robsim.campaigns._engines.chunks import Chunks
 from robsim.campaigns._engines.executors import (
     DaskClient,
     DaskWorkers,
@@ -20,8 +19,7 @@ from robsim.campaigns._engines.executors import (
 )
 from robsim.campaigns._engines.in_flight import rows_of_workers
 from robsim.campaigns._engines.processes import Processes
-from robsim.campaigns._runs import Job, Row, Worker
-from robsim.campaigns._spec import CampaignSpec
+from robsim.campaigns._engines.work import JobT, RowT, Supply, Work
 
 #: A number of processes, "threads", an executor, a Dask client; None = here.
 Engine = int | str | Executor | DaskClient | None
@@ -50,40 +48,43 @@ def engine_value(executor: Any) -> Engine:
 
 
 def rows_by(
-    engine: Engine, spec: CampaignSpec, jobs: Iterable[Job], count: int
-) -> Generator[list[Row], None, None]:
-    """Yield the rows of so many jobs, in the order in which they are done."""
-    chunks = Chunks(jobs, count)
+    engine: Engine, work: Work[JobT, RowT], chunks: Supply[JobT, RowT]
+) -> Generator[list[RowT], None, None]:
+    """Yield the rows of all jobs, in the order in which they are done."""
     if engine is None:
-        return _rows_here(spec, chunks)
+        return _rows_here(work, chunks)
     if isinstance(engine, int):
-        return _rows_in_processes(spec, chunks, engine)
+        return _rows_in_processes(work, chunks, engine)
     if isinstance(engine, str):
-        return _rows_in_threads(spec, chunks)
+        return _rows_in_threads(work, chunks)
     if isinstance(engine, Executor):
-        return rows_of_workers(ExecutorWorkers(spec, engine), chunks)
-    return rows_of_workers(DaskWorkers(spec, engine), chunks)
+        return rows_of_workers(ExecutorWorkers(work, engine), chunks)
+    return rows_of_workers(DaskWorkers(work, engine), chunks)
 
 
-def _rows_here(spec: CampaignSpec, chunks: Chunks) -> Generator[list[Row], None, None]:
-    worker = Worker(spec)
+def _rows_here(
+    work: Work[JobT, RowT], chunks: Supply[JobT, RowT]
+) -> Generator[list[RowT], None, None]:
+    doer = work.doer()
     while chunk := chunks.take():
-        rows = worker.rows(chunk)
+        rows = doer.rows(chunk)
         chunks.note(rows)
         yield rows
 
 
-def _rows_in_threads(spec: CampaignSpec, chunks: Chunks) -> Generator[list[Row], None, None]:
+def _rows_in_threads(
+    work: Work[JobT, RowT], chunks: Supply[JobT, RowT]
+) -> Generator[list[RowT], None, None]:
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     pool = ThreadPoolExecutor(workers)
     try:
-        yield from rows_of_workers(ExecutorWorkers(spec, pool), chunks)
+        yield from rows_of_workers(ExecutorWorkers(work, pool), chunks)
     finally:
         pool.shutdown(cancel_futures=True)
 
 
 def _rows_in_processes(
-    spec: CampaignSpec, chunks: Chunks, count: int
-) -> Generator[list[Row], None, None]:
-    with closing(Processes(spec, count)) as processes:
+    work: Work[JobT, RowT], chunks: Supply[JobT, RowT], count: int
+) -> Generator[list[RowT], None, None]:
+    with closing(Processes(work, count)) as processes:
         yield from rows_of_workers(processes, chunks)

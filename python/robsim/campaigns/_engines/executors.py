@@ -5,11 +5,10 @@ from __future__ import annotations
 import pickle
 import time
 from concurrent.futures import Executor, Future
-from typing import Any, Protocol, TypeGuard
+from typing import Any, Generic, Protocol, TypeGuard
 
 from robsim.campaigns._engines.chunks import SECONDS
-from robsim.campaigns._runs import Job, Row, rows_of
-from robsim.campaigns._spec import CampaignSpec
+from robsim.campaigns._engines.work import JobT, RowT, Work, rows_of
 
 _WORKERS_OF_UNKNOWN = 64  # of an executor that does not say how many it has
 _EACH = 2  # chunks of a worker, so that the next one waits for it
@@ -32,13 +31,24 @@ class DaskClient(Protocol):
         """Return the number of threads of each worker."""
 
 
-class ExecutorWorkers:
-    """The workers of an executor, which is used as it is."""
+class ExecutorWorkers(Generic[JobT, RowT]):
+    """The workers of an executor, which is used as it is.
+
+    Parameters
+    ----------
+    work : Work
+        What they are sent.
+    executor : Executor
+        The executor.
+    sent : object, optional
+        The work in another form, which is sent with each chunk.
+    """
 
     deaths = 1  # Dask itself has tried a run four times by then: its allowed-failures
 
-    def __init__(self, spec: Any, executor: Executor) -> None:
-        self._spec, self._executor = spec, executor
+    def __init__(self, work: Work[JobT, RowT], executor: Executor, sent: Any = None) -> None:
+        self._work, self._executor = work, executor
+        self._sent: Any = work if sent is None else sent
 
     def room(self) -> int:
         """Return how many chunks they may have at a time."""
@@ -48,32 +58,36 @@ class ExecutorWorkers:
         """Return how long a chunk may take (s)."""
         return SECONDS
 
-    def submit(self, jobs: list[Job], /) -> Future[list[Row]]:
+    def lost(self, job: JobT, /) -> RowT:
+        """Return the row of a job whose worker dies, whenever it is tried."""
+        return self._work.lost(job)
+
+    def submit(self, jobs: list[JobT], /) -> Future[list[RowT]]:
         """Hand over a chunk."""
-        return self._executor.submit(rows_of, self._spec, jobs)
+        return self._executor.submit(rows_of, self._sent, jobs)
 
     def is_death(self, error: Exception, /) -> bool:
         """Whether Dask gave a chunk up; an executor that is broken stays so."""
         if not any(kind.__name__ == "KilledWorker" for kind in type(error).__mro__):
             return False
         # Without what all chunks need, none of them is to blame.
-        return getattr(error, "task", None) != getattr(self._spec, "key", "")
+        return getattr(error, "task", None) != getattr(self._sent, "key", "")
 
 
-class DaskWorkers(ExecutorWorkers):
+class DaskWorkers(ExecutorWorkers[JobT, RowT]):
     """The workers of a Dask client, which may come and go."""
 
-    def __init__(self, spec: CampaignSpec, client: DaskClient) -> None:
+    def __init__(self, work: Work[JobT, RowT], client: DaskClient) -> None:
         # A result that the workers hand on to each other, and make again where it is lost: the
         # scheduler is sent it once, and not with each chunk.
-        sent = client.submit(_same, spec, pure=False)
-        super().__init__(sent, client.get_executor(pure=False))
+        sent = client.submit(_same, work, pure=False)
+        super().__init__(work, client.get_executor(pure=False), sent)
         self._client = client
         self._count, self._asked = 0, -_PATIENCE
 
-    def submit(self, jobs: list[Job], /) -> Future[list[Row]]:
+    def submit(self, jobs: list[JobT], /) -> Future[list[RowT]]:
         """Hand over a chunk: as bytes, for Dask looks into each tuple of a list for its futures."""
-        return self._executor.submit(_rows_of, self._spec, pickle.dumps(jobs))
+        return self._executor.submit(_rows_of, self._sent, pickle.dumps(jobs))
 
     def room(self) -> int:
         """Return how many chunks they may have at a time."""
@@ -108,9 +122,9 @@ def check_dask_client(client: DaskClient) -> None:
         raise ValueError(f"executor is a Dask client that is {status}: give one that is connected")
 
 
-def _rows_of(spec: CampaignSpec, jobs: bytes) -> list[Row]:
-    return rows_of(spec, pickle.loads(jobs))
+def _rows_of(work: Work[Any, RowT], jobs: bytes) -> list[RowT]:
+    return rows_of(work, pickle.loads(jobs))
 
 
-def _same(spec: CampaignSpec) -> CampaignSpec:
-    return spec
+def _same(work: Work[JobT, RowT]) -> Work[JobT, RowT]:
+    return work

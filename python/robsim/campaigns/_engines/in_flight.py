@@ -6,14 +6,13 @@ from collections.abc import Generator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Protocol
 
-from robsim.campaigns._engines.chunks import Chunks
-from robsim.campaigns._runs import Job, Row
+from robsim.campaigns._engines.work import JobT, RowT, Supply
 
 #: The error of a run whose process dies.
 DIED = "WorkerDied: the worker process ended in this run, whenever it was tried"
 
 
-class Workers(Protocol):
+class Workers(Protocol[JobT, RowT]):
     """Those who do chunks.
 
     Attributes
@@ -30,14 +29,19 @@ class Workers(Protocol):
     def seconds(self) -> float:
         """Return how long a chunk may take (s)."""
 
-    def submit(self, jobs: list[Job], /) -> Future[list[Row]]:
+    def submit(self, jobs: list[JobT], /) -> Future[list[RowT]]:
         """Hand over a chunk."""
+
+    def lost(self, job: JobT, /) -> RowT:
+        """Return the row of a job whose worker dies, whenever it is tried."""
 
     def is_death(self, error: Exception, /) -> bool:
         """Whether a chunk was lost with its worker, and others go on."""
 
 
-def rows_of_workers(workers: Workers, chunks: Chunks) -> Generator[list[Row], None, None]:
+def rows_of_workers(
+    workers: Workers[JobT, RowT], chunks: Supply[JobT, RowT]
+) -> Generator[list[RowT], None, None]:
     """Yield the rows of all chunks.
 
     A worker that dies takes chunks with it that are not to blame. All that are in flight are few;
@@ -48,10 +52,12 @@ def rows_of_workers(workers: Workers, chunks: Chunks) -> Generator[list[Row], No
         yield from _alone(workers, lost)
 
 
-def _together(workers: Workers, chunks: Chunks) -> Generator[list[Row], None, list[list[Job]]]:
+def _together(
+    workers: Workers[JobT, RowT], chunks: Supply[JobT, RowT]
+) -> Generator[list[RowT], None, list[list[JobT]]]:
     """Run all chunks until a worker dies; return the chunks that are lost then."""
-    flying: dict[Future[list[Row]], list[Job]] = {}
-    lost: list[list[Job]] = []
+    flying: dict[Future[list[RowT]], list[JobT]] = {}
+    lost: list[list[JobT]] = []
     try:
         while True:
             room, seconds = workers.room(), workers.seconds()
@@ -73,8 +79,10 @@ def _together(workers: Workers, chunks: Chunks) -> Generator[list[Row], None, li
             future.cancel()
 
 
-def _alone(workers: Workers, lost: list[list[Job]]) -> Generator[list[Row], None, None]:
-    """Do one run after the other; one that kills its worker gets a row with an error."""
+def _alone(
+    workers: Workers[JobT, RowT], lost: list[list[JobT]]
+) -> Generator[list[RowT], None, None]:
+    """Do one job after the other; one that kills its worker gets a row that says so."""
     for job in (job for chunk in lost for job in chunk):
         for _ in range(workers.deaths):
             future = workers.submit([job])
@@ -84,10 +92,12 @@ def _alone(workers: Workers, lost: list[list[Job]]) -> Generator[list[Row], None
                 future.cancel()
             if rows is not None:
                 break
-        yield [Row(*job, DIED, None, 0.0, {})] if rows is None else rows
+        yield [workers.lost(job)] if rows is None else rows
 
 
-def _rows_unless_lost(workers: Workers, future: Future[list[Row]]) -> list[Row] | None:
+def _rows_unless_lost(
+    workers: Workers[JobT, RowT], future: Future[list[RowT]]
+) -> list[RowT] | None:
     try:
         return future.result()
     except Exception as error:
