@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from robsim.assignments._results import SubmissionResult
+from robsim.campaigns._engines.executors import DaskClient
 from robsim.grading import Key, Limits
+from robsim.grading._submissions import Rules
+from robsim.grading._tasks.allowed import rules_of
 from robsim.tasks import Limit, Solution, Task
+from robsim.tasks._solutions import MODULE, module_source
+
+if TYPE_CHECKING:
+    from robsim.assignments._class_result import ClassResult
+    from robsim.assignments._grading.playing import PlayedRun
 
 #: Who has the public tests has their key, too: they are the same for all.
 SEEDS = ("student", "class")
@@ -77,9 +88,9 @@ class Assignment:
         The folder.
     name, title : str
         Its name, and its title.
-    slots, imports, masked : tuple of str
-        What a submission may fill, may import (None = all), and cannot have; as for
-        `robsim.grading.Submission`.
+    slots, functions, imports, masked : tuple of str
+        What a submission may fill, may define for the teacher's own tests, may import (None = all),
+        and cannot have; as for `robsim.grading.Submission`.
     given : str
         What it gets at each step: ``"frames"``, ``"blobs"`` or ``"pose"``.
     given_files : mapping of str to bytes
@@ -93,6 +104,8 @@ class Assignment:
         How submissions are shut in.
     limits : robsim.grading.Limits
         What a run may take.
+    points : float or None
+        How many all tests give together, also those that are not in this folder; None = not known.
     seconds : float
         What all tests of a submission may take together (s).
     tests : tuple of TaskTest
@@ -105,6 +118,7 @@ class Assignment:
     name: str
     title: str
     slots: tuple[str, ...]
+    functions: tuple[str, ...] = ()
     imports: tuple[str, ...] | None = None
     masked: tuple[str, ...] = ()
     given: str
@@ -113,9 +127,36 @@ class Assignment:
     key: Key | None = None
     isolation: str = "auto"
     limits: Limits = field(default_factory=Limits)
+    points: float | None = None
     seconds: float = SECONDS
     tests: tuple[TaskTest, ...] = ()
     files: tuple[FileTests, ...] = ()
+
+    @property
+    def all_tests(self) -> tuple[TaskTest | FileTests, ...]:
+        """Those by tasks, and files of the teacher's own, in the order in which they are run."""
+        return (*self.tests, *self.files)
+
+    @property
+    def files_of_all(self) -> Mapping[str, bytes]:
+        """What lies beside a submission: the given files, and the module ``task``.
+
+        Its values are those of the first test by a task, but in the other tests by tasks.
+        """
+        task = {f"{MODULE}.py": module_source(test.task) for test in self.tests[:1]}
+        return {**self.given_files, **task}
+
+    def rules(self, slots: tuple[str, ...] | None = None) -> Rules:
+        """Return what a submission may fill, which is all or some slots alone, import and weigh.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there are no such slots, functions or modules.
+        """
+        functions = self.functions if slots is None else ()
+        wanted = self.slots if slots is None else slots
+        return rules_of(wanted, functions, self.imports, self.masked, self.limits)
 
     @classmethod
     def load(cls, folder: str | PathLike[str]) -> Assignment:
@@ -138,3 +179,151 @@ class Assignment:
         from robsim.assignments._reading.assignment_file import read_assignment
 
         return read_assignment(folder)
+
+    def grade(
+        self,
+        submission: str | PathLike[str],
+        *,
+        student: str | None = None,
+        public: bool = False,
+        only: Iterable[str] | None = None,
+    ) -> SubmissionResult:
+        """Grade a submission.
+
+        Parameters
+        ----------
+        submission : path
+            A folder, a Python file, a notebook, or a zip of these.
+        student : str, optional
+            The student's name, which the worlds of tests that are not public come from. Default:
+            that of the folder or file, without its ending.
+        public : bool
+            Only the tests that students have, too.
+        only : sequence of str, optional
+            The names of the tests to run. Default: all.
+
+        Returns
+        -------
+        SubmissionResult
+            Points, sentences and numbers. What is the submission's fault is in it; a test that
+            failed by a fault of others has the status ``"error"``.
+
+        Raises
+        ------
+        AssignmentError
+            If the assignment is not complete, or broken: nothing is run then.
+        FileNotFoundError
+            If there is no such submission.
+        TypeError, ValueError
+            If an argument is wrong; the message names it.
+        """
+        from robsim.assignments._grading.class_run import grade_one
+
+        return grade_one(self, submission, student=student, public=public, only=only)
+
+    def grade_class(
+        self,
+        submissions: str | PathLike[str],
+        out: str | PathLike[str],
+        *,
+        executor: int | str | Executor | DaskClient | None = None,
+        public: bool = False,
+        only: Iterable[str] | None = None,
+    ) -> ClassResult:
+        """Grade a class, and write what came of it.
+
+        Results are written after each test. What `out` has already of submissions and tests that
+        have not changed is not run again: the same call goes on where one was ended.
+
+        Parameters
+        ----------
+        submissions : path
+            The folder with the submissions.
+        out : path
+            The folder for the results: one for each student, and those of the class.
+        executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
+            What grades, as for `robsim.campaign`: so many processes, or others, which must see the
+            same folders. Default: this process.
+        public, only
+            As for `grade`.
+
+        Returns
+        -------
+        ClassResult
+            The results of all.
+
+        Raises
+        ------
+        AssignmentError, FileNotFoundError, TypeError, ValueError
+            As `grade`.
+        OSError
+            If a result cannot be written.
+        """
+        from robsim.assignments._grading.class_run import grade_class
+
+        return grade_class(self, submissions, out, executor=executor, public=public, only=only)
+
+    def regrade(self, out: str | PathLike[str]) -> ClassResult:
+        """Mark results anew, after limits or points of this assignment have changed.
+
+        Nothing is run: the numbers of the runs are those in the folder.
+
+        Parameters
+        ----------
+        out : path
+            The folder that `grade_class` has written, whose files are written anew.
+
+        Returns
+        -------
+        ClassResult
+            The results of all.
+
+        Raises
+        ------
+        AssignmentError
+            If the assignment is not complete, or broken.
+        FileNotFoundError
+            If there are no results.
+        ValueError
+            If more than limits and points has changed: nothing is written then.
+        """
+        from robsim.assignments._grading.regrading import regrade
+
+        return regrade(self, out)
+
+    def play(
+        self,
+        submission: str | PathLike[str],
+        test: str,
+        run: int,
+        *,
+        student: str | None = None,
+    ) -> PlayedRun:
+        """Do a run of a test again, for an appeal: the same world, noise and numbers.
+
+        Parameters
+        ----------
+        submission : path
+            What was handed in.
+        test : str
+            The name of the test.
+        run : int
+            The number of the run, from 0.
+        student : str, optional
+            As for `grade`.
+
+        Returns
+        -------
+        PlayedRun
+            The run with its trace, beside that of the reference.
+
+        Raises
+        ------
+        SubmissionError
+            If the submission fails in it, with slot, step and line.
+        AssignmentError, FileNotFoundError, TypeError, ValueError
+            As `grade`.
+        """
+        from robsim.assignments._grading.playing import play
+
+        return play(self, submission, test, run, student)

@@ -6,7 +6,10 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from robsim.assignments._submission_report import SubmissionReport
 
 #: What a test can come to.
 PASSED, PARTIAL, FAILED, ERROR, NOT_RUN = "passed", "partial", "failed", "error", "not run"
@@ -98,6 +101,9 @@ class TestResult:
         What the submission printed, cut.
     seconds : float
         How long it took.
+    digest : str
+        SHA-256 of all that its numbers rest on, points and limits left out; "" = it is still to
+        be run.
     """
 
     __test__ = False  # it is no test of pytest's
@@ -120,9 +126,10 @@ class TestResult:
     finding: str = ""
     output: str = ""
     seconds: float = 0.0
+    digest: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class SubmissionResult:
     """All tests of a submission.
 
@@ -169,6 +176,27 @@ class SubmissionResult:
     def most(self) -> float:
         """How many points there are."""
         return sum(test.most for test in self.tests)
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether a test could not be graded, by a fault of the assignment or the grader."""
+        return any(test.status == ERROR for test in self.tests)
+
+    @property
+    def report(self) -> SubmissionReport:
+        """The tests in a table, as a `Report`."""
+        from robsim.assignments._submission_report import SubmissionReport
+
+        return SubmissionReport(of=self)
+
+    def __str__(self) -> str:
+        return str(self.report)
+
+    def __repr__(self) -> str:
+        return f"<SubmissionResult: {self.report.line}>"
+
+    def _repr_html_(self) -> str:
+        return self.report._repr_html_()
 
     def replace(self, **changes: Any) -> SubmissionResult:
         """Return one that differs in some attributes."""

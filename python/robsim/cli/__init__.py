@@ -11,9 +11,10 @@ from typing import Annotated
 
 import typer
 
-from robsim.cli import bench, check, colors, errors, grade, notebooks, robots, track
+from robsim.cli import bench, check, colors, errors, notebooks, robots, track
 from robsim.cli.calibration import app as calibration
 from robsim.cli.command import Command, Group
+from robsim.cli.grading import grade
 from robsim.cli.live import cameras, live, serving
 from robsim.cli.shared import SWITCH
 from robsim.cli.simulated import campaign, demo, gui, run

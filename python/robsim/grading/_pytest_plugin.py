@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from glob import glob
 from importlib.machinery import PathFinder
 from pathlib import Path
@@ -67,10 +67,17 @@ class Grading:
         self._slots = None if slots is None else [slot.strip() for slot in slots.split(",")]
         self._isolation = options.robsim_isolation
         self._report: IsolationReport | None = None
+        self._given: dict[str, Any] = {}
+
+    def grade_by(self, key: Key | None, options: Mapping[str, Any]) -> None:
+        """Let a key and options of `Submission` hold for all tests, whose markers change them."""
+        self._key, self._given = key, dict(options)
 
     def submission_for(self, item: pytest.Item) -> Submission:
         """Return the submission under the rules of a test."""
-        rules: dict[str, Any] = {} if self._slots is None else {"slots": self._slots}
+        rules = dict(self._given)
+        if self._slots is not None:
+            rules["slots"] = self._slots
         for marker in reversed([*item.iter_markers("robsim_submission")]):  # the nearest last
             if marker.args:
                 raise AssignmentError('robsim_submission: give options by name: slots="control"')

@@ -18,7 +18,6 @@ from robsim.assignments._reading.table import Keys
 from robsim.grading import AssignmentError, Key, Limits
 from robsim.grading._isolation._request import LEVELS
 from robsim.grading._robot_half import ROBOT_SLOTS
-from robsim.grading._submissions import Rules
 from robsim.grading._submissions.names import checked_path
 from robsim.tasks import TASKS, Task, task
 from robsim.tasks._solutions import MODULE, Solution, solutions_in
@@ -26,8 +25,8 @@ from robsim.tasks._solutions import MODULE, Solution, solutions_in
 FILE, KEY, GIVEN, SOLUTIONS = "assignment.toml", "key", "given", "solutions"
 
 _KEYS = (
-    *("name", "title", "slots", "given", "imports", "masked", "seeds", "isolation"),
-    *("limits", "tests", "files"),
+    *("name", "title", "slots", "functions", "given", "imports", "masked", "seeds", "isolation"),
+    *("points", "limits", "tests", "files"),
 )
 _TEST_KEYS = ("name", "title", "number", "task", "points", "public", "parameters")
 _FILE_KEYS = ("path", "public")
@@ -52,6 +51,7 @@ def read_assignment(path: str | PathLike[str]) -> Assignment:
         name=_name(keys),
         title=keys.text("title"),
         slots=_slots(keys, tests),
+        functions=keys.names("functions", ()) or (),
         imports=keys.names("imports", None),
         masked=keys.names("masked", _masked(tests)) or (),
         given=_given(keys, tests),
@@ -60,6 +60,7 @@ def read_assignment(path: str | PathLike[str]) -> Assignment:
         key=Key.read(folder / KEY) if (folder / KEY).exists() else None,
         isolation=keys.choice("isolation", LEVELS, "auto"),
         limits=limits,
+        points=keys.number("points", most=_MOST_POINTS) if "points" in keys else None,
         seconds=seconds,
         tests=tests,
         files=files,
@@ -223,6 +224,6 @@ def _refused(message: str) -> AssignmentError:
 def _check_rules(keys: Keys, assignment: Assignment) -> None:
     """Raise AssignmentError for modules that cannot be."""
     try:
-        Rules(slots=assignment.slots, imports=assignment.imports, masked=assignment.masked)
+        assignment.rules()
     except (TypeError, ValueError) as error:
         keys.refuse(error)

@@ -1,0 +1,101 @@
+"""The files of a class: its page, tables of marks, what resembles what."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from robsim._base.checks import Floats
+from robsim.assignments._assignment import Assignment
+from robsim.assignments._grading.seeds import key_for
+from robsim.assignments._grading.store import ResultFolder
+from robsim.assignments._grading.submissions import Handed
+from robsim.assignments._reports.similarity.winnowing import Program, program_of
+from robsim.assignments._reports.writing import write_class
+from robsim.assignments._results import SubmissionResult
+from robsim.grading import SubmissionError
+from robsim.grading._submissions import read_submission
+from robsim.tasks._solutions import MODULE, module_source
+
+START = "start"  # what students begin with
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClassTables:
+    """How the tables of a class look.
+
+    Attributes
+    ----------
+    columns, title : str
+        Columns of which learning platform, and the heading of that of points there.
+    pseudonyms : bool
+        Whether nobody's name is to be seen.
+    """
+
+    columns: str = "robsim"
+    title: str | None = None
+    pseudonyms: bool = False
+
+
+def write_class_files(
+    assignment: Assignment,
+    handed: Iterable[Handed] | None,
+    folder: ResultFolder,
+    results: Sequence[SubmissionResult],
+    tables: ClassTables,
+) -> None:
+    """Write page, table and JUnit file of a class into the folder of its results.
+
+    Without what was `handed` in nothing is said of programs that resemble each other.
+    """
+    area = assignment.tests[0].task.scenario.area if assignment.tests else (1200, 1200)
+    write_class(
+        folder.folder,
+        results,
+        paths=_paths(assignment, folder, results, area),
+        area=area,
+        programs=None if handed is None else dict(_programs(assignment, handed)),
+        given=list(_given(assignment)),
+        pseudonym=key_for(assignment, public=False).pseudonym if tables.pseudonyms else None,
+        columns=tables.columns,
+        title=tables.title,
+    )
+
+
+def _paths(
+    assignment: Assignment,
+    folder: ResultFolder,
+    results: Sequence[SubmissionResult],
+    area: tuple[float, float],
+) -> dict[str, dict[str, Floats]]:
+    """Return the best paths by test and student, of the tests on the same floor."""
+    of_students = {result.student: folder.paths(result.student) for result in results}
+    return {
+        test.name: {
+            student: paths[test.name]
+            for student, paths in of_students.items()
+            if test.name in paths
+        }
+        for test in assignment.tests
+        if test.task.scenario.area == area
+    }
+
+
+def _programs(assignment: Assignment, handed: Iterable[Handed]) -> Iterator[tuple[str, Program]]:
+    """Yield what was handed in, as far as it can be read."""
+    for one in handed:
+        try:
+            files = read_submission(one.path, assignment.rules())
+        except SubmissionError:
+            continue
+        yield one.student, program_of(files.sources)
+
+
+def _given(assignment: Assignment) -> Iterator[Program]:
+    """Yield what all have got."""
+    yield program_of(assignment.files_of_all)
+    for test in assignment.tests:
+        yield program_of({f"{MODULE}.py": module_source(test.task)})
+    start = assignment.folder / START
+    if start.is_dir():
+        yield program_of({file.name: file.read_bytes() for file in sorted(start.glob("*.py"))})

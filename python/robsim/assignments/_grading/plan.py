@@ -1,0 +1,106 @@
+"""What is to be graded, proved to be usable before any submission is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from robsim._base.spelling import check_names
+from robsim._base.text import quoted
+from robsim.assignments._assignment import Assignment, FileTests, TaskTest
+from robsim.assignments._grading import digests
+from robsim.assignments._grading.marking import limit_of
+from robsim.assignments._grading.references import References
+from robsim.assignments._grading.seeds import key_for
+from robsim.assignments._grading.work import GradingWork, Unit
+from robsim.assignments._own_tests.listing import OwnTest
+from robsim.assignments._own_tests.running import list_own_tests
+from robsim.grading import AssignmentError, IsolationError, check_isolation
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is graded.
+
+    Attributes
+    ----------
+    work : GradingWork
+        The assignment with all tests that there are results of.
+    wanted : frozenset of str
+        The names of those that are run.
+    digest : str
+        Of what the points rest on.
+    """
+
+    work: GradingWork
+    wanted: frozenset[str]
+    digest: str
+
+    @property
+    def assignment(self) -> Assignment:
+        """The assignment."""
+        return self.work.assignment
+
+
+def plan_of(
+    assignment: Assignment, *, only: Iterable[str] | None = None, public: bool = False
+) -> Plan:
+    """Return what is to be graded.
+
+    Parameters
+    ----------
+    assignment : Assignment
+        The assignment.
+    only : sequence of str, optional
+        The names of the tests that are to be run. Default: all.
+    public : bool
+        Only those that students have, too.
+
+    Raises
+    ------
+    AssignmentError
+        If a limit, the key, a reference or a file of tests is missing, or broken.
+    ValueError
+        If there is no test of a name, or none at all.
+    """
+    tests = [t for t in assignment.all_tests if t.public or not public]
+    if not tests:
+        raise ValueError(f"{assignment.name} has no tests that are public")
+    if (
+        assignment.isolation == "strict"
+        and not (report := check_isolation(isolation="strict")).strict
+    ):
+        raise IsolationError(str(report))
+    references = References(assignment)
+    for test in tests:
+        key_for(assignment, public=test.public)
+        if isinstance(test, TaskTest):
+            _check_usable(test, references)
+    units = tuple(
+        Unit(test, _own(assignment, test), digests.of_test(assignment, test)) for test in tests
+    )
+    names = [name for unit in units for name in unit.names]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise AssignmentError(f"two tests have the name {quoted(twice[0])}: rename one")
+    wanted = names if only is None else [only] if isinstance(only, str) else list(only)
+    check_names(f"{assignment.name} has no test", wanted, names, ValueError)
+    work = GradingWork(assignment, units)
+    return Plan(work, frozenset(wanted), digests.of_assignment(assignment))
+
+
+def _check_usable(test: TaskTest, references: References) -> None:
+    """Raise AssignmentError unless a test has limits, and its reference runs."""
+    for score in test.task.scores:
+        limit_of(test, score)
+        known = test.reference_values.get(score.name)
+        if known is not None and len(known) != test.task.runs:
+            raise AssignmentError(
+                f"limits.json has {len(known)} numbers of the reference of {test.name}, which has "
+                f"{test.task.runs} runs",
+                file="limits.json",
+            )
+    references.numbers(test, "", 0)
+
+
+def _own(assignment: Assignment, test: TaskTest | FileTests) -> tuple[OwnTest, ...]:
+    return () if isinstance(test, TaskTest) else list_own_tests(assignment, test)

@@ -1,0 +1,110 @@
+"""A run of a test again, for an appeal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+
+from robsim._base.checks import check_int
+from robsim._base.report import Column, Report, Row, Table
+from robsim._base.spelling import check_names
+from robsim.assignments._assignment import Assignment, TaskTest
+from robsim.assignments._grading.pictures import picture_of
+from robsim.assignments._grading.references import References, numbers_of
+from robsim.assignments._grading.seeds import seeds_of
+from robsim.assignments._grading.submissions import one_submission
+from robsim.assignments._grading.task_runs import graded_task
+from robsim.grading._graded_run import graded_run
+from robsim.trace import Trace
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlayedRun(Report):
+    """A run of a test, done again: the same as in grading, from the key.
+
+    Attributes
+    ----------
+    test : TaskTest
+        The test.
+    student : str
+        The student.
+    run : int
+        Its number.
+    trace : Trace
+        The run, with the truth.
+    numbers : mapping of str to float
+        Its scores.
+    reference : Trace or None
+        The run of the reference in the same world; None = there is none here.
+    reference_numbers : mapping of str to float
+        Its scores.
+    output : str
+        What the submission printed.
+    """
+
+    test: TaskTest
+    student: str
+    run: int
+    trace: Trace
+    numbers: Mapping[str, float]
+    reference: Trace | None
+    reference_numbers: Mapping[str, float]
+    output: str
+
+    @property
+    def title(self) -> str:
+        """Whose run of what it is."""
+        return f"{self.student}, {self.test.name}, run {self.run}"
+
+    @property
+    def tables(self) -> Sequence[Table]:
+        """Its scores beside those of the reference."""
+        columns = (
+            Column("value", "this run"),
+            Column("reference", "reference"),
+            Column("ratio", "ratio", "", ".3g"),
+        )
+        rows = [
+            Row(score.title, (value, other, value / other if other else None), unit=score.unit)
+            for score in self.test.task.scores
+            for value, other in [(self.numbers[score.name], self.reference_numbers[score.name])]
+        ]
+        return (Table(key="scores", columns=columns, rows=rows, row_title="score"),)
+
+    def picture(self) -> bytes:
+        """Return the run beside that of the reference, as PNG."""
+        return picture_of(self.test, self.trace, self.reference)[0]
+
+
+def play(
+    assignment: Assignment,
+    submission: str | PathLike[str],
+    test: str,
+    run: int,
+    student: str | None = None,
+) -> PlayedRun:
+    """Do a run of a test again; see `Assignment.play`."""
+    tests = {one.name: one for one in assignment.tests}
+    check_names(f"{assignment.name} has no test by a task", [test], tests, ValueError)
+    one = tests[test]
+    check_int("run", run, minimum=0, maximum=one.task.runs - 1)
+    handed = one_submission(submission)
+    name = handed.student if student is None else student
+    graded = graded_run(
+        graded_task(assignment, one, handed.path),
+        one.task.scenario,
+        one.task.steps,
+        seeds_of(assignment, one, name, run),
+    )
+    references = References(assignment)
+    return PlayedRun(
+        test=one,
+        student=name,
+        run=run,
+        trace=graded.result,
+        numbers=numbers_of(one, graded.result),
+        reference=None if one.reference is None else references.trace(one, name, run),
+        reference_numbers=references.numbers(one, name, run),
+        output=graded.output,
+    )

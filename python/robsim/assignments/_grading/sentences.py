@@ -1,0 +1,59 @@
+"""What students are told of a test by a task, in a sentence or two."""
+
+from __future__ import annotations
+
+from robsim.assignments._results import PASSED, ScoreResult, TestResult
+from robsim.grading._texts import clean_line
+
+_MOST_REASON = 300  # characters
+
+
+def of(result: TestResult) -> str:
+    """Return what to say of a test: of one that is not public no number of its runs."""
+    parts = [_of_failed(result), _of_scores(result)]
+    return " ".join(part for part in parts if part)
+
+
+def _of_failed(result: TestResult) -> str:
+    if not result.failed:
+        return ""
+    first = result.failed[0]
+    if not result.public:  # the text of an error may tell what was in the run
+        by = f"{first.slot} failed" if first.slot is not None else "the submission failed"
+        return f"{'All' if len(result.failed) == result.runs else 'Some'} runs ended early: {by}."
+    reason = clean_line(first.reason.rstrip("."), _MOST_REASON)
+    if len(result.failed) == result.runs:
+        return f"No run came through. Run {first.run}: {reason}."
+    return f"{len(result.failed)} of {result.runs} runs ended early. Run {first.run}: {reason}."
+
+
+def _of_scores(result: TestResult) -> str:
+    through = result.runs - len(result.failed)
+    if not through:
+        return ""
+    if all(score.fraction >= 1 for score in result.scores):
+        if result.status == PASSED:
+            return "All is as good as it must be."
+        return "The others were as good as they must be."
+    worst = max(result.scores, key=lambda score: (1 - score.fraction) * score.share)
+    if not result.public:
+        return f"The {worst.title} is {_direction(worst)}."
+    return _told(worst, through)
+
+
+def _direction(score: ScoreResult) -> str:
+    return "too small" if score.low is not None and score.statistic < score.low else "too large"
+
+
+def _told(score: ScoreResult, runs: int) -> str:
+    over = f"in the geometric mean of {runs} runs" if runs > 1 else "in the only run"
+    if score.low is not None:
+        return (
+            f"The {score.title} is {_direction(score)}: {score.statistic:.3g} {over}, where 1 is "
+            f"right and {score.low:.3g} to {score.limit:.3g} has all points."
+        )
+    return (
+        f"The {score.title} is too large: {score.statistic:.3g} times that of the reference "
+        f"{over}, where up to {score.limit:.3g} times has all points and {score.zero:.3g} times "
+        "none."
+    )

@@ -1,0 +1,210 @@
+"""A test by a task: the runs of a submission beside those of the reference."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field, replace
+
+from robsim.assignments._assignment import Assignment, TaskTest
+from robsim.assignments._grading.marking import marked, runs_by_badness
+from robsim.assignments._grading.references import References, numbers_of
+from robsim.assignments._grading.seeds import seeds_of
+from robsim.assignments._results import FAILED, NOT_RUN, FailedRun, ScoreResult, TestResult
+from robsim.grading import SubmissionError, clean_text
+from robsim.grading._graded_run import graded_run
+from robsim.grading._submissions import read_submission
+from robsim.grading._tasks.task import Task as GradedTask
+from robsim.tasks._solutions import MODULE, module_source
+from robsim.trace import Trace
+
+OUT_OF_TIME = "not run: out of time"
+_LEAST = 0.5  # s that a run must have left, else it is not begun
+
+
+@dataclass
+class Runs:
+    """The runs of a test so far.
+
+    Attributes
+    ----------
+    numbers, reference : list of dict
+        Those of the runs that came through, and of the reference in the same ones, by score.
+    failed : list of FailedRun
+        Those that did not.
+    traces : dict of int to Trace
+        The runs that came through, by number.
+    output : str
+        What the submission printed in the first that failed, else in the last.
+    isolation : str
+        What has shut it in.
+    """
+
+    numbers: list[dict[str, float]] = field(default_factory=list)
+    reference: list[dict[str, float]] = field(default_factory=list)
+    failed: list[FailedRun] = field(default_factory=list)
+    traces: dict[int, Trace] = field(default_factory=dict)
+    output: str = ""
+    isolation: str = ""
+
+
+@dataclass(frozen=True)
+class RunTest:
+    """A test that was run: its result, two of its runs, and what has shut the submission in."""
+
+    result: TestResult
+    worst: Trace | None = None
+    best: Trace | None = None
+    isolation: str = ""
+
+
+def run_task_test(
+    assignment: Assignment,
+    test: TaskTest,
+    path: str,
+    student: str,
+    references: References,
+    seconds: float,
+) -> RunTest:
+    """Run a test of a submission.
+
+    Parameters
+    ----------
+    assignment, test
+        What is graded.
+    path : str
+        What was handed in.
+    student : str
+        The student's name, for the key.
+    references : References
+        What has the numbers of the reference.
+    seconds : float
+        How long it may take.
+
+    Raises
+    ------
+    AssignmentError
+        If the reference fails, or a run cannot be scored.
+    GraderError
+        If no process can be started.
+    """
+    begin = time.monotonic()
+    try:
+        task = graded_task(assignment, test, path)
+    except SubmissionError as error:
+        return RunTest(_unread(test, error))
+    runs = Runs()
+    for run in range(test.task.runs):
+        left = begin + seconds - time.monotonic()
+        if left < _LEAST:
+            runs.failed.append(FailedRun(run=run, reason=OUT_OF_TIME))
+            continue
+        limits = replace(task.limits, run=min(task.limits.run, left))
+        _run(assignment, test, replace(task, limits=limits), student, run, references, runs)
+    result = marked(test, _result(test, runs, time.monotonic() - begin))
+    if not (ordered := runs_by_badness(test, result)):
+        return RunTest(result, isolation=runs.isolation)
+    best, worst = ordered[0], ordered[-1]
+    return RunTest(
+        replace(result, worst=worst), runs.traces[worst], runs.traces[best], runs.isolation
+    )
+
+
+def graded_task(assignment: Assignment, test: TaskTest, path: str) -> GradedTask:
+    """Read a submission for a test; raise SubmissionError if that cannot be."""
+    rules = assignment.rules(test.task.slots)
+    given = {**assignment.given_files, f"{MODULE}.py": module_source(test.task)}
+    return GradedTask(
+        submission=read_submission(path, rules, given),
+        rules=rules,
+        frames=assignment.given != "pose",
+        limits=assignment.limits,
+        isolation=assignment.isolation,  # type: ignore[arg-type]
+    )
+
+
+def _run(
+    assignment: Assignment,
+    test: TaskTest,
+    task: GradedTask,
+    student: str,
+    run: int,
+    references: References,
+    runs: Runs,
+) -> None:
+    """Run once, and note what came of it."""
+    seeds = seeds_of(assignment, test, student, run)
+    try:
+        graded = graded_run(task, test.task.scenario, test.task.steps, seeds)
+    except SubmissionError as error:
+        if not runs.failed:
+            runs.output = error.output
+        runs.failed.append(failed_run(run, error))
+        return
+    runs.isolation = graded.layers
+    if not runs.failed:
+        runs.output = graded.output
+    runs.numbers.append(dict(numbers_of(test, graded.result)))
+    runs.reference.append(dict(references.numbers(test, student, run)))
+    runs.traces[run] = graded.result
+
+
+def failed_run(run: int, error: SubmissionError) -> FailedRun:
+    """Return what is told of a run that the submission has ended."""
+    return FailedRun(
+        run=run,
+        reason=clean_text(str(error)),
+        slot=error.slot,
+        step=error.step,
+        file=error.file,
+        line=error.line,
+    )
+
+
+def _result(test: TaskTest, runs: Runs, seconds: float) -> TestResult:
+    """Return the numbers of a test, not marked yet."""
+    scores = tuple(
+        ScoreResult(
+            name=score.name,
+            title=score.title,
+            values=tuple(numbers[score.name] for numbers in runs.numbers),
+            reference=tuple(numbers[score.name] for numbers in runs.reference),
+            statistic=math.nan,
+            limit=0.0,
+            zero=0.0,
+            fraction=0.0,
+        )
+        for score in test.task.scores
+    )
+    return TestResult(
+        name=test.name,
+        title=test.title,
+        points=0.0,
+        most=test.points,
+        status=NOT_RUN,
+        whose=SubmissionError.whose if runs.failed else None,
+        scores=scores,
+        runs=test.task.runs,
+        failed=tuple(runs.failed),
+        output=clean_text(runs.output),
+        seconds=seconds,
+    )
+
+
+def unmarked(test: TaskTest, status: str, sentence: str, whose: str | None = None) -> TestResult:
+    """Return the result of a test without runs: no points."""
+    return TestResult(
+        name=test.name,
+        title=test.title,
+        number=test.number,
+        public=test.public,
+        points=0.0,
+        most=test.points,
+        status=status,
+        sentence=sentence,
+        whose=whose,
+    )
+
+
+def _unread(test: TaskTest, error: SubmissionError) -> TestResult:
+    return unmarked(test, FAILED, clean_text(str(error)), error.whose)

@@ -1,0 +1,211 @@
+"""The command ``robsim grade``: submissions graded by an assignment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.grading.isolation import NOT_STRICT, print_isolation
+from robsim.cli.shared import SWITCH, Json
+from robsim.cli.text import whole_number
+
+if TYPE_CHECKING:
+    from robsim.assignments import Assignment, ClassResult
+
+EXAMPLE = "Example: robsim grade hw3 submissions"
+HELP = (
+    "Grade submissions by an assignment.\n\n"
+    "Each is run in a process of its own, which sees the frames and none of the truth. Results are "
+    "written after each test: the same command goes on where it was ended, and runs again only "
+    "what has changed. In the folder of each student are index.html and result.txt for them, and "
+    "teacher.html with all; beside these class.html, class.csv and junit.xml.\n\n"
+    "With --public, for students: the public tests of what they have written.\n\n"
+    "The exit status is 0 if all have all points, 1 if points are missing, 2 if the assignment is "
+    "not complete, broken, or something could not be graded, 3 if submissions cannot be shut in as "
+    "they must.\n\n"
+    "robsim grade --check-isolation says what shuts submissions in on this machine. Tests without "
+    "an assignment: python -m pytest --robsim-submission=PATH TESTS.py."
+)
+_MISSING, _BROKEN = 1, 2  # exit statuses
+
+
+def grade(
+    assignment: Annotated[
+        Path | None,
+        typer.Argument(metavar="ASSIGNMENT", help="The folder of the assignment."),
+    ] = None,
+    submissions: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="SUBMISSIONS",
+            help="A folder with one for each student: a folder, a Python file, a notebook or a "
+            "zip; or a single one.",
+        ),
+    ] = None,
+    public: Annotated[
+        bool,
+        typer.Option("--public", metavar=SWITCH, help="Only the tests that students have, too."),
+    ] = False,
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--only", metavar="TEST", help="Run only this test; may be given twice."),
+    ] = None,
+    jobs: Annotated[
+        int,
+        typer.Option("--jobs", parser=whole_number, metavar="N", help="Number of processes."),
+    ] = 1,
+    isolation: Annotated[
+        str | None,
+        typer.Option(
+            "--isolation",
+            metavar="LEVEL",
+            help="auto: all that works here; strict: the same, and files, processes, network and "
+            "memory must be closed; process: limits alone; none: a process, and nothing else. "
+            "Default: as the assignment says.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
+    ] = Path("graded"),
+    student: Annotated[
+        str | None,
+        typer.Option(
+            "--student",
+            metavar="NAME",
+            help="Whose it is, for a single submission. Default: the name of its file or folder.",
+        ),
+    ] = None,
+    columns: Annotated[
+        str,
+        typer.Option(
+            "--columns",
+            metavar="PLATFORM",
+            help="Columns of class.csv: robsim, moodle, canvas or blackboard.",
+        ),
+    ] = "robsim",
+    pseudonyms: Annotated[
+        bool,
+        typer.Option(
+            "--pseudonyms", metavar=SWITCH, help="Nobody's name in the files of the class."
+        ),
+    ] = False,
+    gradescope: Annotated[
+        Path | None,
+        typer.Option(
+            "--gradescope",
+            metavar="FILE",
+            help="Write the result of a single submission as Gradescope reads it.",
+        ),
+    ] = None,
+    regrade: Annotated[
+        bool,
+        typer.Option(
+            "--regrade",
+            metavar=SWITCH,
+            help="Run nothing: mark the results in --out anew, after limits or points changed.",
+        ),
+    ] = False,
+    play: Annotated[
+        str | None,
+        typer.Option(
+            "--play",
+            metavar="TEST",
+            help="For an appeal: do a run of this test again, which is the same, and write its "
+            "trace and picture.",
+        ),
+    ] = None,
+    run: Annotated[
+        int | None,
+        typer.Option(
+            "--run",
+            parser=whole_number,
+            metavar="N",
+            help="Which run to --play. Default: the worst one in the results.",
+        ),
+    ] = None,
+    check_isolation: Annotated[
+        bool,
+        typer.Option(
+            "--check-isolation",
+            metavar=SWITCH,
+            help="Let a process try to get out, say what held, and grade nothing.",
+        ),
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Grade submissions by an assignment."""
+    if check_isolation:
+        print_isolation(isolation or "auto", as_json=as_json)
+        return
+    with _reported():
+        from robsim.cli.grading import marks
+
+        given = _assignment(assignment, isolation)
+        if regrade:
+            result = marks.marked_anew(given, out, columns, pseudonyms=pseudonyms)
+        else:
+            if submissions is None:
+                raise ValueError("what is to be graded? robsim grade ASSIGNMENT SUBMISSIONS")
+            if play is not None:
+                marks.played(given, submissions, play, run, out, student)
+                return
+            chosen = marks.Chosen(
+                submissions=submissions,
+                out=out,
+                public=public,
+                only=only,
+                jobs=jobs,
+                student=student,
+                gradescope=gradescope,
+                columns=columns,
+                pseudonyms=pseudonyms,
+                is_quiet=as_json,
+            )
+            result = marks.graded(given, chosen)
+        marks.show(given, result, out, public=public, as_json=as_json)
+    _exit(result)
+
+
+def _assignment(folder: Path | None, isolation: str | None) -> Assignment:
+    from robsim._base.checks import check_choice
+    from robsim.assignments import Assignment
+    from robsim.grading._isolation._request import LEVELS
+
+    if folder is None:
+        raise ValueError(
+            "which assignment? robsim grade ASSIGNMENT SUBMISSIONS; --check-isolation looks at "
+            "this machine"
+        )
+    found = Assignment.load(folder)
+    if isolation is None:
+        return found
+    return replace(found, isolation=check_choice("isolation", isolation, LEVELS))
+
+
+@contextmanager
+def _reported() -> Iterator[None]:
+    """Print an error as a sentence, and exit with the status that says whose it is."""
+    from robsim.grading import GradingError, IsolationError
+
+    with errors.report_errors():
+        try:
+            yield
+        except IsolationError as error:
+            errors.print_error(error)
+            raise typer.Exit(NOT_STRICT) from None
+        except GradingError as error:
+            errors.print_error(f"{error.whose}: {error}")
+            raise typer.Exit(_BROKEN) from None
+
+
+def _exit(result: ClassResult) -> None:
+    if result.has_errors:
+        raise typer.Exit(_BROKEN)
+    if not result.is_full:
+        raise typer.Exit(_MISSING)

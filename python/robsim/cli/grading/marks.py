@@ -1,0 +1,175 @@
+"""What ``robsim grade`` does, and what it prints of it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from robsim._base.files import write_whole
+from robsim._base.text import one_line
+from robsim.assignments._grading.class_files import ClassTables, write_class_files
+from robsim.assignments._grading.class_run import grade_all
+from robsim.assignments._grading.plan import plan_of
+from robsim.assignments._grading.regrading import regrade
+from robsim.assignments._grading.store import ResultFolder
+from robsim.assignments._grading.submissions import Handed, one_submission, submissions_in
+from robsim.assignments._reports.marks.gradescope import gradescope_json
+from robsim.assignments._reports.points import number
+from robsim.assignments._reports.student_text import student_text
+from robsim.assignments._reports.writing import CLASS, PAGE
+from robsim.assignments._results import PASSED, SubmissionResult
+from robsim.cli import errors
+from robsim.cli.results import check_file, check_folder
+
+if TYPE_CHECKING:
+    from robsim.assignments import Assignment, ClassResult
+
+_MOST_NAMED = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chosen:
+    """What the options of the command say."""
+
+    submissions: Path
+    out: Path
+    public: bool
+    only: Sequence[str] | None
+    jobs: int
+    student: str | None
+    gradescope: Path | None
+    columns: str
+    pseudonyms: bool
+    is_quiet: bool
+
+    @property
+    def is_single(self) -> bool:
+        """Whether it is a single submission, whatever the folder looks like."""
+        return self.public or self.student is not None or self.gradescope is not None
+
+
+def graded(assignment: Assignment, chosen: Chosen) -> ClassResult:
+    """Grade, and print a line for each submission as it is done."""
+    if chosen.jobs < 1:
+        raise ValueError(f"--jobs must be at least 1, got {chosen.jobs}")
+    handed = _handed(assignment, chosen)
+    check_folder(chosen.out)
+    if chosen.gradescope is not None:
+        check_file(chosen.gradescope)
+    plan = plan_of(assignment, only=chosen.only, public=chosen.public)
+    folder = ResultFolder(chosen.out)
+    is_class = len(handed) > 1
+
+    def tell(result: SubmissionResult, changed: str) -> None:
+        if is_class and not chosen.is_quiet:
+            errors.say(_line(result, changed))
+            sys.stdout.flush()
+
+    def keep(result: SubmissionResult) -> None:
+        if chosen.gradescope is not None:
+            text = gradescope_json(result, pictures=folder.pictures(result))
+            write_whole(chosen.gradescope, text.encode())
+
+    try:
+        result = grade_all(
+            plan,
+            handed,
+            chosen.out,
+            executor=chosen.jobs if chosen.jobs > 1 else None,
+            tell=tell,
+            keep=keep,
+        )
+    except KeyboardInterrupt:
+        errors.print_note(
+            f"what is done is in {chosen.out}: the same command goes on with the rest"
+        )
+        raise
+    if is_class:
+        tables = ClassTables(columns=chosen.columns, pseudonyms=chosen.pseudonyms)
+        write_class_files(assignment, handed, folder, result.results, tables)
+    return result
+
+
+def _handed(assignment: Assignment, chosen: Chosen) -> list[Handed]:
+    if not chosen.is_single:
+        return submissions_in(chosen.submissions, assignment)
+    one = one_submission(chosen.submissions)
+    return [one if chosen.student is None else Handed(chosen.student, one.path)]
+
+
+def marked_anew(
+    assignment: Assignment, out: Path, columns: str, *, pseudonyms: bool
+) -> ClassResult:
+    """Mark results anew; of programs that resemble each other nothing is said."""
+    result = regrade(assignment, out)
+    if len(result.results) > 1:
+        tables = ClassTables(columns=columns, pseudonyms=pseudonyms)
+        write_class_files(assignment, None, ResultFolder(out), result.results, tables)
+    return result
+
+
+def _line(result: SubmissionResult, changed: str) -> str:
+    if not result.submission_digest:
+        return f"{result.student}  {_points(result)}  {result.tests[0].sentence}"
+    lost = [test.name for test in result.tests if test.status != PASSED]
+    names = ", ".join(lost[:_MOST_NAMED]) + (", ..." if len(lost) > _MOST_NAMED else "")
+    what = f"  not all of {names}" if lost else ""
+    why = f"  (graded anew: {changed})" if changed else ""
+    return f"{result.student}  {_points(result)}{what}{why}"
+
+
+def _points(result: SubmissionResult) -> str:
+    return f"{number(result.points)} of {number(result.most)}"
+
+
+def show(
+    assignment: Assignment, result: ClassResult, out: Path, *, public: bool, as_json: bool
+) -> None:
+    """Print the result: that of a single submission whole, of a class as a table."""
+    if as_json:
+        errors.show(json.dumps([json.loads(one.to_json()) for one in result.results], indent=2))
+        return
+    if len(result.results) > 1:
+        errors.show(f"\n{result}\n")
+        errors.say(f"pages and tables: {out / CLASS}, and a folder for each student beside it")
+        return
+    (one,) = result.results
+    errors.show(student_text(one))
+    if public and assignment.points is not None and assignment.points > one.most:
+        errors.say(
+            f"public tests only: {number(one.most)} of {number(assignment.points)} points shown"
+        )
+    errors.say(f"with pictures: {out / one.student / PAGE}")
+
+
+def played(
+    assignment: Assignment,
+    submission: Path,
+    test: str,
+    run: int | None,
+    out: Path,
+    student: str | None,
+) -> None:
+    """Do a run again, print its scores, and write its trace and picture."""
+    name = one_submission(submission).student if student is None else student
+    folder = ResultFolder(out)
+    if run is None:
+        old = folder.read(name)
+        worst = {} if old is None else {one.name: one.worst for one in old.tests}
+        run = worst.get(test) or 0
+    again = assignment.play(submission, test, run, student=student)
+    place = folder.of(name)
+    check_folder(place)
+    place.mkdir(parents=True, exist_ok=True)
+    trace, picture = (place / f"{test}-run{run}{suffix}" for suffix in (".npz", ".png"))
+    again.trace.save(trace)
+    write_whole(picture, again.picture())
+    errors.show(again)
+    if again.output:
+        errors.show(f"it printed:\n{again.output}")
+    errors.say(f"picture: {one_line(picture)}")
+    errors.say(f"in the panel: robsim gui {one_line(trace)}")
