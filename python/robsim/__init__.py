@@ -2,8 +2,8 @@
 
 What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `trace`,
 `vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
-`capture`, `calibration`, `motors`, `sessions`, `campaigns`, `grading`, `tasks`, `assignments`, `live`,
-`plotting`, `gui`, `doctor`, `bench`.
+`capture`, `calibration`, `motors`, `sessions`, `campaigns`, `grading`, `tasks`, `assignments`,
+`live`, `plotting`, `gui`, `doctor`, `bench`.
 """
 
 import importlib as _importlib

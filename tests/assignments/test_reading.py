@@ -10,7 +10,8 @@ import pytest
 from robsim.assignments import Assignment
 from robsim.grading import AssignmentError, Key
 from robsim.tasks import Limit, task
-from small_assignments import SHORT, TESTS, assignment
+from robsim.tasks._marks.calibration import Calibration, solutions_digest, task_digest
+from small_assignments import LIMITS, SHORT, TESTS, assignment
 
 
 def refused(folder):
@@ -99,7 +100,7 @@ def test_what_is_no_assignment_is_said_to_be_none(tmp_path):
         ("public = true", 'public = "no"', "public must be true or false, got 'no'"),
         ('name = "shown"', 'name = "a/b"', "name must be of letters, digits and _, got 'a/b'"),
         ('name = "shown"', 'name = "hidden"', "two tests have the name 'hidden'"),
-        ('task = "estimate"', 'task = "estimat"', "task must be one of 'measure'"),
+        ('task = "estimate"', 'task = "estimat"', "did you mean 'estimate'?"),
         ("runs = 2", "runs = 0", "[[tests]] 1: runs must lie within 1..1000, got 0"),
         (
             "runs = 2",
@@ -161,3 +162,37 @@ def test_a_key_that_others_can_read_is_refused(tmp_path):
 def test_a_value_of_it_can_be_sent_to_another_process(tmp_path):
     found = Assignment.load(assignment(tmp_path))
     assert pickle.loads(pickle.dumps(found)) == found
+
+
+def calibrated(folder, made):
+    """Write the limits of the first test as those of a task, which come from its solutions."""
+    record = Calibration(
+        task=made.name,
+        parameters=made.parameters,
+        limits={name: Limit(**limit) for name, limit in LIMITS.items()},
+        false_fail=0.01,
+        confidence=0.95,
+        tests=299,
+        pilot_tests=60,
+        rank=1,
+        seed=0,
+        task_digest=task_digest(made),
+        solutions_digest=solutions_digest(made.solutions),
+        versions={},
+        solutions=(),
+    ).as_record()
+    tests = {"shown": {"limits": LIMITS, "calibration": record}}
+    (folder / "limits.json").write_text(json.dumps({"format": 1, "tests": tests}))
+    return Assignment.load(folder).tests[0]
+
+
+def test_limits_of_another_task_or_of_other_solutions_are_stale(tmp_path):
+    folder = assignment(tmp_path)
+    assert calibrated(folder, task("estimate", **SHORT)).stale == ""
+    assert "calibrate again" in calibrated(folder, task("estimate", **SHORT, noise=9)).stale
+    place = folder / "solutions/estimate"
+    for one in task("estimate").solutions:
+        of_kind = place / ("right" if one.is_right else "wrong") / one.name
+        of_kind.mkdir(parents=True)
+        (of_kind / "estimate_state.py").write_bytes(one.files["estimate_state"] + b"\n")
+    assert "the solutions are not those" in calibrated(folder, task("estimate", **SHORT)).stale

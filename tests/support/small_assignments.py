@@ -1,8 +1,14 @@
 """Small assignments as the tests make them: a folder, and what is handed in."""
 
+import io
 import json
 import textwrap
+from contextlib import contextmanager
+from unittest import mock
 
+from PIL import Image
+
+from robsim.assignments._grading import work
 from robsim.grading import Key
 from robsim.tasks import task
 
@@ -56,3 +62,19 @@ def solution(folder, name="reference", kind="estimate"):
     for module, content in one.files.items():
         (folder / f"{module}.py").write_bytes(content)
     return folder
+
+
+def _small_png():
+    content = io.BytesIO()
+    Image.new("RGB", (4, 4)).save(content, "png")
+    return content.getvalue()
+
+
+_PNG = _small_png()
+
+
+@contextmanager
+def drawn_quickly():
+    """Let pictures of runs be one and the same, since to draw takes longer than to grade."""
+    with mock.patch.object(work, "picture_of", return_value=(_PNG, "A picture.")):
+        yield

@@ -44,8 +44,11 @@ class TaskTest:
         those of the public key, the same for all.
     limits : mapping of str to Limit
         Those of the scores, by name; empty until they are calibrated.
+    stale : str
+        Why the limits were not calibrated for this task, or these solutions; "" = they were, or
+        nobody knows.
     reference : Solution or None
-        What its scores are relative to; None in a folder for students.
+        What its scores are relative to.
     reference_values : mapping of str to tuple of float
         The numbers of the reference in each run, by score, of a public test in a folder for
         students; empty elsewhere.
@@ -58,6 +61,7 @@ class TaskTest:
     points: float
     public: bool = True
     limits: Mapping[str, Limit] = field(default_factory=dict)
+    stale: str = ""
     reference: Solution | None = field(default=None, repr=False)
     reference_values: Mapping[str, tuple[float, ...]] = field(default_factory=dict, repr=False)
 

@@ -12,6 +12,7 @@ from robsim._base.checks import check_bool, check_choice
 from robsim._base.files import as_path
 from robsim._base.seeds import Seed
 from robsim._base.text import one_line
+from robsim.campaigns._engines.campaign_work import CampaignWork
 from robsim.campaigns._engines.chunks import Chunks
 from robsim.campaigns._engines.engine import Engine, engine_value, rows_by
 from robsim.campaigns._engines.executors import DaskClient
@@ -20,7 +21,6 @@ from robsim.campaigns._result import CampaignResult, result_of
 from robsim.campaigns._runs import CaseRuns, Row
 from robsim.campaigns._spec import CampaignSpec
 from robsim.campaigns._store import Store, seed_in_store
-from robsim.campaigns._work import CampaignWork
 from robsim.simulation import Scenario
 from robsim.simulation._progress import progress_bar
 

@@ -15,6 +15,7 @@ from robsim.assignments._grading.seeds import key_for
 from robsim.assignments._grading.work import GradingWork, Unit
 from robsim.assignments._own_tests.listing import OwnTest
 from robsim.assignments._own_tests.running import list_own_tests
+from robsim.assignments._reading.limits_file import FILE as LIMITS
 from robsim.grading import AssignmentError, IsolationError, check_isolation
 
 
@@ -90,6 +91,8 @@ def plan_of(
 
 def _check_usable(test: TaskTest, references: References) -> None:
     """Raise AssignmentError unless a test has limits, and its reference runs."""
+    if test.stale:
+        raise AssignmentError(f"the limits of the test {test.name}: {test.stale}", file=LIMITS)
     for score in test.task.scores:
         limit_of(test, score)
         known = test.reference_values.get(score.name)
@@ -97,7 +100,7 @@ def _check_usable(test: TaskTest, references: References) -> None:
             raise AssignmentError(
                 f"limits.json has {len(known)} numbers of the reference of {test.name}, which has "
                 f"{test.task.runs} runs",
-                file="limits.json",
+                file=LIMITS,
             )
     references.numbers(test, "", 0)
 

@@ -18,6 +18,7 @@ _MARKER = (
     "points(number, success='', failure=''): how many points a test gives, and what to tell the "
     "student"
 )
+_MOST = 1000  # characters of an error
 _EXPECTED = "give points a number, such as @pytest.mark.points(2)"
 
 
@@ -55,6 +56,11 @@ class Points:
         self._tests = {item.nodeid: _own_test(item, self._public) for item in items}
         for test in self._tests.values():
             self._say("test", test.to_dict())
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        """Tell why a file cannot be loaded."""
+        if report.failed:
+            self._say("broken", {"text": clean_text(report.longreprtext.strip()[-_MOST:])})
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(

@@ -37,7 +37,8 @@ def list_own_tests(assignment: Assignment, test: FileTests) -> tuple[OwnTest, ..
     with _child(assignment, test, None, "", _LISTING) as (lines, status, said):
         found = tuple(OwnTest.from_dict(data) for kind, data in lines if kind == "test")
         if status != 0 or not found:
-            what = "it has no tests" if status == 5 else said
+            broken = [data["text"] for kind, data in lines if kind == "broken"]
+            what = broken[0] if broken else "it has no tests" if status == 5 else said
             name = test.path.name
             raise AssignmentError(f"{one_line(name)} cannot be used: {what}", file=name)
         return found

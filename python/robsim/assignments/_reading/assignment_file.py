@@ -115,6 +115,8 @@ def _test(keys: Keys, folder: Path, recorded: Mapping[str, RecordedTest]) -> Tas
         [score.name for score in made.scores],
         lambda message: AssignmentError(message, file="limits.json"),
     )
+    solutions = _solutions(folder, made)
+    stale = None if known.calibration is None else known.calibration.stale(made, solutions)
     return TaskTest(
         name=name,
         title=keys.text("title", made.title),
@@ -123,7 +125,8 @@ def _test(keys: Keys, folder: Path, recorded: Mapping[str, RecordedTest]) -> Tas
         points=keys.number("points", most=_MOST_POINTS),
         public=keys.flag("public"),
         limits=known.limits,
-        reference=_reference(folder, made),
+        stale=stale or "",
+        reference=solutions[0],
         reference_values=known.reference,
     )
 
@@ -144,11 +147,11 @@ def _frozen(value: Any) -> Any:
     return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
 
-def _reference(folder: Path, made: Task) -> Solution | None:
-    """Return the assignment's own reference for a task, else the one that ships with robsim."""
+def _solutions(folder: Path, made: Task) -> tuple[Solution, ...]:
+    """Return the assignment's own solutions of a task, else those that ship with robsim."""
     place = folder / SOLUTIONS / made.name
     try:
-        return (solutions_in(place, made.slots) if place.exists() else made.solutions)[0]
+        return solutions_in(place, made.slots) if place.exists() else made.solutions
     except (OSError, ValueError) as error:
         raise AssignmentError(f"{SOLUTIONS}/{made.name}: {error}", file=SOLUTIONS) from None
 

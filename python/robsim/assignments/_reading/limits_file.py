@@ -14,6 +14,7 @@ from robsim._base.spelling import check_names
 from robsim._base.text import quoted
 from robsim.grading import AssignmentError
 from robsim.tasks import Limit
+from robsim.tasks._marks.calibration import Calibration
 
 FILE = "limits.json"
 FORMAT = 1
@@ -31,18 +32,20 @@ class RecordedTest:
         By score.
     reference : mapping of str to tuple of float
         The numbers of the reference in each run, by score; for those who do not have it.
+    calibration : Calibration or None
+        What the limits rest on; None = they were written by hand, or it is not known here.
     """
 
     limits: Mapping[str, Limit] = field(default_factory=dict)
     reference: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    calibration: Calibration | None = None
 
 
 def read_limits(folder: Path) -> dict[str, RecordedTest]:
     """Return what the file of a folder has, by test; nothing, where there is none.
 
     The file is JSON: ``{"format": 1, "tests": {TEST: {"limits": {SCORE: {"full": ..., "zero": ...,
-    "low": ..., "low_zero": ...}}, "reference": {SCORE: [...]}, ...}}}``; what else a test has
-    there is for those who calibrate.
+    "low": ..., "low_zero": ...}}, "reference": {SCORE: [...]}, "calibration": {...}}}}``.
 
     Raises
     ------
@@ -72,7 +75,15 @@ def _test(name: str, values: Any) -> RecordedTest:
     return RecordedTest(
         limits={score: _limit(f"{name}, {score}", one) for score, one in limits.items()},
         reference={score: _numbers(f"{name}, {score}", one) for score, one in reference.items()},
+        calibration=_calibration(name, values.get("calibration")),
     )
+
+
+def _calibration(name: str, record: Any) -> Calibration | None:
+    try:
+        return None if record is None else Calibration.from_record(record)
+    except ValueError as error:
+        _refuse(f"{name}: {error}")
 
 
 def _table(place: str, values: Mapping[str, Any], key: str) -> Mapping[str, Any]:

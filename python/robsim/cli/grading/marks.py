@@ -17,7 +17,7 @@ from robsim.assignments._grading.plan import plan_of
 from robsim.assignments._grading.regrading import regrade
 from robsim.assignments._grading.store import ResultFolder
 from robsim.assignments._grading.submissions import Handed, one_submission, submissions_in
-from robsim.assignments._reports.marks.gradescope import gradescope_json
+from robsim.assignments._reports.marks.gradescope import write_gradescope
 from robsim.assignments._reports.points import number
 from robsim.assignments._reports.student_text import student_text
 from robsim.assignments._reports.writing import CLASS, PAGE
@@ -71,8 +71,7 @@ def graded(assignment: Assignment, chosen: Chosen) -> ClassResult:
 
     def keep(result: SubmissionResult) -> None:
         if chosen.gradescope is not None:
-            text = gradescope_json(result, pictures=folder.pictures(result))
-            write_whole(chosen.gradescope, text.encode())
+            write_gradescope(chosen.gradescope, result, pictures=folder.pictures(result))
 
     try:
         result = grade_all(

@@ -1,0 +1,174 @@
+"""Tests of the teacher's own: plain files for pytest, whose functions have points."""
+
+from dataclasses import replace
+
+import pytest
+
+from robsim.assignments import Assignment
+from robsim.assignments._own_tests.running import list_own_tests, run_own_tests
+from robsim.grading import AssignmentError
+from small_assignments import assignment
+
+pytestmark = pytest.mark.long
+
+HEAD = """
+name = "hw4"
+title = "Drive"
+slots = ["control"]
+functions = ["fit"]
+limits = { call = 1.0, first_call = 3.0 }
+
+[[files]]
+path = "own.py"
+public = PUBLIC
+"""
+OWN = '''
+import time
+import numpy as np
+import pytest
+import robsim
+
+WORLD = robsim.Scenario(area=(400, 400), resolution=(200, 200), measure=True)
+
+
+@pytest.mark.points(2, success="Well driven.", failure="The robot stands still.")
+def test_drives(submission):
+    """The robot drives."""
+    trace = submission.run(WORLD, steps=10)
+    assert np.abs(trace.u).max() > 0.5
+
+
+@pytest.mark.points(1)
+def test_within_bounds(submission):
+    trace = submission.run(WORLD, steps=10)
+    assert np.abs(trace.u).max() < 3, "more than 3 V"
+
+
+@pytest.mark.points(1.5)
+@pytest.mark.robsim_submission(functions="fit")
+def test_fits(submission):
+    assert submission.call("fit", np.arange(3.0)) == pytest.approx(3.0)
+
+
+@pytest.mark.points(1)
+def test_of_a_teacher_who_errs(submission):
+    WORLD.no_such_thing
+
+
+def test_without_points(submission):
+    pytest.skip("not today")
+'''
+GOOD = "def control(step):\n    return 1.0, 1.0\n"
+
+
+def made(folder, own=OWN, public="true"):
+    return Assignment.load(assignment(folder, HEAD.replace("PUBLIC", public), limits=(), own=own))
+
+
+def handed_in(folder, control=GOOD, **functions):
+    folder.mkdir()
+    (folder / "control.py").write_text(control)
+    for name, text in functions.items():
+        (folder / f"{name}.py").write_text(text)
+    return folder
+
+
+def results(hw4, submission, seconds=60.0):
+    (file,) = hw4.files
+    own = list_own_tests(hw4, file)
+    told = run_own_tests(hw4, file, own, str(submission), submission.name, seconds)
+    return {one.name: one for one in told}
+
+
+def test_points_titles_and_messages_come_from_the_file(tmp_path):
+    hw4 = made(tmp_path / "hw4")
+    drives, within, fits, *_, without = list_own_tests(hw4, hw4.files[0])
+    assert (drives.title, drives.points, drives.public) == ("The robot drives", 2, True)
+    assert (drives.success, drives.failure) == ("Well driven.", "The robot stands still.")
+    assert (within.title, fits.points, without.points) == ("within bounds", 1.5, 0)
+
+
+def test_a_good_submission_has_the_points_whatever_else_is_broken(tmp_path):
+    hw4 = made(tmp_path / "hw4")
+    good = handed_in(tmp_path / "s001", fit="def fit(x):\n    return x.sum()\n")
+    result = hw4.grade(good)
+    told = {test.name: test for test in result.tests}
+    assert (told["test_drives"].status, told["test_drives"].sentence) == ("passed", "Well driven.")
+    assert told["test_fits"].points == 1.5
+    erring = told["test_of_a_teacher_who_errs"]
+    assert (erring.status, erring.whose, erring.points) == ("error", "assignment", 0)
+    assert "AttributeError" in erring.sentence
+    assert told["test_without_points"].status == "not run"
+    assert (result.points, result.most) == (4.5, 5.5)
+    assert result.has_errors
+    assert not result.is_done
+
+
+@pytest.mark.slow
+def test_what_the_submission_does_is_its_fault(tmp_path):
+    hw4 = made(tmp_path / "hw4")
+    wild = handed_in(tmp_path / "s002", "def control(step):\n    return 0.1 / (step.k - 3), 9.0\n")
+    told = results(hw4, wild)
+    fails, bounds = told["test_drives"], told["test_within_bounds"]
+    assert (fails.status, fails.whose) == ("failed", "submission")
+    assert "The robot stands still." in fails.sentence
+    assert "control at step 3" in fails.sentence
+    assert "ZeroDivisionError" in bounds.sentence
+    fast = results(hw4, handed_in(tmp_path / "s003", "def control(step):\n    return 9.0, 9.0\n"))
+    assert fast["test_within_bounds"].sentence == "more than 3 V"
+    assert fast["test_drives"].status == "passed"
+    assert "fit" in fast["test_fits"].sentence
+
+
+@pytest.mark.slow
+def test_of_hidden_tests_nothing_is_told_but_their_own_message(tmp_path):
+    hw4 = made(tmp_path / "hw4", public="false")
+    told = results(hw4, handed_in(tmp_path / "s002", "def control(step):\n    return 9.0, 0 * 1\n"))
+    assert told["test_within_bounds"].sentence == "It has failed."
+    told = results(
+        hw4, handed_in(tmp_path / "s003", "def control(step):\n    raise OSError('7')\n")
+    )
+    assert told["test_drives"].sentence == "The robot stands still."
+    assert told["test_within_bounds"].sentence == "It has failed."
+
+
+@pytest.mark.slow
+def test_a_file_that_hangs_or_ends_leaves_what_came_before(tmp_path):
+    first, *_ = OWN.partition("@pytest.mark.points(1)\n")
+    ending = first + "def test_ends(submission):\n    import os\n    os._exit(0)\n"
+    told = results(made(tmp_path / "a", ending), handed_in(tmp_path / "s001"))
+    assert told["test_drives"].status == "passed"
+    assert (told["test_ends"].status, told["test_ends"].whose) == ("error", "assignment")
+    hanging = first + "def test_hangs(submission):\n    time.sleep(99)\n"
+    told = results(made(tmp_path / "b", hanging), handed_in(tmp_path / "s002"), seconds=8.0)
+    assert told["test_drives"].status == "passed"
+    assert (told["test_hangs"].status, told["test_hangs"].sentence) == (
+        "not run",
+        "not run: out of time",
+    )
+
+
+@pytest.mark.parametrize(
+    ("own", "said"),
+    [
+        ("def test_x(submission:\n", "SyntaxError"),
+        ("import no_such_module\n", "no_such_module"),
+        ("x = 1\n", "it has no tests"),
+        ("import pytest\n@pytest.mark.points\ndef test_x(): ...\n", "give points a number"),
+        ("import pytest\n@pytest.mark.points('2')\ndef test_x(): ...\n", "give points a number"),
+        ("import pytest\n@pytest.mark.points(2, fail='')\ndef test_x(): ...\n", "option 'fail'"),
+        ("import pytest\n@pytest.mark.point(2)\ndef test_x(): ...\n", "'point' not found"),
+    ],
+)
+def test_a_file_that_is_broken_scores_nothing(tmp_path, own, said):
+    hw4 = made(tmp_path / "hw4", own)
+    with pytest.raises(AssignmentError) as caught:
+        hw4.grade(handed_in(tmp_path / "s001"))
+    assert "own.py cannot be used" in str(caught.value)
+    assert said in str(caught.value)
+
+
+def test_tests_of_one_name_are_refused(tmp_path):
+    hw4 = made(tmp_path / "hw4")
+    with pytest.raises(AssignmentError, match="two tests have the name 'test_drives'"):
+        replace(hw4, files=hw4.files * 2).grade(handed_in(tmp_path / "s001"))
