@@ -141,6 +141,7 @@ def _zoom(plan: Axes, points: Floats, least: float) -> None:
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
     half = 0.6 * max(*(high - low), least)
     x, y = (low + high) / 2
+    plan.set_aspect("equal", adjustable="box")
     plan.set(xlim=(x - half, x + half), ylim=(y + half, y - half))
 
 

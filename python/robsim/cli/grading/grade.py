@@ -191,7 +191,7 @@ def _assignment(folder: Path | None, isolation: str | None) -> Assignment:
 @contextmanager
 def _reported() -> Iterator[None]:
     """Print an error as a sentence, and exit with the status that says whose it is."""
-    from robsim.grading import GradingError, IsolationError
+    from robsim.grading import GradingError, IsolationError, SubmissionError
 
     with errors.report_errors():
         try:
@@ -199,6 +199,9 @@ def _reported() -> Iterator[None]:
         except IsolationError as error:
             errors.print_error(error)
             raise typer.Exit(NOT_STRICT) from None
+        except SubmissionError as error:  # of a single run
+            errors.print_error(error)
+            raise typer.Exit(_MISSING) from None
         except GradingError as error:
             errors.print_error(f"{error.whose}: {error}")
             raise typer.Exit(_BROKEN) from None

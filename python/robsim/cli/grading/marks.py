@@ -9,15 +9,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from robsim._base.checks import check_choice
 from robsim._base.files import write_whole
 from robsim._base.text import one_line
 from robsim.assignments._grading.class_files import ClassTables, write_class_files
 from robsim.assignments._grading.class_run import grade_all
 from robsim.assignments._grading.plan import plan_of
 from robsim.assignments._grading.regrading import regrade
+from robsim.assignments._grading.seeds import key_for
 from robsim.assignments._grading.store import ResultFolder
 from robsim.assignments._grading.submissions import Handed, one_submission, submissions_in
 from robsim.assignments._reports.marks.gradescope import write_gradescope
+from robsim.assignments._reports.marks.tables import COLUMNS
 from robsim.assignments._reports.points import number
 from robsim.assignments._reports.student_text import student_text
 from robsim.assignments._reports.writing import CLASS, PAGE
@@ -56,6 +59,9 @@ def graded(assignment: Assignment, chosen: Chosen) -> ClassResult:
     """Grade, and print a line for each submission as it is done."""
     if chosen.jobs < 1:
         raise ValueError(f"--jobs must be at least 1, got {chosen.jobs}")
+    check_choice("columns", chosen.columns, COLUMNS)
+    if chosen.pseudonyms:
+        key_for(assignment, public=False)
     handed = _handed(assignment, chosen)
     check_folder(chosen.out)
     if chosen.gradescope is not None:

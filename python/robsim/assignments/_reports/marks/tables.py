@@ -67,7 +67,7 @@ def marks_table(
     ValueError
         If there are no such columns.
     """
-    check_choice("columns", columns, tuple(_COLUMNS))
+    check_choice("columns", columns, COLUMNS)
     heading = clean_line(title if title is not None else results[0].title if results else "")
     rows = _COLUMNS[columns](results, heading)
     content = io.StringIO()
@@ -150,3 +150,6 @@ _COLUMNS: dict[str, Callable[[Sequence[SubmissionResult], str], _Rows]] = {
     "canvas": _for_canvas,
     "blackboard": _for_blackboard,
 }
+
+#: The columns that a table of marks can have.
+COLUMNS = tuple(_COLUMNS)
