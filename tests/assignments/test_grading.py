@@ -1,6 +1,7 @@
 """Submissions are graded: points, sentences, numbers, and whose fault it is."""
 
 import math
+import textwrap
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from robsim.assignments._grading.seeds import seeds_of
 from robsim.assignments._grading.task_runs import graded_task
 from robsim.assignments._results import FailedRun
 from robsim.grading import AssignmentError, Key, Limits
+from robsim.grading._calls.judging import judged
 from robsim.grading._graded_run import graded_run
 from robsim.tasks import Limit
 from small_assignments import LIMITS, assignment, drawn_quickly, solution
@@ -253,3 +255,35 @@ def test_another_key_gives_other_worlds(hw3):
     other = replace(hw3, key=Key.new())
     one, two = (References(each).numbers(each.tests[1], "s001", 0) for each in (hw3, other))
     assert one != two
+
+
+def test_the_doctor_says_what_is_wrong_where_points_are_lost(hw3, graded, tmp_path):
+    tight = {name: Limit(full=1.0001, zero=1.5) for name in LIMITS}
+    tests = tuple(replace(test, limits=tight) for test in hw3.tests)
+    result = replace(hw3, tests=tests).grade(solution(tmp_path / "s002", "naive"))
+    finding = result.tests[0].finding
+    assert "the covariance has to grow while the robot is not seen" in finding
+    assert "estimate_state.py:" in finding
+    assert result.tests[1].finding == finding
+    assert [test.finding for test in graded.tests] == ["", ""]
+
+
+def test_what_is_said_in_place_of_the_doctor_is_text_of_the_submission(hw3, tmp_path):
+    text = """
+    import socket, struct, sys, gc
+    import robsim, numpy as np
+    def estimate_state(step):
+        for frame in [sys._getframe(n) for n in range(9)]:
+            pass
+        return robsim.Estimate((600.0, 600.0, 0.0), np.eye(3))
+    for one in gc.get_objects():
+        if type(one).__name__ == "Channel":
+            said = b"\\x1b[31m<b>all points</b>"
+            head = struct.pack("<IBB3Q", 1, 2, 1, len(said), 0, 0)
+            one._socket.sendall(struct.pack("<HHI", 8, 0, len(head) + len(said)) + head + said)
+    """
+    place = written(tmp_path / "s008", textwrap.dedent(text))
+    task = graded_task(hw3, hw3.tests[0], str(place))
+    said = judged(task, "robsim.doctor._finding:first_finding", 20.0).result
+    assert said == "\\x1b[31m<b>all points</b>"  # escaped, and for others to escape in HTML
+    assert hw3.grade(place).points == 0

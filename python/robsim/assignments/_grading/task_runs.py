@@ -50,9 +50,13 @@ class Runs:
 
 @dataclass(frozen=True)
 class RunTest:
-    """A test that was run: its result, two of its runs, and what has shut the submission in."""
+    """A test that was run: its result, two of its runs, and what has shut the submission in.
+
+    Without a task nothing was run: the submission could not be read.
+    """
 
     result: TestResult
+    task: GradedTask | None = None
     worst: Trace | None = None
     best: Trace | None = None
     isolation: str = ""
@@ -103,11 +107,10 @@ def run_task_test(
         _run(assignment, test, replace(task, limits=limits), student, run, references, runs)
     result = marked(test, _result(test, runs, time.monotonic() - begin))
     if not (ordered := runs_by_badness(test, result)):
-        return RunTest(result, isolation=runs.isolation)
+        return RunTest(result, task, isolation=runs.isolation)
     best, worst = ordered[0], ordered[-1]
-    return RunTest(
-        replace(result, worst=worst), runs.traces[worst], runs.traces[best], runs.isolation
-    )
+    shown = replace(result, worst=worst)
+    return RunTest(shown, task, runs.traces[worst], runs.traces[best], runs.isolation)
 
 
 def graded_task(assignment: Assignment, test: TaskTest, path: str) -> GradedTask:

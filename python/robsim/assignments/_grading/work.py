@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from robsim._base.text import said_by
 from robsim.assignments._assignment import Assignment, FileTests, TaskTest
+from robsim.assignments._grading.findings import Doctor
 from robsim.assignments._grading.pictures import path_of, picture_of
 from robsim.assignments._grading.references import References
 from robsim.assignments._grading.task_runs import run_task_test, unmarked
@@ -125,6 +126,7 @@ class Grader:
     def __init__(self, work: GradingWork) -> None:
         self._work = work
         self._references = References(work.assignment)
+        self._doctor = Doctor()
 
     def rows(self, jobs: Sequence[Job], /) -> list[Row]:
         """Return the rows of some jobs."""
@@ -158,7 +160,8 @@ class Grader:
         run = run_task_test(
             self._work.assignment, test, job.path, job.student, self._references, job.seconds
         )
-        result = run.result
+        left = job.seconds - run.result.seconds
+        result = replace(run.result, finding=self._doctor.finding(run, left))
         row = row._replace(isolation=run.isolation, results=(result,))
         if run.best is not None:
             row.paths[test.name] = path_of(run.best)

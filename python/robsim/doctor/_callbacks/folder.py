@@ -233,7 +233,7 @@ class _Folder:
         make_estimator = self._own(RobotSlots.init_parameter_estimator.name)
         if make_estimator is None:
             return check_parameter_estimator(make)
-        return check_parameter_estimator(lambda: _with_estimator(make(), make_estimator))
+        return check_parameter_estimator(lambda: with_estimator(make(), make_estimator))
 
     def measure(self, make: Maker) -> CheckReport:
         background = WorldSlots.adjust_background.name
@@ -270,7 +270,7 @@ class _Folder:
         return check_motion(make)
 
 
-def _with_estimator(callback: Callable[..., Any], make: Maker) -> Callable[[Step], Any]:
+def with_estimator(callback: Callable[..., Any], make: Maker) -> Callable[[Step], Any]:
     """Return an estimate_parameters whose steps have the folder's own estimator."""
     estimator = make()(RobotModel())
 
