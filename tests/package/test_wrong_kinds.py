@@ -139,6 +139,7 @@ def submission_folder():
 
 
 EXAMPLES = {
+    "plot_runs.runs": lambda: {"one": trace()},
     "Limit.full": lambda: 1.1,
     "Limit.zero": lambda: 4.0,
     "Limit.fraction.statistic": lambda: 1.5,

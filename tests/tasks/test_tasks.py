@@ -158,3 +158,17 @@ def test_points_are_linear_in_the_logarithm_between_the_limits():
     assert [limit.fraction(s) for s in (0.6, 1.2, 2.4, 4.8, 9)] == pytest.approx([1, 1, 0.5, 0, 0])
     assert [limit.fraction(s) for s in (0.5, 0.25, 0.125, 0.1)] == pytest.approx([1, 0.5, 0, 0])
     assert Limit(full=1.2, zero=1.1).fraction(1.3) == 0
+
+
+@KINDS
+def test_a_run_has_a_figure(name):
+    one = task(name, steps=20)
+    with one.solutions[0].choice(one).callbacks() as callbacks:
+        trace = one.simulation(seed=1, **callbacks).run(one.steps)
+    figure = one.figure(trace, trace)
+    assert len(figure.axes) >= 2
+    assert "reference" in [text.get_text() for text in figure.legends[0].get_texts()]
+    with pytest.raises(TypeError, match="reference must be a Trace"):
+        one.figure(trace, 3)
+    with pytest.raises(ValueError, match="has no steps"):
+        one.figure(trace[:0])

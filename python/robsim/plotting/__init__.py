@@ -18,6 +18,7 @@ from robsim.plotting._images.frame import plot_frame
 from robsim.plotting._images.overlay import draw_overlay
 from robsim.plotting._images.replay import annotated_frames, play
 from robsim.plotting._images.robot import plot_robot
+from robsim.plotting._runs.several import plot_runs
 
 __all__ = [
     "annotated_frames",
@@ -33,6 +34,7 @@ __all__ = [
     "plot_frame",
     "plot_parameters",
     "plot_robot",
+    "plot_runs",
     "plot_traces",
 ]
 

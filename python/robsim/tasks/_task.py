@@ -5,9 +5,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
-from robsim._base.checks import check_int
+from robsim._base.checks import Floats, check_int
 from robsim._base.seeds import Seed
 from robsim.simulation import Scenario, Simulation
 from robsim.simulation._slots import AllCallbacks
@@ -15,6 +15,10 @@ from robsim.tasks._score import Score
 from robsim.tasks._sheet import sheet_of
 from robsim.tasks._solutions import Solution, shipped_solutions
 from robsim.trace import Trace
+from robsim.trace._trace import check_trace
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: What no solution may import: answers, or what would make some.
 MASKED = ("robsim.reference", "robsim.tasks", "robsim.grading")
@@ -98,8 +102,47 @@ class Task(ABC):
         """Return in a sentence which rule of the task a run has broken; None = none.
 
         Such a run has no numbers: all are NaN.
+
+        Parameters
+        ----------
+        trace : Trace
+            The run.
         """
+        check_trace(trace)
         return None
+
+    @property
+    def goals(self) -> Floats | None:
+        """Where the robot is to go: a pose (3,) or waypoints (N, 2); None = it is not told to."""
+        return None
+
+    def figure(self, trace: Trace, reference: Trace | None = None) -> Figure:
+        """Draw a run: its path, and at each step what is wrong.
+
+        Parameters
+        ----------
+        trace : Trace
+            The run.
+        reference : Trace, optional
+            That of another solution in the same world.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure. `robsim.plotting.plot_runs` draws several runs.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If one is no Trace, or has no steps.
+        """
+        from robsim.plotting._arguments import check_optional, check_steps
+        from robsim.plotting._runs.beside import draw_run  # matplotlib takes its time
+
+        check_steps(trace)
+        check_optional("reference", reference, Trace)
+        figure, _ = draw_run(trace, reference, slots=self.slots, goals=self.goals)
+        return figure
 
     @property
     def parameters(self) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from robsim._base.checks import check_float
+from robsim._base.checks import Floats, check_float
 from robsim.control import score_path
 from robsim.control._waypoints import as_waypoints
 from robsim.simulation import Scenario
@@ -112,6 +112,11 @@ class Follow(Task):
             "MAXIMUM_VOLTAGE": MAXIMUM_VOLTAGE,
             "DT": DT,
         }
+
+    @property
+    def goals(self) -> Floats:
+        """The waypoints, (N, 2)."""
+        return np.array(self.waypoints)
 
     def broken_rule(self, trace: Trace) -> str | None:
         """Return in which step a voltage was too large."""

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from robsim._base.checks import check_float
+from robsim._base.checks import Floats, check_float
 from robsim.control import score_pose
 from robsim.control._waypoints import as_pose
 from robsim.simulation import Scenario
@@ -119,6 +119,11 @@ class Park(Task):
             "MAXIMUM_VOLTAGE": MAXIMUM_VOLTAGE,
             "DT": DT,
         }
+
+    @property
+    def goals(self) -> Floats:
+        """The pose, (3,)."""
+        return np.array(self.goal)
 
     def broken_rule(self, trace: Trace) -> str | None:
         """Return in which step a voltage was too large."""

@@ -11,6 +11,7 @@ from robsim._core import RobotModel
 from robsim.imaging import GaussianNoise
 from robsim.simulation import Dropout, ParameterMismatch, Scenario, WheelNoise
 from robsim.trace import Trace
+from robsim.trace._trace import check_trace
 
 #: Work area and frame (px): a ninth of the pixels, so that many runs are quick.
 AREA, RESOLUTION = (1200, 1200), (400, 400)
@@ -76,6 +77,7 @@ def check_inside(name: str, positions: Iterable[Sequence[float]]) -> None:
 
 def voltage_beyond_limit(trace: Trace) -> str | None:
     """Return a sentence on the first voltage above `MAXIMUM_VOLTAGE`; None = there is none."""
+    check_trace(trace)
     largest = np.abs(trace.u).max(axis=1)
     rows = np.flatnonzero(largest > MAXIMUM_VOLTAGE + _ROUNDING)
     if not len(rows):

@@ -118,6 +118,8 @@ def _of_drive(trace: Trace, reference: Trace | None, goals: Floats) -> list[RunE
     def distances(run: Trace) -> Floats:
         return distance(run.pose_true[:, :2], goals)
 
+    if not is_goal:  # the path begins where the robot stands
+        goals = np.vstack((trace.pose_true[:1, :2], goals))
     theirs = None if reference is None else distances(reference)
     title = "distance from the goal" if is_goal else "distance from the path"
     unit = trace.info.unit

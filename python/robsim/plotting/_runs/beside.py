@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,21 +13,21 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
-from robsim.assignments._reports.run_errors import (
+from robsim.plotting import _style as style
+from robsim.plotting._charts.traces import draw_plan
+from robsim.plotting._runs.errors import (
     DRIVE,
     ESTIMATE,
     MEASUREMENT,
     RunError,
     run_errors,
 )
-from robsim.plotting import _style as style
-from robsim.plotting._charts.traces import draw_plan
 from robsim.trace import Trace
 
 _COLORS = {ESTIMATE: style.ESTIMATED, MEASUREMENT: style.MEASURED, DRIVE: style.TRUE}
 _REFERENCE = style.BATCH
 _SIZE, _DPI = (9.0, 3.7), 100  # inches; some 60 kB
-_LEAST_VIEW = 120.0  # px of the work area
+_LEAST_VIEW, _ARROW = 120.0, 40.0  # px of the work area
 _RING: dict[str, Any] = {"markersize": 12, "markerfacecolor": "none", "markeredgewidth": 1.6}
 
 
@@ -73,7 +74,7 @@ def draw_run(
     for error, panel in zip(errors, figure.axes[1:], strict=False):
         if (level := (asked or {}).get(error.unit)) is not None:
             _draw_asked(panel, level)
-    _add_legend(figure)
+    add_legend(figure)
     return figure, _caption(trace, reference, errors)
 
 
@@ -129,15 +130,28 @@ def _draw_plan(plan: Axes, trace: Trace, reference: Trace | None, goals: Floats 
     if np.isfinite(trace.pose_estimated).any():
         plan.plot(*shown[1].T, color=style.ESTIMATED, linewidth=1.2, label="estimated path")
     if goals is not None:
-        shown.append(np.atleast_2d(goals)[:, :2])
-        kind = "x" if goals.ndim == 1 else "-"
-        look: dict[str, Any] = {"color": style.GOAL, "markersize": 9, "markeredgewidth": 2.4}
-        plan.plot(*shown[-1].T, kind, linewidth=4, zorder=1.5, label="goal", **look)
-    _zoom(plan, np.vstack(shown), _LEAST_VIEW * trace.info.px_length)
+        shown.append(draw_goals(plan, goals))
+    zoom(plan, np.vstack(shown), trace.info.px_length)
 
 
-def _zoom(plan: Axes, points: Floats, least: float) -> None:
-    """Show a square around points, with y downwards."""
+def draw_goals(plan: Axes, goals: Floats) -> Floats:
+    """Draw a goal, or waypoints, and return their positions (N, 2)."""
+    positions: Floats = np.atleast_2d(goals)[:, :2]
+    look: dict[str, Any] = {"color": style.GOAL, "markersize": 9, "markeredgewidth": 2.4}
+    if goals.ndim > 1:
+        plan.plot(*positions.T, "x-", linewidth=4, zorder=1.5, label="waypoints", **look)
+        return positions
+    plan.plot(*positions.T, "x", zorder=1.5, label="goal", **look)
+    if len(goals) == 3:
+        # a line along the heading that it is to have
+        ahead = _ARROW * np.array([math.cos(goals[2]), math.sin(goals[2])])
+        plan.plot(*np.array([goals[:2], goals[:2] + ahead]).T, color=style.GOAL, linewidth=2.4)
+    return positions
+
+
+def zoom(plan: Axes, points: Floats, px: float = 1.0) -> None:
+    """Show a square around points, with y downwards; `px` is the length of a px."""
+    least = _LEAST_VIEW * px
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
     half = 0.6 * max(*(high - low), least)
     x, y = (low + high) / 2
@@ -182,7 +196,8 @@ def _draw_asked(axes: Axes, level: float) -> None:
 
 
 @style.applied
-def _add_legend(figure: Figure) -> None:
+def add_legend(figure: Figure) -> None:
+    """Put one legend for all panels below a figure."""
     entries: dict[str, Any] = {}
     for panel in figure.axes:
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):

@@ -7,8 +7,8 @@ import pytest
 from PIL import Image
 
 import robsim
-from robsim.assignments._reports.picture import as_png, draw_run
-from robsim.assignments._reports.run_errors import distance, run_errors
+from robsim.plotting._runs.beside import as_png, draw_run
+from robsim.plotting._runs.errors import distance, run_errors
 
 
 def lost(step):

@@ -1,0 +1,1 @@
+"""Runs beside each other: their paths, and what is wrong at each step."""
