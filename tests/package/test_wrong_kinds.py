@@ -21,6 +21,7 @@ import pytest
 
 import robsim
 from python_cameras import SteppedCamera
+from robsim.tasks._marks.files import shipped_calibrations
 
 pytestmark = pytest.mark.long
 
@@ -138,6 +139,10 @@ def submission_folder():
     return folder
 
 
+def calibrated():
+    return shipped_calibrations()["measure"]
+
+
 EXAMPLES = {
     "plot_runs.runs": lambda: {"one": trace()},
     "Limit.full": lambda: 1.1,
@@ -153,6 +158,9 @@ EXAMPLES = {
     "Solution.read.folder": lambda: robsim.tasks.Measure().solutions[0].folder,
     "Solution.read.slots": lambda: "measure",
     "Solution.read.is_right": lambda: True,
+    "TaskCalibration.from_record.record": lambda: calibrated().as_record(),
+    "TaskCalibration.stale.task": robsim.tasks.Measure,
+    "calibrate.task": lambda: robsim.tasks.EstimateState(steps=20, runs=1),
     "Submission.path": submission_folder,
     "Submission.call.name": lambda: "fit",
     "Submission.calls.name": lambda: "fit",
@@ -392,6 +400,7 @@ def floor_panel():
 
 #: What methods are called on, where the class cannot be made of the examples alone.
 OBJECTS = {
+    "TaskCalibration": calibrated,
     "Task": robsim.tasks.Measure,
     "Solution": lambda: robsim.tasks.Measure().solutions[0],
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),

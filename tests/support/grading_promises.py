@@ -16,7 +16,7 @@ from pathlib import Path
 
 from scipy.stats import binomtest
 
-from robsim.tasks import TASKS, Calibration, SolutionMarks, task
+from robsim.tasks import TASKS, SolutionMarks, TaskCalibration, task
 from robsim.tasks._marks.calibrate import marks_of
 from robsim.tasks._marks.calibration import POWER
 from robsim.tasks._marks.files import shipped_calibrations
@@ -64,7 +64,7 @@ HEAD = (
 
 
 def promises(
-    calibration: Calibration,
+    calibration: TaskCalibration,
     *,
     graded: int,
     graded_wrong: int,

@@ -9,14 +9,13 @@ from robsim.tasks._kinds.measure import Measure
 from robsim.tasks._kinds.park import Park
 from robsim.tasks._limit import Limit
 from robsim.tasks._marks.calibrate import calibrate
-from robsim.tasks._marks.calibration import Calibration, SolutionMarks
+from robsim.tasks._marks.calibration import SolutionMarks, TaskCalibration
 from robsim.tasks._score import Score
 from robsim.tasks._solutions import Solution
 from robsim.tasks._task import Task
 
 __all__ = [
     "TASKS",
-    "Calibration",
     "EstimateState",
     "Follow",
     "Identify",
@@ -27,6 +26,7 @@ __all__ = [
     "Solution",
     "SolutionMarks",
     "Task",
+    "TaskCalibration",
     "calibrate",
     "task",
 ]

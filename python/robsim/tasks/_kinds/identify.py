@@ -19,7 +19,7 @@ from robsim.trace import Trace
 from robsim.trace._trace import check_trace
 
 #: At which part of a run the early estimate is scored.
-_EARLY = 1 / 3
+_EARLY = 0.4
 
 #: Inputs that excite all parameters, the robot being fast compared with its noises (V, steps).
 _EXCITATION = DriveAround(low=-1.0, high=3.0, hold=6)
@@ -75,7 +75,7 @@ class Identify(Task):
         ),
         Score(
             name="early",
-            title="rms error of the predicted position, by those after a third of the run",
+            title="rms error of the predicted position, by the parameters at 40 % of the run",
             unit="px",
             share=0.3,
             floor=1e-4,
@@ -83,7 +83,7 @@ class Identify(Task):
         ),
     )
 
-    steps: int = 200
+    steps: int = 150
     noise: float = 0.0
     mismatch: float = 0.3
     slip: float = 0.1

@@ -16,11 +16,14 @@ from robsim._base.checks import check_bool, check_float, check_int
 from robsim._base.files import as_path
 from robsim._base.text import quoted
 from robsim.campaigns._description import surroundings
+from robsim.campaigns._engines.engine import engine_value
 from robsim.campaigns._engines.executors import DaskClient
 from robsim.tasks._limit import Limit
 from robsim.tasks._marks.calibration import (
-    Calibration,
     SolutionMarks,
+    TaskCalibration,
+    check_task,
+    checked_solutions,
     solutions_digest,
     task_digest,
 )
@@ -45,7 +48,7 @@ def calibrate(
     executor: int | str | Executor | DaskClient | None = None,
     store: str | PathLike[str] | None = None,
     progress: bool = True,
-) -> Calibration:
+) -> TaskCalibration:
     """Return limits for a task that a right solution hardly ever misses, from runs of right ones.
 
     Parameters
@@ -74,7 +77,7 @@ def calibrate(
 
     Returns
     -------
-    Calibration
+    TaskCalibration
         The limits, and what each solution comes to by them.
 
     Raises
@@ -91,6 +94,7 @@ def calibrate(
     plan = _plan(task, chosen, false_fail, confidence, tests)
     check_int("seed", seed, minimum=0, maximum=2**128 - 1)
     check_bool("progress", progress)
+    engine_value(executor)
     folder = None if store is None else as_path(store, "store")
 
     right = [one for one in chosen if one.is_right]
@@ -120,7 +124,7 @@ def calibrate(
     wrong_sets = {one.name: sets_of(task, runs[one.name], known) for one in wrong}
     limits = limits_from(task, list(sets.values()), wrong_sets[NAIVE], plan.pilot, plan.rank)
     after = {name: _after(one, plan.pilot) for name, one in sets.items()}
-    return Calibration(
+    return TaskCalibration(
         task=task.name,
         parameters=_plain(task.parameters),
         limits=limits,
@@ -170,12 +174,8 @@ def _plan(
 
 
 def _chosen(task: Any, solutions: Any) -> tuple[Solution, ...]:
-    if not isinstance(task, Task):
-        raise TypeError(f"task must be a Task, got {quoted(task)}")
-    chosen = task.solutions if solutions is None else tuple(solutions)
-    for one in chosen:
-        if not isinstance(one, Solution):
-            raise TypeError(f"solutions must be of Solution, got {quoted(one)}")
+    check_task(task)
+    chosen = task.solutions if solutions is None else checked_solutions(solutions)
     right = [one.name for one in chosen if one.is_right]
     if len(right) < 2 or right[0] != REFERENCE:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""`Calibration`: limits, what they rest on, and what each solution comes to by them."""
+"""`TaskCalibration`: limits, what they rest on, and what each solution comes to by them."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class SolutionMarks:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Calibration(Report):
+class TaskCalibration(Report):
     """Limits of a task, so that right solutions hardly ever fail, and what they rest on.
 
     Attributes
@@ -200,12 +200,17 @@ class Calibration(Report):
             The task.
         solutions : iterable of Solution, optional
             The right and the wrong ones. Default: those that ship with robsim.
+
+        Raises
+        ------
+        TypeError
+            If an argument has the wrong type.
         """
+        check_task(task)
+        chosen = task.solutions if solutions is None else checked_solutions(solutions)
         if task_digest(task) != self.task_digest:
             return "the task is not the one that it was calibrated for: calibrate again"
-        if solutions_digest(task.solutions if solutions is None else solutions) != (
-            self.solutions_digest
-        ):
+        if solutions_digest(chosen) != self.solutions_digest:
             return "the solutions are not those that it was calibrated with: calibrate again"
         return None
 
@@ -214,7 +219,7 @@ class Calibration(Report):
         return {"format": FORMAT} | asdict(self)
 
     @classmethod
-    def from_record(cls, record: Any) -> Calibration:
+    def from_record(cls, record: Any) -> TaskCalibration:
         """Return what `as_record` returned.
 
         Raises
@@ -235,6 +240,23 @@ class Calibration(Report):
 
 def _percents(shares: tuple[float, float]) -> str:
     return f"{interval([100 * share for share in shares])} %"
+
+
+def check_task(task: Any) -> None:
+    """Raise TypeError unless it is a task."""
+    if not isinstance(task, Task):
+        raise TypeError(f"task must be a Task, got {quoted(task)}")
+
+
+def checked_solutions(solutions: Any) -> tuple[Solution, ...]:
+    """Return solutions as a tuple, after a check that they are such."""
+    if not isinstance(solutions, Iterable):
+        raise TypeError(f"solutions must be a sequence of Solution, got {quoted(solutions)}")
+    chosen = tuple(solutions)
+    for one in chosen:
+        if not isinstance(one, Solution):
+            raise TypeError(f"solutions must be a sequence of Solution, got one of {quoted(one)}")
+    return chosen
 
 
 def task_digest(task: Task) -> str:

@@ -10,13 +10,13 @@ from pathlib import Path
 from robsim._base.files import write_whole
 from robsim._base.text import one_line
 from robsim.tasks._limit import Limit
-from robsim.tasks._marks.calibration import Calibration, task_digest
+from robsim.tasks._marks.calibration import TaskCalibration, task_digest
 from robsim.tasks._task import Task
 
 SHIPPED = Path(__file__).parents[1] / "limits.json"
 
 
-def read_calibrations(file: Path) -> dict[str, Calibration]:
+def read_calibrations(file: Path) -> dict[str, TaskCalibration]:
     """Return what `write_calibrations` wrote.
 
     Raises
@@ -30,12 +30,12 @@ def read_calibrations(file: Path) -> dict[str, Calibration]:
         records = json.loads(file.read_text(encoding="utf-8"))
         if not isinstance(records, dict):
             raise ValueError("it must have names and calibrations")
-        return {name: Calibration.from_record(record) for name, record in records.items()}
+        return {name: TaskCalibration.from_record(record) for name, record in records.items()}
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{one_line(file)} has no calibrations: {error}") from None
 
 
-def write_calibrations(file: Path, calibrations: Mapping[str, Calibration]) -> None:
+def write_calibrations(file: Path, calibrations: Mapping[str, TaskCalibration]) -> None:
     """Write calibrations by name, as JSON; readers never get half of the file.
 
     Raises
@@ -48,7 +48,7 @@ def write_calibrations(file: Path, calibrations: Mapping[str, Calibration]) -> N
 
 
 @cache
-def shipped_calibrations() -> Mapping[str, Calibration]:
+def shipped_calibrations() -> Mapping[str, TaskCalibration]:
     """Return the calibrations that ship with robsim, by the name of the task."""
     return read_calibrations(SHIPPED)
 

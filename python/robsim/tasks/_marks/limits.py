@@ -33,7 +33,7 @@ def limits_from(
     naive : Sets
         Those of the naive solution.
     pilot, rank : int
-        As of `Calibration`.
+        As of `TaskCalibration`.
 
     Notes
     -----
