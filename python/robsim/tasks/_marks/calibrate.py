@@ -14,7 +14,7 @@ import numpy as np
 
 from robsim._base.checks import check_bool, check_float, check_int
 from robsim._base.files import as_path
-from robsim._base.text import quoted
+from robsim._base.text import listed, quoted
 from robsim.campaigns._description import surroundings
 from robsim.campaigns._engines.engine import engine_value
 from robsim.campaigns._engines.executors import DaskClient
@@ -176,6 +176,12 @@ def _plan(
 def _chosen(task: Any, solutions: Any) -> tuple[Solution, ...]:
     check_task(task)
     chosen = task.solutions if solutions is None else checked_solutions(solutions)
+    for one in chosen:
+        if not one.files.keys() & set(task.slots):
+            raise ValueError(
+                f"solutions must fill {' or '.join(task.slots)}, but {quoted(one.name)} has "
+                f"{listed(one.files)}"
+            )
     right = [one.name for one in chosen if one.is_right]
     if len(right) < 2 or right[0] != REFERENCE:
         raise ValueError(

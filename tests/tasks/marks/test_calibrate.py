@@ -1,0 +1,156 @@
+"""Calibration of a task from start to end, small; what is refused; its file."""
+
+import dataclasses
+import json
+
+import pytest
+
+from robsim.tasks import EstimateState, Measure, TaskCalibration, calibrate
+from robsim.tasks._marks.calibrate import calibration_seconds
+from robsim.tasks._marks.files import read_calibrations, write_calibrations
+
+TASK = EstimateState(steps=20, runs=2)
+CHOSEN = ("reference", "larger_r", "naive", "no_q")
+SOLUTIONS = [one for one in TASK.solutions if one.name in CHOSEN]
+FAILING = dataclasses.replace(
+    SOLUTIONS[1],
+    files={
+        "estimate_state": b"def estimate_state(step):\n    raise RuntimeError('no such filter')"
+    },
+)
+
+
+@pytest.fixture(scope="module")
+def keep(tmp_path_factory):
+    return tmp_path_factory.mktemp("keep")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_tests():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("robsim.tasks._marks.calibrate.PILOT_TESTS", 10)
+        patch.setattr("robsim.tasks._marks.calibrate.WRONG_TESTS", 12)
+        yield
+
+
+def calibrated(keep):
+    return calibrate(
+        TASK,
+        SOLUTIONS,
+        false_fail=0.2,
+        confidence=0.8,
+        tests=20,
+        seed=5,
+        store=keep / "runs",
+        progress=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def calibration(keep, few_tests):
+    return calibrated(keep)
+
+
+pytestmark = pytest.mark.long
+
+
+def test_right_solutions_pass_the_tests_that_limits_come_from(calibration):
+    marks = {one.name: one for one in calibration.solutions}
+    assert tuple(marks) == CHOSEN
+    # of 20 values the 2nd largest, as P(B(20, 0.2) >= 2) = 0.93 and >= 3 0.79
+    assert calibration.rank == 2
+    right = [marks["reference"], marks["larger_r"]]
+    assert max(one.failing for one in right) == 1
+    assert [one.tests for one in calibration.solutions] == [20, 20, 12, 12]
+    assert marks["reference"].statistics["position"] == 1
+    assert marks["reference"].points == 1
+
+
+def test_wrong_solutions_fail_and_get_less(calibration):
+    naive, no_q = calibration.solutions[2:]
+    assert naive.rate > 0.9
+    assert naive.points < 0.5
+    limit = calibration.limits["position"]
+    assert limit.zero == max(naive.statistics["position"], limit.full**2)
+    assert no_q.rate_interval[0] < no_q.rate <= no_q.rate_interval[1]
+
+
+def test_what_is_printed_says_who_fails(calibration):
+    text = str(calibration)
+    assert "Limits of the task 'estimate', for 2 runs a test" in text
+    assert "no_q" in text
+    weak = dataclasses.replace(
+        calibration,
+        solutions=(
+            *calibration.solutions[:3],
+            dataclasses.replace(calibration.solutions[3], failing=9),
+        ),
+    )
+    assert weak.verdict == "some wrong solutions pass"
+    assert "not told from right in 95 % of the tests: 'no_q'" in str(weak)
+
+
+def test_the_same_call_goes_on_with_the_runs_that_are_kept(calibration, keep, monkeypatch):
+    def refuse(*_):
+        raise AssertionError("a run was done again")
+
+    monkeypatch.setattr("robsim.campaigns._runs.CaseRuns.row", refuse)
+    assert calibrated(keep) == calibration
+
+
+def test_a_file_has_all_of_it(calibration, tmp_path):
+    file = tmp_path / "limits.json"
+    write_calibrations(file, {"one": calibration})
+    assert read_calibrations(file) == {"one": calibration}
+    file.write_text(file.read_text().replace('"format": 1', '"format": 2'))
+    with pytest.raises(ValueError, match=r"limits.json has no calibrations: .*format 1"):
+        read_calibrations(file)
+    file.write_text('{"one": {"format": 1, "limits": {}}}')
+    with pytest.raises(ValueError, match=r"limits.json has no calibrations: no calibration: "):
+        read_calibrations(file)
+    file.write_text("[")
+    with pytest.raises(ValueError, match=r"limits\.json has no calibrations"):
+        read_calibrations(file)
+
+
+def test_what_changed_is_to_be_calibrated_again(calibration):
+    record = json.loads(json.dumps(calibration.as_record()))
+    known = TaskCalibration.from_record(record)
+    assert known.stale(TASK, SOLUTIONS) is None
+    other_task = EstimateState(steps=20, runs=2, slip=0.31)
+    assert known.stale(other_task, SOLUTIONS).startswith("the task is not the one")
+    changed = dataclasses.replace(SOLUTIONS[1], files=SOLUTIONS[1].files | {"more": b"x = 1"})
+    assert known.stale(TASK, [SOLUTIONS[0], changed, *SOLUTIONS[2:]]).startswith("the solutions")
+    assert known.stale(TASK).startswith("the solutions")
+
+
+def test_how_long_it_takes_is_told_before():
+    one = calibration_seconds(TASK, SOLUTIONS, false_fail=0.2, confidence=0.8)
+    assert 0.1 < one < 600
+
+
+def without(name):
+    return [one for one in SOLUTIONS if one.name != name]
+
+
+@pytest.mark.parametrize(
+    ("solutions", "message"),
+    [
+        (without("larger_r"), "solutions must have right ones: first 'reference', and another"),
+        (without("reference"), "solutions must have right ones: first 'reference', and another"),
+        (without("naive"), "solutions must have a wrong one 'naive'"),
+        (Measure().solutions, "solutions must fill estimate_state, but 'reference' has measure"),
+        (
+            [SOLUTIONS[0], FAILING, *SOLUTIONS[2:]],
+            "the right solution 'larger_r' must not fail, but so it did: run 0: .*no such filter",
+        ),
+    ],
+)
+def test_solutions_that_are_no_help_are_refused(solutions, message):
+    with pytest.raises(ValueError, match=message):
+        calibrate(TASK, solutions, false_fail=0.5, confidence=0.5, progress=False)
+
+
+def test_too_few_tests_for_a_promise_are_refused():
+    with pytest.raises(ValueError, match=r"tests must lie within 299\.\."):
+        calibrate(TASK, SOLUTIONS, tests=298)
