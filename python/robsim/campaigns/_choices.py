@@ -143,7 +143,7 @@ def _choices(name: str, values: Any) -> dict[Label, Choice]:
             raise ValueError(
                 f"vary: {name} must have labels of their own, got {quoted(label)} twice"
             )
-        choices[label] = _choice(name, value)
+        choices[label] = choice_of(name, value)
     return choices
 
 
@@ -182,7 +182,7 @@ def _label_of(name: str, value: Any) -> Label:
     )
 
 
-def _choice(name: str, value: Any) -> Choice:
+def choice_of(name: str, value: Any) -> Choice:
     if isinstance(value, (Data, Callback, Factory, Folder, WholeRun)):
         return value
     if name == FOLDER:

@@ -13,6 +13,7 @@ from robsim.tasks._marks.calibration import SolutionMarks, TaskCalibration
 from robsim.tasks._score import Score
 from robsim.tasks._solutions import Solution
 from robsim.tasks._task import Task
+from robsim.tasks._trial import TaskTrial
 
 __all__ = [
     "TASKS",
@@ -27,6 +28,7 @@ __all__ = [
     "SolutionMarks",
     "Task",
     "TaskCalibration",
+    "TaskTrial",
     "calibrate",
     "task",
 ]

@@ -13,6 +13,7 @@ from robsim._base.checks import check_bool
 from robsim._base.files import as_folder
 from robsim._base.text import one_line, quoted
 from robsim.campaigns._choices import Folder
+from robsim.simulation._folders.spelling import misspelled
 from robsim.simulation._slots import SLOTS, checked_slots
 
 if TYPE_CHECKING:
@@ -53,12 +54,12 @@ class Solution:
 
     @classmethod
     def read(cls, folder: str | PathLike[str], slots: Iterable[str], *, is_right: bool) -> Solution:
-        """Read the files of a folder; nothing of it is run.
+        """Read the files of a folder, or a single one; nothing of them is run.
 
         Parameters
         ----------
         folder : path
-            The folder.
+            The folder, or the file of a slot.
         slots : sequence of str
             The slots that it may fill.
         is_right : bool
@@ -74,16 +75,17 @@ class Solution:
         path = as_folder(folder)
         check_bool("is_right", is_right)
         slots = checked_slots(slots, tuple(SLOTS))
+        is_file = path.is_file()
+        found = [path] if is_file else sorted(path.iterdir())
         files = {
             file.stem: file.read_bytes()
-            for file in sorted(path.iterdir())
+            for file in found
             if file.suffix == ".py" and file.is_file() and file.stem != MODULE
         }
         if not files.keys() & set(slots):
-            raise ValueError(
-                f"{one_line(path)} has no solution: it must have {' or '.join(slots)}.py"
-            )
-        return cls(name=path.name, is_right=is_right, folder=path, files=files, slots=slots)
+            raise ValueError(_what_is_missing(path, files, slots))
+        home = path.parent if is_file else path
+        return cls(name=path.name, is_right=is_right, folder=home, files=files, slots=slots)
 
     def choice(self, task: Task) -> Folder:
         """Return it as a folder of a campaign, ``vary={"folder": {...}}``, beside its `task`.
@@ -98,6 +100,14 @@ class Solution:
     def __repr__(self) -> str:
         kind = "right" if self.is_right else "wrong"
         return f"<Solution {quoted(self.name)}, {kind}: {', '.join(sorted(self.files))}>"
+
+
+def _what_is_missing(path: Path, files: Iterable[str], slots: tuple[str, ...]) -> str:
+    wanted = " or ".join(f"{slot}.py" for slot in slots)
+    meant = [f"; is {name}.py meant to be {slot}.py?" for name, slot in misspelled(files).items()]
+    if path.is_file():
+        return f"{one_line(path)} must be {wanted}" + "".join(meant)
+    return f"{one_line(path)} has no solution: it must have {wanted}" + "".join(meant)
 
 
 def folder_with(task: Task, path: Path, files: Mapping[str, bytes]) -> Folder:

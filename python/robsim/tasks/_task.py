@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from robsim._base.checks import Floats, check_int
@@ -20,10 +21,15 @@ from robsim.trace._trace import check_trace
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from robsim.tasks._trial import TaskTrial
+
+#: The seed of trials, unless another one is given: everybody has the same runs.
+PUBLIC_SEED = 1
+
 #: What no solution may import: answers, or what would make some.
 MASKED = ("robsim.reference", "robsim.tasks", "robsim.grading")
 
-MOST_STEPS, _MOST_RUNS = 10_000, 1000
+MOST_STEPS, MOST_RUNS = 10_000, 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +72,7 @@ class Task(ABC):
 
     def __post_init__(self) -> None:
         check_int("steps", self.steps, minimum=1, maximum=MOST_STEPS)
-        check_int("runs", self.runs, minimum=1, maximum=_MOST_RUNS)
+        check_int("runs", self.runs, minimum=1, maximum=MOST_RUNS)
 
     @property
     @abstractmethod
@@ -115,6 +121,69 @@ class Task(ABC):
     def goals(self) -> Floats | None:
         """Where the robot is to go: a pose (3,) or waypoints (N, 2); None = it is not told to."""
         return None
+
+    def try_out(
+        self,
+        solution: str | PathLike[str] | Solution | None = None,
+        *,
+        runs: int | None = None,
+        seed: int = PUBLIC_SEED,
+        time_limit: float | None = None,
+        progress: bool = True,
+        **callbacks: Any,
+    ) -> TaskTrial:
+        """Try a solution, in this process, beside the reference in the same runs.
+
+        Parameters
+        ----------
+        solution : path or Solution, optional
+            A folder with a file for each slot, or one such file; read anew in each call. It can
+            import `values` from the module ``task``.
+        runs : int, optional
+            Number of runs, 1..1000. Default: `runs` of the task.
+        seed : int
+            What the seeds of the runs come from; the default is everybody's.
+        time_limit : float, optional
+            Maximum duration of a call of a callback (s); a run that exceeds it fails.
+        progress : bool
+            Show a progress bar in a terminal or a notebook.
+        **callbacks
+            In place of `solution` the callbacks by slot, such as ``control=my_controller``: a
+            function of the step, or a class without arguments, or a function that makes the
+            callback, which are called anew for each run.
+
+        Returns
+        -------
+        TaskTrial
+            The scores beside those of the reference, and what they come to; ``figure()`` of the
+            worst run.
+
+        Raises
+        ------
+        TypeError, ValueError, OSError
+            If an argument is wrong, or a file cannot be read; the message names it.
+        Exception
+            Whatever a file of the solution raises while it is loaded. What it raises in a run is
+            part of the result.
+
+        Examples
+        --------
+        >>> park = robsim.tasks.Park()
+        >>> park.try_out(control=lambda step: (0.5, 0.5), runs=2)  # doctest: +SKIP
+        """
+        from robsim.tasks._trying import trial  # which imports this
+
+        return trial(
+            self,
+            solution,
+            callbacks,
+            runs=self.runs
+            if runs is None
+            else check_int("runs", runs, minimum=1, maximum=MOST_RUNS),
+            seed=check_int("seed", seed, minimum=0, maximum=2**64),
+            time_limit=time_limit,
+            progress=progress,
+        )
 
     def figure(self, trace: Trace, reference: Trace | None = None) -> Figure:
         """Draw a run: its path, and at each step what is wrong.

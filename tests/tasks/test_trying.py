@@ -1,0 +1,182 @@
+"""Trials: a solution in the runs of the reference, and what that comes to."""
+
+import json
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.tasks import Limit, Measure, Park, _trying
+from robsim.tasks._solutions import SHIPPED
+
+SHORT = {"steps": 40, "runs": 2}
+
+
+class Calibration:
+    """Limits as they ship, made by hand."""
+
+    task_digest = "of another task"
+
+    def __init__(self, **limits):
+        self.limits = limits
+
+
+@pytest.fixture(autouse=True)
+def limits(monkeypatch):
+    wide = {"position": 3, "heading": 3, "lost": 3}
+    hand_made = {"measure": Calibration(**{n: Limit(full=f, zero=12) for n, f in wide.items()})}
+    monkeypatch.setattr(_trying, "shipped_calibrations", lambda: hand_made)
+
+
+def tried(task, *args, **options):
+    return task.try_out(*args, progress=False, **options)
+
+
+def shipped(task, name):
+    return next(one for one in task.solutions if one.name == name)
+
+
+def test_the_reference_is_as_good_as_itself_and_naive_is_not():
+    task = Measure(**SHORT)
+    own = tried(task, shipped(task, "reference"))
+    assert own.verdict == "as good as the reference"
+    assert set(own.statistics.values()) == {1.0}
+    assert own.points == 1
+    assert own.values == own.reference
+    naive = tried(task, SHIPPED / "measure" / "wrong" / "naive")
+    assert naive.verdict == "no better than a naive solution"
+    assert naive.points < 0.1
+    assert naive.reference == own.reference
+
+
+def test_the_worst_run_is_drawn_beside_the_reference():
+    task = Measure(**SHORT)
+    trial = tried(task, shipped(task, "whole_pixels"))
+    assert trial.worst in (0, 1)
+    losses = [trial.values["position"][i] / trial.reference["position"][i] for i in (0, 1)]
+    assert trial.worst == int(np.argmax(losses))
+    assert task.score(trial.trace)["position"] == trial.values["position"][trial.worst]
+    assert np.array_equal(trial.trace.pose_true, trial.reference_trace.pose_true)
+    assert len(trial.figure().axes) == 3
+
+
+def test_a_file_and_a_folder_are_read_anew_and_told_the_values(tmp_path):
+    file = tmp_path / "control.py"
+    file.write_text("from task import GOAL\n\n\ndef control(step):\n    return GOAL[0] * 0, 0.5\n")
+    (tmp_path / "task.py").write_text("GOAL = None  # what another task has said\n")
+    task = Park(steps=5, runs=1)
+    trial = tried(task, file)
+    assert trial.solution == "control.py"
+    assert trial.trace.u[0].tolist() == [0, 0.5]
+    file.write_text("def control(step):\n    return 0.1, 0.1\n")
+    assert tried(task, tmp_path).trace.u[0].tolist() == [0.1, 0.1]
+
+
+def test_a_class_is_made_anew_for_each_run():
+    made = []
+
+    class Counting:
+        def __init__(self):
+            self.calls = 0
+            made.append(self)
+
+        def __call__(self, step):
+            self.calls += 1
+            return 0.0, 0.1
+
+    task = Park(steps=5, runs=3)
+    trial = tried(task, control=Counting)
+    assert trial.solution == "Counting"
+    assert {one.calls for one in made} <= {0, 5}  # one is made to look at it
+    assert sum(one.calls == 5 for one in made) >= 3
+
+
+def test_runs_that_fail_are_told_with_their_line():
+    def broken(step):
+        if step.k == 3 and step.measurement.pose[0] > 0:
+            raise KeyError("speed")
+        return 0.0, 0.0
+
+    trial = tried(Park(steps=5, runs=2, dropout=0), control=broken)
+    assert trial.verdict == "fails"
+    assert list(trial.failed) == [0, 1]
+    assert "KeyError: 'speed' (test_trying.py:" in str(trial)
+    assert np.isnan(list(trial.statistics.values())).all()
+    with pytest.raises(ValueError, match="all have failed"):
+        trial.figure()
+
+
+def test_a_run_that_fails_takes_its_part_of_the_points():
+    task = Measure(steps=20, runs=4)
+    with shipped(task, "reference").choice(task).callbacks() as callbacks:
+        reference = callbacks["measure"]
+
+    def measure(step):
+        if step.k == 19 and step.frame.image[0, 0, 0] % 2:
+            raise RuntimeError("sometimes")
+        return reference(step)
+
+    trial = tried(task, measure=measure)
+    assert 0 < len(trial.failed) < 4
+    assert trial.points == pytest.approx(1 - len(trial.failed) / 4)
+    assert trial.worst not in trial.failed
+
+
+def test_a_broken_rule_is_told():
+    trial = tried(Park(steps=5, runs=2), control=lambda step: (0, 3))
+    assert trial.broken == (0, 1)
+    assert "runs against the rules: 2 (100 %); run 0: 3 V at step 0" in str(trial)
+
+
+def test_without_limits_there_is_no_verdict():
+    trial = tried(Park(steps=5, runs=1), control=lambda step: (0, 0))
+    assert trial.verdict is None
+    assert np.isnan(trial.points)
+
+
+def test_it_says_what_the_limits_are_worth():
+    task = Measure(**SHORT)
+    text = str(tried(task, shipped(task, "reference"), runs=1))
+    assert "the limits are those of the task with its default parameters" in text
+    assert "the limits are for 2 runs" in text
+    assert json.loads(tried(task, shipped(task, "reference")).to_json())["points"] == 1
+
+
+def test_another_seed_is_another_run():
+    task = Park(steps=5, runs=1)
+    one, same, other = (tried(task, control=robsim.Spin, seed=seed).trace for seed in (4, 4, 5))
+    assert np.array_equal(one.pose_true, same.pose_true)
+    assert not np.array_equal(one.pose_true, other.pose_true)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda task: task.try_out(), "give a solution, a folder or a file, or callbacks by name"),
+        (lambda task: task.try_out("a", control=robsim.Spin), "give a solution, a folder or a"),
+        (lambda task: task.try_out(contrl=3), "the task park has no slot 'contrl': did you mean"),
+        (lambda task: task.try_out(control=robsim.GoToPoint(1, 2)), "^control must be a function"),
+        (lambda task: task.try_out(lambda step: (0, 0)), "callbacks are given by name"),
+        (lambda task: task.try_out(control=robsim.Spin, runs=0), "runs must lie within 1..1000"),
+    ],
+)
+def test_what_is_wrong_is_named(call, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        call(Park(steps=5, runs=1))
+
+
+def test_files_that_are_missing_or_misspelled_are_named(tmp_path):
+    task = Park(steps=5, runs=1)
+    with pytest.raises(FileNotFoundError):
+        tried(task, tmp_path / "nothing")
+    (tmp_path / "contrl.py").write_text("def control(step):\n    return 0, 0\n")
+    with pytest.raises(ValueError, match=r"must have control\.py; is contrl\.py meant to be"):
+        tried(task, tmp_path)
+    with pytest.raises(ValueError, match=r"contrl\.py must be control\.py"):
+        tried(task, tmp_path / "contrl.py")
+
+
+def test_what_a_file_raises_while_it_is_loaded_is_raised(tmp_path):
+    (tmp_path / "control.py").write_text("import nothing_of_that_name\n")
+    with pytest.raises(ModuleNotFoundError, match="nothing_of_that_name"):
+        tried(Park(steps=5, runs=1), tmp_path)
