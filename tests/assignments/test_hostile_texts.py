@@ -8,10 +8,11 @@ from itertools import chain
 from xml.etree import ElementTree
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
-from graded_results import NASTY, PROGRAM, any_submissions, submission, texts
+from fuzzing import fuzzed
+from graded_results import NASTY, PROGRAM, any_submissions, saying, submission, texts
 from html_outline import Outline
 from robsim.assignments._reports import (
     for_student,
@@ -63,9 +64,30 @@ def check_page(page):
     return outline
 
 
-@settings(max_examples=60)
+@pytest.mark.parametrize("text", NASTY)
+def test_no_nasty_text_breaks_a_report(text):
+    result = saying(text)
+    check_students_page(result)
+    check_class_page([result, submission()])
+    check_other_formats(result)
+
+
+@pytest.mark.fuzz
+@fuzzed
 @given(any_submissions())
-def test_no_text_is_markup_in_a_students_page(result):
+def test_no_text_breaks_a_report_of_a_submission(result):
+    check_students_page(result)
+    check_other_formats(result)
+
+
+@pytest.mark.fuzz
+@fuzzed
+@given(st.lists(any_submissions(), min_size=1, max_size=3))
+def test_no_text_breaks_the_page_of_a_class(results):
+    check_class_page(results)
+
+
+def check_students_page(result):
     for page in (
         student_page(for_student(result), {"test0": b"png"}),
         student_page(result, {"test0": b"png"}, for_teacher=True),
@@ -75,9 +97,7 @@ def test_no_text_is_markup_in_a_students_page(result):
         assert outline.names.count("section") == len(result.tests)
 
 
-@settings(max_examples=40)
-@given(st.lists(any_submissions(), min_size=1, max_size=3))
-def test_no_text_is_markup_in_the_page_of_a_class(results):
+def check_class_page(results):
     links = {result.student: f"{result.student}/teacher.html" for result in results}
     outline = check_page(class_page(results, links=links))
     assert outline.names.count("script") == 1
@@ -86,9 +106,7 @@ def test_no_text_is_markup_in_the_page_of_a_class(results):
     assert not any(re.match(r"[\w+.-]*:|//", link) for link in links)
 
 
-@settings(max_examples=60)
-@given(any_submissions())
-def test_no_text_breaks_the_other_formats(result):
+def check_other_formats(result):
     text = student_text(result)
     assert not HARMFUL.search(text)
 
@@ -112,7 +130,8 @@ def test_no_text_breaks_the_other_formats(result):
             assert not re.match(r"\s*[=+\-@\uff0b\uff0d\uff1d\uff20]", cell)
 
 
-@settings(max_examples=60)
+@pytest.mark.fuzz
+@fuzzed
 @given(texts)
 def test_escaped_text_comes_back_as_text(text):
     outline = Outline(f"<p>{escaped(text)}</p>")

@@ -61,8 +61,7 @@ def class_file(tmp_path):
     return tmp_path / "class.html"
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("width", [320, 1000])
+@pytest.mark.parametrize(("theme", "width"), [("light", 320), ("dark", 1000)])
 def test_a_students_page_fits_any_screen(open_page, student, theme, width):
     tab = open_page(student, size=(width, 800), theme=theme)
     assert tab.evaluate("document.documentElement.scrollWidth") <= width

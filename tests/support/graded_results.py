@@ -140,6 +140,24 @@ NASTY = (
     *("a" + "\u0301" * 50, "x" * 500, "../../etc/passwd", "%00", "\N{PILE OF POO}", ""),
 )
 
+
+def saying(text, **changes):
+    """Return a submission with a text wherever one can stand."""
+    says = {
+        "title": text,
+        "number": text,
+        "sentence": text,
+        "scores": (score(title=text, unit=text),),
+        "failed": (FailedRun(run=1, reason=text, slot=text, file=text, line=1),),
+        "caption": text,
+        "finding": text,
+        "output": text,
+    }
+    tests = [graded("test0", **says), graded("test1", public=False, **says)]
+    facts = {"assignment": text, "title": text, "notes": (text,), "isolation": text}
+    return submission(text, tests, versions={"robsim": text}, **facts | changes)
+
+
 texts = st.one_of(st.sampled_from(NASTY), st.text(st.characters(), max_size=60))
 
 

@@ -117,7 +117,7 @@ def _table(
 def _row(result: SubmissionResult, tests: Sequence[TestResult], link: str | None) -> Html:
     name: object = result.student
     if link is not None:
-        name = tag("a", result.student, href=quote(link))
+        name = tag("a", result.student, href=quote(link, errors="surrogatepass"))
     total = points_in_all(result)
     graded = {test.name: test for test in result.tests}
     cells = [_cell(graded.get(test.name)) for test in tests]
