@@ -85,7 +85,7 @@ def test_of_hidden_tests_there_are_points_and_a_sentence_alone():
 def test_the_teachers_page_has_all():
     page = student_page(submission(), {"others": png()}, for_teacher=True)
     assert SECRET in page
-    assert "--play s001" in page
+    assert "robsim grade hw3 submissions/s001 --play others --run 4" in page
 
 
 def test_a_bar_has_limits_runs_and_result_in_their_places():

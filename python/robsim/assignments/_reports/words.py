@@ -112,6 +112,13 @@ def repeat_command(result: SubmissionResult, test: TestResult) -> str:
     return "robsim grade {} mine/ --public --only {}".format(*names)
 
 
+def play_command(result: SubmissionResult, test: TestResult) -> str:
+    """Return the command with which a teacher does a run of a test again."""
+    names = map(shlex.quote, (result.assignment, f"submissions/{result.student}", test.name))
+    run = "" if test.worst is None else f" --run {test.worst}"
+    return "robsim grade {} {} --play {}".format(*names) + run
+
+
 def isolation_text(result: SubmissionResult) -> str:
     """Return what has shut a submission in."""
     return result.isolation.removeprefix("isolation: ")

@@ -81,6 +81,17 @@ def gradescope(
     }
 
 
+def gradescope_json(
+    result: SubmissionResult,
+    *,
+    pictures: Mapping[str, bytes] | None = None,
+    hidden: str = "after_published",
+) -> str:
+    """Return `gradescope` as the text of a file, in ASCII."""
+    content = gradescope(result, pictures=pictures, hidden=hidden)
+    return json.dumps(content, indent=1, allow_nan=False) + "\n"
+
+
 def write_gradescope(
     path: str | PathLike[str],
     result: SubmissionResult,
@@ -102,8 +113,7 @@ def write_gradescope(
     OSError
         If it cannot be written.
     """
-    content = gradescope(result, pictures=pictures, hidden=hidden)
-    text = json.dumps(content, indent=1, allow_nan=False) + "\n"
+    text = gradescope_json(result, pictures=pictures, hidden=hidden)
     write_whole(as_path(path), text.encode("ascii"))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping
 
 from robsim.assignments._reports import words
@@ -46,7 +45,7 @@ def student_page(
         _head(result, for_teacher),
         _overview(result),
         tag("main", *cards),
-        _foot(result, for_teacher),
+        _foot(result),
     ]
     return page(f"{result.student}: {result.title}", tag("div", *body, class_="page"))
 
@@ -158,10 +157,13 @@ def _output(test: TestResult) -> Html:
 
 
 def _repeat(result: SubmissionResult, test: TestResult, for_teacher: bool) -> Html:
-    if test.public:
-        command = tag("code", words.repeat_command(result, test))
-        return tag("p", "To repeat it: ", command, class_="quiet")
-    return tag("p", _HIDDEN, class_="quiet") if not for_teacher else Html("")
+    if for_teacher and test.runs:
+        command = tag("code", words.play_command(result, test))
+        return tag("p", "To do a run again: ", command, class_="quiet")
+    if not test.public:
+        return tag("p", _HIDDEN, class_="quiet")
+    command = tag("code", words.repeat_command(result, test))
+    return tag("p", "To repeat it: ", command, class_="quiet")
 
 
 def _preformatted(text: str) -> Html:
@@ -169,7 +171,7 @@ def _preformatted(text: str) -> Html:
     return Html(f"<pre>\n{escaped(text)}</pre>")
 
 
-def _foot(result: SubmissionResult, for_teacher: bool) -> Html:
+def _foot(result: SubmissionResult) -> Html:
     facts = {
         "Isolation": words.isolation_text(result),
         "Graded with": words.versions_text(result),
@@ -177,9 +179,6 @@ def _foot(result: SubmissionResult, for_teacher: bool) -> Html:
         "Assignment": f"{result.assignment} {_digest(result.assignment_digest)}".strip(),
         "Took": f"{result.seconds:.1f} s" if result.seconds else "",
     }
-    if for_teacher:
-        name, student = map(shlex.quote, (result.assignment, result.student))
-        facts["Repeat"] = f"robsim grade {name} SUBMISSIONS --play {student}"
     rows = [joined(tag("dt", key), tag("dd", text)) for key, text in facts.items() if text]
     return tag("footer", tag("dl", *rows))
 
