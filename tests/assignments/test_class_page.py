@@ -94,11 +94,11 @@ def test_paths_lie_on_one_floor_those_with_all_points_on_top():
         DrawnPath("some", rows, 1.0),
     ]
     outline = Outline(floor_of("Park", paths, (600.0, 1200.0), 4.0))
-    assert outline.attributes("points") == ["167,333 500,1000"] * 3
+    assert outline.attributes("points") == ["100.0,200.0 300.0,600.0"] * 3
     assert [name for name in outline.attributes("class") if "path" in name] == [
         *("path none", "path some", "path all")
     ]
-    assert outline.attributes("viewbox") == ["-20 -20 1040 2040"]
+    assert outline.attributes("viewbox") == ["-20 180 440 440"]
     assert "none: 0 of 4" in outline.text
 
 
@@ -107,6 +107,7 @@ def test_paths_of_nobody_are_left_out(tmp_path):
     page = written(tmp_path, paths=nowhere)
     assert "Best runs" in page.text
     assert "polyline" not in page.names
+    assert "-60 -60 1320 1320" in page.attributes("viewbox")
 
 
 @pytest.mark.parametrize(

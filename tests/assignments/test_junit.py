@@ -69,7 +69,7 @@ def test_a_test_without_all_points_has_failed(results):
     root = ElementTree.fromstring(junit_xml(results))
     failure = root[0][2].find("failure")
     assert failure.get("message").startswith("2.92 of 4 points: The estimate stays behind")
-    assert "run 7, estimate_state at step 17" in failure.text
+    assert "run 7: estimate_state at step 17" in failure.text
 
 
 def test_another_parser_reads_it(results, tmp_path):

@@ -10,7 +10,7 @@ from graded_results import SECRET, graded, hidden, score, submission
 from html_outline import Outline
 from robsim.assignments._reports import for_student, student_text, write_student
 from robsim.assignments._reports.pages.student import student_page
-from robsim.assignments._results import ERROR, FAILED, NOT_RUN, SubmissionResult
+from robsim.assignments._results import ERROR, FAILED, NOT_RUN, FailedRun, SubmissionResult
 
 
 def png(color="red"):
@@ -39,7 +39,7 @@ def test_the_page_has_what_helps(page):
         "The estimate is 43 px off in step 33.",
         "wrap the innovation",
         "1 of 10 runs did not come through",
-        "run 7, estimate_state at step 17 (estimate_state.py, line 23): ValueError: no covariance",
+        "run 7: estimate_state at step 17, estimate_state.py, line 23: ValueError: no covariance",
         "printed by me",
         "robsim grade hw3 mine/ --public --only estimate",
         "process, files (Landlock 7)",
@@ -60,7 +60,7 @@ def test_the_page_needs_no_other_file(page):
 def test_the_page_can_be_read_without_seeing_it(page):
     assert page.attributes("lang") == ["en"]
     assert page.names.count("h1") == page.names.count("title") == 1
-    assert page.attributes("alt") == ["The estimate is 43 px off in step 33."]
+    assert page.attributes("alt") == ["Run 4, the worst. The estimate is 43 px off in step 33."]
     ids = page.attributes("id")
     assert len(ids) == len(set(ids)) == 2
     assert {link[1:] for link in page.attributes("href")} == set(ids)
@@ -117,6 +117,19 @@ def test_where_the_grader_failed_nobody_is_blamed_and_no_points_are_shown():
         assert "The grader failed here, not your submission" in " ".join(text.split())
         assert "3 of these 7 points could not be graded" in text
         assert "0 of 3 points" not in text
+
+
+def test_runs_that_failed_alike_are_told_together():
+    reason = "control at step 3, control.py, line 7: ValueError: no"
+    place = {"slot": "control", "step": 3, "file": "control.py", "line": 7}
+    failed = [FailedRun(run=run, reason=reason, **place) for run in (0, 2, 3)]
+    failed.append(FailedRun(run=5, reason="no answer", slot="control"))
+    lost = score(statistic=float("nan"), values=(), reference=(), fraction=0.0)
+    result = submission(tests=[graded(failed=tuple(failed), scores=(lost,), worst=None)])
+    for text in (Outline(student_page(result, {})).text, student_text(result)):
+        assert f"runs 0, 2, 3: {reason}" in " ".join(text.split())
+        assert "run 5: control: no answer" in text
+        assert "error of the position" not in text  # of which there is nothing to say
 
 
 def test_what_is_not_done_is_said():

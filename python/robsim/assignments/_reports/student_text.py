@@ -37,21 +37,20 @@ def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
     yield clean_line(f"{sign} {words.heading(test)}: {word}, {points}{kind}")
     for text in (test.sentence, words.blame(test)):
         yield from _wrapped(text, "  ", "  ")
-    for score in test.scores:
+    for score in test.scores if words.has_numbers(test) else ():
         gives = words.points_text(score, test.most)
         yield from _wrapped(f"{score.title}: {words.score_text(score)}: {gives}", "  - ", "    ")
-    if test.caption:
-        yield from _wrapped(f"{test.caption}", "  ", "  ")
+    yield from _wrapped(words.caption_text(test), "  ", "  ")
     if test.finding:
         yield "  The doctor found:"
         yield from _quoted(test.finding)
     if test.failed:
         yield f"  {words.failed_head(test)}:"
-        for run in test.failed:
-            yield from _wrapped(words.failed_text(run), "  - ", "    ")
-    if test.output:
+        for text in words.failed_texts(test):
+            yield from _wrapped(text, "  - ", "    ")
+    if test.output.strip():
         yield "  The submission printed:"
-        yield from _quoted(test.output)
+        yield from _quoted(test.output.rstrip())
     if test.public:
         yield clean_line(f"  To repeat it: {words.repeat_command(result, test)}")
 

@@ -43,7 +43,8 @@ HINT = (
 
 def heading(test: TestResult) -> str:
     """Return number and title of a test."""
-    return f"{test.number} {test.title}" if test.number else test.title
+    title = test.title[:1].upper() + test.title[1:]
+    return f"{test.number} {title}" if test.number else title
 
 
 def blame(test: TestResult) -> str:
@@ -90,20 +91,45 @@ def _ratio(value: float) -> str:
     return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
 
 
-def failed_text(run: FailedRun) -> str:
-    """Return which run failed, where, and what came."""
-    place = [] if run.slot is None else [run.slot]
-    place += [] if run.step is None else [f"at step {run.step}"]
-    file = "" if run.file is None else run.file
-    file += "" if run.file is None or run.line is None else f", line {run.line}"
-    where = " ".join(place) + (f" ({file})" if file else "")
-    start = f"run {run.run}, {where}" if where else f"run {run.run}"
-    return f"{start}: {run.reason}" if run.reason else start
+def failed_texts(test: TestResult) -> list[str]:
+    """Return which runs failed, where, and what came; those that failed alike together."""
+    alike: dict[str, list[int]] = {}
+    for run in test.failed:
+        alike.setdefault(_reason(run), []).append(run.run)
+    return [f"{_runs(numbers)}: {reason}" for reason, numbers in alike.items()]
+
+
+def _runs(numbers: list[int]) -> str:
+    return f"run{'' if len(numbers) == 1 else 's'} {', '.join(map(str, numbers))}"
+
+
+def _reason(run: FailedRun) -> str:
+    """Return what came, after its place, unless that is in it already."""
+    file = run.file
+    if file is not None and run.line is not None:
+        file = f"{file}, line {run.line}"
+    slot = run.slot
+    if slot is not None and run.step is not None:
+        slot = f"{slot} at step {run.step}"
+    parts = [part for part in (slot, file) if part and part not in run.reason]
+    return ": ".join(filter(None, (", ".join(parts), run.reason))) or "it failed"
 
 
 def failed_head(test: TestResult) -> str:
     """Return how many runs failed, and what that costs."""
-    return f"{len(test.failed)} of {test.runs} runs did not come through; each takes its part"
+    return f"{len(test.failed)} of {test.runs} runs did not come through: each takes its part"
+
+
+def caption_text(test: TestResult) -> str:
+    """Return what the picture shows, with the number of its run."""
+    if test.worst is None:
+        return test.caption
+    return f"Run {test.worst}, the worst. {test.caption}".rstrip()
+
+
+def has_numbers(test: TestResult) -> bool:
+    """Return whether a run came through, so that there is something to say of its scores."""
+    return any(not math.isnan(score.statistic) for score in test.scores)
 
 
 def repeat_command(result: SubmissionResult, test: TestResult) -> str:

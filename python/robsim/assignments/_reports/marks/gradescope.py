@@ -180,19 +180,19 @@ def _details(result: SubmissionResult, test: TestResult, picture: str | None) ->
         if test.status in words.STATUS
         else "",
         *(tag("p", text) for text in (test.sentence, words.blame(test)) if text),
-        _listed(_score(score, test) for score in test.scores),
+        _listed(_score(score, test) for score in test.scores if words.has_numbers(test)),
     ]
     if picture is not None:
-        parts.append(tag("p", tag("img", src=picture, alt=test.caption or "The worst run")))
-    if test.caption:
-        parts.append(tag("p", test.caption))
+        parts.append(tag("p", tag("img", src=picture, alt="The worst run")))
+    if caption := words.caption_text(test):
+        parts.append(tag("p", caption))
     if test.finding:
         parts += [tag("p", tag("b", "What the doctor found")), _preformatted(test.finding)]
     if test.failed:
         parts.append(tag("p", tag("b", words.failed_head(test))))
-        parts.append(_listed(map(words.failed_text, test.failed)))
-    if test.output:
-        parts += [tag("p", tag("b", "What the submission printed")), _preformatted(test.output)]
+        parts.append(_listed(words.failed_texts(test)))
+    if output := test.output.rstrip():
+        parts += [tag("p", tag("b", "What the submission printed")), _preformatted(output)]
     if test.public:
         command = tag("code", words.repeat_command(result, test))
         parts.append(tag("p", "To repeat it: ", command))

@@ -84,8 +84,9 @@ def _case(result: SubmissionResult, test: TestResult) -> ElementTree.Element:
 
 def _details(test: TestResult) -> str:
     lines = [words.blame(test)]
-    lines += [f"{score.title}: {words.score_text(score)}" for score in test.scores]
-    lines += [test.caption, test.finding, *map(words.failed_text, test.failed)]
+    if words.has_numbers(test):
+        lines += [f"{score.title}: {words.score_text(score)}" for score in test.scores]
+    lines += [words.caption_text(test), test.finding, *words.failed_texts(test)]
     return "\n".join(filter(None, lines))
 
 

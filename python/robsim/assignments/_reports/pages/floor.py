@@ -11,9 +11,6 @@ from robsim._base.checks import Floats
 from robsim.assignments._reports.markup import Html, tag
 from robsim.assignments._reports.points import fraction_of, number
 
-_WIDTH = 1000  # of the drawing
-_MARGIN = 20
-
 
 @dataclass(frozen=True)
 class DrawnPath:
@@ -40,26 +37,42 @@ def floor_of(
     most : float
         Points of the test.
     """
-    scale = _WIDTH / area[0]
-    height = area[1] * scale
+    left, top, side = _view(paths, area)
     ordered = sorted(paths, key=lambda path: path.points)
-    lines = [line for path in ordered if (line := _line(path, scale, most))]
-    edge = tag("rect", class_="edge", x="0", y="0", width=_WIDTH, height=f"{height:.0f}", rx="8")
-    view = f"{-_MARGIN} {-_MARGIN} {_WIDTH + 2 * _MARGIN} {height + 2 * _MARGIN:.0f}"
+    lines = [line for path in ordered if (line := _line(path, most, side / 160))]
+    edge = tag("rect", class_="edge", x="0", y="0", width=f"{area[0]:g}", height=f"{area[1]:g}")
     said = f"The best run of each of {len(lines)} submissions, from above; the dot is the start."
-    drawing = tag("svg", edge, *lines, viewBox=view, role="img", aria_label=f"{title}. {said}")
+    look = {"viewBox": f"{left:.0f} {top:.0f} {side:.0f} {side:.0f}", "role": "img"}
+    drawing = tag("svg", edge, *lines, aria_label=f"{title}. {said}", **look)
     head = tag("h3", title), tag("p", said, class_="quiet")
     return tag("figure", *head, drawing, class_="chart floor")
 
 
-def _line(path: DrawnPath, scale: float, most: float) -> Html | None:
-    known = path.positions[np.isfinite(path.positions).all(axis=1)] * scale
+def _view(paths: Sequence[DrawnPath], area: tuple[float, float]) -> tuple[float, float, float]:
+    """Return left, top and side of the square of the floor that is shown: around all paths."""
+    known = np.vstack([_known(path) for path in paths])
+    low, high = np.zeros(2), np.array(area)
+    if len(known):
+        low, high = known.min(axis=0), known.max(axis=0)
+    side = 1.1 * max(*(high - low), 0.2 * max(area))
+    left, top = (low + high - side) / 2
+    return left, top, side
+
+
+def _known(path: DrawnPath) -> Floats:
+    known: Floats = path.positions[np.isfinite(path.positions).all(axis=1)]
+    return known
+
+
+def _line(path: DrawnPath, most: float, radius: float) -> Html | None:
+    known = _known(path)
     if not len(known):
         return None
     share = fraction_of(path.points, most)
     kind = "all" if share == 1 else "some" if share > 0 else "none"
     label = tag("title", f"{path.student}: {number(path.points)} of {number(most)}")
-    text = " ".join(f"{x:.0f},{y:.0f}" for x, y in known)
+    text = " ".join(f"{x:.1f},{y:.1f}" for x, y in known)
     x, y = known[0]
-    start = tag("circle", cx=f"{x:.0f}", cy=f"{y:.0f}", r="6", class_=kind)
+    at = {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{radius:.1f}"}
+    start = tag("circle", class_=kind, **at)
     return tag("g", tag("polyline", label, class_=f"path {kind}", points=text), start)

@@ -107,8 +107,7 @@ def _card(
         tag("p", _pill(test), points, tag("span", kind, class_="quiet"), class_="line"),
         tag("p", test.sentence, class_="sentence") if test.sentence else "",
         tag("p", words.blame(test), class_="note") if words.blame(test) else "",
-        *(_score(score, test) for score in test.scores),
-        tag("p", _SCALE, class_="quiet") if test.scores else "",
+        *_scores(test),
         _figure(test, picture),
         _finding(test),
         _failed(test),
@@ -116,6 +115,12 @@ def _card(
         _repeat(result, test, for_teacher),
     ]
     return tag("section", *parts, class_="card", aria_labelledby=f"test-{index}")
+
+
+def _scores(test: TestResult) -> list[Html]:
+    if not words.has_numbers(test):
+        return []
+    return [*(_score(score, test) for score in test.scores), tag("p", _SCALE, class_="quiet")]
 
 
 def _score(score: ScoreResult, test: TestResult) -> Html:
@@ -131,8 +136,8 @@ def _picture(test: TestResult, pictures: Mapping[str, bytes]) -> bytes | None:
 def _figure(test: TestResult, picture: bytes | None) -> Html:
     if picture is None:
         return Html("")
-    caption = test.caption or (f"Run {test.worst}, the worst." if test.worst is not None else "")
-    image = tag("img", src=data_uri(picture), alt=caption or "The worst run")
+    caption = words.caption_text(test)
+    image = tag("img", src=data_uri(picture), alt=caption or "A run")
     return tag("figure", image, tag("figcaption", caption) if caption else "")
 
 
@@ -145,15 +150,15 @@ def _finding(test: TestResult) -> Html:
 def _failed(test: TestResult) -> Html:
     if not test.failed:
         return Html("")
-    runs = [tag("li", words.failed_text(run)) for run in test.failed]
+    runs = [tag("li", text) for text in words.failed_texts(test)]
     return tag("div", tag("h3", words.failed_head(test)), tag("ul", *runs), class_="box")
 
 
 def _output(test: TestResult) -> Html:
-    if not test.output:
+    if not test.output.strip():
         return Html("")
     summary = tag("summary", "What the submission printed")
-    return tag("details", summary, _preformatted(test.output))
+    return tag("details", summary, _preformatted(test.output.rstrip()))
 
 
 def _repeat(result: SubmissionResult, test: TestResult, for_teacher: bool) -> Html:
