@@ -117,7 +117,8 @@ def _reason(run: FailedRun) -> str:
 
 def failed_head(test: TestResult) -> str:
     """Return how many runs failed, and what that costs."""
-    return f"{len(test.failed)} of {test.runs} runs did not come through: each takes its part of the points"
+    failed = f"{len(test.failed)} of {test.runs} runs did not come through"
+    return f"{failed}: each takes its part of the points"
 
 
 def caption_text(test: TestResult) -> str:
