@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from robsim.cli import bench, check, colors, errors, notebooks, robots, track
+from robsim.cli.assignment import app as assignment
 from robsim.cli.calibration import app as calibration
 from robsim.cli.command import Command, Group
 from robsim.cli.grading import grade
@@ -47,6 +48,7 @@ app.command(
 )(serving.serve)
 app.command(cls=Command, help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
 app.command(cls=Command, help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
+app.add_typer(assignment.app, name="assignment", cls=Group)
 app.add_typer(calibration.app, name="calibrate", cls=Group)
 app.add_typer(robots.app, name="robots", cls=Group)
 app.add_typer(colors.app, name="colors", cls=Group)

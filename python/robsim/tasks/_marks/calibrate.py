@@ -182,6 +182,12 @@ def _chosen(task: Any, solutions: Any) -> tuple[Solution, ...]:
                 f"solutions must fill {' or '.join(task.slots)}, but {quoted(one.name)} has "
                 f"{listed(one.files)}"
             )
+    check_solutions(chosen)
+    return chosen
+
+
+def check_solutions(chosen: Sequence[Solution]) -> None:
+    """Raise ValueError unless there are a reference, another right solution, and a naive one."""
     right = [one.name for one in chosen if one.is_right]
     if len(right) < 2 or right[0] != REFERENCE:
         raise ValueError(
@@ -194,7 +200,6 @@ def _chosen(task: Any, solutions: Any) -> tuple[Solution, ...]:
         raise ValueError(
             f"solutions must have a wrong one {NAIVE!r}, which has no points; got {quoted(wrong)}"
         )
-    return chosen
 
 
 def _file(folder: Path | None, name: str) -> Path | None:

@@ -1,0 +1,220 @@
+"""`check_assignment`: whether an assignment is fit to grade by."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+from robsim._base.check_report import CheckReport
+from robsim._base.checks import check_bool
+from robsim._base.report import Column, Problem, Row, Table
+from robsim._base.text import listed
+from robsim.assignments._assignment import Assignment
+from robsim.assignments._calibration import read_calibration, solutions_for
+from robsim.assignments._checking.rehearsal import FULL, LESS, NOTHING, Part, cast_of, graded
+from robsim.assignments._grading.plan import Plan, plan_of
+from robsim.assignments._making.folder import SHEET
+from robsim.assignments._packing.public_part import public_part
+from robsim.assignments._results import ERROR, SubmissionResult
+from robsim.campaigns._engines.engine import Engine
+from robsim.campaigns._engines.executors import DaskClient
+from robsim.grading import AssignmentError
+from robsim.simulation._progress import progress_bar
+
+#: Who is not what is expected is graded twice more, with other seeds: two of three count.
+_TRIES = 3
+#: Less than that share of the points are none: the limit is the median of the naive solution.
+_LITTLE = 0.1
+_ALL = 1 - 1e-9
+
+
+def check_assignment(
+    folder: str | PathLike[str],
+    *,
+    executor: int | str | Executor | DaskClient | None = None,
+    progress: bool = True,
+) -> CheckReport:
+    """Check whether an assignment is fit to grade by: read it, and grade all that is known.
+
+    Limits must be those of its tasks and solutions, the sheet must name each slot, nothing hidden
+    may be in what students get. Then a class is graded: right solutions, one of them as a notebook,
+    must get all points, wrong ones fewer, and none what is empty, ends its process, hangs, patches
+    what scores it, or looks for the truth in memory; and grading must go on after each.
+
+    Parameters
+    ----------
+    folder : path
+        The folder of the assignment.
+    executor, progress
+        As for `robsim.campaign`.
+
+    Returns
+    -------
+    CheckReport
+        What is wrong, and a table of what was checked.
+
+    Raises
+    ------
+    AssignmentError
+        If the assignment cannot be read, or is not complete.
+    TypeError, ValueError
+        If an argument is wrong.
+
+    Notes
+    -----
+    A right solution has less than full points at the rate that its limits were calibrated for, and
+    a wrong one may pass now and then. So who is not what is expected is graded twice more, with
+    other seeds, and wrong is what was so in two of three.
+    """
+    assignment = Assignment.load(folder)
+    check_bool("progress", progress)
+    findings = [*_still(assignment)]
+    plan = plan_of(assignment)
+    with tempfile.TemporaryDirectory(prefix="robsim-check-") as scratch:
+        findings += _rehearsed(plan, Path(scratch), executor, progress)
+    rows = [Row(one.what, [one.expected, one.got, one.verdict]) for one in findings]
+    columns = [Column("expected", "should be"), Column("got", "is"), Column("verdict", "")]
+    return CheckReport(
+        name=assignment.name,
+        problems=tuple(one.problem for one in findings if one.wrong),
+        tables=(Table(key="checks", columns=columns, rows=rows, row_title="what"),),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """Something that was checked.
+
+    Attributes
+    ----------
+    what, expected, got : str
+        What it is, how it should be, how it is.
+    wrong : str
+        What is wrong, and what to do; "" = nothing.
+    """
+
+    what: str
+    expected: str
+    got: str
+    wrong: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """A word for the table."""
+        return "WRONG" if self.wrong else "well"
+
+    @property
+    def problem(self) -> Problem:
+        """What a report says of it."""
+        return Problem(kind=self.what, sentence=self.wrong)
+
+
+def _still(assignment: Assignment) -> Iterator[Finding]:
+    """Yield what can be said without running anything."""
+    is_needed = any(not test.public for test in assignment.all_tests)
+    key = assignment.key
+    got = "there is none" if key is None else "public" if key.is_public else "secret"
+    wrong = "" if got == "secret" or not is_needed else "hidden tests need a key: Key.new().write"
+    yield Finding(what="key", expected="secret", got=got, wrong=wrong)
+    for test in assignment.tests:
+        made = read_calibration(assignment, test)
+        stale = (
+            "they were not calibrated: robsim assignment calibrate"
+            if made is None
+            else made.stale(test.task, solutions_for(assignment, test.task)) or ""
+        )
+        yield Finding(
+            what=f"limits of {test.name}",
+            expected="calibrated for it",
+            got="others"
+            if stale
+            else f"right ones fail in {100 * made.false_fail:g} %"  # type: ignore[union-attr]
+            " at most",
+            wrong=stale and f"limits of {test.name}: {stale}",
+        )
+    yield _sheet(assignment)
+    yield _public(assignment)
+
+
+def _sheet(assignment: Assignment) -> Finding:
+    file = assignment.folder / SHEET
+    text = file.read_text("utf-8", "replace") if file.is_file() else ""
+    missing = listed(slot for slot in assignment.slots if slot not in text)
+    return Finding(
+        what=SHEET,
+        expected="names each slot",
+        got=f"not {missing}" if missing else "names each",
+        wrong=f"{SHEET} does not say what {missing} is to do" if missing else "",
+    )
+
+
+def _public(assignment: Assignment) -> Finding:
+    try:
+        files = public_part(assignment)
+    except AssignmentError as error:
+        return Finding(
+            what="for students", expected="nothing hidden", got="refused", wrong=str(error)
+        )
+    return Finding(what="for students", expected="nothing hidden", got=f"{len(files)} files")
+
+
+def _rehearsed(plan: Plan, scratch: Path, executor: Engine, progress: bool) -> Iterator[Finding]:
+    """Yield what came of a class."""
+    parts = cast_of(plan.assignment)
+    bar = progress_bar(total=len(parts), unit="submission") if progress else None
+    tries: dict[str, list[SubmissionResult]] = {part.name: [] for part in parts}
+    for again in range(_TRIES):
+        asked = [part for part in parts if not again or not _is_expected(part, tries[part.name][0])]
+        results = graded(
+            plan,
+            asked,
+            scratch / str(again),
+            executor=executor,
+            tell=lambda: None if bar is None else bar.update(),
+            again=again,
+        )
+        for part in asked:
+            tries[part.name].append(results[part.name])
+    if bar is not None:
+        bar.close()
+    for part in parts:
+        yield _finding(part, tries[part.name])
+
+
+def _points(part: Part, result: SubmissionResult) -> tuple[float, float]:
+    tests = [test for test in result.tests if test.name in part.tests]
+    return sum(test.points for test in tests), sum(test.most for test in tests)
+
+
+def _is_expected(part: Part, result: SubmissionResult) -> bool:
+    if any(test.status == ERROR for test in result.tests):
+        return False
+    points, most = _points(part, result)
+    if part.expected == FULL:  # the teacher's own tests, too
+        return all(test.points >= _ALL * test.most for test in result.tests)
+    if part.expected == LESS:
+        return points < _ALL * most
+    return points <= _LITTLE * most
+
+
+_REMEDIES = {
+    FULL: "is right and should get all points: is it right, are the limits those of this task, do "
+    "your own tests ask for more?",
+    LESS: "is wrong and should get fewer points: more runs or steps tell more",
+    NOTHING: "should get no points",
+}
+
+
+def _finding(part: Part, results: list[SubmissionResult]) -> Finding:
+    bad = [one for one in results if not _is_expected(part, one)]
+    points, most = _points(part, (bad or results)[0])
+    got = f"{points:.3g} of {most:g}"
+    if len(results) > 1:
+        got += f", in {len(bad)} of {len(results)} gradings"
+    is_wrong = 2 * len(bad) > len(results)
+    wrong = f"{part.name} {_REMEDIES[part.expected]}; it got {got}" if is_wrong else ""
+    return Finding(what=part.name, expected=part.expected, got=got, wrong=wrong)

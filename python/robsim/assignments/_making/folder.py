@@ -1,0 +1,148 @@
+"""`new_assignment`: the folder of a new assignment."""
+
+from __future__ import annotations
+
+import shutil
+import string
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robsim._base.checks import check_int, check_name, check_text
+from robsim._base.files import as_folder, write_whole
+from robsim._base.spelling import check_names
+from robsim._base.text import one_line
+from robsim.assignments._assignment import Assignment
+from robsim.assignments._making.sheet import sheet_for
+from robsim.assignments._making.start import starting_files
+from robsim.assignments._making.template import TEMPLATES, Template
+from robsim.assignments._reading.assignment_file import FILE, KEY, SOLUTIONS
+from robsim.grading import Key
+from robsim.tasks import Task
+
+SHEET, START, OWN_TESTS = "sheet.md", "start", "own_tests.py"
+
+_FILES = Path(__file__).parents[1] / "templates"
+_MOST_SEED = 2**63 - 1
+
+
+def new_assignment(
+    template: str,
+    folder: str | PathLike[str],
+    *,
+    name: str | None = None,
+    seed: int | None = None,
+) -> Assignment:
+    """Make the folder of an assignment, with a new key and numbers of its own.
+
+    Its limits are not calibrated yet: see `calibrate_assignment`.
+
+    Parameters
+    ----------
+    template : str
+        One of `TEMPLATES`, such as ``"controller"``.
+    folder : path
+        The folder, which is made.
+    name : str, optional
+        The name of the assignment. Default: that of the folder.
+    seed : int, optional
+        What the numbers are drawn from; the key is always new. Default: an unpredictable one.
+
+    Returns
+    -------
+    Assignment
+        What was made.
+
+    Raises
+    ------
+    FileExistsError
+        If there is such a folder or file.
+    TypeError, ValueError
+        If an argument is wrong; the message names it.
+    """
+    check_names("there is no template", [check_text("template", template)], TEMPLATES, ValueError)
+    place = as_folder(folder)
+    title = check_name("name", place.absolute().name if name is None else name)
+    if seed is not None:
+        check_int("seed", seed, minimum=0, maximum=_MOST_SEED)
+    chosen = TEMPLATES[template]
+    task = chosen.draw(np.random.default_rng(seed))
+    try:
+        place.mkdir(parents=True)
+    except FileExistsError:
+        raise FileExistsError(
+            f"{one_line(place)} exists: give another name, or remove it first"
+        ) from None
+    try:
+        _fill(place, chosen, task, title)
+        return Assignment.load(place)
+    except BaseException:
+        shutil.rmtree(place, ignore_errors=True)
+        raise
+
+
+def _fill(folder: Path, template: Template, task: Task, name: str) -> None:
+    """Write the files; the sheet last, which is of what is read then."""
+    values = {
+        "name": _toml(name),
+        "title": template.title,
+        "folder": one_line(folder),
+        "task": task.name,
+    }
+    Key.new().write(folder / KEY)
+    _write(folder / FILE, _filled("assignment.toml", values | _rules(template, task)))
+    _write(folder / "README.md", _filled("README.md", values))
+    _write(folder / OWN_TESTS, (_FILES / f"tests/{task.name}.py").read_text(encoding="utf-8"))
+    for path, content in starting_files(task).items():
+        _write(folder / START / path, content)
+    for solution in task.solutions:
+        kind = "right" if solution.is_right else "wrong"
+        shutil.copytree(
+            solution.folder,
+            folder / SOLUTIONS / task.name / kind / solution.name,
+            ignore=shutil.ignore_patterns("__pycache__", ".*"),
+        )
+    _write(folder / SHEET, sheet_for(Assignment.load(folder)))
+
+
+def _rules(template: Template, task: Task) -> dict[str, str]:
+    kind = template.kind
+    return {
+        "title": _toml(template.title),
+        "slots": _toml(list(kind.slots)),
+        "given": _toml(kind.given),
+        "masked": _toml([*kind.masked, "robsim.assignments"]),
+        "task": _toml(task.name),
+        "class": f"robsim.tasks.{kind.__name__}",
+        "public_title": _toml(f"{kind.title[0].upper()}{kind.title[1:]}"),
+        "hidden_title": _toml(f"{kind.title[0].upper()}{kind.title[1:]}, in other worlds"),
+        "parameters": "\n".join(_parameters(task.parameters)),
+    }
+
+
+def _parameters(values: Mapping[str, Any]) -> list[str]:
+    return [f"{key} = {_toml(value)}" for key, value in values.items() if value is not None]
+
+
+def _toml(value: Any) -> str:
+    import tomlkit
+
+    return str(tomlkit.item(_listed(value)).as_string())
+
+
+def _listed(value: Any) -> Any:
+    """Return a value with lists for tuples, as TOML has them."""
+    return [_listed(one) for one in value] if isinstance(value, (tuple, list)) else value
+
+
+def _filled(name: str, values: Mapping[str, str]) -> str:
+    text = (_FILES / name).read_text(encoding="utf-8")
+    return string.Template(text).substitute(values)
+
+
+def _write(file: Path, text: str) -> None:
+    file.parent.mkdir(exist_ok=True)
+    write_whole(file, text.encode())

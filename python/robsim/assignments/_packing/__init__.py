@@ -1,0 +1,1 @@
+"""Packing an assignment: for students, for Gradescope."""

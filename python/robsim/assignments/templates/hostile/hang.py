@@ -1,0 +1,16 @@
+"""Answers at first, and then never again, whatever is thrown at it."""
+
+calls = 0
+
+
+def SLOT(*given):
+    global calls
+    calls += 1
+    if calls < 3:
+        return NOTHING
+    while True:
+        try:
+            while True:
+                pass
+        except BaseException:
+            continue

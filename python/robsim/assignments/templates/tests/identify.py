@@ -1,0 +1,26 @@
+"""An example of tests of your own: plain pytest, in which `submission` is what a student hands in.
+
+Each function has points, and a sentence for who misses it. Write others, or remove this file and
+its lines in assignment.toml.
+"""
+
+import numpy as np
+import pytest
+
+import robsim
+
+STILL = robsim.Scenario(
+    robot="lab",
+    resolution=(400, 400),
+    boundary="unlimited",
+    control=robsim.Replay(np.zeros((40, 2))),
+    measure=True,
+    identify_from="measurement",
+)
+
+
+@pytest.mark.points(1, failure="Samples of a robot at rest tell nothing of its motors.")
+def test_a_robot_at_rest_leaves_the_motors_as_they_are(submission):
+    trace = submission.run(STILL, steps=40, seed=1)
+    gains = trace.parameters[:, :, 2:4]
+    assert np.allclose(gains[-1], gains[2], atol=0.05)

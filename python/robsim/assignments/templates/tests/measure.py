@@ -1,0 +1,24 @@
+"""An example of tests of your own: plain pytest, in which `submission` is what a student hands in.
+
+Each function has points, and a sentence for who misses it. Write others, or remove this file and
+its lines in assignment.toml.
+"""
+
+import pytest
+
+import robsim
+
+HIDDEN = robsim.Scenario(
+    robot="lab",
+    resolution=(400, 400),
+    start="random",
+    control=robsim.DriveAround(),
+    measure=True,
+    dropout=robsim.Dropout(1),
+)
+
+
+@pytest.mark.points(1, failure="Where the robot cannot be seen there is no pose: return None.")
+def test_a_hidden_robot_has_no_pose(submission):
+    trace = submission.run(HIDDEN, steps=10, seed=1)
+    assert not trace.seen.any()

@@ -1,0 +1,1 @@
+"""Commands of a teacher's assignment: new, calibrate, check, pack."""

@@ -1,0 +1,23 @@
+"""The commands ``robsim assignment``."""
+
+from __future__ import annotations
+
+import typer
+
+from robsim.cli.assignment import calibrate, check, new, pack
+from robsim.cli.command import Command
+
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    help="Make an assignment for a course, that robsim grade grades by.\n\n"
+    "In this order: new writes a folder, whose assignment.toml and sheet.md are yours to edit; "
+    "calibrate finds from which score on there are points; check grades all that is known to be "
+    "right or wrong, before you rely on it; pack writes what students get, and an autograder for "
+    "Gradescope.",
+    epilog="Start with: robsim assignment new controller hw1",
+)
+app.command(cls=Command, help=new.HELP, epilog=new.EXAMPLE)(new.new)
+app.command(cls=Command, help=calibrate.HELP, epilog=calibrate.EXAMPLE)(calibrate.calibrate)
+app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)
+app.command(cls=Command, help=pack.HELP, epilog=pack.EXAMPLE)(pack.pack)

@@ -1,0 +1,240 @@
+"""What is packed: for students nothing that is hidden, for Gradescope what its format asks for."""
+
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+from commands import command
+from robsim.assignments import Assignment, new_assignment, pack_gradescope, pack_students
+from robsim.assignments._packing.autograder import student_in
+from robsim.assignments._packing.public_part import leaks, public_part
+from robsim.grading import AssignmentError
+from small_assignments import LIMITS, solution
+
+on_unix = pytest.mark.skipif(sys.platform == "win32", reason="they are scripts of bash")
+
+
+def shortened(folder):
+    """A new assignment of the template state with short runs."""
+    made = new_assignment("state", folder, seed=1)
+    file = made.folder / "assignment.toml"
+    text = file.read_text().replace("steps = 60", "steps = 20").replace("runs = 10", "runs = 2")
+    file.write_text(text)
+    return made.folder
+
+
+def write_limits(folder):
+    tests = {name: {"limits": LIMITS, "power": 1.0} for name in ("public", "hidden")}
+    (folder / "limits.json").write_text(json.dumps({"format": 1, "tests": tests}))
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    folder = shortened(tmp_path_factory.mktemp("made") / "hw1")
+    write_limits(folder)
+    return folder
+
+
+@pytest.fixture
+def calibrated(made, tmp_path):
+    """A new assignment with limits that somebody has written."""
+    shutil.copytree(made, tmp_path / "hw1")
+    return Assignment.load(tmp_path / "hw1")
+
+
+def test_students_get_the_public_part(calibrated, tmp_path):
+    pack_students(calibrated, tmp_path / "students.zip")
+    with zipfile.ZipFile(tmp_path / "students.zip") as archive:
+        names = set(archive.namelist())
+        archive.extractall(tmp_path / "theirs")
+    assert names == {
+        "hw1/assignment.toml",
+        "hw1/limits.json",
+        "hw1/own_tests.py",
+        "hw1/sheet.md",
+        "hw1/start/estimate_state.py",
+        "hw1/start/task.py",
+    }
+    theirs = Assignment.load(tmp_path / "theirs/hw1")
+    assert [test.name for test in theirs.tests] == ["public"]
+    assert theirs.key is None
+    assert theirs.tests[0].task == calibrated.tests[0].task
+    assert theirs.tests[0].limits == calibrated.tests[0].limits
+    assert len(theirs.tests[0].reference_values["position"]) == 2
+    assert theirs.points == 10
+    assert (theirs.masked, theirs.given) == (calibrated.masked, calibrated.given)
+    assert "power" not in (tmp_path / "theirs/hw1/limits.json").read_text()
+
+
+def test_a_folder_of_the_same_is_written_once(calibrated, tmp_path):
+    pack_students(calibrated, tmp_path / "out")
+    assert Assignment.load(tmp_path / "out").name == "hw1"
+    with pytest.raises(FileExistsError, match="out exists"):
+        pack_students(calibrated, tmp_path / "out")
+
+
+def test_the_same_files_give_the_same_zip(calibrated, tmp_path):
+    first, second = (pack_students(calibrated, tmp_path / f"{i}.zip") for i in range(2))
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_hidden_tests_of_the_teachers_own_stay_here(calibrated, tmp_path):
+    file = calibrated.folder / "assignment.toml"
+    text = file.read_text() + '\n[[files]]\npath = "secret_tests.py"\npublic = false\n'
+    file.write_text(text)
+    (calibrated.folder / "secret_tests.py").write_text("def test_secret(submission):\n    pass\n")
+    files = public_part(Assignment.load(calibrated.folder))
+    assert "secret" not in b"".join(files.values()).decode()
+
+
+@pytest.mark.parametrize("secret", ["key", "solutions/estimate/right/reference/kalman.py"])
+def test_what_is_hidden_is_found_wherever_it_was_copied_to(calibrated, secret):
+    content = (calibrated.folder / secret).read_bytes()
+    (calibrated.folder / "start/notes.txt").write_bytes(b"see this:\n" + content)
+    with pytest.raises(AssignmentError, match=r"students would get .* start/notes.txt has the"):
+        public_part(calibrated)
+    assert leaks(calibrated, {"sheet.md": b"nothing"}) == []
+
+
+def test_without_limits_nothing_is_packed(tmp_path):
+    made = new_assignment("state", tmp_path / "hw1")
+    with pytest.raises(AssignmentError, match=r"public has no limit for .*calibrate its limits"):
+        pack_students(made, tmp_path / "students.zip")
+    with pytest.raises(AssignmentError, match=r"public has no limit for .*calibrate its limits"):
+        pack_gradescope(made, tmp_path / "autograder.zip")
+    assert {file.name for file in tmp_path.iterdir()} == {"hw1"}
+
+
+REFERENCE = "assignment/solutions/estimate/right/reference"
+
+
+def test_gradescope_gets_its_two_scripts_at_the_top(calibrated, tmp_path):
+    pack_gradescope(calibrated, tmp_path / "autograder.zip", install="robsim==9.9")
+    with zipfile.ZipFile(tmp_path / "autograder.zip") as archive:
+        names = set(archive.namelist())
+        modes = {one.filename: one.external_attr >> 16 & 0o777 for one in archive.infolist()}
+        requirements = archive.read("requirements.txt").decode().splitlines()
+        scripts = {name: archive.read(name) for name in ("setup.sh", "run_autograder")}
+    assert names == {
+        *("setup.sh", "run_autograder", "requirements.txt"),
+        *("assignment/assignment.toml", "assignment/key", "assignment/limits.json"),
+        *("assignment/own_tests.py", f"{REFERENCE}/estimate_state.py", f"{REFERENCE}/kalman.py"),
+    }
+    assert modes["run_autograder"] == modes["setup.sh"] == 0o755
+    assert modes["assignment/key"] == 0o600
+    assert requirements == ["robsim==9.9", "pytest"]
+    for script in scripts.values():
+        assert script.startswith(b"#!/usr/bin/env bash\n")
+        assert b"\r" not in script
+
+
+@on_unix
+def test_the_scripts_are_bash(calibrated, tmp_path):
+    pack_gradescope(calibrated, tmp_path / "autograder.zip")
+    with zipfile.ZipFile(tmp_path / "autograder.zip") as archive:
+        archive.extractall(tmp_path / "source")
+    for name in ("setup.sh", "run_autograder"):
+        subprocess.run(["bash", "-n", tmp_path / "source" / name], check=True)
+
+
+def test_a_wheel_goes_along(calibrated, tmp_path):
+    wheel = tmp_path / "robsim-1.0-cp311-cp311-linux_x86_64.whl"
+    wheel.write_bytes(b"a wheel")
+    pack_gradescope(calibrated, tmp_path / "autograder.zip", install=wheel)
+    with zipfile.ZipFile(tmp_path / "autograder.zip") as archive:
+        assert archive.read(wheel.name) == b"a wheel"
+        assert archive.read("requirements.txt").decode().startswith(f"./{wheel.name}\n")
+    with pytest.raises(FileNotFoundError):
+        pack_gradescope(calibrated, tmp_path / "b.zip", install=tmp_path / "none.whl")
+    with pytest.raises(ValueError, match="path must be that of a zip"):
+        pack_gradescope(calibrated, tmp_path / "autograder")
+
+
+@pytest.mark.long
+def test_students_try_the_public_tests_with_what_they_get(calibrated, tmp_path):
+    pack_students(calibrated, tmp_path / "theirs/hw1")
+    theirs = tmp_path / "theirs/hw1"
+    shutil.copytree(theirs / "start", theirs / "mine")
+    run = command("grade", ".", "mine", "--public", cwd=theirs)
+    assert run.exit_code == 1, run.stderr  # what they begin with keeps the last pose
+    assert "public tests only: 4 of 10 points shown" in run.stdout
+    solution(theirs / "better")
+    run = command("grade", ".", "better", "--public", cwd=theirs)
+    assert run.exit_code == 0, run.stdout
+
+
+def autograder(folder, archive):
+    """What Gradescope makes of an autograder: source unpacked, run_autograder copied out of it."""
+    root = folder / "autograder"
+    (root / "results").mkdir(parents=True)
+    shutil.unpack_archive(archive, root / "source")
+    shutil.copy(root / "source/run_autograder", root / "run_autograder")
+    (root / "source/assignment/key").chmod(0o600)  # as setup.sh does it
+    (root / "venv/bin").mkdir(parents=True)
+    python = root / "venv/bin/python"
+    python.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} "$@"\n')
+    python.chmod(0o755)
+    return root
+
+
+def run_autograder(root):
+    done = subprocess.run(
+        ["bash", root / "run_autograder"],
+        cwd=root,
+        env={**os.environ, "AUTOGRADER": str(root)},
+        capture_output=True,
+        text=True,
+        timeout=100,
+    )
+    return done, json.loads((root / "results/results.json").read_text())
+
+
+@on_unix
+@pytest.mark.long
+def test_the_autograder_grades_in_folders_as_the_specification_has_them(calibrated, tmp_path):
+    root = autograder(tmp_path, pack_gradescope(calibrated, tmp_path / "autograder.zip"))
+    solution(root / "submission")
+    (root / "submission_metadata.json").write_text(metadata("b@x.org", "a@x.org"))
+    done, results = run_autograder(root)
+    assert done.returncode == 0, done.stderr
+    assert [test["max_score"] for test in results["tests"]] == [3, 6, 1]
+    assert sum(test["score"] for test in results["tests"]) == 10
+    assert calibrated.key._secret.hex() not in json.dumps(results)
+
+
+@on_unix
+@pytest.mark.long
+def test_a_grader_that_fails_says_so_in_the_results(calibrated, tmp_path):
+    root = autograder(tmp_path, pack_gradescope(calibrated, tmp_path / "autograder.zip"))
+    (root / "source/assignment/limits.json").unlink()
+    solution(root / "submission")
+    done, results = run_autograder(root)
+    assert done.returncode == 2
+    assert "has no limit" in done.stderr  # for the teacher
+    assert results["output"].startswith("The grader failed, which is no fault of your submission")
+
+
+def metadata(*emails):
+    users = [{"email": email, "id": 7, "name": "somebody"} for email in emails]
+    return json.dumps({"id": 1, "users": users})
+
+
+def test_a_student_is_known_by_who_has_handed_it_in(tmp_path):
+    file = tmp_path / "submission_metadata.json"
+    assert student_in(file) == "submission"
+    for text, name in [
+        (metadata("a@x.org"), "a@x.org"),
+        (metadata("b@x.org", "a@x.org"), "a@x.org+b@x.org"),
+        (metadata(None), "7"),
+        ('{"users": []}', "submission"),
+        ('{"users": [3]}', "submission"),
+        ("nothing", "submission"),
+    ]:
+        file.write_text(text)
+        assert student_in(file) == name
