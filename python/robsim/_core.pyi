@@ -2132,6 +2132,11 @@ class SimulatedWorld(World):
         RobotModel or None: the one that the robot follows; None before the start.
         """
     @property
+    def pose(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        array (3,): where the robot is: x, y (work-area px), heading (rad).
+        """
+    @property
     def scene(self) -> Scene:
         """
         Scene or None: what the camera looks at; None if nobody has looked yet.

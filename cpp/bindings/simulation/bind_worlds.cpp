@@ -248,6 +248,13 @@ void bind_simulated_world(py::module_& module) {
           "model", [](const SlottedWorld& self) { return self.model(); },
           "RobotModel or None: the one that the robot follows; None before the start.")
       .def_property_readonly(
+          "pose",
+          [](const SlottedWorld& self) {
+            const RunGuard::Look look(self.loop_guard());
+            return bindings::to_array(self.truth()->pose);
+          },
+          "array (3,): where the robot is: x, y (work-area px), heading (rad).")
+      .def_property_readonly(
           "scene",
           [](const SlottedWorld& self) {
             const RunGuard::Look look(self.loop_guard());
