@@ -115,6 +115,7 @@ _LATE_ROOMS = (
         "doctor",
         "grading",
         "gui",
+        "gym",
         "live",
         "motors",
         "plotting",

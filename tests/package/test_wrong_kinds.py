@@ -261,6 +261,7 @@ EXAMPLES = {
     "score_path.waypoints": lambda: [(150, 150)],
     "Trace.poses_from.source": lambda: "truth",
     "VideoWriter.path": lambda: "video.mkv",
+    "action": lambda: (0.1, 0.1),
     "address": lambda: "127.0.0.1:9",
     "alignment": lambda: 0.0,
     "angle": lambda: 0.1,

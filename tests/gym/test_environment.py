@@ -1,0 +1,111 @@
+"""Tasks as environments of gymnasium."""
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import robsim
+import robsim.gym
+
+NAMES = ["Park", "Follow"]
+
+
+def drive(env, policy, seed=1):
+    """Run an episode; return the rewards and the last info."""
+    observation, info = env.reset(seed=seed)
+    rewards, is_over = [], False
+    while not is_over:
+        observation, reward, terminated, is_over, info = env.step(policy(observation))
+        assert not terminated
+        rewards.append(reward)
+    return rewards, info
+
+
+def still(observation):
+    return np.zeros(2, np.float32)
+
+
+@pytest.mark.parametrize("observation", ["pose", "frame"])
+@pytest.mark.parametrize("name", NAMES)
+def test_an_environment_passes_the_checker_of_gymnasium(name, observation):
+    env = gymnasium.make(
+        f"robsim/{name}-v0", observation=observation, render_mode="rgb_array", steps=20
+    )
+    check_env(env.unwrapped)
+    env.close()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_episode_is_a_run_of_the_task(name):
+    env = gymnasium.make(f"robsim/{name}-v0", steps=30)
+    rewards, info = drive(env, still)
+    task = env.unwrapped.task
+    assert len(rewards) == task.steps == 30
+    assert info["scores"].keys() == {score.name for score in task.scores}
+
+
+def test_the_same_actions_give_the_same_run_as_a_simulation():
+    env = robsim.gym.TaskEnv("park", steps=25)
+    generator = np.random.default_rng(3)
+    actions = generator.uniform(-1, 1, (25, 2)).astype(np.float32)
+    remaining = iter(actions)
+    drive(env, lambda observation: next(remaining))
+    trace = env._simulation.trace
+    again = robsim.tasks.Park(steps=25).simulation(
+        seed=env_seed(seed=1), control=lambda step: tuple(map(float, actions[step.k]))
+    )
+    assert again.run(25) == trace[:25]
+
+
+def env_seed(seed):
+    return int(gymnasium.utils.seeding.np_random(seed)[0].integers(2**63))
+
+
+def test_an_observation_is_what_was_measured_in_this_step():
+    env = robsim.gym.TaskEnv("park", noise=0, dropout=0, steps=10)
+    observation, info = env.reset(seed=2)
+    assert observation[3] == 1
+    np.testing.assert_allclose(observation[:2], info["pose_true"][:2], atol=1)
+    observation, _, _, _, info = env.step(np.ones(2, np.float32))
+    np.testing.assert_allclose(observation[:2], info["pose_true"][:2], atol=1)
+
+
+def test_a_robot_that_is_hidden_is_where_it_was_seen_last():
+    env = robsim.gym.TaskEnv("park", dropout=1, steps=10)
+    observation, _ = env.reset(seed=1)
+    width, height = env.task.scenario.area
+    np.testing.assert_array_equal(observation, [width / 2, height / 2, 0, 0])
+
+
+@pytest.mark.parametrize("name", ["park", "follow"])
+def test_the_rewards_of_a_run_sum_to_what_was_done(name):
+    idle = sum(drive(robsim.gym.TaskEnv(name, steps=20), still)[0])
+    assert idle == pytest.approx(0, abs=0.2)  # the motors are disturbed
+    env = robsim.gym.TaskEnv(name)
+    with env.task.solutions[0].choice(env.task).callbacks() as callbacks:
+
+        def policy(observation):
+            return np.array(callbacks["control"](env._simulation.last_step), np.float32)
+
+        assert sum(drive(env, policy)[0]) > 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "words"),
+    [
+        ({"task": "measure"}, ValueError, "park, follow, got 'measure'"),
+        ({"task": 3}, TypeError, "task must be a name or a Task, got 3"),
+        ({"task": robsim.tasks.Park(), "noise": 3}, TypeError, "noise beside it"),
+        ({"observation": "blobs"}, ValueError, "observation must be"),
+        ({"render_mode": "human"}, ValueError, "render_mode must be"),
+    ],
+)
+def test_wrong_arguments(arguments, error, words):
+    with pytest.raises(error, match=words):
+        robsim.gym.TaskEnv(**arguments)
+
+
+def test_there_is_no_step_before_the_first_reset():
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        robsim.gym.TaskEnv().step(np.zeros(2, np.float32))
