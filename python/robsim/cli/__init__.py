@@ -19,6 +19,7 @@ from robsim.cli.grading import grade
 from robsim.cli.live import cameras, live, serving
 from robsim.cli.shared import SWITCH
 from robsim.cli.simulated import campaign, demo, gui, run
+from robsim.cli.tasks import app as tasks
 
 app = typer.Typer(
     cls=Group,
@@ -50,6 +51,7 @@ app.command(cls=Command, help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebook
 app.command(cls=Command, help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
 app.add_typer(assignment.app, name="assignment", cls=Group)
 app.add_typer(calibration.app, name="calibrate", cls=Group)
+app.add_typer(tasks.app, name="tasks", cls=Group)
 app.add_typer(robots.app, name="robots", cls=Group)
 app.add_typer(colors.app, name="colors", cls=Group)
 

@@ -25,6 +25,8 @@ REFERENCE, NAIVE = "reference", "naive"
 #: The module from which a solution has the values of its task.
 MODULE = "task"
 
+_START = "start"
+
 SHIPPED = Path(__file__).parent / "solutions"
 
 
@@ -125,6 +127,12 @@ def module_source(task: Task) -> bytes:
     lines = [f'"""What is given: {task.title}."""', ""]
     lines += [f"{name} = {value!r}" for name, value in task.values.items()]
     return ("\n".join(lines) + "\n").encode()
+
+
+def starting_files(task: Task) -> dict[str, bytes]:
+    """Return what students begin with, by the names of files: one for each slot, and ``task.py``."""
+    files = {file.name: file.read_bytes() for file in (SHIPPED / task.name / _START).glob("*.py")}
+    return files | {f"{MODULE}.py": module_source(task)}
 
 
 def solutions_in(folder: str | PathLike[str], slots: tuple[str, ...]) -> tuple[Solution, ...]:

@@ -6,15 +6,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from robsim._base.checks import Floats, check_int
+from robsim._base.files import write_new_files
 from robsim._base.seeds import Seed
 from robsim.simulation import Scenario, Simulation
 from robsim.simulation._slots import AllCallbacks
 from robsim.tasks._score import Score
 from robsim.tasks._sheet import sheet_of
-from robsim.tasks._solutions import Solution, shipped_solutions
+from robsim.tasks._solutions import Solution, shipped_solutions, starting_files
 from robsim.trace import Trace
 from robsim.trace._trace import check_trace
 
@@ -121,6 +123,31 @@ class Task(ABC):
     def goals(self) -> Floats | None:
         """Where the robot is to go: a pose (3,) or waypoints (N, 2); None = it is not told to."""
         return None
+
+    def begin(self, folder: str | PathLike[str]) -> list[Path]:
+        """Write what is needed to begin with: the sheet, a file for each slot, and ``task.py``.
+
+        Parameters
+        ----------
+        folder : path
+            The folder; it is created if needed.
+
+        Returns
+        -------
+        list of Path
+            The files.
+
+        Raises
+        ------
+        TypeError
+            If `folder` is no path.
+        FileExistsError
+            If one of them exists there; then nothing is written.
+        OSError
+            If it cannot be written.
+        """
+        sheet = {"sheet.md": self.sheet.encode()}
+        return write_new_files(sheet | starting_files(self), folder)
 
     def try_out(
         self,

@@ -94,6 +94,11 @@ class TaskTrial(Report):
         return points_of(self.task.scores, self.limits, tuple(self.statistics.values()), through)
 
     @property
+    def is_solved(self) -> bool:
+        """Whether it has all points; False also where they are not known."""
+        return self.points > 1 - 1e-9
+
+    @property
     def title(self) -> str:
         """What was tried."""
         return f"Task {self.task.name}, {self.solution}"
@@ -105,7 +110,7 @@ class TaskTrial(Report):
             return "fails"
         if not self.limits:
             return None
-        if self.points > 1 - 1e-9:
+        if self.is_solved:
             return "as good as the reference"
         if self.points >= _NEARLY:
             return "nearly as good as the reference"
@@ -172,7 +177,7 @@ class TaskTrial(Report):
         if any(score.kind == "consistency" for score in self.task.scores):
             yield "what should be 1, a consistency, is the geometric mean of yours alone"
         if self.worst is not None:
-            yield f"figure() draws run {self.worst}, the worst"
+            yield f"the worst run is number {self.worst}"
 
     def _on_limits(self) -> Iterator[str]:
         if not self.limits:

@@ -1,7 +1,7 @@
 """Reading files within limits; writing them whole."""
 
 from robsim._base.files.arrays import packed_arrays
-from robsim._base.files.copies import copy_files
+from robsim._base.files.copies import copy_files, write_new_files
 from robsim._base.files.reading import (
     MOST_TOML,
     as_folder,
@@ -29,5 +29,6 @@ __all__ = [
     "read_toml",
     "sync_folder",
     "write_csv",
+    "write_new_files",
     "write_whole",
 ]

@@ -1,0 +1,79 @@
+"""The command ``robsim tasks try``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.shared import Json
+from robsim.cli.tasks.showing import Name
+from robsim.cli.text import number, whole_number
+
+EXAMPLE = "Example: robsim tasks try park parking --figure park.png"
+HELP = (
+    "Try a solution of a task, beside a reference in the same runs.\n\n"
+    "It says what the scores come to, and what fails in which line. The exit status is 0 if the "
+    "solution is as good as the reference, 1 if it is not, 2 if there is nothing to try. It is run "
+    "in this process, as your own code: grade those of others with robsim grade."
+)
+
+
+def try_solution(
+    name: Name,
+    path: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE|FOLDER",
+            help="A folder with the callbacks, or the file of one.",
+            show_default=False,
+        ),
+    ],
+    runs: Annotated[
+        int | None,
+        typer.Option(
+            "--runs", parser=whole_number, metavar="N", help="Number of runs. Default: the task's."
+        ),
+    ] = None,
+    seed: Annotated[
+        int,
+        typer.Option(
+            "--seed", parser=whole_number, metavar="N", help="Another number: other runs."
+        ),
+    ] = 1,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(
+            "--time-limit",
+            parser=number,
+            metavar="SECONDS",
+            help="Longest duration of a call of a callback. Default: none.",
+        ),
+    ] = None,
+    figure: Annotated[
+        Path | None,
+        typer.Option(
+            "--figure", metavar="FILE", help="Draw the worst run there: a PNG, PDF or SVG file."
+        ),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Try a solution of a task."""
+    from robsim.cli.results import check_figure_name, check_file, save_figure
+    from robsim.tasks import task
+
+    with errors.report_errors(path if path.is_dir() else path.parent):
+        if figure is not None:
+            check_figure_name(figure)
+            check_file(figure)
+        trial = task(name).try_out(path, runs=runs, seed=seed, time_limit=time_limit)
+        if figure is not None and trial.worst is not None:
+            save_figure(figure, trial.figure())
+    errors.show(trial.to_json() if as_json else trial)
+    if figure is not None:
+        drawn = f"run {trial.worst} is drawn in {figure}"
+        errors.print_note(drawn if trial.worst is not None else "all runs failed: none is drawn")
+    if not trial.is_solved:
+        raise typer.Exit(1)
