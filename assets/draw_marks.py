@@ -1,15 +1,16 @@
 """What statistical marks promise: ./run marks draws notebooks/site/marks.png, prints its numbers.
 
-Runs of all solutions of a task, right and wrong ones, in tests as they are graded: what these come
-to, how many points that gives, how well more runs tell them apart.
+All solutions of a task, right and wrong ones, are run in tests as they are graded: what these come
+to, how many points that gives, and how well more runs tell right from wrong.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +21,17 @@ from matplotlib.figure import Figure
 
 import robsim
 from robsim.plotting import _style as style
-from robsim.tasks import Limit, Score, Solution, Task
+from robsim.tasks import Limit, Task
+from robsim.tasks._marks.calibrate import PILOT_TESTS, WRONG_TESTS
+from robsim.tasks._marks.limits import limits_from
+from robsim.tasks._marks.sets import Runs, Sets, runs_of, sets_of
+from robsim.tasks._marks.tolerance import bound_rank, fewest_values
+from robsim.tasks._solutions import NAIVE, REFERENCE
 
 FIGURE = Path(__file__).parents[1] / "notebooks/site/marks.png"
-TASK, SETS, SEED = "estimate", 299, 1
+TASK, SEED = "estimate", 1
 FALSE_FAIL, CONFIDENCE = 0.01, 0.95
-#: How many runs a test may have, of which the most is that of the task.
+#: How many runs a test may have.
 RUNS = (1, 2, 5, 10)
 
 RIGHT, WRONG, LIMIT = style.ESTIMATED, style.WRONG, style.MEASURED
@@ -33,187 +39,164 @@ _JITTER = 0.28  # of a row
 
 
 @dataclass(frozen=True)
-class Sets:
-    """Runs of the solutions of a task, put together in sets.
+class Tests:
+    """Tests of so many runs of all solutions of a task.
 
     Attributes
     ----------
     task : Task
-        The task.
-    numbers : mapping of str to mapping of str to array (runs,)
-        Of each solution the numbers of its runs, by score.
+        The task, with that many runs.
+    runs : mapping of str to Runs
+        The runs of each solution.
+    rate : float
+        How often a right solution may fail.
     """
 
     task: Task
-    numbers: Mapping[str, Mapping[str, Any]]
+    runs: Mapping[str, Runs]
+    rate: float
 
-    def statistics(self, solution: str, score: Score, runs: int) -> Any:
-        """Return what sets of so many runs come to, (sets,)."""
-        values, reference = (
-            self.numbers[name][score.name].reshape(-1, runs) for name in (solution, "reference")
-        )
-        sets = zip(values, reference, strict=False)
-        return np.array([score.statistic(one, other) for one, other in sets])
-
-    def limits(self, runs: int) -> dict[str, Limit]:
-        """Return the limits of a test of so many runs, by score."""
-        return {score.name: self._limit(score, runs) for score in self.task.scores}
-
-    def _limit(self, score: Score, runs: int) -> Limit:
-        sides = sum(2 if one.kind == "consistency" else 1 for one in self.task.scores)
-        rights = [s.name for s in self.task.solutions if s.is_right]
-        found = [np.sort(self.statistics(name, score, runs)) for name in rights]
-        rank = largest_rank(len(found[0]), FALSE_FAIL / sides, CONFIDENCE)
-        naive = float(np.median(self.statistics("naive", score, runs)))
-        full = max(float(one[-rank]) for one in found)
-        if score.kind != "consistency":
-            return Limit(full=full, zero=max(naive, full * 1.01))
-        low = min(float(one[rank - 1]) for one in found)
-        return Limit(full=full, zero=max(naive, full**2), low=low, low_zero=low**2)
-
-    def points(self, solution: str, limits: Mapping[str, Limit], runs: int) -> Any:
-        """Return the share of the points that each set gets, (sets,)."""
-        shares = [
-            score.share
-            * np.array(
-                [limits[score.name].fraction(s) for s in self.statistics(solution, score, runs)]
-            )
-            for score in self.task.scores
-        ]
-        return np.sum(shares, axis=0)
-
-
-def largest_rank(n: int, rate: float, confidence: float) -> int:
-    """Return the largest r such that the r-th largest of n values is a limit that keeps a rate."""
-    # P(true rate of the r-th largest of n > rate) = P(Binomial(n, rate) < r) <= 1 - confidence
-    ranks = np.arange(1, n + 1)
-    kept = ranks[scipy.stats.binom.cdf(ranks - 1, n, rate) <= 1 - confidence]
-    if not len(kept):
-        raise ValueError(f"{n} sets are too few for a rate of {rate:g}")
-    return int(kept[-1])
-
-
-def runs_of(
-    task: Task, *, sets: int, executor: int | None = None, keep: Path | None = None
-) -> Sets:
-    """Run all solutions of a task, as many times as so many sets of its runs take."""
-    runs = sets * task.runs
-    result = robsim.campaign(
-        task.scenario,
-        vary={"folder": {one.name: one.choice(task) for one in task.solutions}},
-        metrics={"task": task.score},
-        runs=runs,
-        steps=task.steps,
-        seed=SEED,
-        executor=executor,
-        store=keep,
-    )
-    numbers = {
-        one.name: {
-            score.name: result[f"task_{score.name}"][result["folder"] == one.name]
-            for score in task.scores
+    @cached_property
+    def sets(self) -> dict[str, Sets]:
+        """Of each solution what its tests come to."""
+        reference = self.runs[REFERENCE]
+        return {
+            name: sets_of(self.task, own, reference.first(len(own.failed)))
+            for name, own in self.runs.items()
         }
-        for one in task.solutions
-    }
-    return Sets(task, numbers)
+
+    @cached_property
+    def limits(self) -> dict[str, Limit]:
+        """The limits, from as many tests as there are."""
+        right = [self.sets[one.name] for one in self.task.solutions if one.is_right]
+        count = len(right[0].through) - PILOT_TESTS
+        rank = bound_rank(count, self.rate, CONFIDENCE)
+        return limits_from(self.task, right, self.sets[NAIVE], PILOT_TESTS, rank)
+
+    def points(self, solution: str) -> Any:
+        """Return the share of the points of each test."""
+        return self.sets[solution].points(self.task.scores, self.limits)
+
+    def failing(self, solution: str) -> float:
+        """Return the share of the tests with less than full points (%)."""
+        return 100 * float(np.mean(self.points(solution) < 1 - 1e-9))
+
+
+def graded(
+    task: Task, *, rate: float, executor: int | None = None, keep: Path | None = None
+) -> dict[int, Tests]:
+    """Run all solutions of a task, and return the tests by their number of runs."""
+    count = PILOT_TESTS + fewest_values(rate, CONFIDENCE)
+    runs: dict[str, Runs] = {}
+    for is_right, tests in ((False, WRONG_TESTS), (True, count)):
+        runs |= runs_of(
+            task,
+            [one for one in task.solutions if one.is_right == is_right],
+            tests,
+            seed=SEED,
+            executor=executor,
+            store=keep and keep / f"{'right' if is_right else 'wrong'}.sqlite",
+        )
+    counts = [n for n in RUNS if n <= task.runs]
+    return {n: Tests(replace(task, runs=n), runs, rate) for n in counts}
 
 
 @style.applied
-def figure_of(found: Sets) -> Figure:
+def figure_of(found: Mapping[int, Tests]) -> Figure:
     """Return the figure."""
-    figure = style.NotebookFigure(figsize=(11.0, 7.4))
+    figure = style.NotebookFigure(figsize=(11.0, 7.6))
     (statistics, points), (power, promise) = figure.subplots(2, 2)
-    most = max(RUNS)
-    limits = found.limits(most)
-    _draw_statistics(statistics, found, limits, most)
-    _draw_points(points, found, limits, most)
+    most = found[max(found)]
+    _draw_statistics(statistics, most)
+    _draw_points(points, most)
     _draw_power(power, found)
-    _draw_promise(promise)
+    _draw_promise(promise, most.rate)
     return figure
 
 
-def _rows(axes: Axes, solutions: Sequence[Solution]) -> None:
-    axes.set_yticks(range(len(solutions)), [one.name.replace("_", " ") for one in solutions])
-    axes.set_ylim(len(solutions) - 0.5, -0.5)
-    for label, one in zip(axes.get_yticklabels(), solutions, strict=True):
-        label.set_color(RIGHT if one.is_right else WRONG)
-
-
-def _strip(axes: Axes, row: int, values: Any, solution: Solution) -> None:
-    """Draw a row of values, each a dot."""
-    spread = np.random.default_rng(row).uniform(-_JITTER, _JITTER, len(values))
-    color = RIGHT if solution.is_right else WRONG
-    axes.plot(values, row + spread, ".", markersize=2.5, color=color, alpha=0.5)
-
-
-def _draw_statistics(axes: Axes, found: Sets, limits: Mapping[str, Limit], runs: int) -> None:
-    score = found.task.scores[0]
-    limit = limits[score.name]
-    for row, solution in enumerate(found.task.solutions):
-        _strip(axes, row, found.statistics(solution.name, score, runs), solution)
-    axes.axvline(limit.full, color=LIMIT, linewidth=1.5)
-    axes.axvline(limit.zero, color=style.GUIDE, linewidth=1.5)
-    _rows(axes, found.task.solutions)
-    axes.set(xscale="log", xlabel=f"{score.title}: times the reference, {runs} runs together")
+def _draw_statistics(axes: Axes, tests: Tests) -> None:
+    score = tests.task.scores[0]
+    limit = tests.limits[score.name]
+    for row, one in enumerate(tests.task.solutions):
+        _strip(axes, row, tests.sets[one.name].statistics[:, 0], is_right=one.is_right)
+    axes.axvline(limit.full, color=LIMIT, linewidth=1.5, label="full points up to here")
+    axes.axvline(limit.zero, color=style.GUIDE, linewidth=1.5, label="none from here")
+    _name_rows(axes, tests.task)
+    axes.set(xscale="log", xlabel=f"{score.title}, times the reference's")
     axes.xaxis.set_major_formatter("{x:g}")
-    axes.set_title("A  what sets of runs come to, and both limits", loc="left")
+    axes.legend(loc="lower right", facecolor="white", framealpha=0.9, frameon=True)
+    axes.set_title(f"A  one score, in tests of {tests.task.runs} runs", loc="left")
 
 
-def _draw_points(axes: Axes, found: Sets, limits: Mapping[str, Limit], runs: int) -> None:
-    for row, solution in enumerate(found.task.solutions):
-        points = 100 * found.points(solution.name, limits, runs)
-        _strip(axes, row, points, solution)
-        below = np.mean(points < 100)
-        axes.text(103, row, f"{100 * below:.3g} %", va="center", fontsize=7.5)
-    _rows(axes, found.task.solutions)
-    axes.set(xlim=(-3, 118), xlabel="points (%); at the right: sets below full points")
+def _draw_points(axes: Axes, tests: Tests) -> None:
+    for row, one in enumerate(tests.task.solutions):
+        _strip(axes, row, 100 * tests.points(one.name), is_right=one.is_right)
+        axes.text(103, row, f"{tests.failing(one.name):.3g} %", va="center", fontsize=7.5)
+    _name_rows(axes, tests.task)
+    axes.set(xlim=(-3, 118), xlabel="points of a test (%); at the right: tests below 100")
     axes.set_xticks(range(0, 101, 20))
     axes.set_title("B  points, all scores together", loc="left")
 
 
-def _draw_power(axes: Axes, found: Sets) -> None:
-    for solution in found.task.solutions:
-        below = [np.mean(found.points(solution.name, found.limits(n), n) < 1) for n in RUNS]
-        color = RIGHT if solution.is_right else WRONG
-        axes.plot(RUNS, 100 * np.array(below), ".-", color=color, linewidth=1, markersize=5)
+def _strip(axes: Axes, row: int, values: Any, *, is_right: bool) -> None:
+    """Draw a row of values, each a dot."""
+    spread = np.random.default_rng(row).uniform(-_JITTER, _JITTER, len(values))
+    color = RIGHT if is_right else WRONG
+    axes.plot(values, row + spread, ".", markersize=2.5, color=color, alpha=0.5)
+
+
+def _name_rows(axes: Axes, task: Task) -> None:
+    names = [one.name.replace("_", " ") for one in task.solutions]
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    for label, one in zip(axes.get_yticklabels(), task.solutions, strict=True):
+        label.set_color(RIGHT if one.is_right else WRONG)
+
+
+def _draw_power(axes: Axes, found: Mapping[int, Tests]) -> None:
+    counts = list(found)
+    for one in found[counts[0]].task.solutions:
+        failing = [found[n].failing(one.name) for n in counts]
+        color = RIGHT if one.is_right else WRONG
+        axes.plot(counts, failing, ".-", color=color, linewidth=1, markersize=5)
     axes.axhline(95, color=style.GUIDE, linewidth=1)
-    axes.set(xscale="log", xlabel="runs of a test", ylabel="sets below full points (%)")
-    axes.set_xticks(RUNS, [str(n) for n in RUNS])
+    axes.set(xscale="log", xlabel="runs of a test", ylabel="tests with less than all points (%)")
+    axes.set_xticks(counts, [str(n) for n in counts])
     axes.minorticks_off()
-    axes.set_title("C  more runs tell right (blue) and wrong (red) apart", loc="left")
+    axes.set_title("C  more runs tell right (blue) from wrong (red)", loc="left")
 
 
-def _draw_promise(axes: Axes) -> None:
-    rates = np.linspace(0, 2.5, 400)
-    for sets, color in ((SETS, style.ESTIMATED), (2 * SETS - 1, style.BATCH), (2000, style.TRUE)):
-        rank = largest_rank(sets, FALSE_FAIL, CONFIDENCE)
+def _draw_promise(axes: Axes, rate: float) -> None:
+    rates = np.linspace(0, 2.5 * rate, 400)
+    fewest = fewest_values(rate, CONFIDENCE)
+    for tests, color in ((fewest, RIGHT), (2 * fewest, style.BATCH), (7 * fewest, style.TRUE)):
+        rank = bound_rank(tests, rate, CONFIDENCE)
         # the true rate of the r-th largest of n is distributed as Beta(r, n - r + 1)
-        density = scipy.stats.beta(rank, sets - rank + 1).pdf(rates / 100) / 100
-        axes.plot(rates, density, color=color, label=f"{sets} sets: the {_ordinal(rank)} largest")
-    axes.axvline(100 * FALSE_FAIL, color=WRONG, linewidth=1)
+        density = scipy.stats.beta(rank, tests - rank + 1).pdf(rates) / 100
+        which = "the largest" if rank == 1 else f"number {rank} from above"
+        axes.plot(100 * rates, density, color=color, label=f"{tests} tests: {which}")
+    axes.axvline(100 * rate, color=WRONG, linewidth=1)
     axes.set(xlabel="true rate at which a right solution fails (%)", ylabel="density (1 / %)")
-    axes.set(xlim=(0, rates[-1]), ylim=(0, None))
+    axes.set(xlim=(0, 250 * rate), ylim=(0, None))
     axes.legend()
-    axes.set_title("D  95 of 100 calibrations lie below 1 %", loc="left")
+    axes.set_title("D  where the rate of a calibration lies: 95 of 100 below the line", loc="left")
 
 
-def _ordinal(number: int) -> str:
-    return {1: "1st", 2: "2nd", 3: "3rd"}.get(number, f"{number}th")
-
-
-def table(found: Sets) -> str:
-    """Return the numbers: limits, and for each solution how many sets are below full points."""
-    limits = found.limits(max(RUNS))
+def table(found: Mapping[int, Tests]) -> str:
+    """Return the numbers: limits, and for each solution how many tests are below full points."""
+    most = found[max(found)]
     lines = [
         f"{name}: full up to {limit.full:.3g}, none from {limit.zero:.3g}"
-        + (f", full from {limit.low:.3g}" if limit.low is not None else "")
-        for name, limit in limits.items()
+        + ("" if limit.low is None else f", full from {limit.low:.3g}")
+        for name, limit in most.limits.items()
     ]
-    lines.append(f"{'sets below full points (%), runs:':36}" + "".join(f"{n:>8}" for n in RUNS))
-    for one in found.task.solutions:
-        below = [np.mean(found.points(one.name, found.limits(n), n) < 1) for n in RUNS]
+    lines.append(
+        f"{'tests below full points (%), of runs:':40}" + "".join(f"{n:>8}" for n in found)
+    )
+    for one in most.task.solutions:
         kind = "right" if one.is_right else "wrong"
-        lines.append(f"  {kind} {one.name:28}" + "".join(f"{100 * x:8.3g}" for x in below))
+        cells = "".join(f"{tests.failing(one.name):8.3g}" for tests in found.values())
+        lines.append(f"  {kind} {one.name:32}{cells}")
     return "\n".join(lines)
 
 
@@ -221,13 +204,15 @@ def main() -> int:
     """Run the solutions, draw the figure, print the numbers."""
     parser = argparse.ArgumentParser(prog="./run marks", description=__doc__.split("\n")[0])
     parser.add_argument("--task", default=TASK, choices=robsim.tasks.TASKS, help=f"default: {TASK}")
-    parser.add_argument("--sets", type=int, default=SETS, help=f"default: {SETS}")
+    parser.add_argument("--false-fail", type=float, default=FALSE_FAIL, help="default: 0.01")
     parser.add_argument("--jobs", type=int, help="processes; default: this one")
-    parser.add_argument("--keep", type=Path, help="keep the runs in this file, and go on")
+    parser.add_argument("--keep", type=Path, help="keep what is done in this folder, and go on")
     parser.add_argument("--out", type=Path, default=FIGURE, help="the figure; default: the page's")
     given = parser.parse_args()
+    if given.keep:
+        given.keep.mkdir(parents=True, exist_ok=True)
     task = robsim.tasks.task(given.task)
-    found = runs_of(task, sets=given.sets, executor=given.jobs, keep=given.keep)
+    found = graded(task, rate=given.false_fail, executor=given.jobs, keep=given.keep)
     print(table(found))
     from draw_readme import picture
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 
@@ -167,18 +167,22 @@ def _rehearsed(plan: Plan, scratch: Path, executor: Engine, progress: bool) -> I
     parts = cast_of(plan.assignment)
     bar = progress_bar(total=len(parts), unit="submission") if progress else None
     tries: dict[str, list[SubmissionResult]] = {part.name: [] for part in parts}
+    # Solutions may be made of what students cannot have; the reference must do without.
+    free = plan_of(replace(plan.assignment, masked=()))
     for again in range(_TRIES):
         asked = [part for part in parts if not again or not _is_expected(part, tries[part.name][0])]
-        results = graded(
-            plan,
-            asked,
-            scratch / str(again),
-            executor=executor,
-            tell=lambda: None if bar is None else bar.update(),
-            again=again,
-        )
-        for part in asked:
-            tries[part.name].append(results[part.name])
+        for by, name in ((plan, "ruled"), (free, "free")):
+            some = [part for part in asked if part.is_free == (by is free)]
+            results = graded(
+                by,
+                some,
+                scratch / f"{again}/{name}",
+                executor=executor,
+                tell=lambda: None if bar is None else bar.update(),
+                again=again,
+            )
+            for part in some:
+                tries[part.name].append(results[part.name])
     if bar is not None:
         bar.close()
     for part in parts:

@@ -16,6 +16,7 @@ from robsim.assignments._grading.submissions import Handed
 from robsim.assignments._results import SubmissionResult
 from robsim.campaigns._engines.engine import Engine
 from robsim.tasks import Solution, Task
+from robsim.tasks._solutions import REFERENCE
 
 #: What should come of a submission.
 FULL, LESS, NOTHING = "all points", "fewer points", "no points"
@@ -35,12 +36,15 @@ class Part:
         What should come of it.
     tests : tuple of str
         The names of the tests in which it should.
+    is_free : bool
+        Whether it may have what is masked.
     """
 
     name: str
     files: Mapping[str, bytes]
     expected: str
     tests: tuple[str, ...]
+    is_free: bool = False
 
 
 def cast_of(assignment: Assignment) -> list[Part]:
@@ -66,7 +70,9 @@ def _kinds(assignment: Assignment) -> Iterator[Task]:
 
 def _part(solution: Solution, tests: tuple[str, ...]) -> Part:
     kind, expected = ("right", FULL) if solution.is_right else ("wrong", LESS)
-    return Part(f"{kind}: {solution.name}", _sources(solution.files), expected, tests)
+    name = f"{kind}: {solution.name}"
+    is_free = solution.name != REFERENCE
+    return Part(name, _sources(solution.files), expected, tests, is_free=is_free)
 
 
 def _sources(files: Mapping[str, bytes]) -> dict[str, bytes]:

@@ -1,0 +1,118 @@
+"""Limits of an assignment come from its own solutions, once for tests with the same task."""
+
+import shutil
+
+import pytest
+
+from commands import command
+from robsim.assignments import Assignment, calibrate_assignment, new_assignment
+from robsim.assignments import _calibration as calibration
+from robsim.assignments._calibration import read_calibration, solutions_for
+from robsim.grading import AssignmentError
+from robsim.tasks._marks import calibrate as marks
+
+QUICK = {"false_fail": 0.5, "confidence": 0.5, "progress": False}
+
+
+@pytest.fixture(autouse=True)
+def _few(monkeypatch):
+    """As few tests as show that it works."""
+    monkeypatch.setattr(marks, "PILOT_TESTS", 3)
+    monkeypatch.setattr(marks, "WRONG_TESTS", 2)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    made = new_assignment("state", tmp_path / "hw1", seed=1).folder
+    file = made / "assignment.toml"
+    text = file.read_text().replace("steps = 60", "steps = 20").replace("runs = 10", "runs = 2")
+    file.write_text(text)
+    return made
+
+
+def test_limits_are_written_with_what_they_rest_on(folder):
+    found = calibrate_assignment(folder, **QUICK)
+    assert set(found) == {"public", "hidden"}
+    assert found["public"] is found["hidden"]  # the same task
+    made = Assignment.load(folder)
+    for test in made.tests:
+        assert dict(test.limits) == dict(found[test.name].limits)
+        known = read_calibration(made, test)
+        assert known == found[test.name]
+        assert known.stale(test.task, solutions_for(made, test.task)) is None
+    assert not (folder / ".calibrating").exists()
+
+
+def test_another_task_has_limits_of_its_own(folder):
+    file = folder / "assignment.toml"
+    first, second = file.read_text().rsplit("slip = ", 1)
+    file.write_text(first + "slip = 0.9 # " + second)
+    found = calibrate_assignment(folder, **QUICK)
+    assert found["public"].parameters["slip"] != found["hidden"].parameters["slip"] == 0.9
+    assert found["public"].seed != found["hidden"].seed
+
+
+def test_seeds_come_from_the_key(folder):
+    seed = calibrate_assignment(folder, **QUICK)["public"].seed
+    assert seed == calibrate_assignment(folder, **QUICK)["public"].seed
+    (folder / "key").unlink()
+    with pytest.raises(AssignmentError, match="has no key"):
+        calibrate_assignment(folder, **QUICK)
+
+
+def test_what_changes_afterwards_is_noticed(folder):
+    calibrate_assignment(folder, **QUICK)
+    reference = folder / "solutions/estimate/right/reference/estimate_state.py"
+    reference.write_text(reference.read_text() + "\n# another one\n")
+    made = Assignment.load(folder)
+    known = read_calibration(made, made.tests[0])
+    assert "calibrate again" in known.stale(
+        made.tests[0].task, solutions_for(made, known_task(made))
+    )
+
+
+def known_task(made):
+    return made.tests[0].task
+
+
+def test_one_that_is_ended_goes_on(folder, monkeypatch):
+    whole = calibration.calibrate
+
+    def ended(*arguments, **options):
+        whole(*arguments, **options)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(calibration, "calibrate", ended)
+        calibrate_assignment(folder, **QUICK)
+    kept = [file.name for file in (folder / ".calibrating").rglob("*.sqlite")]
+    assert sorted(kept) == ["right.sqlite", "wrong.sqlite"]
+    calibrate_assignment(folder, **QUICK)
+    assert not (folder / ".calibrating").exists()
+
+
+def test_solutions_that_do_not_do_are_refused(folder):
+    shutil.rmtree(folder / "solutions/estimate/wrong/naive")
+    with pytest.raises(AssignmentError, match=r"solutions/estimate: .*'naive'"):
+        calibrate_assignment(folder, **QUICK)
+
+
+def test_the_command_says_how_long_it_takes_and_what_comes_of_it(folder):
+    run = command(
+        "assignment", "calibrate", str(folder), "--false-fail", "0.5", "--confidence", "0.5"
+    )
+    assert run.exit_code == 0, run.stderr
+    assert "calibrating takes about" in run.stderr
+    assert "public, hidden: Limits of the task 'estimate'" in run.stdout
+    assert "limits.json" in run.stdout
+    run = command("assignment", "calibrate", str(folder), "--false-fail", "2")
+    assert run.exit_code == 2
+    assert "--false-fail must lie within" in run.stderr
+
+
+def test_a_folder_that_is_no_assignment_is_said_to_be_none(tmp_path):
+    for name in ("calibrate", "check", "pack"):
+        more = ["--students", str(tmp_path / "s.zip")] if name == "pack" else []
+        run = command("assignment", name, str(tmp_path), *more)
+        assert run.exit_code == 2
+        assert "is not an assignment" in run.stderr

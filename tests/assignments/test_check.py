@@ -1,0 +1,178 @@
+"""The check of an assignment finds what would be found when marks are out."""
+
+import json
+import shutil
+from types import SimpleNamespace
+
+import pytest
+
+from commands import command
+from robsim.assignments import Assignment, check_assignment, new_assignment
+from robsim.assignments._checking import check
+from robsim.assignments._checking.rehearsal import FULL, LESS, NOTHING, cast_of
+from small_assignments import LIMITS
+
+TIGHT = {"position": {"full": 1.0001, "zero": 1.0002}}
+WIDE = {"position": {"full": 900.0, "zero": 1000.0}, "heading": {"full": 900.0, "zero": 1000.0}}
+WIDE["consistency"] = {"full": 1e6, "zero": 1e7, "low": 1e-6, "low_zero": 1e-7}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """An assignment with short runs, and without tests of the teacher's own."""
+    folder = tmp_path_factory.mktemp("made") / "hw1"
+    new_assignment("state", folder, seed=1)
+    file = folder / "assignment.toml"
+    text = file.read_text().replace("steps = 60", "steps = 20").replace("runs = 10", "runs = 2")
+    file.write_text(text.partition("# Tests of your own")[0])
+    return folder
+
+
+@pytest.fixture
+def folder(made, tmp_path):
+    shutil.copytree(made, tmp_path / "hw1")
+    return tmp_path / "hw1"
+
+
+def write_limits(folder, limits):
+    tests = {name: {"limits": {**LIMITS, **limits}} for name in ("public", "hidden")}
+    (folder / "limits.json").write_text(json.dumps({"format": 1, "tests": tests}))
+
+
+@pytest.fixture
+def cast(monkeypatch):
+    """Let only some be graded, by a part of their names."""
+
+    def only(*names):
+        def some(assignment):
+            return [one for one in cast_of(assignment) if any(name in one.name for name in names)]
+
+        monkeypatch.setattr(check, "cast_of", some)
+
+    return only
+
+
+def problems(folder):
+    return {one.kind: one.sentence for one in check_assignment(folder, progress=False).problems}
+
+
+NOT_CALIBRATED = {"limits of public", "limits of hidden"}
+
+
+def test_the_class_has_all_that_is_known(made):
+    cast = {part.name: part for part in cast_of(Assignment.load(made))}
+    assert {part.expected for part in cast.values()} == {FULL, LESS, NOTHING}
+    assert sum(part.expected == LESS for part in cast.values()) >= 5
+    assert {f"hostile: {name}" for name in ("exit", "hang", "patch", "truth")} <= set(cast)
+    notebook = json.loads(cast["right: reference, as a notebook"].files["estimate.ipynb"])
+    assert "estimate_state = " in "".join(notebook["cells"][0]["source"])
+    for part in cast.values():  # all of them are programs
+        for name, content in part.files.items():
+            if name.endswith(".py"):
+                compile(content, name, "exec")
+            assert b"SLOT" not in content
+            assert b"NOTHING" not in content
+
+
+@pytest.mark.long
+def test_what_is_as_it_should_be_is_well(folder, cast):
+    cast("right: reference", "unscented", "naive", "nothing in it", "exit", "truth")
+    write_limits(folder, {})
+    report = check_assignment(folder, progress=False)
+    assert {one.kind for one in report.problems} == NOT_CALIBRATED
+    verdicts = {title: row["verdict"] for title, row in report.tables[0].records()}
+    assert verdicts["right: reference, as a notebook"] == "well"
+    assert verdicts["wrong: naive"] == "well"
+    assert verdicts["right: unscented"] == "well"  # by what submissions cannot have
+    assert verdicts["nothing in it"] == verdicts["hostile: exit"] == verdicts["key"] == "well"
+
+
+@pytest.mark.long
+def test_hostile_ones_get_nothing_and_end_nothing(folder, cast):
+    cast("hostile", "right: reference, as")
+    write_limits(folder, {})
+    report = check_assignment(folder, progress=False)
+    assert {one.kind for one in report.problems} == NOT_CALIBRATED
+    got = {title: row["got"] for title, row in report.tables[0].records()}
+    assert got["hostile: exit"] == got["hostile: hang"] == "0 of 9"
+
+
+@pytest.mark.long
+def test_a_right_one_below_full_points_is_a_problem(folder, cast):
+    cast("smaller_r")
+    write_limits(folder, TIGHT)
+    found = problems(folder)["right: smaller_r"]
+    assert "is right and should get all points" in found
+    assert "in 3 of 3 gradings" in found
+
+
+@pytest.mark.long
+def test_a_wrong_one_with_full_points_is_a_problem(folder, cast):
+    cast("naive")
+    write_limits(folder, WIDE)
+    assert "is wrong and should get fewer points" in problems(folder)["wrong: naive"]
+
+
+@pytest.mark.parametrize(
+    ("gradings", "is_wrong", "got"),
+    [
+        ([True], False, "8.9 of 9"),
+        ([False, True, True], False, "8.9 of 9, in 1 of 3 gradings"),
+        ([False, False, True], True, "8.9 of 9, in 2 of 3 gradings"),
+        ([False, False, False], True, "8.9 of 9, in 3 of 3 gradings"),
+    ],
+)
+def test_one_of_three_gradings_is_chance(folder, cast, monkeypatch, gradings, is_wrong, got):
+    cast("right: unscented")
+    write_limits(folder, {})
+    expected = iter(gradings)
+
+    def graded(plan, parts, place, **options):
+        return {part.name: SimpleNamespace(expected=next(expected)) for part in parts}
+
+    monkeypatch.setattr(check, "graded", graded)
+    monkeypatch.setattr(check, "_points", lambda part, result: (8.9, 9))
+    monkeypatch.setattr(check, "_is_expected", lambda part, result: result.expected)
+    report = check_assignment(folder, progress=False)
+    assert any(one.kind == "right: unscented" for one in report.problems) == is_wrong
+    assert dict(report.tables[0].records())["right: unscented"]["got"] == got
+    assert list(expected) == []
+
+
+def test_what_is_still_is_looked_at_before_anything_is_run(folder, cast):
+    cast("nobody")
+    write_limits(folder, {})
+    (folder / "sheet.md").write_text("Do it.")
+    shutil.copy(folder / "key", folder / "start/key.txt")
+    found = problems(folder)
+    assert found["sheet.md"] == "sheet.md does not say what estimate_state is to do"
+    assert "start/key.txt has the key" in found["for students"]
+    assert "they were not calibrated: robsim assignment calibrate" in found["limits of public"]
+
+
+def test_the_command_exits_with_what_was_found(folder, cast):
+    cast("nothing in it")
+    write_limits(folder, {})
+    run = command("assignment", "check", str(folder))
+    assert run.exit_code == 1, run.stderr
+    assert "hw1 failed 2 checks" in run.stdout
+    told = json.loads(command("assignment", "check", str(folder), "--json").stdout)
+    assert told["checks"]["nothing in it"]["verdict"] == "well"
+
+
+def test_what_is_not_complete_cannot_be_checked(folder):
+    run = command("assignment", "check", str(folder))
+    assert run.exit_code == 2
+    assert "calibrate its limits first" in run.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("template", ["controller", "measurement", "state"])
+def test_new_assignments_pass_their_check(tmp_path, template):
+    from robsim.assignments import calibrate_assignment
+
+    new_assignment(template, tmp_path / "hw1")
+    calibrate_assignment(tmp_path / "hw1", false_fail=0.1, progress=False)
+    report = check_assignment(tmp_path / "hw1", progress=False)
+    assert report, report.sentences
