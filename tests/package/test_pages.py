@@ -28,7 +28,9 @@ def programs(page):
 
 
 def test_there_are_pages():
-    assert [page.name for page in PAGES] == ["campaigns.md", "measurement.md", "sensitivity.md"]
+    assert [page.name for page in PAGES] == [
+        *("campaigns.md", "grading.md", "marks.md", "measurement.md", "sensitivity.md"),
+    ]
 
 
 @each
