@@ -7,7 +7,7 @@ import pytest
 from commands import command
 from robsim.assignments import Assignment, calibrate_assignment, new_assignment
 from robsim.assignments import _calibration as calibration
-from robsim.assignments._calibration import read_calibration, solutions_for
+from robsim.assignments._reading.limits_file import read_limits
 from robsim.grading import AssignmentError
 from robsim.tasks._marks import calibrate as marks
 
@@ -37,9 +37,9 @@ def test_limits_are_written_with_what_they_rest_on(folder):
     made = Assignment.load(folder)
     for test in made.tests:
         assert dict(test.limits) == dict(found[test.name].limits)
-        known = read_calibration(made, test)
-        assert known == found[test.name]
-        assert known.stale(test.task, solutions_for(made, test.task)) is None
+        known = read_limits(folder)[test.name].calibration
+        assert known.as_record() == found[test.name].as_record()
+        assert test.stale == ""
     assert not (folder / ".calibrating").exists()
 
 
@@ -64,15 +64,10 @@ def test_what_changes_afterwards_is_noticed(folder):
     calibrate_assignment(folder, **QUICK)
     reference = folder / "solutions/estimate/right/reference/estimate_state.py"
     reference.write_text(reference.read_text() + "\n# another one\n")
-    made = Assignment.load(folder)
-    known = read_calibration(made, made.tests[0])
-    assert "calibrate again" in known.stale(
-        made.tests[0].task, solutions_for(made, known_task(made))
-    )
-
-
-def known_task(made):
-    return made.tests[0].task
+    assert "calibrate again" in Assignment.load(folder).tests[0].stale
+    run = command("assignment", "check", str(folder))
+    assert run.exit_code == 2
+    assert "calibrate again" in run.stderr
 
 
 def test_one_that_is_ended_goes_on(folder, monkeypatch):
@@ -82,9 +77,10 @@ def test_one_that_is_ended_goes_on(folder, monkeypatch):
         whole(*arguments, **options)
         raise KeyboardInterrupt
 
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+    with monkeypatch.context() as patch:
         patch.setattr(calibration, "calibrate", ended)
-        calibrate_assignment(folder, **QUICK)
+        with pytest.raises(KeyboardInterrupt):
+            calibrate_assignment(folder, **QUICK)
     kept = [file.name for file in (folder / ".calibrating").rglob("*.sqlite")]
     assert sorted(kept) == ["right.sqlite", "wrong.sqlite"]
     calibrate_assignment(folder, **QUICK)

@@ -6,10 +6,8 @@ import json
 import shutil
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor
-from dataclasses import asdict
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 from robsim._base.checks import check_bool
 from robsim._base.files import write_whole
@@ -17,13 +15,12 @@ from robsim._base.text import one_line
 from robsim.assignments._assignment import Assignment, TaskTest
 from robsim.assignments._grading.seeds import key_for
 from robsim.assignments._reading import limits_file
-from robsim.assignments._reading.assignment_file import SOLUTIONS
+from robsim.assignments._reading.assignment_file import SOLUTIONS, solutions_for
 from robsim.campaigns._engines.executors import DaskClient
 from robsim.grading import AssignmentError
-from robsim.tasks import Calibration, Solution, Task, calibrate
+from robsim.tasks import Solution, Task, TaskCalibration, calibrate
 from robsim.tasks._marks.calibrate import calibration_seconds, check_solutions
 from robsim.tasks._marks.calibration import solutions_digest, task_digest
-from robsim.tasks._solutions import solutions_in
 
 #: Runs of a calibration that was ended, in the folder of the assignment.
 _KEPT = ".calibrating"
@@ -36,7 +33,7 @@ def calibrate_assignment(
     confidence: float = 0.95,
     executor: int | str | Executor | DaskClient | None = None,
     progress: bool = True,
-) -> dict[str, Calibration]:
+) -> dict[str, TaskCalibration]:
     """Calibrate the limits of an assignment by its solutions, and write its ``limits.json``.
 
     Runs are kept until all is done: the same call goes on where one was ended.
@@ -50,7 +47,7 @@ def calibrate_assignment(
 
     Returns
     -------
-    dict of str to Calibration
+    dict of str to TaskCalibration
         That of each test by a task; tests with the same task have one together.
 
     Raises
@@ -65,7 +62,7 @@ def calibrate_assignment(
     assignment = Assignment.load(folder)
     check_bool("progress", progress)
     kept = assignment.folder / _KEPT
-    found: dict[str, Calibration] = {}
+    found: dict[str, TaskCalibration] = {}
     for test, names in _by_task(assignment):
         solutions = _usable(assignment, test.task)
         digest = f"{task_digest(test.task)}-{solutions_digest(solutions)}"
@@ -101,19 +98,13 @@ def seconds_to_calibrate(
     )
 
 
-def solutions_for(assignment: Assignment, task: Task) -> tuple[Solution, ...]:
-    """Return the solutions of a task: those of the assignment, else those that ship."""
-    place = assignment.folder / SOLUTIONS / task.name
-    return solutions_in(place, task.slots) if place.exists() else task.solutions
-
-
 def _usable(assignment: Assignment, task: Task) -> tuple[Solution, ...]:
     """Return the solutions; raise AssignmentError if they are not such as calibration takes."""
     place = f"{SOLUTIONS}/{task.name}"
+    found = solutions_for(assignment.folder, task)
     try:
-        found = solutions_for(assignment, task)
         check_solutions(found)
-    except (OSError, ValueError) as error:
+    except ValueError as error:
         raise AssignmentError(f"{place}: {error}", file=place) from None
     return found
 
@@ -129,25 +120,9 @@ def _by_task(assignment: Assignment) -> Iterator[tuple[TaskTest, list[str]]]:
         yield same[0], [test.name for test in same]
 
 
-def _write(folder: Path, calibrations: Mapping[str, Calibration]) -> None:
-    tests = {name: _record(one) for name, one in calibrations.items()}
+def _write(folder: Path, calibrations: Mapping[str, TaskCalibration]) -> None:
+    records = {name: one.as_record() for name, one in calibrations.items()}
+    tests = {name: {"limits": one["limits"], "calibration": one} for name, one in records.items()}
     content = {"format": limits_file.FORMAT, "tests": tests}
     text = json.dumps(content, indent=1, allow_nan=False)
     write_whole(folder / limits_file.FILE, f"{text}\n".encode())
-
-
-def _record(calibration: Calibration) -> dict[str, Any]:
-    record = calibration.as_record()
-    limits = record.pop("limits")
-    return {"limits": limits, "calibration": record}
-
-
-def read_calibration(assignment: Assignment, test: TaskTest) -> Calibration | None:
-    """Return what the limits of a test rest on; None if that is not known."""
-    file = assignment.folder / limits_file.FILE
-    try:
-        record = json.loads(file.read_text("utf-8"))["tests"][test.name]["calibration"]
-        limits = {name: asdict(limit) for name, limit in test.limits.items()}
-        return Calibration.from_record({**record, "limits": limits})
-    except (OSError, ValueError, LookupError, TypeError):
-        return None

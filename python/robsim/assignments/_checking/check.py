@@ -13,17 +13,18 @@ from robsim._base.check_report import CheckReport
 from robsim._base.checks import check_bool
 from robsim._base.report import Column, Problem, Row, Table
 from robsim._base.text import listed
-from robsim.assignments._assignment import Assignment
-from robsim.assignments._calibration import read_calibration, solutions_for
+from robsim.assignments._assignment import Assignment, TaskTest
 from robsim.assignments._checking.rehearsal import FULL, LESS, NOTHING, Part, cast_of, graded
 from robsim.assignments._grading.plan import Plan, plan_of
 from robsim.assignments._making.folder import SHEET
 from robsim.assignments._packing.public_part import public_part
+from robsim.assignments._reading.limits_file import RecordedTest, read_limits
 from robsim.assignments._results import ERROR, SubmissionResult
 from robsim.campaigns._engines.engine import Engine
 from robsim.campaigns._engines.executors import DaskClient
 from robsim.grading import AssignmentError
 from robsim.simulation._progress import progress_bar
+from robsim.tasks import TaskCalibration
 
 #: Who is not what is expected is graded twice more, with other seeds: two of three count.
 _TRIES = 3
@@ -120,24 +121,22 @@ def _still(assignment: Assignment) -> Iterator[Finding]:
     got = "there is none" if key is None else "public" if key.is_public else "secret"
     wrong = "" if got == "secret" or not is_needed else "hidden tests need a key: Key.new().write"
     yield Finding(what="key", expected="secret", got=got, wrong=wrong)
+    recorded = read_limits(assignment.folder)
     for test in assignment.tests:
-        made = read_calibration(assignment, test)
-        stale = (
-            "they were not calibrated: robsim assignment calibrate"
-            if made is None
-            else made.stale(test.task, solutions_for(assignment, test.task)) or ""
-        )
-        yield Finding(
-            what=f"limits of {test.name}",
-            expected="calibrated for it",
-            got="others"
-            if stale
-            else f"right ones fail in {100 * made.false_fail:g} %"  # type: ignore[union-attr]
-            " at most",
-            wrong=stale and f"limits of {test.name}: {stale}",
-        )
+        yield _limits(test, recorded.get(test.name, RecordedTest()).calibration)
     yield _sheet(assignment)
     yield _public(assignment)
+
+
+def _limits(test: TaskTest, made: TaskCalibration | None) -> Finding:
+    what, expected = f"limits of {test.name}", "calibrated for it"
+    if made is None:
+        wrong = f"{what}: they were not calibrated: robsim assignment calibrate"
+        return Finding(what=what, expected=expected, got="written by hand", wrong=wrong)
+    if test.stale:
+        return Finding(what=what, expected=expected, got="of others", wrong=f"{what}: {test.stale}")
+    got = f"right ones fail in {100 * made.false_fail:g} % at most"
+    return Finding(what=what, expected=expected, got=got)
 
 
 def _sheet(assignment: Assignment) -> Finding:

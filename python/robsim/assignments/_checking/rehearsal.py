@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robsim.assignments._assignment import Assignment
-from robsim.assignments._calibration import solutions_for
 from robsim.assignments._checking.hostile import hostile_submissions
 from robsim.assignments._grading.class_run import grade_all
 from robsim.assignments._grading.plan import Plan
 from robsim.assignments._grading.submissions import Handed
+from robsim.assignments._reading.assignment_file import solutions_for
 from robsim.assignments._results import SubmissionResult
 from robsim.campaigns._engines.engine import Engine
 from robsim.tasks import Solution, Task
@@ -53,7 +53,7 @@ def cast_of(assignment: Assignment) -> list[Part]:
     tests = tuple(test.name for test in assignment.tests)
     for task in _kinds(assignment):
         own = tuple(one.name for one in assignment.tests if one.task.name == task.name)
-        solutions = solutions_for(assignment, task)
+        solutions = solutions_for(assignment.folder, task)
         parts += (_part(one, own) for one in solutions)
         parts.append(_as_notebook(solutions[0], task, own))
     parts.append(Part("nothing in it", {"notes.txt": b"to do\n"}, NOTHING, tests))

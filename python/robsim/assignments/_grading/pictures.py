@@ -13,7 +13,7 @@ _GOALS = ("goal", "waypoints", "path")  # of the parameters of a task
 
 def picture_of(test: TaskTest, trace: Trace, reference: Trace | None) -> tuple[bytes, str]:
     """Return a run of a submission, beside that of the reference, as PNG, and what it shows."""
-    from robsim.assignments._reports.picture import as_png, draw_run  # matplotlib takes its time
+    from robsim.plotting._runs.beside import as_png, draw_run  # matplotlib takes its time
 
     figure, caption = draw_run(trace, reference, slots=test.task.slots, goals=_goals(test))
     return as_png(figure), caption

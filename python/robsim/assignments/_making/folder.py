@@ -17,11 +17,11 @@ from robsim._base.spelling import check_names
 from robsim._base.text import one_line
 from robsim.assignments._assignment import Assignment
 from robsim.assignments._making.sheet import sheet_for
-from robsim.assignments._making.start import starting_files
 from robsim.assignments._making.template import TEMPLATES, Template
 from robsim.assignments._reading.assignment_file import FILE, KEY, SOLUTIONS
 from robsim.grading import Key
 from robsim.tasks import Task
+from robsim.tasks._solutions import starting_files
 
 SHEET, START, OWN_TESTS = "sheet.md", "start", "own_tests.py"
 
@@ -96,8 +96,9 @@ def _fill(folder: Path, template: Template, task: Task, name: str) -> None:
     _write(folder / FILE, _filled("assignment.toml", values | _rules(template, task)))
     _write(folder / "README.md", _filled("README.md", values))
     _write(folder / OWN_TESTS, (_FILES / f"tests/{task.name}.py").read_text(encoding="utf-8"))
+    (folder / START).mkdir()
     for path, content in starting_files(task).items():
-        _write(folder / START / path, content)
+        write_whole(folder / START / path, content)
     for solution in task.solutions:
         kind = "right" if solution.is_right else "wrong"
         shutil.copytree(
@@ -144,5 +145,4 @@ def _filled(name: str, values: Mapping[str, str]) -> str:
 
 
 def _write(file: Path, text: str) -> None:
-    file.parent.mkdir(exist_ok=True)
     write_whole(file, text.encode())

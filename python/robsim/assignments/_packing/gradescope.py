@@ -12,7 +12,10 @@ from robsim._base.text import one_line, quoted
 from robsim.assignments._assignment import Assignment
 from robsim.assignments._grading.plan import plan_of
 from robsim.assignments._packing.archive import write_zip
-from robsim.assignments._packing.public_part import check_assignment_value
+from robsim.assignments._packing.public_part import (
+    check_assignment_value,
+    limits_alone,
+)
 from robsim.assignments._reading import limits_file
 from robsim.assignments._reading.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
 from robsim.tasks._solutions import REFERENCE
@@ -81,7 +84,8 @@ def pack_gradescope(
 def _assignment_files(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     """Yield what grading needs, and no more."""
     folder = assignment.folder
-    needed = [folder / name for name in (FILE, KEY, limits_file.FILE)]
+    yield f"{ASSIGNMENT}/{limits_file.FILE}", limits_alone(assignment).encode()
+    needed = [folder / FILE, folder / KEY]
     needed += sorted(folder.glob("*.py"))
     needed += [file.path for file in assignment.files]
     needed += sorted((folder / GIVEN).glob("*"))

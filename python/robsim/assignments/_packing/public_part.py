@@ -7,10 +7,11 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from robsim._base.files import read_toml
 from robsim._base.text import one_line, quoted
-from robsim.assignments._assignment import Assignment
+from robsim.assignments._assignment import Assignment, TaskTest
 from robsim.assignments._grading.marking import limit_of
 from robsim.assignments._grading.references import References
 from robsim.assignments._making.folder import SHEET, START
@@ -82,7 +83,7 @@ def _public_limits(assignment: Assignment) -> str:
     references = References(assignment)
     tests = {
         test.name: {
-            "limits": {s.name: asdict(limit_of(test, s)) for s in test.task.scores},
+            **_limits(test),
             "reference": _columns(
                 [references.numbers(test, "", run) for run in range(test.task.runs)]
             ),
@@ -91,6 +92,16 @@ def _public_limits(assignment: Assignment) -> str:
         if test.public
     }
     return json.dumps({"format": limits_file.FORMAT, "tests": tests}, indent=1)
+
+
+def limits_alone(assignment: Assignment) -> str:
+    """Return the limits without what they rest on: not all solutions go along."""
+    tests = {test.name: _limits(test) for test in assignment.tests}
+    return json.dumps({"format": limits_file.FORMAT, "tests": tests}, indent=1)
+
+
+def _limits(test: TaskTest) -> dict[str, Any]:
+    return {"limits": {s.name: asdict(limit_of(test, s)) for s in test.task.scores}}
 
 
 def _columns(runs: list[Mapping[str, float]]) -> dict[str, list[float | None]]:

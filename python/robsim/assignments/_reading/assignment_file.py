@@ -115,7 +115,7 @@ def _test(keys: Keys, folder: Path, recorded: Mapping[str, RecordedTest]) -> Tas
         [score.name for score in made.scores],
         lambda message: AssignmentError(message, file="limits.json"),
     )
-    solutions = _solutions(folder, made)
+    solutions = solutions_for(folder, made)
     stale = None if known.calibration is None else known.calibration.stale(made, solutions)
     return TaskTest(
         name=name,
@@ -147,7 +147,7 @@ def _frozen(value: Any) -> Any:
     return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
 
-def _solutions(folder: Path, made: Task) -> tuple[Solution, ...]:
+def solutions_for(folder: Path, made: Task) -> tuple[Solution, ...]:
     """Return the assignment's own solutions of a task, else those that ship with robsim."""
     place = folder / SOLUTIONS / made.name
     try:

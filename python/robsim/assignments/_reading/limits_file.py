@@ -14,7 +14,7 @@ from robsim._base.spelling import check_names
 from robsim._base.text import quoted
 from robsim.grading import AssignmentError
 from robsim.tasks import Limit
-from robsim.tasks._marks.calibration import Calibration
+from robsim.tasks._marks.calibration import TaskCalibration
 
 FILE = "limits.json"
 FORMAT = 1
@@ -32,13 +32,13 @@ class RecordedTest:
         By score.
     reference : mapping of str to tuple of float
         The numbers of the reference in each run, by score; for those who do not have it.
-    calibration : Calibration or None
+    calibration : TaskCalibration or None
         What the limits rest on; None = they were written by hand, or it is not known here.
     """
 
     limits: Mapping[str, Limit] = field(default_factory=dict)
     reference: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    calibration: Calibration | None = None
+    calibration: TaskCalibration | None = None
 
 
 def read_limits(folder: Path) -> dict[str, RecordedTest]:
@@ -79,9 +79,9 @@ def _test(name: str, values: Any) -> RecordedTest:
     )
 
 
-def _calibration(name: str, record: Any) -> Calibration | None:
+def _calibration(name: str, record: Any) -> TaskCalibration | None:
     try:
-        return None if record is None else Calibration.from_record(record)
+        return None if record is None else TaskCalibration.from_record(record)
     except ValueError as error:
         _refuse(f"{name}: {error}")
 

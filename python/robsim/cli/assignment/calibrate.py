@@ -13,7 +13,7 @@ from robsim.cli.assignment.options import Folder, Jobs, engine_of, report_errors
 from robsim.cli.text import number
 
 if TYPE_CHECKING:
-    from robsim.tasks import Calibration
+    from robsim.tasks import TaskCalibration
 
 EXAMPLE = "Example: robsim assignment calibrate hw1 --jobs 2"
 HELP = (
@@ -83,7 +83,7 @@ def _duration(seconds: float) -> str:
     return f"{max(seconds, 1):.0f} s" if seconds < 90 else f"{seconds / 60:.0f} minutes"
 
 
-def _together(found: dict[str, Calibration]) -> list[tuple[Calibration, list[str]]]:
+def _together(found: dict[str, TaskCalibration]) -> list[tuple[TaskCalibration, list[str]]]:
     """Return each calibration with the names of its tests."""
     return [
         (one, [name for name, other in found.items() if other is one])
@@ -91,7 +91,7 @@ def _together(found: dict[str, Calibration]) -> list[tuple[Calibration, list[str
     ]
 
 
-def _warn(calibration: Calibration) -> None:
+def _warn(calibration: TaskCalibration) -> None:
     for one in calibration.missed:
         errors.print_note(
             f"warning: wrong/{one.name} gets full points in {100 * (1 - one.rate):.0f} % of the "
