@@ -77,6 +77,7 @@ def test_the_same_frames_have_the_same_errors(result):
     assert again.cases[0].errors["counted"] == result.cases[1].errors["counted"]
 
 
+@pytest.mark.long
 def test_what_measurements_say_of_their_errors_is_judged(result):
     noisy = result.cases[1].errors
     assert 0.1 < noisy["robsim"].nees < 3

@@ -60,6 +60,7 @@ def test_the_table(result):
     assert max(map(len, text.splitlines())) <= 100
 
 
+@pytest.mark.long
 def test_what_many_workers_would_give_follows_from_the_costs(result):
     found = result.to_dict()
     # A chunk costs the calling process 1 ms, a row 10 us; the scheduler is quicker.

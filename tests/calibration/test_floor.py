@@ -196,6 +196,7 @@ def test_sheets_anywhere_on_the_floor_give_the_map(picture):
     assert report.print_scale == pytest.approx(1, abs=1e-3)
 
 
+@pytest.mark.long
 def test_one_sheet_is_the_middle_of_the_area_in_its_axes(picture):
     only = {"places": None}
     report = calibrate_floor_by_sheets([picture], lens=LENS, **only, **AREA)
@@ -205,6 +206,7 @@ def test_one_sheet_is_the_middle_of_the_area_in_its_axes(picture):
     np.testing.assert_allclose(found, [(500, 400), (550, 400)], atol=0.2)
 
 
+@pytest.mark.long
 def test_a_sheet_in_another_place_and_a_scaled_print_are_named(picture):
     places = crosses()
     places[4] = (places[4][0] + 60, places[4][1])
@@ -216,6 +218,7 @@ def test_a_sheet_in_another_place_and_a_scaled_print_are_named(picture):
     assert "were they printed at 100 %" in sentences(report)
 
 
+@pytest.mark.long
 def test_pictures_without_sheets_and_places_of_none_are_refused(picture):
     grey = np.full((480, 640, 3), 150, np.uint8)
     with pytest.raises(ValueError, match="must show a floor sheet"):
