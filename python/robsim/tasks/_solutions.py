@@ -130,7 +130,7 @@ def module_source(task: Task) -> bytes:
 
 
 def starting_files(task: Task) -> dict[str, bytes]:
-    """Return what students begin with, by the names of files: one for each slot, and ``task.py``."""
+    """Return what students begin with, by names of files: one for each slot, and ``task.py``."""
     files = {file.name: file.read_bytes() for file in (SHIPPED / task.name / _START).glob("*.py")}
     return files | {f"{MODULE}.py": module_source(task)}
 

@@ -133,24 +133,15 @@ class TaskTrial(Report):
             Column("own", "yours"),
             Column("reference", "reference"),
             Column("statistic", "comes to", "", ".3g"),
-            *(Column(key, title, "", ".3g") for key, title in self._limit_columns().items()),
+            *([Column("full", "all points"), Column("zero", "none")] if self.limits else []),
         ]
         return (Table(key="scores", columns=columns, rows=self._rows()),)
-
-    def _limit_columns(self) -> dict[str, str]:
-        if not self.limits:
-            return {}
-        columns = {"full": "all points up to", "zero": "none from"}
-        if any(limit.low is not None for limit in self.limits.values()):
-            columns |= {"low": "all points from", "low_zero": "none up to"}
-        return columns
 
     def _rows(self) -> list[Row]:
         rows = []
         for score in self.task.scores:
             medians = (_median(self.values[score.name]), _median(self.reference[score.name]))
-            limit = self.limits.get(score.name)
-            limits = (getattr(limit, key, None) for key in self._limit_columns())
+            limits = _in_words(self.limits[score.name]) if self.limits else ()
             values = (*medians, self.statistics[score.name], *limits)
             rows.append(Row(score.title, values, score.unit))
         return rows
@@ -211,3 +202,11 @@ class TaskTrial(Report):
 def _median(values: tuple[float, ...]) -> float:
     known = [value for value in values if not math.isnan(value)]
     return float(np.median(known)) if known else math.nan
+
+
+def _in_words(limit: Limit) -> tuple[str, str]:
+    """Return where a score has all points, and where none."""
+    if limit.low is None or limit.low_zero is None:
+        return f"up to {limit.full:.3g}", f"from {limit.zero:.3g}"
+    full = f"{limit.low:.3g} to {limit.full:.3g}"
+    return full, f"below {limit.low_zero:.3g}, from {limit.zero:.3g}"
