@@ -266,3 +266,31 @@ def test_what_is_for_a_run_is_refused_where_nothing_runs(option):
     run = command("gui", "--train", *option)
     assert run.exit_code == 2
     assert f"{option[0]} is for a run: with --train nothing runs" in run.stderr
+
+
+def test_a_task_has_its_world_and_its_goal(seen, tmp_path):
+    task = robsim.tasks.Park()
+    task.begin(tmp_path / "mine")
+    run = command("gui", str(tmp_path / "mine"), "--task", "park", "--seed", "1")
+    assert run.exit_code == 0, run.stderr
+    runner = seen.view.runner
+    assert runner.scenario.replace(seed=None, control=None) == task.scenario
+    assert seen.error is None
+    assert np.array_equal(seen.view.goals, task.goals)
+    run = command("gui", "--task", "follow")
+    assert run.exit_code == 0, run.stderr
+    assert seen.view.goals.shape == (3, 2)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--task", "prak"], "there is no task 'prak': did you mean 'park'?"),
+        (["--task", "park", "--scenario", "a.toml"], "--task has a scenario of its own"),
+        (["--task", "park", "--train"], "--task is for a run: with --train nothing runs"),
+    ],
+)
+def test_a_task_that_there_is_not_is_told(words, message):
+    run = command("gui", *words)
+    assert run.exit_code == 2
+    assert message in " ".join(run.stderr.split())

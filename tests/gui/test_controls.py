@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim.gui._panel.run.controls import Controls
 from robsim.reference import ExtendedKalmanFilter
 from robsim.simulation._folders.callback_folder import new_folder
 from waiting import wait_for
@@ -369,3 +370,23 @@ def test_a_record_has_its_speed_alone(watch):
     watcher.settle()
     assert watcher.notes() == ["this run was recorded before: its robot cannot be driven"]
     assert setting(watcher, "speed", 3.0) == 3.0
+
+
+@pytest.mark.parametrize(
+    ("goals", "goal", "path"),
+    [
+        ((100, 200), [100, 200], None),
+        ((100, 200, 1.5), [100, 200], None),
+        ([(100, 200), (300, 400)], None, [[100, 200], [300, 400]]),
+    ],
+)
+def test_where_the_robot_is_to_go_is_drawn_whoever_drives(goals, goal, path):
+    with robsim.panel(small(control=stand_still, measure=True), goals=goals) as panel:
+        controls = next(part for part in panel._view._parts if isinstance(part, Controls))
+        state = controls.state()
+        assert (state["values"]["control"], state["goal"], state["path"]) == ("mine", goal, path)
+
+
+def test_a_goal_that_is_none_is_refused():
+    with pytest.raises(ValueError, match="goals must be a position"):
+        robsim.panel(small(), goals=(1, 2, 3, 4))

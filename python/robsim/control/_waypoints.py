@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats
+from robsim._base.checks import Floats, as_float_array
 from robsim._base.text import quoted
 
 MAXIMUM_COORDINATE = 1e6  # px
@@ -62,3 +62,13 @@ def as_pose(pose: ArrayLike, name: str = "pose") -> Floats:
             f"{name} must be finite, within {MAXIMUM_COORDINATE:g} px, got {quoted(pose)}"
         )
     return values.astype(np.float64)
+
+
+def as_goals(goals: ArrayLike) -> Floats:
+    """Return where a robot is to go: a position (2,), a pose (3,) or waypoints (N, 2)."""
+    expected = "goals must be a position (2,), a pose (3,) or waypoints (N, 2), finite, in px"
+    points = as_float_array("goals", goals)
+    is_one, is_path = points.shape in ((2,), (3,)), points.ndim == 2 and points.shape[1] == 2
+    if not (is_one or is_path) or not len(points) or not np.isfinite(points).all():
+        raise ValueError(f"{expected}, got {quoted(goals)}")
+    return points

@@ -10,9 +10,12 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from PIL import Image
 
+from robsim._base.checks import Floats
 from robsim._core import Step
+from robsim.control._waypoints import as_goals
 from robsim.gui._driver import SPEED, State
 from robsim.gui._hosted import AT_EXIT, HostedPanel, lock, opened
 from robsim.gui._panel.view import PanelView, Shown
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
     from robsim.gui._tools.robots.panel import RobotPanel
 
 
-def panel(what: Shown, *, speed: float | None = None) -> Panel:
+def panel(what: Shown, *, speed: float | None = None, goals: ArrayLike | None = None) -> Panel:
     """Open the panel of a run: camera view, controls, traces, callbacks.
 
     In a notebook it is shown as the last line of a cell, and runs beside other cells. In a script
@@ -41,6 +44,9 @@ def panel(what: Shown, *, speed: float | None = None) -> Panel:
     speed : float, optional
         Multiple of real time, above 0; ``float("inf")`` = as fast as it goes. A live camera sets
         the pace itself. Default: 5, or as it is if the panel is open.
+    goals : array_like (2,), (3,) or (N, 2), optional
+        Where the robot is to go, drawn in the picture of a panel that is made: a position, a pose,
+        or the waypoints of a path (work-area px), such as `goals` of a task.
 
     Returns
     -------
@@ -79,10 +85,11 @@ def panel(what: Shown, *, speed: float | None = None) -> Panel:
     >>> panel.save("panel.png")
     >>> panel.close()
     """
+    asked = None if goals is None else as_goals(goals)
     with lock:
         found = _panel_of(what)
         if found is None:
-            found = Panel(what, SPEED if speed is None else speed)
+            found = Panel(what, SPEED if speed is None else speed, asked)
         elif speed is not None:
             found.speed = speed
         return found
@@ -128,9 +135,9 @@ class Panel(HostedPanel):
     _maker = "robsim.panel"
     _view: PanelView
 
-    def __init__(self, what: Shown, speed: float) -> None:
+    def __init__(self, what: Shown, speed: float, goals: Floats | None = None) -> None:
         self._what = what
-        self._view = PanelView(what, speed=speed)
+        self._view = PanelView(what, speed=speed, goals=goals)
         super().__init__()
 
     # What it does.

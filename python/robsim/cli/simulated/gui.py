@@ -28,14 +28,17 @@ from robsim.cli.simulated.options import (
     shared_options,
     simulation_of,
 )
-from robsim.cli.text import parse_speed, whole_number
+from robsim.cli.text import about, parse_speed, whole_number
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from robsim.gui._hosted import HostedPanel
     from robsim.gui._hosts.page import Page
     from robsim.gui._panel.view import Shown
     from robsim.imaging import Recording
     from robsim.sessions import Session
+    from robsim.simulation import Scenario
     from robsim.trace import Trace
 
 EXAMPLE = "Example: robsim gui mine"
@@ -101,6 +104,15 @@ def gui(
         ),
     ] = None,
     scenario: ScenarioFile = None,
+    task: Annotated[
+        str | None,
+        typer.Option(
+            "--task",
+            metavar="NAME",
+            help="The world of a task, with its goal, for the folder of a solution; see robsim "
+            "tasks list.",
+        ),
+    ] = None,
     control: Control = None,
     speed: Annotated[
         str | None,
@@ -143,7 +155,8 @@ def gui(
             raise ValueError("--calibration is for --calibrate: give that, too")
         if tools := [name for name, is_on in chosen.items() if is_on]:
             of_a_run = {
-                **{"--scenario": scenario, "--control": control, "--speed": speed},
+                **{"--scenario": scenario, "--task": task, "--control": control},
+                "--speed": speed,
                 **{"--noise": noise, "--dropout": dropout, "--area": area, "--seed": seed},
                 "--time-limit": time_limit,
             }
@@ -155,11 +168,12 @@ def gui(
                 _show(tool, port, is_wanted=not no_browser)
             return
         factor = parse_speed("--speed", speed)
-        if path is None and scenario is None and control is None:
+        world, goals = _of_task(task, scenario)
+        if path is None and world is None and control is None:
             control = _CONTROL
         options = shared_options(
             path,
-            scenario=scenario,
+            scenario=world,
             control=control,
             noise=noise,
             dropout=dropout,
@@ -169,8 +183,23 @@ def gui(
             colors=colors,
             seed=seed,
         )
-        with panel(_shown(path, options), speed=factor) as opened:
+        with panel(_shown(path, options), speed=factor, goals=goals) as opened:
             _show(opened, port, is_wanted=not no_browser)
+
+
+def _of_task(
+    name: str | None, scenario: Path | None
+) -> tuple[Path | Scenario | None, ArrayLike | None]:
+    """Return the scenario of a task and its goals, or the scenario that was given."""
+    if name is None:
+        return scenario, None
+    if scenario is not None:
+        raise ValueError("--task has a scenario of its own: leave out --scenario")
+    from robsim.tasks import task
+
+    with about("--task"):
+        chosen = task(name)
+    return chosen.scenario, chosen.goals
 
 
 def _tool(

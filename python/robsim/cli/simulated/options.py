@@ -13,6 +13,7 @@ from robsim.control._by_name import NAMES, POINTS
 
 if TYPE_CHECKING:
     from robsim import Simulation
+    from robsim.simulation import Scenario
 
 # The names are written out where --help must show points, too.
 _CONTROLS = ", ".join(
@@ -50,7 +51,7 @@ HowHidden = Annotated[
 def shared_options(
     folder: Path | None,
     *,
-    scenario: Path | None,
+    scenario: Path | Scenario | None,
     control: str | None,
     noise: str | None,
     dropout: str | None,
@@ -76,7 +77,7 @@ def shared_options(
         time_limit=limit,
         measure=_needs_pose(control) or None,
         control=parse_control("--control", control),
-        scenario=None if scenario is None else Scenario.load(scenario),
+        scenario=Scenario.load(scenario) if isinstance(scenario, Path) else scenario,
     )
 
 

@@ -7,6 +7,7 @@ import time
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+from robsim._base.checks import Floats
 from robsim._base.text import quoted
 from robsim._core import Step
 from robsim.gui._driver import SPEED, Driver
@@ -51,6 +52,8 @@ class PanelView(View):
         What it shows. A recording becomes an experiment that measures the robot in its frames.
     speed : float
         That of the `Driver`.
+    goals : array (2,), (3,) or (N, 2), optional
+        Where the robot is to go, which is drawn.
 
     Attributes
     ----------
@@ -61,8 +64,9 @@ class PanelView(View):
     kind: ClassVar[str] = "panel"
     messages: ClassVar[Messages] = MESSAGES
 
-    def __init__(self, shown: Shown, *, speed: float = SPEED) -> None:
+    def __init__(self, shown: Shown, *, speed: float = SPEED, goals: Floats | None = None) -> None:
         super().__init__()
+        self.goals = goals
         self.runner, self.record = _runner_and_record(shown)
         self.driver = Driver(self.runner, speed=speed)
         self._alone_at = math.inf  # when the run is paused, as nobody looks

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from robsim._base.checks import Floats, as_float_array, check_name
+from robsim._base.checks import Floats, check_name
 from robsim._base.text import no_formula, quoted
+from robsim.control._waypoints import as_goals
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_steps
 from robsim.plotting._runs.beside import add_legend, draw_goals, zoom
@@ -69,7 +70,7 @@ def plot_runs(
     >>> figure = robsim.plotting.plot_runs(runs, goals=(500, 400))
     """
     traces = _checked(runs)
-    points = None if goals is None else _as_goals(goals)
+    points = None if goals is None else as_goals(goals)
     differ = (
         _slots_of(traces.values(), points) if slots is None else checked_slots(slots, (*SLOTS,))
     )
@@ -100,16 +101,6 @@ def _checked(runs: Any) -> dict[str, Trace]:
         check_name("runs: a name", name)
         check_steps(trace)
     return {no_formula(name): trace.in_unit("px") for name, trace in runs.items()}
-
-
-def _as_goals(goals: ArrayLike) -> Floats:
-    """Return a position (2,), a pose (3,) or waypoints (N, 2)."""
-    expected = "goals must be a position (2,), a pose (3,) or waypoints (N, 2), finite, in px"
-    points = as_float_array("goals", goals)
-    is_one, is_path = points.shape in ((2,), (3,)), points.ndim == 2 and points.shape[1] == 2
-    if not (is_one or is_path) or not len(points) or not np.isfinite(points).all():
-        raise ValueError(f"{expected}, got {quoted(goals)}")
-    return points
 
 
 def _slots_of(traces: Iterable[Trace], goals: Floats | None) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
+from robsim._base.checks import Floats
 from robsim._base.text import said_by
 from robsim.gui._link import Link
 from robsim.gui._messages import Refused
@@ -29,11 +30,11 @@ _GAP = 0.5  # s between two looks at what was changed elsewhere, as in a cell
 class _Run:
     """What can be set of a run."""
 
-    def __init__(self, runner: Simulation | Experiment) -> None:
+    def __init__(self, runner: Simulation | Experiment, goals: Floats | None) -> None:
         self.runner = runner
         self.owners = owners_of(runner)
         self.stages = Stages(runner, self.owners)
-        self.driving = Driving(runner, self.stages, self.owners)
+        self.driving = Driving(runner, self.stages, self.owners, goals)
 
     def settings(self) -> list[Setting]:
         """Return the controls in their order."""
@@ -55,7 +56,7 @@ class Controls(Part):
         settings: list[Setting] = []
         self._run: _Run | None = None
         if not isinstance(panel.runner, Playback):
-            self._run = _Run(panel.runner)
+            self._run = _Run(panel.runner, panel.goals)
             settings += self._run.settings()
         if not (isinstance(panel.runner, Experiment) and panel.runner.is_live):
             settings.append(Speed(panel))  # otherwise the camera sets the pace

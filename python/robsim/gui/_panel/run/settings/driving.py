@@ -29,12 +29,21 @@ class Driving(Choice):
 
     name = "control"
 
-    def __init__(self, runner: Simulation | Experiment, stages: Stages, owners: Owners) -> None:
+    def __init__(
+        self,
+        runner: Simulation | Experiment,
+        stages: Stages,
+        owners: Owners,
+        goals: Floats | None = None,
+    ) -> None:
         self._runner = runner
         self._stages = stages
         self._owners = owners
-        self._goal: Point | None = None
-        self._path: Sequence[Point] | None = None
+        #: What is asked, and drawn whoever drives: a position, or waypoints.
+        self._asked = None if goals is None or goals.ndim > 1 else goals[:2].tolist()
+        self._asked_path = None if goals is None or goals.ndim == 1 else goals.tolist()
+        self._goal: Point | None = self._asked
+        self._path: Sequence[Point] | None = self._asked_path
 
     @property
     def value(self) -> str:
@@ -47,15 +56,17 @@ class Driving(Choice):
 
     @property
     def goal(self) -> list[float] | None:
-        """Where the robot drives to; any thread may ask."""
+        """Where the robot drives to, or is to; any thread may ask."""
         control = self._runner._callbacks["control"]
-        return [control.x, control.y] if isinstance(control, GoToPoint) else None
+        return [control.x, control.y] if isinstance(control, GoToPoint) else self._asked
 
     @property
     def path(self) -> list[list[float]] | None:
-        """The waypoints that it drives along; any thread may ask."""
+        """The waypoints that it drives along, or is to; any thread may ask."""
         control = self._runner._callbacks["control"]
-        return np.asarray(control.waypoints).tolist() if isinstance(control, FollowPath) else None
+        if isinstance(control, FollowPath):
+            return np.asarray(control.waypoints).tolist()  # type: ignore[no-any-return]
+        return self._asked_path
 
     def choices(self) -> Mapping[str, str | None]:
         ours = dict.fromkeys((*SIGNALS, *_TO_POINTS), self._why_not)
