@@ -299,6 +299,7 @@ ALLOWED = {
     "capture/_devices/worker.py": "opens a camera",
     "robots/_files.py": "packs in memory",
     "plotting/_style.py": "packs in memory",
+    "plotting/_runs/beside.py": "packs in memory",
     "gui/_bench/lab.py": "of a server, in a folder that is removed",
     "gui/_bench/with_matplotlib.py": "packs in memory",
     "gui/_panel/still_picture.py": "packs in memory",
