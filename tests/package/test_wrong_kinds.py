@@ -143,7 +143,22 @@ def calibrated():
     return shipped_calibrations()["measure"]
 
 
+@cache
+def assignment():
+    measure = robsim.tasks.Measure(steps=2, runs=1)
+    test = robsim.assignments.TaskTest(name="ekf", title="Measure", task=measure, points=1)
+    return robsim.assignments.Assignment(
+        folder=Path(),
+        name="hw3",
+        title="Homework",
+        slots=("measure",),
+        given="frames",
+        tests=(test,),
+    )
+
+
 EXAMPLES = {
+    "SubmissionResult.from_json.text": lambda: "{}",
     "plot_runs.runs": lambda: {"one": trace()},
     "Limit.full": lambda: 1.1,
     "Limit.zero": lambda: 4.0,
@@ -356,6 +371,9 @@ EXAMPLES = {
     "sprite": lambda: robsim.load_robot("lab").image,
     "states": lambda: np.zeros((2, 6)),
     "student": lambda: "s001",
+    "submission": submission_folder,
+    "submissions": submission_folder,
+    "out": lambda: "out",
     "t": lambda: 0.1,
     "test": lambda: "ekf",
     "text": lambda: "seed = 1",
@@ -413,6 +431,8 @@ OBJECTS = {
     "RobotPanel": robsim.gui.robot_panel,
     "Identifiability": lambda: robsim.identifiability(trace()),
     "Report": report,
+    "Assignment": assignment,
+    "SubmissionResult": lambda: robsim.assignments.SubmissionResult,
     "Session": session,
     "Simulation": run,
     "Trace": trace,

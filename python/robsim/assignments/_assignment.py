@@ -150,7 +150,7 @@ class Assignment:
         task = {f"{MODULE}.py": module_source(test.task) for test in self.tests[:1]}
         return {**self.given_files, **task}
 
-    def rules(self, slots: tuple[str, ...] | None = None) -> Rules:
+    def _rules(self, slots: tuple[str, ...] | None = None) -> Rules:
         """Return what a submission may fill, which is all or some slots alone, import and weigh.
 
         Raises

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from robsim._base.checks import check_text
+
 if TYPE_CHECKING:
     from robsim.assignments._submission_report import SubmissionReport
 
@@ -209,7 +211,7 @@ class SubmissionResult:
     @classmethod
     def from_json(cls, text: str) -> SubmissionResult:
         """Return what `to_json` wrote; raise ValueError if it is something else."""
-        data = json.loads(text)
+        data = json.loads(check_text("text", text))
         if not isinstance(data, dict) or data.pop("format", None) != FORMAT:
             raise ValueError(f"no result of a submission of format {FORMAT}")
         try:

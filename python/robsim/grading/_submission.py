@@ -132,6 +132,7 @@ class Submission:
                 raise TypeError(f"{name} must be {kind.__name__}, got {quoted(value)}")
         check_choice("isolation", isolation, LEVELS)
         path = as_path(path)
+        _check_given(given)
         given_student = None if student is None else _name("student", student)
         self._test = None if test is None else _name("test", test)
         limits = limits or Limits()
@@ -421,6 +422,16 @@ def _listed(arguments: Any) -> list[Sequence[Any]]:
         if not isinstance(each, (tuple, list)):
             raise TypeError(f"arguments must be tuples, one for each call, got {quoted(arguments)}")
     return listed
+
+
+def _check_given(given: Mapping[str, bytes] | None) -> None:
+    """Raise TypeError unless files are contents by name."""
+    if given is None:
+        return
+    if not isinstance(given, Mapping) or not all(
+        isinstance(name, str) and isinstance(content, bytes) for name, content in given.items()
+    ):
+        raise TypeError(f"given must be a mapping of name to bytes, got {quoted(given)}")
 
 
 def _name(argument: str, name: str) -> str:

@@ -85,7 +85,7 @@ def _programs(assignment: Assignment, handed: Iterable[Handed]) -> Iterator[tupl
     """Yield what was handed in, as far as it can be read."""
     for one in handed:
         try:
-            files = read_submission(one.path, assignment.rules())
+            files = read_submission(one.path, assignment._rules())
         except SubmissionError:
             continue
         yield one.student, program_of(files.sources)

@@ -9,7 +9,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from robsim._base.files import as_folder
+from robsim._base.checks import check_text
+from robsim._base.files import as_folder, as_path
 from robsim._base.text import one_line
 from robsim.assignments._assignment import Assignment
 from robsim.assignments._class_result import ClassResult
@@ -32,10 +33,10 @@ def grade_one(
     only: Iterable[str] | None,
 ) -> SubmissionResult:
     """Grade a submission; see `Assignment.grade`."""
-    plan = plan_of(assignment, only=only, public=public)
     handed = one_submission(submission)
     if student is not None:
-        handed = Handed(student, handed.path)
+        handed = Handed(check_text("student", student), handed.path)
+    plan = plan_of(assignment, only=only, public=public)
     progress, grader = Progress(0, handed, plan, None), plan.work.doer()
     while (job := progress.next()) is not None:
         progress.take(grader.rows([job])[0])
@@ -91,8 +92,10 @@ def grade_class(
     only: Iterable[str] | None,
 ) -> ClassResult:
     """Grade a class; see `Assignment.grade_class`."""
-    plan = plan_of(assignment, only=only, public=public)
+    engine_value(executor)
+    as_path(out, "out")
     handed = submissions_in(submissions, assignment)
+    plan = plan_of(assignment, only=only, public=public)
     result = grade_all(plan, handed, out, executor=executor, tell=lambda result, changed: None)
     folder = ResultFolder(as_folder(out))
     write_class_files(assignment, handed, folder, result.results, ClassTables())

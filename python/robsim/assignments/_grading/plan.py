@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from robsim._base.checks import check_bool
 from robsim._base.spelling import check_names
 from robsim._base.text import quoted
 from robsim.assignments._assignment import Assignment, FileTests, TaskTest
@@ -64,6 +65,8 @@ def plan_of(
     ValueError
         If there is no test of a name, or none at all.
     """
+    check_bool("public", public)
+    asked = None if only is None else _names(only)
     tests = [t for t in assignment.all_tests if t.public or not public]
     if not tests:
         raise ValueError(f"{assignment.name} has no tests that are public")
@@ -83,10 +86,17 @@ def plan_of(
     names = [name for unit in units for name in unit.names]
     if twice := [name for name in names if names.count(name) > 1]:
         raise AssignmentError(f"two tests have the name {quoted(twice[0])}: rename one")
-    wanted = names if only is None else [only] if isinstance(only, str) else list(only)
+    wanted = names if asked is None else asked
     check_names(f"{assignment.name} has no test", wanted, names, ValueError)
     work = GradingWork(assignment, units)
     return Plan(work, frozenset(wanted), digests.of_assignment(assignment))
+
+
+def _names(only: Iterable[str] | str) -> list[str]:
+    names = [only] if isinstance(only, str) else only
+    if not isinstance(names, Sequence) or not all(isinstance(one, str) for one in names):
+        raise TypeError(f"only must be names of tests, got {quoted(only)}")
+    return list(names)
 
 
 def _check_usable(test: TaskTest, references: References) -> None:

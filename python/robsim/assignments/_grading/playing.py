@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 
-from robsim._base.checks import check_int
+from robsim._base.checks import check_int, check_text
 from robsim._base.report import Column, Report, Row, Table
 from robsim._base.spelling import check_names
 from robsim.assignments._assignment import Assignment, TaskTest
@@ -86,11 +86,12 @@ def play(
 ) -> PlayedRun:
     """Do a run of a test again; see `Assignment.play`."""
     tests = {one.name: one for one in assignment.tests}
-    check_names(f"{assignment.name} has no test by a task", [test], tests, ValueError)
+    handed = one_submission(submission)
+    name = handed.student if student is None else check_text("student", student)
+    named = [check_text("test", test)]
+    check_names(f"{assignment.name} has no test by a task", named, tests, ValueError)
     one = tests[test]
     check_int("run", run, minimum=0, maximum=one.task.runs - 1)
-    handed = one_submission(submission)
-    name = handed.student if student is None else student
     graded = graded_run(
         graded_task(assignment, one, handed.path),
         one.task.scenario,

@@ -60,7 +60,7 @@ class Progress:
         self._notes: tuple[str, ...] = ()
         try:
             files = read_submission(
-                self.handed.path, self._assignment.rules(), self._assignment.files_of_all
+                self.handed.path, self._assignment._rules(), self._assignment.files_of_all
             )
         except SubmissionError as error:
             self._refused = clean_text(str(error))

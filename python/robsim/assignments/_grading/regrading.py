@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from os import PathLike
 
-from robsim._base.files import as_folder
+from robsim._base.files import as_path
 from robsim._base.text import one_line, quoted
 from robsim.assignments._assignment import Assignment
 from robsim.assignments._class_result import ClassResult
@@ -17,7 +17,7 @@ from robsim.assignments._results import ERROR, SubmissionResult, TestResult
 
 def regrade(assignment: Assignment, out: str | PathLike[str]) -> ClassResult:
     """Mark anew what is in a folder of results; see `Assignment.regrade`."""
-    folder = ResultFolder(as_folder(out))
+    folder = ResultFolder(as_path(out, "out"))
     plan = plan_of(assignment)
     units = {name: unit for unit in plan.work.units for name in unit.names}
     students = folder.students()

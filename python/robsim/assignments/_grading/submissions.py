@@ -26,9 +26,12 @@ class Handed:
     path: str
 
 
-def one_submission(path: str | PathLike[str]) -> Handed:
-    """Return a submission by its path; raise FileNotFoundError if there is none."""
-    place = Path(os.path.abspath(as_path(path, "submission")))
+def one_submission(path: str | PathLike[str], name: str = "submission") -> Handed:
+    """Return a submission by its path; raise FileNotFoundError if there is none.
+
+    Messages call the argument `name`.
+    """
+    place = Path(os.path.abspath(as_path(path, name)))
     if not os.path.lexists(place):
         raise FileNotFoundError(2, "there is no such submission", str(path))
     return Handed(_student_of(place), str(place))
@@ -46,7 +49,7 @@ def submissions_in(path: str | PathLike[str], assignment: Assignment) -> list[Ha
     AssignmentError
         If two are of one student.
     """
-    first = one_submission(path)
+    first = one_submission(path, "submissions")
     place = Path(first.path)
     if not place.is_dir() or _is_one(place, assignment):
         return [first]

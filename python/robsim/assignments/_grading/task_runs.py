@@ -115,7 +115,7 @@ def run_task_test(
 
 def graded_task(assignment: Assignment, test: TaskTest, path: str) -> GradedTask:
     """Read a submission for a test; raise SubmissionError if that cannot be."""
-    rules = assignment.rules(test.task.slots)
+    rules = assignment._rules(test.task.slots)
     given = {**assignment.given_files, f"{MODULE}.py": module_source(test.task)}
     return GradedTask(
         submission=read_submission(path, rules, given),
