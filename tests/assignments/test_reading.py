@@ -10,7 +10,7 @@ import pytest
 from robsim.assignments import Assignment
 from robsim.grading import AssignmentError, Key
 from robsim.tasks import Limit, task
-from robsim.tasks._marks.calibration import Calibration, solutions_digest, task_digest
+from robsim.tasks._marks.calibration import TaskCalibration, solutions_digest, task_digest
 from small_assignments import LIMITS, SHORT, TESTS, assignment
 
 
@@ -166,7 +166,7 @@ def test_a_value_of_it_can_be_sent_to_another_process(tmp_path):
 
 def calibrated(folder, made):
     """Write the limits of the first test as those of a task, which come from its solutions."""
-    record = Calibration(
+    record = TaskCalibration(
         task=made.name,
         parameters=made.parameters,
         limits={name: Limit(**limit) for name, limit in LIMITS.items()},

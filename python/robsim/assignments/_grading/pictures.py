@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from robsim._base.checks import Floats
 from robsim.assignments._assignment import TaskTest
 from robsim.trace import Trace
-
-_GOALS = ("goal", "waypoints", "path")  # of the parameters of a task
 
 
 def picture_of(test: TaskTest, trace: Trace, reference: Trace | None) -> tuple[bytes, str]:
     """Return a run of a submission, beside that of the reference, as PNG, and what it shows."""
     from robsim.plotting._runs.beside import as_png, draw_run  # matplotlib takes its time
 
-    figure, caption = draw_run(trace, reference, slots=test.task.slots, goals=_goals(test))
+    figure, caption = draw_run(trace, reference, slots=test.task.slots, goals=test.task.goals)
     return as_png(figure), caption
 
 
@@ -24,8 +20,3 @@ def path_of(trace: Trace) -> list[list[float]]:
     path: Floats = trace.pose_true[:, :2]
     rounded: list[list[float]] = path.round(1).tolist()
     return rounded
-
-
-def _goals(test: TaskTest) -> Any:
-    parameters = test.task.parameters
-    return next((parameters[name] for name in _GOALS if name in parameters), None)
