@@ -221,7 +221,7 @@ class Assignment:
         TypeError, ValueError
             If an argument is wrong; the message names it.
         """
-        from robsim.assignments._grading.class_run import grade_one
+        from robsim.assignments._classes.class_run import grade_one
 
         return grade_one(self, submission, student=student, public=public, only=only)
 
@@ -263,7 +263,7 @@ class Assignment:
         OSError
             If a result cannot be written.
         """
-        from robsim.assignments._grading.class_run import grade_class
+        from robsim.assignments._classes.class_run import grade_class
 
         return grade_class(self, submissions, out, executor=executor, public=public, only=only)
 
@@ -291,7 +291,7 @@ class Assignment:
         ValueError
             If more than limits and points has changed: nothing is written then.
         """
-        from robsim.assignments._grading.regrading import regrade
+        from robsim.assignments._classes.regrading import regrade
 
         return regrade(self, out)
 

@@ -15,7 +15,7 @@ from robsim._base.report import Column, Problem, Row, Table
 from robsim._base.text import listed
 from robsim.assignments._assignment import Assignment, TaskTest
 from robsim.assignments._checking.rehearsal import FULL, LESS, NOTHING, Part, cast_of, graded
-from robsim.assignments._grading.plan import Plan, plan_of
+from robsim.assignments._classes.plan import Plan, plan_of
 from robsim.assignments._making.folder import SHEET
 from robsim.assignments._packing.public_part import public_part
 from robsim.assignments._reading.limits_file import RecordedTest, read_limits

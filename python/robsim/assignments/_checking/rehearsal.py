@@ -9,9 +9,9 @@ from pathlib import Path
 
 from robsim.assignments._assignment import Assignment
 from robsim.assignments._checking.hostile import hostile_submissions
-from robsim.assignments._grading.class_run import grade_all
-from robsim.assignments._grading.plan import Plan
-from robsim.assignments._grading.submissions import Handed
+from robsim.assignments._classes.class_run import grade_all
+from robsim.assignments._classes.plan import Plan
+from robsim.assignments._classes.submissions import Handed
 from robsim.assignments._reading.assignment_file import solutions_for
 from robsim.assignments._results import SubmissionResult
 from robsim.campaigns._engines.engine import Engine

@@ -1,1 +1,1 @@
-"""Grading: runs of submissions and of the reference, points, files that are gone on with."""
+"""Grading a submission: its runs and those of the reference, points, sentences, pictures."""

@@ -10,10 +10,10 @@ from robsim._base.checks import check_int, check_text
 from robsim._base.report import Column, Report, Row, Table
 from robsim._base.spelling import check_names
 from robsim.assignments._assignment import Assignment, TaskTest
+from robsim.assignments._classes.submissions import one_submission
 from robsim.assignments._grading.pictures import picture_of
 from robsim.assignments._grading.references import References, numbers_of
 from robsim.assignments._grading.seeds import seeds_of
-from robsim.assignments._grading.submissions import one_submission
 from robsim.assignments._grading.task_runs import graded_task
 from robsim.grading._graded_run import graded_run
 from robsim.trace import Trace

@@ -10,7 +10,7 @@ from pathlib import Path
 from robsim._base.files import as_path
 from robsim._base.text import one_line, quoted
 from robsim.assignments._assignment import Assignment
-from robsim.assignments._grading.plan import plan_of
+from robsim.assignments._classes.plan import plan_of
 from robsim.assignments._packing.archive import write_zip
 from robsim.assignments._packing.public_part import (
     check_assignment_value,

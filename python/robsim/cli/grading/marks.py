@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 from robsim._base.checks import check_choice
 from robsim._base.files import write_whole
 from robsim._base.text import one_line
-from robsim.assignments._grading.class_files import ClassTables, write_class_files
-from robsim.assignments._grading.class_run import grade_all
-from robsim.assignments._grading.plan import plan_of
-from robsim.assignments._grading.regrading import regrade
+from robsim.assignments._classes.class_files import ClassTables, write_class_files
+from robsim.assignments._classes.class_run import grade_all
+from robsim.assignments._classes.plan import plan_of
+from robsim.assignments._classes.regrading import regrade
+from robsim.assignments._classes.store import ResultFolder
+from robsim.assignments._classes.submissions import Handed, one_submission, submissions_in
 from robsim.assignments._grading.seeds import key_for
-from robsim.assignments._grading.store import ResultFolder
-from robsim.assignments._grading.submissions import Handed, one_submission, submissions_in
 from robsim.assignments._reports.marks.gradescope import write_gradescope
 from robsim.assignments._reports.marks.tables import COLUMNS
 from robsim.assignments._reports.points import number

@@ -14,12 +14,12 @@ from robsim._base.files import as_folder, as_path
 from robsim._base.text import one_line
 from robsim.assignments._assignment import Assignment
 from robsim.assignments._class_result import ClassResult
-from robsim.assignments._grading.class_files import ClassTables, write_class_files
-from robsim.assignments._grading.plan import Plan, plan_of
-from robsim.assignments._grading.progress import Progress
-from robsim.assignments._grading.schedule import Keep, Schedule, Tell
-from robsim.assignments._grading.store import ResultFolder
-from robsim.assignments._grading.submissions import Handed, one_submission, submissions_in
+from robsim.assignments._classes.class_files import ClassTables, write_class_files
+from robsim.assignments._classes.plan import Plan, plan_of
+from robsim.assignments._classes.progress import Progress
+from robsim.assignments._classes.schedule import Keep, Schedule, Tell
+from robsim.assignments._classes.store import ResultFolder
+from robsim.assignments._classes.submissions import Handed, one_submission, submissions_in
 from robsim.assignments._results import SubmissionResult
 from robsim.campaigns._engines.engine import Engine, engine_value, rows_by
 

@@ -10,10 +10,10 @@ import numpy as np
 
 import robsim
 from robsim.assignments._assignment import TaskTest
+from robsim.assignments._classes.plan import Plan
+from robsim.assignments._classes.submissions import Handed
 from robsim.assignments._grading import digests
 from robsim.assignments._grading.marking import marked
-from robsim.assignments._grading.plan import Plan
-from robsim.assignments._grading.submissions import Handed
 from robsim.assignments._grading.work import Job, Row, Unit
 from robsim.assignments._results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult
 from robsim.grading import SubmissionError, clean_text

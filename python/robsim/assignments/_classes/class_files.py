@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from robsim._base.checks import Floats
 from robsim.assignments._assignment import Assignment
+from robsim.assignments._classes.store import ResultFolder
+from robsim.assignments._classes.submissions import Handed
 from robsim.assignments._grading.seeds import key_for
-from robsim.assignments._grading.store import ResultFolder
-from robsim.assignments._grading.submissions import Handed
 from robsim.assignments._reports.similarity.winnowing import Program, program_of
 from robsim.assignments._reports.writing import write_class
 from robsim.assignments._results import SubmissionResult

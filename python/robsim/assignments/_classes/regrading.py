@@ -8,9 +8,9 @@ from robsim._base.files import as_path
 from robsim._base.text import one_line, quoted
 from robsim.assignments._assignment import Assignment
 from robsim.assignments._class_result import ClassResult
-from robsim.assignments._grading.plan import Plan, plan_of
-from robsim.assignments._grading.progress import again
-from robsim.assignments._grading.store import ResultFolder
+from robsim.assignments._classes.plan import Plan, plan_of
+from robsim.assignments._classes.progress import again
+from robsim.assignments._classes.store import ResultFolder
 from robsim.assignments._grading.work import Unit
 from robsim.assignments._results import ERROR, SubmissionResult, TestResult
 

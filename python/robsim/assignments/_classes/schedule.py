@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from robsim.assignments._grading.plan import Plan
-from robsim.assignments._grading.progress import Progress
-from robsim.assignments._grading.store import ResultFolder
-from robsim.assignments._grading.submissions import Handed
+from robsim.assignments._classes.plan import Plan
+from robsim.assignments._classes.progress import Progress
+from robsim.assignments._classes.store import ResultFolder
+from robsim.assignments._classes.submissions import Handed
 from robsim.assignments._grading.work import Job, Row
 from robsim.assignments._results import SubmissionResult
 
