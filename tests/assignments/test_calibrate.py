@@ -8,7 +8,7 @@ from commands import command
 from robsim.assignments import Assignment, calibrate_assignment, new_assignment
 from robsim.assignments import _calibration as calibration
 from robsim.assignments._reading.limits_file import read_limits
-from robsim.grading import AssignmentError
+from robsim.grading import AssignmentError, Key
 from robsim.tasks._marks import calibrate as marks
 
 QUICK = {"false_fail": 0.5, "confidence": 0.5, "progress": False}
@@ -30,6 +30,7 @@ def folder(tmp_path):
     return made
 
 
+@pytest.mark.long
 def test_limits_are_written_with_what_they_rest_on(folder):
     found = calibrate_assignment(folder, **QUICK)
     assert set(found) == {"public", "hidden"}
@@ -43,6 +44,7 @@ def test_limits_are_written_with_what_they_rest_on(folder):
     assert not (folder / ".calibrating").exists()
 
 
+@pytest.mark.slow
 def test_another_task_has_limits_of_its_own(folder):
     file = folder / "assignment.toml"
     first, second = file.read_text().rsplit("slip = ", 1)
@@ -52,14 +54,26 @@ def test_another_task_has_limits_of_its_own(folder):
     assert found["public"].seed != found["hidden"].seed
 
 
-def test_seeds_come_from_the_key(folder):
-    seed = calibrate_assignment(folder, **QUICK)["public"].seed
-    assert seed == calibrate_assignment(folder, **QUICK)["public"].seed
+@pytest.mark.long
+def test_seeds_come_from_the_key(folder, monkeypatch):
+    asked = []
+
+    def calibrate(*arguments, seed, **options):
+        asked.append(seed)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(calibration, "calibrate", calibrate)
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            calibrate_assignment(folder, **QUICK)
+    key = Key.read(folder / "key")
+    assert asked == [key.world_seed("", "calibration public", 0)] * 2
     (folder / "key").unlink()
     with pytest.raises(AssignmentError, match="has no key"):
         calibrate_assignment(folder, **QUICK)
 
 
+@pytest.mark.slow
 def test_what_changes_afterwards_is_noticed(folder):
     calibrate_assignment(folder, **QUICK)
     reference = folder / "solutions/estimate/right/reference/estimate_state.py"
@@ -70,6 +84,7 @@ def test_what_changes_afterwards_is_noticed(folder):
     assert "calibrate again" in run.stderr
 
 
+@pytest.mark.slow
 def test_one_that_is_ended_goes_on(folder, monkeypatch):
     whole = calibration.calibrate
 
@@ -93,6 +108,7 @@ def test_solutions_that_do_not_do_are_refused(folder):
         calibrate_assignment(folder, **QUICK)
 
 
+@pytest.mark.long
 def test_the_command_says_how_long_it_takes_and_what_comes_of_it(folder):
     run = command(
         "assignment", "calibrate", str(folder), "--false-fail", "0.5", "--confidence", "0.5"

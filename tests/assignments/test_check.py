@@ -76,7 +76,7 @@ def test_the_class_has_all_that_is_known(made):
 
 @pytest.mark.long
 def test_what_is_as_it_should_be_is_well(folder, cast):
-    cast("right: reference", "unscented", "naive", "nothing in it", "exit", "truth")
+    cast("as a notebook", "unscented", "naive", "nothing in it", "exit")
     write_limits(folder, {})
     report = check_assignment(folder, progress=False)
     assert {one.kind for one in report.problems} == NOT_CALIBRATED
@@ -87,7 +87,7 @@ def test_what_is_as_it_should_be_is_well(folder, cast):
     assert verdicts["nothing in it"] == verdicts["hostile: exit"] == verdicts["key"] == "well"
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_hostile_ones_get_nothing_and_end_nothing(folder, cast):
     cast("hostile", "right: reference, as")
     write_limits(folder, {})
@@ -97,7 +97,7 @@ def test_hostile_ones_get_nothing_and_end_nothing(folder, cast):
     assert got["hostile: exit"] == got["hostile: hang"] == "0 of 9"
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_right_one_below_full_points_is_a_problem(folder, cast):
     cast("smaller_r")
     write_limits(folder, TIGHT)
@@ -106,7 +106,7 @@ def test_a_right_one_below_full_points_is_a_problem(folder, cast):
     assert "in 3 of 3 gradings" in found
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_wrong_one_with_full_points_is_a_problem(folder, cast):
     cast("naive")
     write_limits(folder, WIDE)

@@ -20,36 +20,42 @@ from small_assignments import LIMITS, solution
 on_unix = pytest.mark.skipif(sys.platform == "win32", reason="they are scripts of bash")
 
 
-def shortened(folder):
-    """A new assignment of the template state with short runs."""
-    made = new_assignment("state", folder, seed=1)
-    file = made.folder / "assignment.toml"
-    text = file.read_text().replace("steps = 60", "steps = 20").replace("runs = 10", "runs = 2")
-    file.write_text(text)
-    return made.folder
-
-
-def write_limits(folder):
-    tests = {name: {"limits": LIMITS, "power": 1.0} for name in ("public", "hidden")}
-    (folder / "limits.json").write_text(json.dumps({"format": 1, "tests": tests}))
-
-
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    folder = shortened(tmp_path_factory.mktemp("made") / "hw1")
-    write_limits(folder)
+    """An assignment with short runs and limits that somebody has written."""
+    folder = tmp_path_factory.mktemp("made") / "hw1"
+    new_assignment("state", folder, seed=1)
+    change(folder, ("steps = 60", "steps = 20"), ("runs = 10", "runs = 2"))
+    tests = {name: {"limits": LIMITS, "power": 1.0} for name in ("public", "hidden")}
+    (folder / "limits.json").write_text(json.dumps({"format": 1, "tests": tests}))
     return folder
 
 
+def change(folder, *changes):
+    file = folder / "assignment.toml"
+    text = file.read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    file.write_text(text)
+
+
 @pytest.fixture
-def calibrated(made, tmp_path):
-    """A new assignment with limits that somebody has written."""
+def with_own_tests(made, tmp_path):
     shutil.copytree(made, tmp_path / "hw1")
     return Assignment.load(tmp_path / "hw1")
 
 
-def test_students_get_the_public_part(calibrated, tmp_path):
-    pack_students(calibrated, tmp_path / "students.zip")
+@pytest.fixture
+def calibrated(with_own_tests):
+    """The same without tests of the teacher's own, which are loaded by pytest each time."""
+    change(with_own_tests.folder, ('[[files]]\npath = "own_tests.py"\npublic = true\n', ""))
+    return Assignment.load(with_own_tests.folder)
+
+
+@pytest.mark.long
+def test_students_get_the_public_part(with_own_tests, tmp_path):
+    pack_students(with_own_tests, tmp_path / "students.zip")
     with zipfile.ZipFile(tmp_path / "students.zip") as archive:
         names = set(archive.namelist())
         archive.extractall(tmp_path / "theirs")
@@ -64,11 +70,11 @@ def test_students_get_the_public_part(calibrated, tmp_path):
     theirs = Assignment.load(tmp_path / "theirs/hw1")
     assert [test.name for test in theirs.tests] == ["public"]
     assert theirs.key is None
-    assert theirs.tests[0].task == calibrated.tests[0].task
-    assert theirs.tests[0].limits == calibrated.tests[0].limits
+    assert theirs.tests[0].task == with_own_tests.tests[0].task
+    assert theirs.tests[0].limits == with_own_tests.tests[0].limits
     assert len(theirs.tests[0].reference_values["position"]) == 2
     assert theirs.points == 10
-    assert (theirs.masked, theirs.given) == (calibrated.masked, calibrated.given)
+    assert (theirs.masked, theirs.given) == (with_own_tests.masked, with_own_tests.given)
     assert "power" not in (tmp_path / "theirs/hw1/limits.json").read_text()
 
 
@@ -114,8 +120,9 @@ def test_without_limits_nothing_is_packed(tmp_path):
 REFERENCE = "assignment/solutions/estimate/right/reference"
 
 
-def test_gradescope_gets_its_two_scripts_at_the_top(calibrated, tmp_path):
-    pack_gradescope(calibrated, tmp_path / "autograder.zip", install="robsim==9.9")
+@pytest.mark.long
+def test_gradescope_gets_its_two_scripts_at_the_top(with_own_tests, tmp_path):
+    pack_gradescope(with_own_tests, tmp_path / "autograder.zip", install="robsim==9.9")
     with zipfile.ZipFile(tmp_path / "autograder.zip") as archive:
         names = set(archive.namelist())
         modes = {one.filename: one.external_attr >> 16 & 0o777 for one in archive.infolist()}
@@ -156,14 +163,14 @@ def test_a_wheel_goes_along(calibrated, tmp_path):
         pack_gradescope(calibrated, tmp_path / "autograder")
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_students_try_the_public_tests_with_what_they_get(calibrated, tmp_path):
     pack_students(calibrated, tmp_path / "theirs/hw1")
     theirs = tmp_path / "theirs/hw1"
     shutil.copytree(theirs / "start", theirs / "mine")
     run = command("grade", ".", "mine", "--public", cwd=theirs)
     assert run.exit_code == 1, run.stderr  # what they begin with keeps the last pose
-    assert "public tests only: 4 of 10 points shown" in run.stdout
+    assert "public tests only: 3 of 9 points shown" in run.stdout
     solution(theirs / "better")
     run = command("grade", ".", "better", "--public", cwd=theirs)
     assert run.exit_code == 0, run.stdout
@@ -197,19 +204,19 @@ def run_autograder(root):
 
 @on_unix
 @pytest.mark.long
-def test_the_autograder_grades_in_folders_as_the_specification_has_them(calibrated, tmp_path):
-    root = autograder(tmp_path, pack_gradescope(calibrated, tmp_path / "autograder.zip"))
+def test_the_autograder_grades_in_folders_as_the_specification_has_them(with_own_tests, tmp_path):
+    root = autograder(tmp_path, pack_gradescope(with_own_tests, tmp_path / "autograder.zip"))
     solution(root / "submission")
     (root / "submission_metadata.json").write_text(metadata("b@x.org", "a@x.org"))
     done, results = run_autograder(root)
     assert done.returncode == 0, done.stderr
     assert [test["max_score"] for test in results["tests"]] == [3, 6, 1]
     assert sum(test["score"] for test in results["tests"]) == 10
-    assert calibrated.key._secret.hex() not in json.dumps(results)
+    assert with_own_tests.key._secret.hex() not in json.dumps(results)
 
 
 @on_unix
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_grader_that_fails_says_so_in_the_results(calibrated, tmp_path):
     root = autograder(tmp_path, pack_gradescope(calibrated, tmp_path / "autograder.zip"))
     (root / "source/assignment/limits.json").unlink()

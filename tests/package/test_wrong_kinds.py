@@ -157,6 +157,19 @@ def assignment():
     )
 
 
+@cache
+def new_folder():
+    """A folder that tests make nothing in: all of them refuse what comes with it."""
+    folder = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, folder)
+    return folder
+
+
+@cache
+def new_assignment():
+    return robsim.assignments.new_assignment("measurement", Path(new_folder(), "hw1"), seed=1)
+
+
 EXAMPLES = {
     "SubmissionResult.from_json.text": lambda: "{}",
     "plot_runs.runs": lambda: {"one": trace()},
@@ -182,6 +195,14 @@ EXAMPLES = {
     "Submission.calls.arguments": lambda: [(1.0,)],
     "Intrinsics.matrix": lambda: [[50, 0, 20], [0, 50, 20], [0, 0, 1]],
     "draw_grid.calibration": lambda: calibration((32, 32)),
+    "new_assignment.template": lambda: "measurement",
+    "new_assignment.folder": lambda: Path(new_folder(), "hw2"),
+    "pack_gradescope.assignment": new_assignment,
+    "pack_gradescope.path": lambda: Path(new_folder(), "autograder.zip"),
+    "pack_students.assignment": new_assignment,
+    "pack_students.path": lambda: Path(new_folder(), "students.zip"),
+    "calibrate_assignment.folder": lambda: new_assignment().folder,
+    "check_assignment.folder": lambda: new_assignment().folder,
     "find_sheets.mark": lambda: 80.0,
     "load_calibration.path": lambda: "camera.toml",
     "Residuals.points": lambda: 9,
