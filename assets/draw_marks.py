@@ -18,6 +18,7 @@ import numpy as np
 import scipy.stats
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
 
 import robsim
 from robsim.plotting import _style as style
@@ -124,6 +125,7 @@ def _draw_statistics(axes: Axes, tests: Tests) -> None:
     _name_rows(axes, tests.task)
     axes.set(xscale="log", xlabel=f"{score.title}, times the reference's")
     axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2, 0.5)))
     axes.legend(loc="lower right", facecolor="white", framealpha=0.9, frameon=True)
     axes.set_title(f"A  one score, in tests of {tests.task.runs} runs", loc="left")
 
@@ -179,7 +181,7 @@ def _draw_promise(axes: Axes, rate: float) -> None:
     axes.set(xlabel="true rate at which a right solution fails (%)", ylabel="density (1 / %)")
     axes.set(xlim=(0, 250 * rate), ylim=(0, None))
     axes.legend()
-    axes.set_title("D  where the rate of a calibration lies: 95 of 100 below the line", loc="left")
+    axes.set_title("D  true rates of calibrations, and what is promised", loc="left")
 
 
 def table(found: Mapping[int, Tests]) -> str:
