@@ -140,7 +140,7 @@ def submission_folder():
 
 
 def calibrated():
-    return shipped_calibrations()["measure"]
+    return shipped_calibrations()["estimate"]
 
 
 @cache
@@ -187,7 +187,7 @@ EXAMPLES = {
     "Solution.read.slots": lambda: "measure",
     "Solution.read.is_right": lambda: True,
     "TaskCalibration.from_record.record": lambda: calibrated().as_record(),
-    "TaskCalibration.stale.task": robsim.tasks.Measure,
+    "TaskCalibration.stale.task": robsim.tasks.EstimateState,
     "calibrate.task": lambda: robsim.tasks.EstimateState(steps=20, runs=1),
     "Submission.path": submission_folder,
     "Submission.call.name": lambda: "fit",

@@ -29,13 +29,13 @@ def test_the_true_parameters_have_no_error_and_others_what_they_predict():
     )
     # d1 of the heading is not multiplied by anything: an error of it is one of the prediction
     turned = truth + np.array([[0] * 5, [0] * 5, [0, 0, 0, 0, 0.1]])
-    numbers = one.score(run_with(one, lambda k: truth if k > 10 else turned))
+    numbers = one.score(run_with(one, lambda k: truth if k > 15 else turned))
     assert numbers == pytest.approx({"position": 0, "heading": 0, "early": 0}, abs=1e-9)
     numbers = one.score(run_with(one, lambda k: turned))
     assert numbers["heading"] == pytest.approx(np.rad2deg(0.1))
     # those of x and y are multiplied by cos and sin: together by 1
     shifted = truth + np.array([[0, 0, 0, 0, 0.1], [0, 0, 0, 0, 0.1], [0] * 5])
-    numbers = one.score(run_with(one, lambda k: truth if k > 10 else shifted))
+    numbers = one.score(run_with(one, lambda k: truth if k > 15 else shifted))
     assert numbers["position"] == pytest.approx(0, abs=1e-9)
     assert numbers["early"] == pytest.approx(0.1)
 

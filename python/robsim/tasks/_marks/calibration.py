@@ -276,12 +276,25 @@ def solutions_digest(solutions: Iterable[Solution]) -> str:
     """Return what tells some solutions from others."""
     return _digest(
         [
-            [one.name, one.is_right, {name: text.decode() for name, text in one.files.items()}]
+            [one.name, one.is_right, {name: _lines(text) for name, text in one.files.items()}]
             for one in solutions
         ]
     )
 
 
+def _lines(source: bytes) -> list[str]:
+    return source.decode(errors="replace").splitlines()  # whatever ends them on a system
+
+
 def _digest(data: Any) -> str:
-    text = json.dumps(data, sort_keys=True)
+    text = json.dumps(_rounded(data), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _rounded(data: Any) -> Any:
+    """Return data with floats to 12 digits, which are the same on all machines."""
+    if isinstance(data, Mapping):
+        return {key: _rounded(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [_rounded(value) for value in data]
+    return f"{data:.12g}" if isinstance(data, float) else data
