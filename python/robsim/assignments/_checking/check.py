@@ -20,7 +20,7 @@ from robsim.assignments._making.folder import SHEET
 from robsim.assignments._packing.public_part import public_part
 from robsim.assignments._reading.limits_file import RecordedTest, read_limits
 from robsim.assignments._results import ERROR, SubmissionResult
-from robsim.campaigns._engines.engine import Engine
+from robsim.campaigns._engines.engine import Engine, engine_value
 from robsim.campaigns._engines.executors import DaskClient
 from robsim.grading import AssignmentError
 from robsim.simulation._progress import progress_bar
@@ -71,12 +71,13 @@ def check_assignment(
     a wrong one may pass now and then. So who is not what is expected is graded twice more, with
     other seeds, and wrong is what was so in two of three.
     """
+    engine = engine_value(executor)
     assignment = Assignment.load(folder)
     check_bool("progress", progress)
     findings = [*_still(assignment)]
     plan = plan_of(assignment)
     with tempfile.TemporaryDirectory(prefix="robsim-check-") as scratch:
-        findings += _rehearsed(plan, Path(scratch), executor, progress)
+        findings += _rehearsed(plan, Path(scratch), engine, progress)
     rows = [Row(one.what, [one.expected, one.got, one.verdict]) for one in findings]
     columns = [Column("expected", "should be"), Column("got", "is"), Column("verdict", "")]
     return CheckReport(
