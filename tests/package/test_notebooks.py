@@ -32,6 +32,7 @@ def test_there_are_notebooks():
         "03_identification.ipynb",
         "04_state_estimation.ipynb",
         "05_latency.ipynb",
+        "06_grade_a_class.ipynb",
         "07_is_it_better.ipynb",
         "08_live.ipynb",
         f"{MANUAL}.ipynb",
