@@ -50,6 +50,7 @@ def test_a_notebook_is_short_and_stripped(file):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(400)
 @each
 def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
     nbclient, nbformat = map(importlib.import_module, ("nbclient", "nbformat"))  # 2 s
@@ -57,7 +58,7 @@ def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
     notebook = nbformat.read(tmp_path / file.name, as_version=4)
     notebook.cells.append(nbformat.v4.new_code_cell(LEFT_BEHIND))
     place = {"metadata": {"path": str(tmp_path)}}
-    nbclient.NotebookClient(notebook, timeout=100, resources=place).execute()
+    nbclient.NotebookClient(notebook, timeout=200, resources=place).execute()
     assert notebook.cells.pop()["outputs"][0]["text"] == "[]\n"
     outputs = [output for cell in code_cells(notebook) for output in cell["outputs"]]
     assert not [output["text"] for output in outputs if output.get("name") == "stderr"]
