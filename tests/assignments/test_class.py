@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from clusters import local_cluster
 from robsim.assignments import Assignment, SubmissionResult
 from robsim.assignments._grading import work
 from robsim.grading import AssignmentError
@@ -99,6 +100,17 @@ def test_the_results_are_the_same_wherever_they_are_computed(hw3, tmp_path, exec
         for test, same in zip(one.tests, other.tests, strict=True):
             assert repr(test.scores) == repr(same.scores)  # there are NaN among them
             assert (test.points, test.sentence) == (same.points, same.sentence)
+
+
+@pytest.mark.slow
+def test_a_cluster_gives_the_same_results(hw3, tmp_path):
+    subs = handed_in(tmp_path / "subs")
+    with local_cluster(tmp_path) as client:
+        result = hw3.grade_class(subs, tmp_path / "out", executor=client)
+    assert [one.points for one in result.results] == [6, 6]
+    here = hw3.grade_class(subs, tmp_path / "here")
+    for one, other in zip(result.results, here.results, strict=True):
+        assert [test.scores for test in one.tests] == [test.scores for test in other.tests]
 
 
 def counting(monkeypatch):

@@ -1,7 +1,5 @@
 """A cluster of Dask, and executors of others: the same bytes, and workers that die."""
 
-import logging
-import multiprocessing
 import pickle
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -11,6 +9,7 @@ import pytest
 
 import robsim
 from campaign_code import Inline, deadly, failing_in_some, final, killed_once, steady
+from clusters import local_cluster
 from robsim.campaigns import campaign
 
 SCENARIO = robsim.Scenario(
@@ -32,22 +31,9 @@ def serial():
 @pytest.fixture
 def client(tmp_path, monkeypatch):
     """A scheduler and two workers on loopback, which end with the test."""
-    distributed = pytest.importorskip("distributed")
-    dask = pytest.importorskip("dask")
     monkeypatch.setenv("ROBSIM_TEST_FOLDER", str(tmp_path))
-    cluster = distributed.LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        host="127.0.0.1",
-        dashboard_address="127.0.0.1:0",
-        local_directory=str(tmp_path),
-        silence_logs=logging.CRITICAL,
-    )
-    # What is not there 15 s after it died is given up, even if it is just being started once more.
-    waiting = dask.config.set({"distributed.deploy.lost-worker-timeout": "1 hour"})
-    with waiting, cluster, distributed.Client(cluster) as client:
+    with local_cluster(tmp_path) as client:
         yield client
-    assert not multiprocessing.active_children()
 
 
 @pytest.mark.slow
