@@ -287,3 +287,14 @@ def test_what_is_said_in_place_of_the_doctor_is_text_of_the_submission(hw3, tmp_
     said = judged(task, "robsim.doctor._finding:first_finding", 20.0).result
     assert said == "\\x1b[31m<b>all points</b>"  # escaped, and for others to escape in HTML
     assert hw3.grade(place).points == 0
+
+
+def test_what_cannot_be_loaded_is_not_loaded_for_each_run(hw3, tmp_path):
+    many = replace(hw3.tests[0], task=replace(hw3.tests[0].task, runs=6))
+    slow = replace(hw3, tests=(many,), limits=Limits(first_call=0.5))
+    result = slow.grade(written(tmp_path / "s009", "while True:\n    pass\n")).tests[0]
+    assert [run.reason for run in result.failed[3:]] == [
+        "not run: it could not be loaded in the runs before"
+    ] * 3
+    assert "took longer than 0.5 s" in result.failed[2].reason
+    assert "No run came through." in result.sentence

@@ -19,6 +19,8 @@ from robsim.tasks._solutions import MODULE, module_source
 from robsim.trace import Trace
 
 OUT_OF_TIME = "not run: out of time"
+NOT_LOADED = "not run: it could not be loaded in the runs before"
+_TRIES = 3  # to load a submission
 _LEAST = 0.5  # s that a run must have left, else it is not begun
 
 
@@ -46,6 +48,12 @@ class Runs:
     traces: dict[int, Trace] = field(default_factory=dict)
     output: str = ""
     isolation: str = ""
+
+    @property
+    def cannot_be_loaded(self) -> bool:
+        """Whether the submission was never loaded, and that was tried often enough."""
+        is_never = not self.numbers and all(run.step is None for run in self.failed)
+        return is_never and len(self.failed) >= _TRIES
 
 
 @dataclass(frozen=True)
@@ -102,6 +110,9 @@ def run_task_test(
         left = begin + seconds - time.monotonic()
         if left < _LEAST:
             runs.failed.append(FailedRun(run=run, reason=OUT_OF_TIME))
+            continue
+        if runs.cannot_be_loaded:
+            runs.failed.append(FailedRun(run=run, reason=NOT_LOADED))
             continue
         limits = replace(task.limits, run=min(task.limits.run, left))
         _run(assignment, test, replace(task, limits=limits), student, run, references, runs)

@@ -140,6 +140,8 @@ def show(
         return
     if len(result.results) > 1:
         errors.show(f"\n{result}\n")
+        if line := next((one.isolation for one in result.results if one.isolation), ""):
+            errors.say(line)
         errors.say(f"pages and tables: {out / CLASS}, and a folder for each student beside it")
         return
     (one,) = result.results
