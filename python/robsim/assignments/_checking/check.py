@@ -19,7 +19,7 @@ from robsim.assignments._classes.plan import Plan, plan_of
 from robsim.assignments._making.folder import SHEET
 from robsim.assignments._packing.public_part import public_part
 from robsim.assignments._reading.limits_file import RecordedTest, read_limits
-from robsim.assignments._results import ERROR, SubmissionResult
+from robsim.assignments._results import ERROR, SubmissionResult, TestResult
 from robsim.campaigns._engines.engine import Engine, engine_value
 from robsim.campaigns._engines.executors import DaskClient
 from robsim.grading import AssignmentError
@@ -190,8 +190,17 @@ def _rehearsed(plan: Plan, scratch: Path, executor: Engine, progress: bool) -> I
         yield _finding(part, tries[part.name])
 
 
+def _counted(part: Part, result: SubmissionResult) -> list[TestResult]:
+    """Return the results that count: right ones must do what the teacher's own tests ask, too.
+
+    These are run by the rules of the assignment, so that who does without them cannot pass.
+    """
+    counts_all = part.expected == FULL and not part.is_free
+    return [test for test in result.tests if counts_all or test.name in part.tests]
+
+
 def _points(part: Part, result: SubmissionResult) -> tuple[float, float]:
-    tests = [test for test in result.tests if test.name in part.tests]
+    tests = _counted(part, result)
     return sum(test.points for test in tests), sum(test.most for test in tests)
 
 
@@ -199,8 +208,8 @@ def _is_expected(part: Part, result: SubmissionResult) -> bool:
     if any(test.status == ERROR for test in result.tests):
         return False
     points, most = _points(part, result)
-    if part.expected == FULL:  # the teacher's own tests, too
-        return all(test.points >= _ALL * test.most for test in result.tests)
+    if part.expected == FULL:
+        return points >= _ALL * most
     if part.expected == LESS:
         return points < _ALL * most
     return points <= _LITTLE * most
@@ -221,5 +230,15 @@ def _finding(part: Part, results: list[SubmissionResult]) -> Finding:
     if len(results) > 1:
         got += f", in {len(bad)} of {len(results)} gradings"
     is_wrong = 2 * len(bad) > len(results)
-    wrong = f"{part.name} {_REMEDIES[part.expected]}; it got {got}" if is_wrong else ""
+    wrong = ""
+    if is_wrong:
+        wrong = f"{part.name} {_REMEDIES[part.expected]}; it got {got}{_lost(part, bad[0])}"
     return Finding(what=part.name, expected=part.expected, got=got, wrong=wrong)
+
+
+def _lost(part: Part, result: SubmissionResult) -> str:
+    """Say what was told of the first test that did not give all points."""
+    if part.expected != FULL:
+        return ""
+    lost = [test for test in _counted(part, result) if test.points < _ALL * test.most]
+    return f"; {lost[0].name}: {lost[0].sentence}" if lost else ""
