@@ -15,6 +15,10 @@ from robsim.tasks._task import Task
 #: No limit is nearer to the reference: what is right may be rounded otherwise.
 _LEAST_MARGIN = 1.01
 
+#: No unit is smaller: a score that hardly ever differs would scale the limits of all others when it
+#: once does.
+_LEAST_UNIT = 1.1
+
 #: So that the test that a limit comes from does not miss it by rounding.
 _ROUNDED = 1 + 1e-9
 
@@ -40,7 +44,7 @@ def limits_from(
     Of each score a test has a statistic s, see `Score.statistic`. What can be too large is log s,
     and, where it is consistency, -log s, too; how much these differ among right solutions is not
     the same. So from the tests before, each gets a unit d: three standard deviations above its
-    mean, for the solution for which that is largest.
+    mean, for the solution for which that is largest, and log 1.1 at least.
 
     In the others a test is as far off as its worst score, e = max(log s / d). The limits are
     exp(c d), with one c for all: the r-th largest e of the tests of a solution, for the solution
@@ -55,7 +59,8 @@ def limits_from(
     before, after = tails[:, :pilot], tails[:, pilot:]
     least = math.log(_LEAST_MARGIN)
     # d = mean + 3 sd, of the right solution for which it is largest
-    units = np.max(before.mean(axis=1) + 3 * before.std(axis=1), axis=0).clip(min=least)
+    units = np.max(before.mean(axis=1) + 3 * before.std(axis=1), axis=0)
+    units = units.clip(min=math.log(_LEAST_UNIT))
     # e = max(tail / d);  c = the r-th largest e, of the solution for which it is largest
     off = np.max(after / units, axis=2)
     factor = float(np.max(np.sort(off, axis=1)[:, -rank]))
