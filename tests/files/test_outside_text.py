@@ -220,9 +220,9 @@ def test_reports_alone_make_html():
             (PACKAGE / name).read_text(),
         )
     }
-    # A clip has numbers in its HTML; a trace shows its summary, which is a report; a panel gives a
+    # A clip has numbers in its HTML; a trace and a graded result show a report; a panel gives a
     # picture, and its repr as plain text.
-    others = {"gui/_hosted.py", "imaging/_clip.py", "trace/_trace.py"}
+    others = {"gui/_hosted.py", "imaging/_clip.py", "trace/_trace.py", "assignments/_results.py"}
     assert found == {"_base/report/report.py", *others}
 
 

@@ -13,6 +13,7 @@ from robsim.doctor._callbacks.measurements import check_measurement
 from robsim.doctor._callbacks.models import check_model
 from robsim.doctor._parameter_estimators import check_parameter_estimator
 from robsim.doctor._state_estimators import check_estimator
+from robsim.simulation._slots import RobotSlots
 
 #: What makes the callbacks by slot, anew each time.
 MakeAll = Callable[[], Mapping[str, Any]]
@@ -55,10 +56,10 @@ def _estimate_parameters(make: MakeAll) -> CheckReport:
 
 
 _CHECKS: Mapping[str, Callable[[MakeAll], CheckReport]] = {
-    "define_model": lambda make: check_model(lambda: make()["define_model"]),
-    "estimate_parameters": _estimate_parameters,
-    "init_parameter_estimator": _init_parameter_estimator,
-    "measure": lambda make: check_measurement(lambda: make()["measure"]),
-    "estimate_state": lambda make: check_estimator(lambda: make()["estimate_state"]),
-    "control": lambda make: check_controller(lambda: make()["control"]),
+    RobotSlots.define_model.name: lambda make: check_model(lambda: make()["define_model"]),
+    RobotSlots.estimate_parameters.name: _estimate_parameters,
+    RobotSlots.init_parameter_estimator.name: _init_parameter_estimator,
+    RobotSlots.measure.name: lambda make: check_measurement(lambda: make()["measure"]),
+    RobotSlots.estimate_state.name: lambda make: check_estimator(lambda: make()["estimate_state"]),
+    RobotSlots.control.name: lambda make: check_controller(lambda: make()["control"]),
 }

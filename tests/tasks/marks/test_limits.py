@@ -48,16 +48,24 @@ def test_right_solutions_fail_as_rarely_as_promised_whatever_the_distribution(rn
 def test_of_right_solutions_the_worst_test_of_all_sets_the_limits():
     task = Measure()
     rows = np.full((PILOT + 5, 3), 1.0)
-    rows[:PILOT, 0] = np.exp(0.01 * np.tile([1, -1], PILOT // 2))
+    rows[:PILOT, 0] = np.exp(0.04 * np.tile([1, -1], PILOT // 2))
     rows[:PILOT, 1] = np.exp(0.1 * np.tile([1, -1], PILOT // 2))
-    rows[-1] = np.exp([0.06, 0.0, 0.0])  # two units of 3 x 0.01
+    rows[-1] = np.exp([0.24, 0.0, 0.0])  # two units of 3 x 0.04
     limits = limits_from(task, [as_sets(rows)], as_sets(np.full((3, 3), 9.0)), PILOT, rank=1)
-    assert limits["position"].full == pytest.approx(np.exp(0.06))
+    assert limits["position"].full == pytest.approx(np.exp(0.24))
     assert limits["heading"].full == pytest.approx(np.exp(0.6))  # as many units of its own
-    assert limits["lost"].full == pytest.approx(1.0201, abs=1e-3)  # at least
+    assert limits["lost"].full == pytest.approx(1.1**2)  # a unit is that much at least
     assert as_sets(rows[PILOT:]).points(task.scores, limits).tolist() == pytest.approx([1] * 5)
     second = limits_from(task, [as_sets(rows)], as_sets(np.full((3, 3), 9.0)), PILOT, rank=2)
     assert second["position"].full == pytest.approx(1.01)
+
+
+def test_a_score_that_hardly_ever_differs_does_not_scale_the_limits_of_others():
+    rows = np.full((PILOT + 5, 3), 1.0)
+    rows[:PILOT, 1] = np.exp(0.1 * np.tile([1, -1], PILOT // 2))
+    rows[-1] = [1.09, 1.0, 1.0]  # the only test in which it does
+    limits = limits_from(Measure(), [as_sets(rows)], as_sets(np.full((3, 3), 9.0)), PILOT, rank=1)
+    assert limits["heading"].full < np.exp(0.3)
 
 
 def test_no_points_are_given_where_naive_is_and_never_close_to_the_limit():

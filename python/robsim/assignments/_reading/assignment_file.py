@@ -181,7 +181,7 @@ def _given(keys: Keys, tests: tuple[TaskTest, ...]) -> str:
     most = max((_GIVEN.index(test.task.given) for test in tests), default=0)
     given = keys.choice("given", _GIVEN, _GIVEN[most])
     if _GIVEN.index(given) < most:
-        keys.refuse(f"given must be {_GIVEN[most]!r}, which its tasks need, got {given!r}")
+        keys.refuse(f"given must be {_GIVEN[most]!r}, as its tasks need it, got {quoted(given)}")
     return given
 
 
