@@ -168,11 +168,10 @@ def test_what_is_not_complete_cannot_be_checked(folder):
 
 @pytest.mark.slow
 @pytest.mark.timeout(900)
-@pytest.mark.parametrize("template", ["controller", "measurement", "state"])
-def test_new_assignments_pass_their_check(tmp_path, template):
+def test_a_new_assignment_passes_its_check(tmp_path):
     from robsim.assignments import calibrate_assignment
 
-    new_assignment(template, tmp_path / "hw1")
-    calibrate_assignment(tmp_path / "hw1", false_fail=0.1, progress=False)
-    report = check_assignment(tmp_path / "hw1", progress=False)
+    new_assignment("measurement", tmp_path / "hw1")
+    calibrate_assignment(tmp_path / "hw1", false_fail=0.1, executor=2, progress=False)
+    report = check_assignment(tmp_path / "hw1", executor=2, progress=False)
     assert report, report.sentences

@@ -64,7 +64,7 @@ class Measure(Task):
             title="frames with a false pose, or without one where the robot can be seen",
             unit="%",
             share=0.3,
-            floor=2.0,
+            floor=10.0,
             worst=100.0,
         ),
     )
