@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +16,6 @@ from robsim.assignments._reading.assignment_file import solutions_for
 from robsim.assignments._results import SubmissionResult
 from robsim.campaigns._engines.engine import Engine
 from robsim.tasks import Solution, Task
-from robsim.tasks._solutions import REFERENCE
 
 #: What should come of a submission.
 FULL, LESS, NOTHING = "all points", "fewer points", "no points"
@@ -54,8 +53,9 @@ def cast_of(assignment: Assignment) -> list[Part]:
     for task in _kinds(assignment):
         own = tuple(one.name for one in assignment.tests if one.task.name == task.name)
         solutions = solutions_for(assignment.folder, task)
-        parts += (_part(one, own) for one in solutions)
-        parts.append(_as_notebook(solutions[0], task, own))
+        ruled = _ruled(solutions, assignment.masked)
+        parts += (_part(one, own, is_free=one != ruled) for one in solutions)
+        parts.append(_as_notebook(ruled, task, own))
     parts.append(Part("nothing in it", {"notes.txt": b"to do\n"}, NOTHING, tests))
     for name, files in hostile_submissions(assignment.slots):
         contents = {file: text.encode() for file, text in files.items()}
@@ -68,10 +68,19 @@ def _kinds(assignment: Assignment) -> Iterator[Task]:
     yield from {test.task.name: test.task for test in assignment.tests}.values()
 
 
-def _part(solution: Solution, tests: tuple[str, ...]) -> Part:
+def _ruled(solutions: Sequence[Solution], masked: tuple[str, ...]) -> Solution:
+    """Return the first right solution that does without what is masked, else the reference."""
+    right = [one for one in solutions if one.is_right]
+    for one in right:
+        text = b"\n".join(one.files.values()).decode(errors="replace")
+        if not any(name in text for name in masked):
+            return one
+    return right[0]
+
+
+def _part(solution: Solution, tests: tuple[str, ...], *, is_free: bool) -> Part:
     kind, expected = ("right", FULL) if solution.is_right else ("wrong", LESS)
     name = f"{kind}: {solution.name}"
-    is_free = solution.name != REFERENCE
     return Part(name, _sources(solution.files), expected, tests, is_free=is_free)
 
 
