@@ -164,14 +164,3 @@ def test_what_is_not_complete_cannot_be_checked(folder):
     run = command("assignment", "check", str(folder))
     assert run.exit_code == 2
     assert "calibrate its limits first" in run.stderr
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(900)
-def test_a_new_assignment_passes_its_check(tmp_path):
-    from robsim.assignments import calibrate_assignment
-
-    new_assignment("measurement", tmp_path / "hw1")
-    calibrate_assignment(tmp_path / "hw1", false_fail=0.1, executor=2, progress=False)
-    report = check_assignment(tmp_path / "hw1", executor=2, progress=False)
-    assert report, report.sentences
