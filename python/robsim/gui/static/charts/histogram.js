@@ -4,9 +4,9 @@
 import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
 import { cleanCanvas, clipped } from "./chart.js";
-import { numberText } from "./scale.js";
+import { decimalText, numberText } from "./scale.js";
 
-const HISTOGRAM_WIDTH = 96; // px
+const HISTOGRAM_WIDTH = 112; // px
 const LONGEST_BAR = HISTOGRAM_WIDTH - 14; // px
 const TEXT_HEIGHT = 14; // px
 const LOW = 150; // px of a chart in which the numbers stand beside the bars: they would hide them
@@ -39,16 +39,18 @@ export class Histogram {
   describe(title, shown) {
     const words = shown.map(({ of, n, mean, std }) => text("chart.histogram_of", {
       name: text(`chart.error_${SOURCE_LAYERS[of]}`),
-      n, mean: meanText(mean, std), std: numberText(std, 3),
+      n, mean: momentText(mean, std), std: momentText(std, std),
     }));
     const label = [text("chart.histogram", { title }), ...words].join(", ");
     if (this.element.ariaLabel != label) this.element.ariaLabel = label;
   }
 }
 
-/** Return a mean, without the places that say nothing beside such a deviation: there is no room. */
-const meanText = (mean, std) =>
-  numberText(Math.abs(mean) < 1e-3 && std > 0.01 ? 0 : mean, 3);
+/** Return a mean, or a deviation, to two digits of the deviation: there is no room for more. */
+function momentText(value, std) {
+  const isPlain = std >= 1e-4 && std < 100 && Math.abs(value) < 100;
+  return isPlain ? decimalText(value, std) : numberText(value, std < 1e-4 ? 2 : 3);
+}
 
 /** Return the normal distribution's count in a bin at a value. */
 function bellOf({ n, mean, std, low, high, counts }) {
@@ -108,8 +110,8 @@ function writeNumbers(g, [width, top], errors, ink) {
   write(TEXT_HEIGHT, text("chart.count"), String(errors[0].n), "text");
   errors.forEach(({ of, mean, std }, i) => {
     const y = top + TEXT_HEIGHT * (1 + 2 * i);
-    write(y, text("chart.mean"), meanText(mean, std), SOURCE_LAYERS[of]);
-    write(y + TEXT_HEIGHT, text("chart.std"), numberText(std, 3), SOURCE_LAYERS[of]);
+    write(y, text("chart.mean"), momentText(mean, std), SOURCE_LAYERS[of]);
+    write(y + TEXT_HEIGHT, text("chart.std"), momentText(std, std), SOURCE_LAYERS[of]);
   });
   g.restore();
 }

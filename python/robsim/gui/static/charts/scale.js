@@ -52,6 +52,10 @@ export function numberText(value, digits = 4) {
   return signed(value.toFixed(Math.max(0, digits - before)));
 }
 
+/** Return a number as a text, to two digits of a size, four decimals at most. */
+export const decimalText = (value, size) =>
+  signed(value.toFixed(Math.min(Math.max(1 - powerOf(size), 0), 4)));
+
 /** Return a number to the accuracy of a standard error, such as "1.938 ± 0.012". */
 export function uncertainText(value, error) {
   if (!Number.isFinite(error) || !Number.isFinite(value)) return numberText(value);
