@@ -9,8 +9,8 @@ from pathlib import Path
 
 from red_team import ATTACKS, HONEST, LAYERS, Attack
 from red_team.ground import Ground, check_after, check_outcome, ground
-from red_team.small_machine import small_machine
 from robsim.grading._isolation import close_zygotes
+from small_machine import small_machine
 
 NOT_COVERED = """\
 Not covered by any attack here, nor by the grader:
