@@ -73,7 +73,6 @@ def check_assignment(
     """
     engine = engine_value(executor)
     assignment = Assignment.load(folder)
-    engine = engine_value(executor)
     check_bool("progress", progress)
     findings = [*_still(assignment)]
     plan = plan_of(assignment)
