@@ -62,6 +62,26 @@ def test_ctrl_c_ends_an_exchange(ends):
     interrupter.join()
 
 
+def test_ctrl_c_just_before_a_wait_ends_it(ends):
+    channel, other = ends
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        # Another thread takes the signal, so that it interrupts no call of this one.
+        taker = threading.Thread(
+            target=lambda: (
+                signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT]),
+                other.recv(100),
+                os.kill(os.getpid(), signal.SIGINT),
+            )
+        )
+        taker.start()
+        with pytest.raises(KeyboardInterrupt):
+            channel.exchange(Kind.STEP, b"ab", patience=60)
+        taker.join()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+
+
 def test_a_message_of_several_parts_comes_as_one(ends):
     channel, other = ends
     channel.send(Kind.STEP, b"ab", np.arange(3, dtype=np.uint8).data)

@@ -57,10 +57,11 @@ def waits(condition):
 def test_what_is_sent_arrives_and_the_end_stops_the_robot(robot, motors):
     trace = experiment(motors).run(5)
     waits(lambda: heard(robot, "stop"))
-    assert len(heard(robot, "input")) == 5
+    assert len(heard(robot, "input")) >= 5  # those that wait long for the next are sent again
     np.testing.assert_array_equal(robot.input, (0, 0))
     # When it went out is when it was written to the line.
     sent = [event.t for event in motors.events if event.kind == "input"]
+    assert len(sent) == 5
     np.testing.assert_allclose(np.diff(trace.t_sent), np.diff(sent), atol=1e-9)
 
 

@@ -39,6 +39,7 @@ constexpr int not_blocking = MSG_DONTWAIT;
 #endif
 
 constexpr std::size_t buffer_bytes = 1 << 16;
+constexpr double longest_wait = 0.2;  // s: a signal that comes just before a wait does not end it
 
 bool is_for_later(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
@@ -154,14 +155,15 @@ std::size_t MessageSocket::receive_some(char* to, std::size_t size, double deadl
   }
 }
 
-// Until it can be read from, or written to; a signal, too, ends a wait.
+// Until it can be read from, or written to, or a signal has come, or for `longest_wait`.
 void MessageSocket::wait_for(short events, double deadline) const {
   const double left = deadline - monotonic_now();
   if (left <= 0) throw MessageTimeout("no whole message in time");
-  const double milliseconds = std::min(std::ceil(1000 * left), 3.6e6);
   pollfd waited{descriptor_, events, 0};
-  if (::poll(&waited, 1, static_cast<int>(milliseconds)) >= 0) return;
-  if (errno != EINTR) throw_error(errno);
+  const double milliseconds = std::ceil(1000 * std::min(left, longest_wait));
+  const int ready = ::poll(&waited, 1, static_cast<int>(milliseconds));
+  if (ready > 0) return;
+  if (ready < 0 && errno != EINTR) throw_error(errno);
   interrupted_();
 }
 
