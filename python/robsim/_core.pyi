@@ -2388,6 +2388,10 @@ class Loop:
         """
     def set_controller_seed(self, seed: int) -> None:
         ...
+    def set_given(self, given: str, samples: bool) -> None:
+        """
+        Let callbacks look at no more than that, from the next step on.
+        """
     def set_observer(self, observer: typing.Any) -> None:
         """
         Call observer(step, u, measurement, detection, t_arrival, t_sent, interrupted) after each step, with None for what there is not; observer None = nobody.
@@ -2425,6 +2429,11 @@ class Loop:
     @property
     def is_running(self) -> bool:
         ...
+    @property
+    def last_frame(self) -> Frame | None:
+        """
+        Frame or None: that of the newest step, also where it is not given to callbacks.
+        """
     @property
     def last_step(self) -> Step:
         ...

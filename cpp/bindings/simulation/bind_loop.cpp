@@ -148,6 +148,19 @@ void bind_loop(py::module_& module) {
           },
           py::arg("seed"))
       .def(
+          "set_given",
+          [](SlottedLoop& self, const std::string& given, bool samples) {
+            const RunGuard::Look look(self.guard());
+            const Given chosen = choice_from<Given>("given", given,
+                                                    {{"all", Given::all},
+                                                     {"frames", Given::frames},
+                                                     {"blobs", Given::blobs},
+                                                     {"pose", Given::pose}});
+            self.robot().set_given(chosen, samples);
+          },
+          py::arg("given"), py::arg("samples"),
+          "Let callbacks look at no more than that, from the next step on.")
+      .def(
           "set_vision",
           [](SlottedLoop& self, const std::vector<ColorClass>& colors, const MarkerLayout& markers,
              std::optional<int> smoothing) {
@@ -214,5 +227,12 @@ void bind_loop(py::module_& module) {
           "estimator", [](const SlottedLoop& self) { return to_python(self.robot().estimator()); })
       .def_property_readonly("missed_detections", &missed_of,
                              "list of MissedDetections: the most frequent reason first.")
-      .def_property_readonly("last_step", [](const SlottedLoop& self) { return self.last_step(); });
+      .def_property_readonly("last_step", [](const SlottedLoop& self) { return self.last_step(); })
+      .def_property_readonly(
+          "last_frame",
+          [](const SlottedLoop& self) -> std::optional<Frame> {
+            const Frame* frame = self.last_step()->look();
+            return frame ? std::optional(*frame) : std::nullopt;
+          },
+          "Frame or None: that of the newest step, also where it is not given to callbacks.");
 }

@@ -85,7 +85,7 @@ using FrameOfStep = std::pair<bool, std::optional<Frame>>;  // one had come, wha
 // The frame is drawn for a copy, if it still can be.
 FrameOfStep frame_of(const Step& self) {
   auto& step = const_cast<Step&>(self);  // it is made when somebody looks
-  if (!step.can_look()) return {step.has_frame, std::nullopt};
+  if (!step.can_look() || step.given >= Given::blobs) return {step.has_frame, std::nullopt};
   const Frame* frame = step.look();
   return {step.has_frame, frame ? std::optional(*frame) : std::nullopt};
 }
@@ -199,18 +199,22 @@ Examples
       .def_property_readonly(
           "frame",
           [](Step& self) -> std::optional<Frame> {
-            const Frame* frame = self.look();
+            const Frame* frame = self.given_frame();
             return frame ? std::optional(*frame) : std::nullopt;
           },
           "Frame or None: what the camera sees. None if no frame came in this step.")
       .def_property_readonly(
-          "blobs", [](Step& self) { return self.find_blobs(); },
+          "blobs", [](Step& self) { return self.given_blobs(); },
           "dict of str to list of Blob: per colour the blobs in the frame, the largest first.")
       .def_property_readonly(
           "measurement", [](const Step& self) { return readable(self).measurement; },
           "Measurement or None: where the robot was seen. None before that stage.")
       .def_property_readonly(
-          "detection", [](const Step& self) { return readable(self).detection; },
+          "detection",
+          [](const Step& self) {
+            const bool is_given = readable(self).given == Given::all;
+            return is_given ? self.detection : std::nullopt;
+          },
           "Detection or None: what the default measurement found, and why there is no "
           "measurement.\n"
           "None before that stage, for a callback, and without a frame.")
@@ -225,7 +229,8 @@ Examples
           },
           "array (3, 5) or None: the parameters estimated by now.")
       .def_property_readonly(
-          "sample", [](const Step& self) { return readable(self).sample; },
+          "sample",
+          [](const Step& self) { return readable(self).gives_sample ? self.sample : std::nullopt; },
           "Sample or None: the newest complete sample. None at the start, and where a\n"
           "bounce or a missing measurement interrupts the record.")
       .def_property_readonly(

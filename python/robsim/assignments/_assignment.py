@@ -13,7 +13,7 @@ from robsim.assignments._results import SubmissionResult
 from robsim.campaigns._engines.executors import DaskClient
 from robsim.grading import Key, Limits
 from robsim.grading._submissions import Rules
-from robsim.grading._tasks.allowed import rules_of
+from robsim.grading._tasks.allowed import Frames, rules_of
 from robsim.tasks import Limit, Solution, Task
 from robsim.tasks._solutions import MODULE, module_source
 
@@ -149,6 +149,11 @@ class Assignment:
         """
         task = {f"{MODULE}.py": module_source(test.task) for test in self.tests[:1]}
         return {**self.given_files, **task}
+
+    @property
+    def _frames(self) -> Frames:
+        """What a submission may see of the frames."""
+        return "blobs" if self.given == "blobs" else self.given == "frames"
 
     def _rules(self, slots: tuple[str, ...] | None = None) -> Rules:
         """Return what a submission may fill, which is all or some slots alone, import and weigh.

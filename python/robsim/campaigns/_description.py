@@ -26,7 +26,8 @@ def description_of(spec: CampaignSpec) -> dict[str, Any]:
 
     Code is told by its name and its text. What it calls elsewhere does not show.
     """
-    return {
+    given = {} if spec.given == "all" else {"given": spec.given}  # which older stores do not note
+    return given | {
         "steps": spec.steps,
         "seed": seed_record(seed_sequence(spec.seed)),
         "options": {name: list(choices) for name, choices in spec.vary.items()},

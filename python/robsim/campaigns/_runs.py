@@ -49,6 +49,7 @@ class CaseRuns:
         self._folders = sorted(folders, key=lambda folder: -len(folder.slots))
         self._whole = next((one for one in choices.values() if isinstance(one, WholeRun)), None)
         self._named = set(choices)
+        self._slots = {*choices, *(slot for folder in folders for slot in folder.slots)}
         self._simulation: Simulation | None = None
 
     def trace(self, run: int) -> Trace:
@@ -60,6 +61,7 @@ class CaseRuns:
             self._simulation = Simulation(
                 self._scenario, seed=seed, time_limit=self._spec.time_limit, **self._fixed
             )
+            self._simulation._give(self._spec.given, self._slots)
         else:
             self._simulation.reset(seed=seed)
         simulation, self._simulation = self._simulation, None

@@ -64,6 +64,9 @@ class CampaignSpec:
         Maximum duration of a call of a callback (s).
     keep : str
         What is kept of each run: ``"numbers"``, or its trace, too: ``"traces"``.
+    given : str
+        What callbacks may look at: ``"all"``, or no more than where they are graded, ``"frames"``,
+        ``"blobs"``, ``"pose"``.
     """
 
     scenario: Scenario | None = None
@@ -74,6 +77,7 @@ class CampaignSpec:
     seed: Seed = None
     time_limit: float | None = None
     keep: str = "numbers"
+    given: str = "all"
     _is_unseeded: bool = field(default=False, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -85,6 +89,7 @@ class CampaignSpec:
         if self.time_limit is not None:
             check_float("time_limit", self.time_limit, "s", exclusive_minimum=0)
         check_choice("keep", self.keep, ("numbers", "traces"))
+        check_choice("given", self.given, ("all", "frames", "blobs", "pose"))
         for name, value in {
             "scenario": scenario.replace(seed=None),
             "vary": options_value(self.vary),

@@ -16,14 +16,14 @@ from robsim.grading._frame_memory import FrameMemory, has_frame_memory
 from robsim.grading._robot_half import STAGES, Setup
 from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import loaded_slots
-from robsim.grading._tasks.allowed import ESTIMATORS, WORLD_SLOTS
+from robsim.grading._tasks.allowed import WORLD_SLOTS, Frames, given_to
 from robsim.grading._tasks.task import Done, Task, hidden_files
 from robsim.grading._texts import error_text
 from robsim.grading._wire import Ready
 from robsim.grading._worker import Worker, done
 from robsim.simulation import Scenario, Simulation
 from robsim.simulation._callbacks.errors import callback_of
-from robsim.simulation._slots import SLOTS
+from robsim.simulation._slots import SLOTS, are_samples_given
 from robsim.simulation._slotted import is_code
 from robsim.simulation._world.world_of_scenario import frame_size
 from robsim.trace import RunInfo, Trace
@@ -46,14 +46,14 @@ class GradedSimulation(Simulation):
         self._set_slot("define_model", ready.model)
         set_noise_keys(self, seeds)
         # Samples of the truth tell where the robot is: they are for an estimator of parameters.
-        self._gives_samples = scenario.identify_from != "truth" or "estimate_parameters" in filled
+        self._gives_samples = are_samples_given(scenario.identify_from, filled)
         self._ask(worker, filled, ready, frames=task.frames)
 
     def _ask(
-        self, worker: Worker, filled: tuple[str, ...], ready: Ready, *, frames: bool | None
+        self, worker: Worker, filled: tuple[str, ...], ready: Ready, *, frames: Frames
     ) -> None:
         """Fill the slots that the worker fills."""
-        sends_frames = "measure" in filled if frames is None else frames
+        sends_frames = given_to(filled, frames) != "pose"
         if worker.memory is not None and sends_frames:
             self._world.set_frame_memory(worker.memory.images)
         robot = _core.RemoteRobot(
@@ -107,7 +107,7 @@ def started(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Worker]
     scenario = _with_model(scenario)
     with ExitStack() as stack:
         memory = None
-        may_see = "measure" in task.rules.slots if task.frames is None else task.frames
+        may_see = given_to(task.rules.slots, task.frames) != "pose"
         if may_see and has_frame_memory():
             memory = stack.enter_context(FrameMemory(frame_size(scenario)))
         worker = Worker(
@@ -193,8 +193,9 @@ def _setup(task: Task, scenario: Scenario, seeds: RunSeeds) -> Setup:
         model=model,
         # Else it is told the parameters: it must not see the samples that they come from.
         estimates_parameters=given["estimate_parameters"] is True
-        and (scenario.identify_from != "truth" or not ESTIMATORS.isdisjoint(task.rules.slots)),
+        and are_samples_given(scenario.identify_from, task.rules.slots),
         controller_seed=stream_number(seeds.robot, "controller"),
+        frames=task.frames,
     )
 
 

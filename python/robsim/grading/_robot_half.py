@@ -22,6 +22,7 @@ from robsim._core import ColorClass, MarkerLayout, RecursiveLeastSquares, RobotM
 from robsim.grading._frame_memory import SLOTS as FRAME_SLOTS
 from robsim.grading._frame_memory import slot_bytes
 from robsim.grading._submissions import Rules, SubmissionFiles, load_slots
+from robsim.grading._tasks.allowed import Frames, given_to
 from robsim.grading._texts import ErrorText, error_text
 from robsim.grading._wire import Channel, Kind, Ready
 from robsim.robots import RobotDefinition
@@ -53,6 +54,8 @@ class Setup:
         What the robot half believes in, unless the submission says otherwise.
     controller_seed : int
         Of ``step.controller_seed``.
+    frames : bool, "blobs" or None
+        What it sees of the frames, as of `Task`.
     """
 
     submission: SubmissionFiles
@@ -67,6 +70,7 @@ class Setup:
     model: RobotModel
     estimates_parameters: bool
     controller_seed: int
+    frames: Frames
 
 
 def filled_stages(callbacks: Mapping[str, Any]) -> tuple[str, ...]:
@@ -137,6 +141,7 @@ class RobotHalf(Runner):
             time_limit=None,
         )
         self._core.set_controller_seed(setup.controller_seed)
+        self._core.set_given(given_to(filled, setup.frames), samples=True)
         self._fill_slots({"estimate_parameters": True} if setup.estimates_parameters else {})
         self._fill(callbacks)
         for stage in self._told(filled):

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from os import PathLike
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 from numpy.typing import ArrayLike
 
@@ -69,8 +69,9 @@ class Submission:
         Modules that it cannot have, such as ``"robsim.reference"``. Of those that robsim itself
         needs to run a submission (`robsim.evaluation`, `robsim.vision`, ...), and of single names,
         only what is written in plain Python is refused: code that searches memory finds them.
-    frames : bool, optional
-        Whether it sees the frames. Default: if it fills `measure`. Poses are cheaper.
+    frames : bool or "blobs", optional
+        Whether it sees the frames, or the blobs in them alone. Default: the frames, if it fills
+        `measure`. Poses are cheaper.
     limits : Limits, optional
         What it may weigh, and what a run may take: time, memory, output, files.
     isolation : {"auto", "strict", "process", "none"}
@@ -117,7 +118,7 @@ class Submission:
         functions: str | Iterable[str] = (),
         imports: Iterable[str] | None = None,
         masked: Iterable[str] = (),
-        frames: bool | None = None,
+        frames: bool | Literal["blobs"] | None = None,
         limits: Limits | None = None,
         isolation: Isolation = "auto",
         key: Key | None = None,
@@ -125,7 +126,9 @@ class Submission:
         test: str | None = None,
         given: Mapping[str, bytes] | None = None,
     ) -> None:
-        if frames is not None:
+        if isinstance(frames, str):
+            check_choice("frames", frames, ("blobs",))
+        elif frames is not None:
             check_bool("frames", frames)
         for name, value, kind in (("limits", limits, Limits), ("key", key, Key)):
             if value is not None and not isinstance(value, kind):

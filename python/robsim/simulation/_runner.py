@@ -25,7 +25,7 @@ from robsim.simulation._callbacks.missing_data import note_missing_data, unmet_n
 from robsim.simulation._callbacks.misused_values import note_misuse
 from robsim.simulation._options import check_marker_colors, colors_value
 from robsim.simulation._run_info import run_info
-from robsim.simulation._slots import SLOTS
+from robsim.simulation._slots import SLOTS, are_samples_given
 from robsim.simulation._slotted import Slotted
 from robsim.trace import RunInfo, Trace
 from robsim.trace._columns import empty_groups
@@ -118,6 +118,19 @@ class Runner(Slotted):
         self._robot, self._colors, self._markers = robot, colors, markers
         self._is_marker_size_known = False
 
+    def _give(self, given: str, slots: Iterable[str]) -> None:
+        """Let callbacks look at no more than they could where they are graded.
+
+        Parameters
+        ----------
+        given : str
+            ``"frames"``, ``"blobs"``, ``"pose"``; ``"all"`` = whatever there is.
+        slots : iterable of str
+            Those that they fill.
+        """
+        is_all = given == "all"
+        self._core.set_given(given, is_all or are_samples_given(self.identify_from, slots))
+
     def _note_change(self, names: Iterable[str]) -> None:
         """Note options that have changed, if in the middle of a run."""
         self._run_info = []
@@ -176,7 +189,7 @@ class Runner(Slotted):
         """Warn once if the default measurement looks at markers that are too small."""
         if self._is_marker_size_known or self._callbacks["measure"] is not True:
             return
-        if self._core.rows and (frame := self._core.last_step.frame) is not None:
+        if self._core.rows and (frame := self._core.last_frame) is not None:
             self._is_marker_size_known = True
             warn_of_small_markers(self.markers, frame, self._camera_noise())
 
@@ -420,7 +433,7 @@ class Runner(Slotted):
     def frame(self) -> Frame:
         """The newest camera frame. RuntimeError if none came in the last step."""
         self._start()
-        frame = self._core.last_step.frame
+        frame = self._core.last_frame
         if frame is None:
             raise RuntimeError(f"no frame came in step {self._core.last_step.k}")
         return frame

@@ -148,6 +148,15 @@ def names(*, half: str | None = None, when: str | None = None) -> tuple[str, ...
     )
 
 
+#: The slots that get samples.
+ESTIMATORS = frozenset({"init_parameter_estimator", "estimate_parameters"})
+
+
+def are_samples_given(identify_from: str, slots: Iterable[str]) -> bool:
+    """Return whether what fills some slots may see samples: those of the truth tell where it is."""
+    return identify_from != "truth" or not ESTIMATORS.isdisjoint(slots)
+
+
 def switches() -> str:
     """Return the names of the slots that take True, for messages."""
     return " and ".join(name for name, slot in SLOTS.items() if slot.is_switch)

@@ -14,7 +14,8 @@ import numpy as np
 from robsim._base.checks import check_bool, check_float
 from robsim._base.spelling import check_names
 from robsim._base.text import quoted
-from robsim.campaigns import CampaignResult, campaign
+from robsim.campaigns import CampaignResult, CampaignSpec
+from robsim.campaigns._campaign import run_spec
 from robsim.campaigns._choices import FOLDER, Choice, choice_of
 from robsim.campaigns._runs import CaseRuns
 from robsim.tasks._limit import Limit
@@ -121,16 +122,17 @@ def _runs_of(
     time_limit: float | None,
     progress: bool,
 ) -> CampaignResult:
-    return campaign(
-        task.scenario,
+    spec = CampaignSpec(
+        scenario=task.scenario,
         vary={option: {_LABEL: choice} for option, choice in choices.items()},
         metrics={_METRIC: _Metric(task)},
         runs=runs,
         steps=task.steps,
         seed=seed,
         time_limit=time_limit,
-        progress=progress,
+        given=task.given,
     )
+    return run_spec(spec, executor=None, store=None, progress=progress)
 
 
 @lru_cache(maxsize=16)

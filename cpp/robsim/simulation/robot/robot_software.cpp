@@ -50,6 +50,8 @@ void RobotSoftware::begin_step(std::int64_t k, double dt, const Observation& obs
   step_->parameters = parameters_;
   if (step_->estimator != estimator_) step_->estimator = estimator_;
   step_->controller_seed = options_.controller_seed;
+  step_->given = options_.given;
+  step_->gives_sample = options_.gives_samples;
 }
 
 void RobotSoftware::renew_step() {
@@ -81,6 +83,8 @@ void RobotSoftware::measure() {
     if (!stages_.measure.is_interpreted) step_->find_blobs();
     step_->measurement = stages_.measure.call(step_);
     if (step_->frame) step_->find_blobs();  // of a callback that has looked
+    const bool is_ours = step_->measurement && !stages_.measure.is_interpreted;
+    if (is_ours && options_.given != Given::all) step_->measurement->pair.reset();
     if (step_->detection && !step_->measurement) count_missed(*step_->detection);
   }
   if (step_->measurement) held_ = step_->measurement->pose;

@@ -16,6 +16,8 @@ struct RobotOptions {
   MarkerLayout markers;          // of the default measurement
   std::optional<int> smoothing;  // px; otherwise as the markers need it
   std::uint64_t controller_seed = 0;
+  Given given = Given::all;
+  bool gives_samples = true;
 };
 
 /// The steps of a run in which the default measurement detected no robot, for the same reason.
@@ -41,6 +43,12 @@ class RobotSoftware {
   void set_vision(const std::vector<ColorClass>& colors, const MarkerLayout& markers,
                   std::optional<int> smoothing);
   void set_controller_seed(std::uint64_t seed) { options_.controller_seed = seed; }
+
+  /// Says what callbacks may look at, from the next step on.
+  void set_given(Given given, bool samples) {
+    options_.given = given;
+    options_.gives_samples = samples;
+  }
 
   /// Says of a step that is over whether somebody outside still holds it; otherwise its memory is
   /// used for the next one.

@@ -6,6 +6,13 @@
 
 namespace robsim {
 
+namespace {
+
+constexpr const char* no_frames =
+    "the frames are not given: use step.measurement or what else there is";
+
+}  // namespace
+
 const Frame* Step::look() {
   const auto alone = is_over ? std::nullopt : std::optional<RunGuard::Look>(std::in_place, *guard);
   if (!has_frame) return nullptr;
@@ -25,6 +32,19 @@ const BlobsByColor& Step::find_blobs() {
     for (const ColorClass& color : vision->colors()) (*blobs)[color.name];
   }
   return *blobs;
+}
+
+const Frame* Step::given_frame() {
+  if (has_frame && given == Given::blobs) {
+    throw std::runtime_error("the frames are not given, but the blobs in them are: use step.blobs");
+  }
+  if (has_frame && given == Given::pose) throw std::runtime_error(no_frames);
+  return look();
+}
+
+const BlobsByColor& Step::given_blobs() {
+  if (has_frame && given == Given::pose) throw std::runtime_error(no_frames);
+  return find_blobs();
 }
 
 std::optional<Measurement> Step::detect() {

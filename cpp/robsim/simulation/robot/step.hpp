@@ -21,6 +21,15 @@ struct Estimate {
   std::vector<double> state;  // any further state
 };
 
+/// What callbacks may look at: that of a robot half here, or what one elsewhere would be told.
+/// Native stages look at all.
+enum class Given {
+  all,
+  frames,  // frame and blobs, but not how the default measurement has found what it found
+  blobs,
+  pose,  // the measurement alone
+};
+
 /// What the robot half may know of a step. It fills up from stage to stage.
 struct Step {
   /// `marker_vision` may be missing: such a step has no markers.
@@ -39,6 +48,8 @@ struct Step {
   std::optional<Input> u;  // the input of this step, as sent
   std::shared_ptr<ParameterEstimator> estimator;
   std::uint64_t controller_seed = 0;
+  Given given = Given::all;
+  bool gives_sample = true;
 
   bool has_frame = true;  // one has come
   std::optional<Frame> frame;
@@ -50,6 +61,10 @@ struct Step {
 
   /// The blobs in it, found when first asked for: none without a frame.
   const BlobsByColor& find_blobs();
+
+  /// As look and find_blobs, for callbacks. Throw std::runtime_error where these are not given.
+  const Frame* given_frame();
+  const BlobsByColor& given_blobs();
 
   /// The default measurement: looks for the markers among the blobs, and keeps what it found.
   std::optional<Measurement> detect();

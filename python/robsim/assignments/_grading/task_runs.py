@@ -131,7 +131,7 @@ def graded_task(assignment: Assignment, test: TaskTest, path: str) -> GradedTask
     return GradedTask(
         submission=read_submission(path, rules, given),
         rules=rules,
-        frames=assignment.given != "pose",
+        frames=assignment._frames,
         limits=assignment.limits,
         isolation=assignment.isolation,  # type: ignore[arg-type]
     )

@@ -46,7 +46,7 @@ def _options(assignment: Assignment) -> dict[str, Any]:
         "functions": assignment.functions,
         "imports": assignment.imports,
         "masked": assignment.masked,
-        "frames": assignment.given != "pose",
+        "frames": assignment._frames,
         "limits": assignment.limits,
         "given": assignment.files_of_all,
     }

@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Literal
 
 from robsim.grading._isolation import Limits
 from robsim.grading._submissions import Rules
 from robsim.simulation import Scenario
-from robsim.simulation._slots import ROBOT, STEP, WORLD, names
+from robsim.simulation._slots import ESTIMATORS, ROBOT, STEP, WORLD, names
 
-#: The slots of the world half, and those of the robot half that get samples.
+#: The slots of the world half.
 WORLD_SLOTS = names(half=WORLD)
-ESTIMATORS = frozenset({"init_parameter_estimator", "estimate_parameters"})
+
+#: What a submission may see of the frames: all, the blobs in them alone, nothing; None = all if it
+#: fills `measure`, else nothing.
+Frames = bool | Literal["blobs"] | None
+
+
+def given_to(slots: Iterable[str], frames: Frames) -> str:
+    """Return what a submission that fills some slots sees: "frames", "blobs" or "pose"."""
+    if frames == "blobs":
+        return "blobs"
+    return "frames" if ("measure" in slots if frames is None else frames) else "pose"
 
 
 def rules_of(

@@ -14,6 +14,7 @@ from typing import Any, Generic, TypeVar
 from robsim.grading._isolation import Isolation, Limits
 from robsim.grading._isolation._processes.scratch import room_for
 from robsim.grading._submissions import Rules, SubmissionFiles
+from robsim.grading._tasks.allowed import Frames
 
 R = TypeVar("R")
 
@@ -47,8 +48,9 @@ class Task:
         What was read of it.
     rules : Rules
         What it may fill and import.
-    frames : bool or None
-        Whether it sees the frames; None = if it fills `measure`.
+    frames : bool, "blobs" or None
+        Whether it sees the frames, or the blobs in them alone; None = the frames, if it fills
+        `measure`.
     limits : Limits
         What a run may take.
     isolation : str
@@ -59,7 +61,7 @@ class Task:
 
     submission: SubmissionFiles
     rules: Rules
-    frames: bool | None = None
+    frames: Frames = None
     limits: Limits = field(default_factory=Limits)
     isolation: Isolation = "auto"
     callbacks: Mapping[str, Any] = field(default_factory=dict)

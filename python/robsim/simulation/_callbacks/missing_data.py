@@ -82,7 +82,7 @@ def note_missing_data(error: BaseException, step: Step, is_on: Callable[[str], b
 
 def _reason(name: str, step: Step, slot: str, is_on: Callable[[str], bool]) -> str | None:
     """Return why a step lacks something; None if it has it."""
-    if getattr(step, name) is not None:
+    if _has(step, name):
         return None
     if name in _OTHERS:
         return _OTHERS[name]
@@ -97,6 +97,13 @@ def _reason(name: str, step: Step, slot: str, is_on: Callable[[str], bool]) -> s
     if name == "measurement" and step.detection is not None:
         return f"{datum.absent}: {step.detection.explanation}"
     return datum.absent
+
+
+def _has(step: Step, name: str) -> bool:
+    try:
+        return getattr(step, name) is not None
+    except RuntimeError:  # it is not given, and has said so itself
+        return True
 
 
 def unmet_needs(slot: str, callback: object, is_on: Callable[[str], bool]) -> str | None:

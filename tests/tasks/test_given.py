@@ -1,0 +1,144 @@
+"""What a solution is given: at home no more than where it is graded."""
+
+import textwrap
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.grading import Submission
+from robsim.tasks import Identify, Park
+
+SCENARIO = robsim.Scenario(
+    robot="lab", area=(400, 400), resolution=(200, 200), start=(200, 200, 0.3), measure=True
+)
+FRAMES = {"frames": True, "blobs": "blobs", "pose": False}
+
+# The voltages tell what it sees: the left one of the frame and the blobs, the right one of others.
+LOOKS = """
+    def there(look):
+        try:
+            return look() is not None
+        except RuntimeError as error:
+            assert "not given" in str(error), error
+            return False
+
+    def control(step):
+        sees = there(lambda: step.frame) + 2 * there(lambda: step.blobs)
+        knows = there(lambda: step.measurement) + 2 * there(lambda: step.detection)
+        knows += 4 * there(lambda: step.measurement.pair) + 8 * there(lambda: step.sample)
+        return sees / 10, knows / 10
+    """
+
+
+def folder_with(tmp_path, **sources):
+    for slot, source in sources.items():
+        (tmp_path / f"{slot}.py").write_text(textwrap.dedent(source))
+    return tmp_path
+
+
+@dataclass(frozen=True, kw_only=True)
+class ParkByBlobs(Park):
+    """A task of which the blobs are given."""
+
+    given: ClassVar[str] = "blobs"
+
+
+@pytest.mark.parametrize(("given", "sees"), [("frames", 3), ("blobs", 2), ("pose", 0)])
+def test_it_sees_at_home_what_it_sees_where_it_is_graded(tmp_path, given, sees):
+    folder = folder_with(tmp_path, control=LOOKS)
+    graded = Submission(folder, slots="control", frames=FRAMES[given])
+    there = graded.run(SCENARIO, steps=6, seed=1).u
+    home = robsim.Simulation.from_folder(folder, scenario=SCENARIO, seed=1)
+    home._give(given, ("control",))
+    assert np.array_equal(home.run(6).u, there)
+    assert there.tolist() == [[sees / 10, 0.1]] * 6
+    assert home.frame.image.shape == (200, 200, 3)  # who looks from outside sees it all the same
+
+
+def test_a_simulation_of_ones_own_gives_all(tmp_path):
+    folder = folder_with(tmp_path, control=LOOKS)
+    trace = robsim.Simulation.from_folder(folder, scenario=SCENARIO, seed=1).run(6)
+    assert trace.u[-1].tolist() == [0.3, 1.5]
+
+
+@pytest.mark.parametrize(("task", "remedy"), [(Park, "step.measurement"), (ParkByBlobs, "blobs")])
+def test_who_looks_at_a_frame_that_is_not_given_fails_at_home(task, remedy):
+    def control(step):
+        return step.frame.t, 0.0
+
+    trial = task(steps=3, runs=1).try_out(control=control, progress=False)
+    assert "RuntimeError: the frames are not given" in trial.failed[0]
+    assert f"use {remedy}" in trial.failed[0] or f"use step.{remedy}" in trial.failed[0]
+    assert "test_given.py:" in trial.failed[0]
+
+
+def test_blobs_are_for_whom_they_are_given():
+    def control(step):
+        return 0.1 * len(step.blobs["red"]), 0.0
+
+    assert (
+        ParkByBlobs(steps=3, runs=1, noise=0).try_out(control=control, progress=False).trace.u.any()
+    )
+    assert "not given" in Park(steps=3, runs=1).try_out(control=control, progress=False).failed[0]
+
+
+def test_samples_are_for_who_estimates_parameters():
+    """Those of the truth tell where the robot is."""
+    seen = []
+
+    def control(step):
+        seen.append(step.sample)
+        return 0.3, 0.3
+
+    Park(steps=8, runs=1).try_out(control=control, progress=False)
+    assert {*seen} == {None}
+
+    def estimate(step):
+        seen.append(step.sample)
+        return np.zeros((3, 5))
+
+    Identify(steps=20, runs=1).try_out(estimate_parameters=estimate, progress=False)
+    assert any(sample is not None for sample in seen)
+
+
+def test_what_is_not_given_hides_no_other_error(tmp_path):
+    """It is asked which data of the step are missing, and the frame does not say so."""
+
+    def control(step):
+        if step.k < 0:
+            return step.frame
+        return step.measurement.pose[0] if step.measurement is None else (0, 0)
+
+    task = Park(steps=40, runs=1, dropout=0.6)
+    assert (
+        "'NoneType' object has no attribute 'pose'"
+        in task.try_out(control=control, progress=False).failed[0]
+    )
+
+
+def test_a_copy_of_a_step_has_no_more():
+    from copy import deepcopy
+
+    def control(step):
+        return deepcopy(step).frame.t, 0.0
+
+    trial = Park(steps=2, runs=1).try_out(control=control, progress=False)
+    assert list(trial.failed) == [0]
+
+
+def test_a_campaign_with_less_given_is_another_one():
+    def description(**options):
+        from robsim.campaigns._description import description_of
+
+        spec = robsim.campaigns.CampaignSpec(
+            scenario=SCENARIO, metrics="tracking", runs=1, steps=2, seed=1, **options
+        )
+        return description_of(spec)
+
+    assert description(given="pose") != description()
+    assert description(given="all") == description()
+    with pytest.raises(ValueError, match="given"):
+        description(given="truth")
