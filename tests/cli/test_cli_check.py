@@ -185,7 +185,7 @@ def test_a_folders_estimator_and_background_are_used(write):
 
 def test_estimates_that_nobody_makes_are_a_remark(write, monkeypatch):
     found = robsim.doctor.CheckReport(name="control")
-    monkeypatch.setattr(folders, "check_controller", lambda make, **options: found)
+    monkeypatch.setattr(folders, "controller_report", lambda make, setting, **options: found)
     folder = write(
         control="""
             def control(step):

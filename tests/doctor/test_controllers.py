@@ -3,15 +3,14 @@
 import functools
 import math
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import robsim
 from robsim.doctor import check_controller
-from robsim.doctor._callbacks import controllers, scenes, steering
-from robsim.doctor._callbacks.scenes import driven
+from robsim.doctor._callbacks import controllers, steering
+from robsim.doctor._callbacks.scenes import Setting, default_robot
 
 pytestmark = pytest.mark.long
 
@@ -158,13 +157,17 @@ RIGHT = {
 }
 
 
+def make_frames_small(monkeypatch):
+    small = Setting(robot=default_robot(), resolution=(400, 400))
+    monkeypatch.setattr(Setting, "usual", classmethod(lambda _: small))
+
+
 @pytest.fixture
 def small_frames(monkeypatch, name):
     """Frames of a ninth of the pixels; some controllers get those of the users."""
     if name in ("to a point", "proportional", "not wrapped", "y up"):
         return
-    small = functools.partial(scenes.scripted, resolution=(400, 400))
-    monkeypatch.setattr(scenes, "scripted", small)
+    make_frames_small(monkeypatch)
 
 
 @pytest.mark.slow
@@ -202,9 +205,7 @@ def hurried(monkeypatch):
     """Leave out what takes seconds."""
     monkeypatch.setattr(controllers, "_LONG", 60)
     monkeypatch.setattr(controllers, "_STARTS", {"robot starts in a corner": (200.0, 200.0, 3.1)})
-    monkeypatch.setattr(
-        controllers, "driven", lambda *a, **o: replace(driven(*a, **o), resolution=(400, 400))
-    )
+    make_frames_small(monkeypatch)
     monkeypatch.setattr(controllers, "steering_findings", lambda *_: ())
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,14 +17,17 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
 
-    from robsim.doctor import CheckReport, FolderReport, Problem
+    from robsim.doctor import CheckReport, FolderReport, Problem, TaskReport
 
 EXAMPLE = "Example: robsim check mine"
 HELP = (
     "Check your callbacks: what is wrong, in which situation and line.\n\n"
     "Each file of the folder is tried in many situations: a robot that is not seen, a heading that "
     "passes +-180 degrees, the wall, a long run. The exit status is 0 if all are well, 1 if one is "
-    "ill, 2 if there is nothing to check. A check ends a call that takes longer than 5 s."
+    "ill, 2 if there is nothing to check. A check ends a call that takes longer than 5 s.\n\n"
+    "With --task they are also tried on a task, as robsim tasks try does, in its world: whether "
+    "they solve it, which score is short of its limit, and why. The exit status is 0 if they solve "
+    "it, and all are well."
 )
 
 _STYLES = {"well": "green", "remark": "yellow", "ill": "bold red"}
@@ -39,13 +42,19 @@ def check(
         str | None,
         typer.Option("--slot", metavar="NAME", help=f"Only this one: {', '.join(SLOTS)}."),
     ] = None,
+    task: Annotated[
+        str | None,
+        typer.Option(
+            "--task", metavar="NAME", help="Also try them on that task; see robsim tasks list."
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Check callbacks."""
     from robsim.doctor import check_folder
 
     with errors.report_errors():
-        report = check_folder(path, slots=slot)
+        report = check_folder(path, slots=slot, task=task)
     if as_json:
         errors.show(report.to_json())
     else:
@@ -58,9 +67,15 @@ def _page(report: FolderReport) -> Iterator[RenderableType]:
     """Yield what is printed of a folder: a line for each slot, then what is wrong with each."""
     from rich.table import Table
 
+    from robsim.doctor import TaskReport
+
     yield styled(report.heading, "bold")
+    if isinstance(report, TaskReport):
+        yield from _scores(report)
     table = Table.grid(padding=(0, 3), pad_edge=True)
     for slot, verdict in report.verdicts.items():
+        if isinstance(report, TaskReport) and verdict == "default":
+            continue  # nobody asks for it
         file = "" if isinstance(report.checks[slot], str) else f"{slot}.py"
         table.add_row(slot, styled(verdict, _STYLES.get(verdict, "dim")), file)
     yield table
@@ -69,24 +84,37 @@ def _page(report: FolderReport) -> Iterator[RenderableType]:
         if not isinstance(one, str):
             yield from _findings(one)
             of_files |= {f"{slot}.py: {remark}" for remark in one.remarks}
+    if isinstance(report, TaskReport) and report.findings:
+        yield from _numbered("what the runs of the task show", report.findings)
     for remark in report.remarks:
         if remark not in of_files:
             yield ""
             yield _hanging("-", remark)
 
 
+def _scores(report: TaskReport) -> Iterator[RenderableType]:
+    """Yield a line for each score of a task that is short of its limit."""
+    for sentence in report.short.values():
+        yield _hanging("<", sentence)
+    yield ""
+
+
 def _findings(report: CheckReport) -> Iterator[RenderableType]:
     """Yield the problems and remarks of a file."""
     if report.ok and not report.remarks:
         return
+    yield from _numbered(report.name, report.problems)
+    for remark in report.remarks:
+        yield _hanging("-", remark)
+
+
+def _numbered(title: str, problems: Sequence[Problem]) -> Iterator[RenderableType]:
     yield ""
-    yield styled(report.name, "bold")
-    for number, problem in enumerate(report.problems, 1):
+    yield styled(title, "bold")
+    for number, problem in enumerate(problems, 1):
         yield _hanging(f"{number}.", problem.sentence)
         for text, style in _places(problem):
             yield _hanging("", text, style)
-    for remark in report.remarks:
-        yield _hanging("-", remark)
 
 
 def _places(problem: Problem) -> list[tuple[str, str]]:

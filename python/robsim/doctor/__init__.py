@@ -10,12 +10,14 @@ from robsim.doctor._callbacks.measurements import check_measurement
 from robsim.doctor._callbacks.models import check_model, check_motion
 from robsim.doctor._parameter_estimators import check_parameter_estimator
 from robsim.doctor._state_estimators import check_estimator
+from robsim.doctor._tasks.report import TaskReport
 
 __all__ = [
     "CheckReport",
     "FolderReport",
     "Problem",
     "SourceLine",
+    "TaskReport",
     "check_background",
     "check_controller",
     "check_estimator",

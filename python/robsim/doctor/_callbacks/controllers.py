@@ -17,7 +17,7 @@ from robsim.doctor._callbacks.scenes import (
     CENTRE,
     LastPose,
     Scene,
-    driven,
+    Setting,
     model_parameters,
     simulate,
 )
@@ -87,6 +87,24 @@ def check_controller(
     """
     check_bool("has_estimate", has_estimate)
     check_bool("has_parameters", has_parameters)
+    return controller_report(
+        make,
+        Setting.usual(),
+        has_estimate=has_estimate,
+        has_parameters=has_parameters,
+        budget=budget,
+    )
+
+
+def controller_report(
+    make: Callable[[], Any] | str | PathLike[str],
+    setting: Setting,
+    *,
+    has_estimate: bool,
+    has_parameters: bool,
+    budget: float = BUDGET,
+) -> CheckReport:
+    """Check a controller in a setting; the other arguments are those of `check_controller`."""
     slot = Slot(
         entry=partial(entry_of, RobotSlots.control),
         callback=lambda controller: controller,
@@ -96,7 +114,7 @@ def check_controller(
         noun="controller",
         may_print=True,
     )
-    return run_checks(make, slot, budget, _checks)
+    return run_checks(make, slot, budget, partial(_checks, setting=setting))
 
 
 def _simulate(
@@ -139,15 +157,17 @@ def read_input(result: Any, before: Floats | None) -> Floats:
     return u
 
 
-def _checks(controller: EstimatorUnderTest) -> Iterator[Problem | str]:
-    usual = controller.try_in(driven("robot starts in the middle, facing right", CENTRE, _LONG))
+def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Problem | str]:
+    usual = controller.try_in(
+        setting.driven("robot starts in the middle, facing right", CENTRE, _LONG)
+    )
     if not len(usual.outputs):
         yield problem_of(controller, usual)
         return
-    trials = [usual, *(controller.try_in(scene) for scene in _short_scenes())]
+    trials = [usual, *(controller.try_in(scene) for scene in _short_scenes(setting))]
     yield from _distinct(_fault(controller, trial) for trial in trials)
     # What a controller does again says something only if it does it again.
-    other = driven("robot starts elsewhere", next(iter(_STARTS.values())), 60)
+    other = setting.driven("robot starts elsewhere", next(iter(_STARTS.values())), 60)
     cause = replay_problem(controller, usual) or together_problem(controller, usual, other)
     if usual.error is not None:
         return
@@ -158,14 +178,14 @@ def _checks(controller: EstimatorUnderTest) -> Iterator[Problem | str]:
     if all(_is_same(usual, trial) for trial in trials[1:]):
         yield "it is open loop: its voltages are the same wherever the robot is, seen or not"
     else:
-        yield from steering_findings(controller, usual)
+        yield from steering_findings(controller, usual, setting)
 
 
-def _short_scenes() -> list[Scene]:
+def _short_scenes(setting: Setting) -> list[Scene]:
     return [
-        driven("robot not seen at first", CENTRE, 40, hidden=range(10)),
-        driven("robot out of sight for a while", CENTRE, 80, hidden=_HIDDEN),
-        *(driven(name, start, 60) for name, start in _STARTS.items()),
+        setting.driven("robot not seen at first", CENTRE, 40, hidden=range(10)),
+        setting.driven("robot out of sight for a while", CENTRE, 80, hidden=_HIDDEN),
+        *(setting.driven(name, start, 60) for name, start in _STARTS.items()),
     ]
 
 

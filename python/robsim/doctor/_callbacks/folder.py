@@ -11,7 +11,7 @@ from inspect import unwrap
 from os import PathLike
 from pathlib import Path
 from types import CodeType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.files import as_path
@@ -20,9 +20,10 @@ from robsim._base.source_line import SourceLine, line_of_error
 from robsim._base.spelling import suggestion
 from robsim._core import RobotModel, Step
 from robsim.doctor._callbacks.backgrounds import check_background
-from robsim.doctor._callbacks.controllers import check_controller
-from robsim.doctor._callbacks.measurements import check_measurement
+from robsim.doctor._callbacks.controllers import controller_report
+from robsim.doctor._callbacks.measurements import measurement_report
 from robsim.doctor._callbacks.models import check_model, check_motion
+from robsim.doctor._callbacks.scenes import Setting
 from robsim.doctor._errors import explained
 from robsim.doctor._parameter_estimators import check_parameter_estimator
 from robsim.doctor._run_checks import fresh_callback, load
@@ -30,6 +31,9 @@ from robsim.doctor._state_estimators import check_estimator
 from robsim.doctor._trial import TIME_LIMIT, StdoutCapture
 from robsim.simulation._folders.callback_folder import CallbackFolder
 from robsim.simulation._slots import SLOTS, RobotSlots, WorldSlots, checked_slots
+
+if TYPE_CHECKING:
+    from robsim.tasks import Task
 
 Maker = Callable[[], Callable[..., Any]]
 
@@ -43,7 +47,8 @@ class FolderReport(CheckReport):
     name : str
         The file or the folder.
     checks : dict of str to CheckReport or str
-        By slot: the report on its file, or ``"default"`` or ``"off"`` where nothing of yours runs.
+        By slot: the report on its file, or ``"default"`` or ``"off"`` where nothing of yours runs,
+        or ``"not used"`` where the task does not ask for it.
     problems : tuple of Problem
         Those of all files.
     remarks : tuple of str
@@ -67,7 +72,7 @@ class FolderReport(CheckReport):
 
     @property
     def verdicts(self) -> dict[str, str]:
-        """By slot: ``"well"``, ``"ill"``, ``"remark"``, ``"default"`` or ``"off"``."""
+        """By slot: ``"well"``, ``"ill"``, ``"remark"``, or what stands in `checks`."""
         return {slot: _verdict(check) for slot, check in self.checks.items()}
 
 
@@ -78,13 +83,17 @@ def _verdict(check: CheckReport | str) -> str:
 
 
 def check_folder(
-    path: str | PathLike[str], *, slots: str | Iterable[str] | None = None
+    path: str | PathLike[str],
+    *,
+    slots: str | Iterable[str] | None = None,
+    task: str | Task | None = None,
 ) -> FolderReport:
     """Check all callbacks of a folder, or one callback file, and report what is wrong with them.
 
     Each is checked alone, by the check for its slot: `check_controller`, `check_measurement`,
     `check_estimator`, `check_parameter_estimator`, `check_model`, `check_motion`,
-    `check_background`.
+    `check_background`. With a task they are also tried on it, as `robsim.tasks.Task.try_out` does,
+    and the worst run is looked at.
 
     Parameters
     ----------
@@ -92,23 +101,67 @@ def check_folder(
         A folder of callbacks, as ``robsim new`` writes it, or one of its files.
     slots : str or iterable of str, optional
         The slots to check. Default: all that have a file.
+    task : str or Task, optional
+        The task that the folder is to solve, or its name: it is checked in the world of the task,
+        with what that gives, and for the slots that it asks for.
 
     Returns
     -------
     FolderReport
-        True if all checks pass. A file that cannot be loaded is a problem, too.
+        True if all checks pass. A file that cannot be loaded is a problem, too. With a task it is a
+        `TaskReport`: True if the task is solved, and all checks pass.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file or folder.
     TypeError, ValueError
-        If there are no callback files, or a slot is unknown.
+        If there are no callback files, or a slot or a task is unknown.
 
     Examples
     --------
     >>> print(robsim.doctor.check_folder("mine"))
+    >>> print(robsim.doctor.check_folder("parking", task="park"))  # doctest: +SKIP
     """
+    if task is None:
+        return report_of(path, slots)
+    from robsim.doctor._tasks.checking import check_task  # which imports this
+
+    return check_task(path, slots, task)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Surroundings:
+    """What callbacks of a folder are checked in.
+
+    Attributes
+    ----------
+    setting : Setting or None
+        The robot, the area and the camera; None = the usual ones.
+    slots : tuple of str
+        What the folder may fill.
+    on : frozenset of str or None
+        The slots that are filled; None = as the folder has it.
+    given : mapping of str to bytes
+        Modules that they can import, by name, before those of the folder.
+    dt : float or None
+        The time between two steps (s); None = any.
+    """
+
+    setting: Setting | None = None
+    slots: tuple[str, ...] = tuple(SLOTS)
+    on: frozenset[str] | None = None
+    given: Mapping[str, bytes] = field(default_factory=dict)
+    dt: float | None = None
+
+
+def report_of(
+    path: str | PathLike[str],
+    slots: str | Iterable[str] | None,
+    surroundings: Surroundings | None = None,
+) -> FolderReport:
+    """Return the report on a folder or a file; other arguments are those of `check_folder`."""
+    around = surroundings or Surroundings()
     file = as_path(path)
     is_file = file.is_file()
     wanted = tuple(SLOTS) if slots is None else checked_slots(slots, tuple(SLOTS))
@@ -116,7 +169,7 @@ def check_folder(
         wanted = (_slot_of(file, wanted),)
     elif not file.exists() and file.suffix == ".py":
         raise FileNotFoundError(f"no file {file}")
-    folder = _Folder(file.parent if is_file else file, is_alone=is_file)
+    folder = _Folder(file.parent if is_file else file, around, is_alone=is_file)
     checks = {slot: folder.check(slot) for slot in SLOTS if slot in wanted}
     reports = {slot: one for slot, one in checks.items() if isinstance(one, CheckReport)}
     report = FolderReport(
@@ -166,8 +219,10 @@ def _slot_of(file: Path, wanted: tuple[str, ...]) -> str:
 class _Folder:
     """A folder of callbacks under test: a method of the name of each slot checks its file."""
 
-    def __init__(self, path: Path, *, is_alone: bool) -> None:
+    def __init__(self, path: Path, surroundings: Surroundings, *, is_alone: bool) -> None:
         self._path = path
+        self._around = surroundings
+        self._setting = surroundings.setting or Setting.usual()
         self._files = CallbackFolder(path).files
         self._is_alone = is_alone
         self._checked: dict[str, CheckReport | str] = {}
@@ -181,6 +236,8 @@ class _Folder:
         return self._checked[slot]
 
     def _check(self, slot: str) -> CheckReport | str:
+        if slot not in self._around.slots:
+            return "not used" if slot in self._files else "default"
         loaded = self._load(slot)
         if isinstance(loaded, Problem):
             return CheckReport(name=f"{slot}.py", problems=(loaded,))
@@ -191,14 +248,14 @@ class _Folder:
 
     def _load(self, slot: str) -> CallbackFolder | Problem | bool:
         """Return the loaded file of a slot, why it fails, or whether the default is on."""
-        if slot not in self._files:
+        if slot not in self._files or slot not in self._around.slots:
             return False
         if slot not in self._loaded:
             self._loaded[slot] = self._load_first(slot)
         return self._loaded[slot]
 
     def _load_first(self, slot: str) -> CallbackFolder | Problem | bool:
-        folder = CallbackFolder(self._path, (slot,))
+        folder = CallbackFolder(self._path, (slot,), self._around.given)
         with redirect_stdout(StdoutCapture()), warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always", UserWarning)
             try:
@@ -217,6 +274,8 @@ class _Folder:
 
     def _is_on(self, slot: str) -> bool:
         """Return whether a stage is on; a file alone is not judged by what it lacks."""
+        if self._around.on is not None:
+            return slot in self._around.on
         return self._is_alone or self._load(slot) is not False
 
     def _own(self, slot: str) -> Maker | None:
@@ -239,10 +298,11 @@ class _Folder:
         background = WorldSlots.adjust_background.name
         report = self.check(background)
         is_well = isinstance(report, CheckReport) and report.ok
-        return check_measurement(make, background=self._maker(background)() if is_well else None)
+        own = self._maker(background)() if is_well else None
+        return measurement_report(make, self._setting, background=own)
 
     def estimate_state(self, make: Maker) -> CheckReport:
-        return check_estimator(make)
+        return check_estimator(make, dt=self._around.dt)
 
     def control(self, make: Maker) -> CheckReport:
         estimator, update = (
@@ -251,8 +311,11 @@ class _Folder:
         )
         is_updated = self._is_on(update) or self._is_on(RobotSlots.init_parameter_estimator.name)
         gets = {"estimate": (estimator, self._is_on(estimator)), "parameters": (update, is_updated)}
-        report = check_controller(
-            make, has_estimate=gets["estimate"][1], has_parameters=gets["parameters"][1]
+        report = controller_report(
+            make,
+            self._setting,
+            has_estimate=gets["estimate"][1],
+            has_parameters=gets["parameters"][1],
         )
         if not report.ok:
             return report

@@ -18,12 +18,10 @@ from robsim._core import Measurement, PlaneMap, Step
 from robsim.doctor._callbacks.own_covariance import covariance_findings
 from robsim.doctor._callbacks.pose_mistakes import are_right, errors, mistakes
 from robsim.doctor._callbacks.scenes import (
-    AREA,
     Scene,
-    default_robot,
+    Setting,
     scripted,
     simulate,
-    turned,
 )
 from robsim.doctor._callbacks.slot_entry import entry_of
 from robsim.doctor._errors import problem_of
@@ -48,8 +46,7 @@ _PLACES = {  # px
 }
 _TURN = np.radians(np.arange(-180, 180, 15))  # both +-pi and the axes, and all between
 _HIDDEN = (20, 21, 22, 23, 24, 40, 41)
-_NOISE = GaussianNoise(5.0)
-_SMALL_CAMERA = (800, 800)  # px
+_SMALL_CAMERA = 2 / 3  # of the pixels of each side
 
 # Shares of the frames.
 _FALSE = 0.03
@@ -108,6 +105,18 @@ def check_measurement(
     """
     if background is not None and not callable(background):
         raise TypeError(f"background must be a function of the image, got {quoted(background)}")
+    usual = Setting.usual() if robot is None else Setting(robot=as_robot(robot))
+    return measurement_report(make, usual, background=background, budget=budget)
+
+
+def measurement_report(
+    make: Callable[[], Any] | str | PathLike[str],
+    setting: Setting,
+    *,
+    background: Background | None,
+    budget: float = DT,
+) -> CheckReport:
+    """Check a measurement in a setting; the other arguments are those of `check_measurement`."""
     slot = Slot(
         entry=partial(entry_of, RobotSlots.measure),
         callback=lambda measure: measure,
@@ -117,8 +126,8 @@ def check_measurement(
         noun="measurement",
         may_print=True,
     )
-    definition = default_robot() if robot is None else as_robot(robot)
-    return run_checks(make, slot, budget, partial(_checks, robot=definition, background=background))
+    checks = partial(_checks, setting=setting, background=background)
+    return run_checks(make, slot, budget, checks)
 
 
 def _simulate(scene: Situation, callback: Callable[[Step], Any]) -> Simulation:
@@ -162,16 +171,16 @@ def _plain(background: Pixels) -> Pixels:
 
 
 def _checks(
-    measurement: EstimatorUnderTest, robot: RobotDefinition, background: Background | None
+    measurement: EstimatorUnderTest, setting: Setting, background: Background | None
 ) -> Iterator[Problem | str | Table]:
-    floor: dict[str, Any] = {"robot": robot, "background": background or _plain}
+    floor: dict[str, Any] = {"background": background or _plain}
     tour = []
     for name, place in _PLACES.items():
-        tour.append(measurement.try_in(turned(name, place, _TURN, **floor)))
+        tour.append(measurement.try_in(setting.turned(name, place, _TURN, **floor)))
         if tour[-1].error is not None:
             yield problem_of(measurement, tour[-1])
             return
-    drive = scripted("robot drives through the area", _through(), **floor)
+    drive = scripted("robot drives through the area", _through(setting), **setting.options, **floor)
     alone = measurement.try_in(drive)
     cause = None
     if alone.error is None:
@@ -181,19 +190,21 @@ def _checks(
     if cause is not None:
         yield cause
         return
-    wrong = list(_pose_problems(measurement, [*tour, alone], robot))
+    wrong = list(_pose_problems(measurement, [*tour, alone], setting))
     yield from wrong
     yield from _hidden_problems(measurement, drive, is_square=background is None)
-    noisy = measurement.try_in(_part(drive, "robot drives before a noisy camera", noise=_NOISE))
+    before_noise = _part(drive, "robot drives before a noisy camera", noise=setting.noise)
+    noisy = measurement.try_in(before_noise)
     trials = {"turned": tour, "driven": [alone], "noise": [noisy]}
     if background is None:
         red = _part(drive, "robot drives on a floor with a red square", background=None)
         trials["red square"] = [measurement.try_in(red)]
         if not wrong:
             yield from _square_problems(measurement, trials["red square"][0])
-    small = _part(tour[0].situation, "camera has fewer pixels", resolution=_SMALL_CAMERA)
+    width, height = (round(_SMALL_CAMERA * side) for side in setting.resolution)
+    small = _part(tour[0].situation, "camera has fewer pixels", resolution=(width, height))
     if not wrong:
-        yield from _noise_problems(measurement, noisy)
+        yield from _noise_problems(measurement, noisy, setting.noise)
         yield from _camera_problems(measurement, small)
         yield from _precision(tour)
         if noisy.error is None:
@@ -201,10 +212,10 @@ def _checks(
     yield _table(trials)
 
 
-def _through() -> Floats:
+def _through(setting: Setting) -> Floats:
     """Return a drive from the bottom left to the top right, in a gentle curve."""
     t = np.linspace(0.0, 1.0, 60)
-    x, y = 150 + 900 * t, 1000 - 850 * t + 80 * np.sin(2 * np.pi * t)
+    x, y = setting.place((150 + 900 * t, 1000 - 850 * t + 80 * np.sin(2 * np.pi * t)))
     return np.column_stack((x, y, np.arctan2(np.gradient(y), np.gradient(x))))
 
 
@@ -221,7 +232,7 @@ def _poses(trials: list[Trial]) -> tuple[Floats, Floats]:
 
 
 def _pose_problems(
-    measurement: EstimatorUnderTest, trials: list[Trial], robot: RobotDefinition
+    measurement: EstimatorUnderTest, trials: list[Trial], setting: Setting
 ) -> Iterator[Problem | str]:
     """Yield what is wrong with the poses in clean frames in which the robot is."""
     if trials[-1].error is not None:
@@ -233,7 +244,8 @@ def _pose_problems(
     is_false = is_seen & ~are_right(measured, true)
     if is_false.sum() <= _FALSE * is_seen.sum():
         return
-    found = list(mistakes(measured[is_seen], true[is_seen], robot.marker_layout(), AREA))
+    markers = setting.robot.marker_layout()
+    found = list(mistakes(measured[is_seen], true[is_seen], markers, setting.area))
     worst = max(trials, key=lambda trial: _count_false(trial))
     for kind, sentence in found or [("false poses", _how_wrong(trials))]:
         yield Problem(
@@ -336,11 +348,13 @@ def _hidden_problem(measurement: EstimatorUnderTest, trial: Trial, scene: Any) -
     )
 
 
-def _noise_problems(measurement: EstimatorUnderTest, trial: Trial) -> Iterator[Problem | str]:
+def _noise_problems(
+    measurement: EstimatorUnderTest, trial: Trial, noise: GaussianNoise
+) -> Iterator[Problem | str]:
     if trial.error is not None:
         yield problem_of(measurement, trial)
         return
-    camera = f"with a camera noise of {_NOISE.percent:g} %"
+    camera = f"with a camera noise of {noise.percent:g} %"
     seen = int(np.isfinite(trial.outputs[:, 0]).sum())
     if seen < _SEEN * len(trial.outputs):
         yield f"{camera} it sees the robot in {seen} of {len(trial.outputs)} frames"
@@ -384,7 +398,7 @@ def _camera_problems(measurement: EstimatorUnderTest, scene: Scene) -> Iterator[
             "robsim.locate without image=step.frame needs plane_map=step.frame.plane_map"
         )
         return
-    pixels = PlaneMap.scaled(scene.resolution, AREA).to_pixel(true[:, :2])
+    pixels = PlaneMap.scaled(scene.resolution, scene.area).to_pixel(true[:, :2])
     distance = np.linalg.norm(measured[:, :2] - pixels, axis=1)[is_seen]
     if np.median(distance) < 25 and np.median(errors(measured, true)[0][is_seen]) > 50:
         yield Problem(

@@ -15,6 +15,7 @@ from robsim.trace._tracking import FALSE_POSE_LIMITS
 _FALSE_DISTANCE, _FALSE_ANGLE = FALSE_POSE_LIMITS
 _FITS = 0.9  # of the poses
 _CLOSE = (6.0, math.radians(12))  # px, rad
+_ROUGHLY = math.radians(60)
 
 Formula = Callable[[Floats], Floats]
 
@@ -163,12 +164,11 @@ _HEADINGS: list[tuple[str, str, Formula]] = [
         + _ARCTAN2,
         lambda h: -math.pi / 2 - h,
     ),
-    (
-        "heading in degrees",
-        "its heading is in degrees: it must be in rad, as arctan2 gives it; see numpy.radians",
-        np.degrees,
-    ),
 ]
+_IN_DEGREES = (
+    "heading in degrees",
+    "its heading is in degrees: it must be in rad, as arctan2 gives it; see numpy.radians",
+)
 
 
 def _heading_mistake(measured: Floats, true: Floats) -> Iterator[tuple[str, str]]:
@@ -176,6 +176,9 @@ def _heading_mistake(measured: Floats, true: Floats) -> Iterator[tuple[str, str]
         return bool(np.mean(abs(wrap_angle(measured - formula(true))) < _CLOSE[1]) >= _FITS)
 
     found = list(_first_that_fits(_HEADINGS, fits))
+    # A small error of the heading is 57 times as large then.
+    if not found and np.mean(abs(wrap_angle(measured - np.degrees(true))) < _ROUGHLY) >= _FITS:
+        found = [_IN_DEGREES]
     if not found and np.ptp(measured) < _CLOSE[1]:
         found = [
             ("heading constant", f"its heading is always {np.degrees(measured[0]):.0f} degrees")

@@ -15,14 +15,18 @@ from robsim._core import Estimate, Measurement, RobotModel, Step, WorldState, wr
 from robsim.doctor._situations import DT, Situation
 from robsim.doctor._trial import TIME_LIMIT
 from robsim.imaging._images import Pixels
-from robsim.imaging._noise import Noise
+from robsim.imaging._noise import GaussianNoise, Noise
 from robsim.robots import RobotDefinition, load_robot
-from robsim.simulation import Dropout, Simulation
+from robsim.simulation import Dropout, Scenario, Simulation
+from robsim.simulation._world.world_of_scenario import frame_size
 
 AREA = (1200, 1200)  # px
 CENTRE = (600.0, 600.0, 0.0)  # px, px, rad
+
+Place = tuple[float, float]
 _SEED = 1
 _HIDDEN = Dropout(1.0)
+_NOISE = GaussianNoise(5.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,6 +48,8 @@ class Scene(Situation):
         ``adjust_background`` of the world; None = the default, with a red square.
     robot : RobotDefinition
         The robot.
+    area : tuple of int
+        Width and height of the work area (px).
     """
 
     is_driven: bool = False
@@ -51,11 +57,71 @@ class Scene(Situation):
     resolution: tuple[int, int] = AREA
     background: Callable[[Pixels], Pixels] | None = None
     robot: RobotDefinition
+    area: tuple[int, int] = AREA
 
     @property
     def is_hidden(self) -> list[bool]:
         """Whether the robot is hidden, step by step."""
         return [measurement is None for measurement in self.measurements]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """The robot, the work area and the camera of scenes, whose places are told for `AREA`.
+
+    Attributes
+    ----------
+    robot : RobotDefinition
+        The robot.
+    area, resolution : tuple of int
+        The size of the work area (px), and that of the frames (px).
+    noise : GaussianNoise
+        That of the camera, in scenes with noise.
+    """
+
+    robot: RobotDefinition
+    area: tuple[int, int] = AREA
+    resolution: tuple[int, int] = AREA
+    noise: GaussianNoise = _NOISE
+
+    @classmethod
+    def usual(cls) -> Setting:
+        """Return that of the robot that the user has chosen, with a frame pixel for each px."""
+        return cls(robot=default_robot())
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Setting:
+        """Return that of a scenario."""
+        noise = scenario.noise if isinstance(scenario.noise, GaussianNoise) else cls.noise
+        robot, size = scenario._robot_definition, frame_size(scenario)
+        return cls(robot=robot, area=scenario.area, resolution=size, noise=noise)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of `scripted` that make a scene one of it."""
+        return {"robot": self.robot, "area": self.area, "resolution": self.resolution}
+
+    def place(self, place: Place) -> Place:
+        """Return where a place of `AREA` lies here."""
+        return place[0] * self.area[0] / AREA[0], place[1] * self.area[1] / AREA[1]
+
+    def driven(
+        self,
+        name: str,
+        start: tuple[float, float, float],
+        steps: int,
+        *,
+        hidden: Collection[int] = (),
+    ) -> Scene:
+        """Return a scene in which the inputs drive the robot from a pose of `AREA`."""
+        poses = np.tile((*self.place(start[:2]), start[2]), (steps, 1))
+        return scripted(name, poses, hidden=hidden, is_driven=True, **self.options)
+
+    def turned(self, name: str, place: Place, headings: ArrayLike, **options: Any) -> Scene:
+        """Return a scene in which the robot is turned at a place of `AREA`."""
+        turns = np.asarray(headings, dtype=float)
+        poses = np.column_stack((np.tile(self.place(place), (len(turns), 1)), turns))
+        return scripted(name, poses, **self.options, **options)
 
 
 @cache
@@ -71,18 +137,6 @@ def scripted(name: str, poses: ArrayLike, *, hidden: Collection[int] = (), **opt
     seen = tuple(None if k in hidden else Measurement(pose) for k, pose in enumerate(path))
     given: dict[str, Any] = {"robot": default_robot(), "dt": DT, "u": np.zeros((len(path), 2))}
     return Scene(name=name, poses=path, measurements=seen, **given | options)
-
-
-def driven(name: str, start: ArrayLike, steps: int, *, hidden: Collection[int] = ()) -> Scene:
-    """Return a scene in which the inputs drive the robot from a pose."""
-    return scripted(name, np.tile(start, (steps, 1)), hidden=hidden, is_driven=True)
-
-
-def turned(name: str, place: tuple[float, float], headings: ArrayLike, **options: Any) -> Scene:
-    """Return a scene in which the robot is turned at a place."""
-    turns = np.asarray(headings, dtype=float)
-    poses = np.column_stack((np.tile(place, (len(turns), 1)), turns))
-    return scripted(name, poses, **options)
 
 
 def simulate(
@@ -106,7 +160,7 @@ def simulate(
     simulation = Simulation(
         **{
             "robot": scene.robot,
-            "area": AREA,
+            "area": scene.area,
             "resolution": scene.resolution,
             "headings": None,
             "noise": scene.noise,

@@ -12,7 +12,7 @@ import numpy as np
 from robsim._base.check_report import Problem
 from robsim._base.checks import Floats
 from robsim._core import wrap_angle
-from robsim.doctor._callbacks.scenes import turned
+from robsim.doctor._callbacks.scenes import CENTRE, Place, Setting
 from robsim.doctor._errors import problem_of
 from robsim.doctor._trial import EstimatorUnderTest, Trial
 
@@ -40,7 +40,7 @@ _LONG_WAY = (
 )
 
 # What a wrong formula makes of a direction, undone; the sentence says what is wrong.
-_MISTAKES: tuple[tuple[Callable[[float], float], str, str], ...] = (
+MISTAKES: tuple[tuple[Callable[[float], float], str, str], ...] = (
     (
         lambda direction: -direction,
         "y axis",
@@ -89,7 +89,9 @@ class _Steering:
         return ways.get(False, ways.get(True))
 
 
-def steering_findings(controller: EstimatorUnderTest, usual: Trial) -> Iterator[Problem | str]:
+def steering_findings(
+    controller: EstimatorUnderTest, usual: Trial, setting: Setting
+) -> Iterator[Problem | str]:
     """Yield what is wrong with the way in which a controller turns, and what cannot be told.
 
     Parameters
@@ -98,10 +100,12 @@ def steering_findings(controller: EstimatorUnderTest, usual: Trial) -> Iterator[
         The controller.
     usual : Trial
         A long trial of it.
+    setting : Setting
+        Where it is tried.
     """
     steerings = []
     for place in _PLACES:
-        steering = _steering_at(controller, place)
+        steering = _steering_at(controller, place, setting)
         if isinstance(steering, Problem):
             yield steering
             return
@@ -111,13 +115,18 @@ def steering_findings(controller: EstimatorUnderTest, usual: Trial) -> Iterator[
         # Along a line it is u1 - u2 = -a y - b heading, which is right near the line.
         yield wrong if _has_goal(steerings) else _LONG_WAY
         return
-    yield from _kicks(controller)
+    yield from _kicks(controller, setting)
     yield from _goal_findings(controller, steerings, usual)
 
 
-def _steering_at(controller: EstimatorUnderTest, place: tuple[float, float]) -> _Steering | Problem:
+def _steering_at(
+    controller: EstimatorUnderTest, place: Place, setting: Setting
+) -> _Steering | Problem:
+    here = setting.place(place)
+
     def voltages(heading: float) -> Floats:
-        trial = controller.try_in(turned(_standing(place), place, [heading] * _STEPS))
+        scene = setting.turned(_standing(here), place, [heading] * _STEPS)
+        trial = controller.try_in(scene)
         if trial.error is not None:
             raise _Failed(problem_of(controller, trial))
         return np.asarray(trial.outputs[-1])
@@ -130,12 +139,12 @@ def _steering_at(controller: EstimatorUnderTest, place: tuple[float, float]) -> 
     aims, away = [], []
     try:
         turns = np.array([turn(heading) for heading in headings])
-        for here, there in zip(range(_HEADINGS), np.roll(range(_HEADINGS), -1), strict=True):
-            before, after = turns[here], turns[there]
+        for i, after in enumerate(np.roll(turns, -1)):
+            before = turns[i]
             if min(abs(before), abs(after)) < _SMALL or before * after > 0:
                 continue
             # the heading at which the robot turns neither way
-            low, high = headings[here], headings[here] + 2 * np.pi / _HEADINGS
+            low, high = headings[i], headings[i] + 2 * np.pi / _HEADINGS
             for _ in range(_BISECTIONS):
                 middle = (low + high) / 2
                 low, high = (middle, high) if turn(middle) * before > 0 else (low, middle)
@@ -146,7 +155,7 @@ def _steering_at(controller: EstimatorUnderTest, place: tuple[float, float]) -> 
                 away.append(heading)
     except _Failed as failed:
         return failed.problem
-    return _Steering(np.array(place), headings, turns, aims, away)
+    return _Steering(np.array(here), headings, turns, aims, away)
 
 
 class _Failed(Exception):
@@ -157,7 +166,7 @@ class _Failed(Exception):
         self.problem = problem
 
 
-def _standing(place: tuple[float, float] | Floats) -> str:
+def _standing(place: Place | Floats) -> str:
     return f"robot stands at ({place[0]:.0f}, {place[1]:.0f})"
 
 
@@ -193,12 +202,12 @@ def _turns_away_at_the_jump(steering: _Steering) -> bool:
     return len(steering.turns_away_at) == 1 and np.pi - abs(steering.turns_away_at[0]) < within
 
 
-def _kicks(controller: EstimatorUnderTest) -> Iterator[Problem]:
+def _kicks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Problem]:
     """Yield whether the voltages jump for a step when a robot that is turned crosses +-pi."""
     headings = np.radians(np.arange(24) * 5.0 + 122.5)
     crossing, kicks = 12, []  # the first step beyond +-pi, either way round
     for place, way in product(_PLACES[:3], (1, -1)):
-        scene = turned("robot turns past +-pi", place, way * headings)
+        scene = setting.turned("robot turns past +-pi", place, way * headings)
         trial = controller.try_in(scene)
         if trial.error is not None:
             yield problem_of(controller, trial)
@@ -243,7 +252,7 @@ def _goal_findings(
                 line=controller.line,
             )
         return
-    for undone, kind, sentence in _MISTAKES:
+    for undone, kind, sentence in MISTAKES:
         met = _meeting_point(places, np.array([undone(direction) for direction in directions]))
         if met is not None:
             x, y = met[0]
@@ -268,7 +277,7 @@ def _has_goal(steerings: list[_Steering]) -> bool:
     places, directions = _known(steerings)
     if directions and np.ptp(wrap_angle(np.array(directions) - directions[0])) < _PARALLEL:
         return True
-    formulas = [lambda direction: direction, *(undone for undone, *_ in _MISTAKES)]
+    formulas = [lambda direction: direction, *(undone for undone, *_ in MISTAKES)]
     return len(places) >= 3 and any(
         _meeting_point(places, np.array([undone(one) for one in directions])) is not None
         for undone in formulas
@@ -286,7 +295,7 @@ def _meeting_point(places: Floats, directions: Floats) -> tuple[Floats, int] | N
     goal = np.linalg.solve(normal, np.einsum("nij,nj->i", N, places))
     distances = np.linalg.norm(np.einsum("nij,nj->ni", N, goal - places), axis=1)
     along = np.sum((goal - places) * d, axis=1)
-    is_far = np.linalg.norm(goal - np.array((600.0, 600.0))) > _FARTHEST
+    is_far = np.linalg.norm(goal - np.array(CENTRE[:2])) > _FARTHEST
     if is_far or np.sqrt(np.mean(distances**2)) > _MEETS or len(set(np.sign(along))) > 1:
         return None
     return goal, int(np.sign(along[0]))

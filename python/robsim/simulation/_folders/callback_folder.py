@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 from typing import Any
 
 from robsim._base.files import as_folder, copy_files
@@ -65,6 +65,8 @@ class CallbackFolder:
         The folder.
     slots : sequence of str
         The slots that it may fill; files for others are not executed.
+    given : mapping of str to bytes
+        Helper modules by name, without ``.py``, which count before files of the folder.
 
     Raises
     ------
@@ -72,8 +74,14 @@ class CallbackFolder:
         If `folder` is not a path.
     """
 
-    def __init__(self, folder: str | PathLike[str], slots: Sequence[str] = tuple(SLOTS)) -> None:
+    def __init__(
+        self,
+        folder: str | PathLike[str],
+        slots: Sequence[str] = tuple(SLOTS),
+        given: Mapping[str, bytes] = MappingProxyType({}),
+    ) -> None:
         self._slots = slots
+        self._given = given
         self.path = as_folder(folder)
         self._absolute = self.path.absolute()  # valid after a change of directory
         self._modules = FolderModules(self.path, self._absolute, {})
@@ -246,7 +254,7 @@ class CallbackFolder:
             raise ValueError(
                 f"{one_line(self.path)} has no callback files: {remedy}" + "".join(hints)
             )
-        return sources
+        return {**sources, **self._given}
 
     def __repr__(self) -> str:
         return f"<CallbackFolder: {one_line(self.path)}>"
