@@ -372,3 +372,26 @@ def test_frames_that_come_while_one_is_decoded_do_not_pile_up(camera):
     host.paint()
     assert 1 <= host.tab.evaluate("painted") <= 3
     assert has_near(host, (219 + 40, 300), GREEN)  # the last one is what is seen
+
+
+GOAL = (14, 143, 158)  # of a light theme
+
+
+def test_a_goal_is_a_ring_and_its_heading_an_arrow(camera):
+    """The arrow is as long as the line of the heading of the robot, which reaches 40 px ahead."""
+    host, _ = camera(state={"goal": [300, 200, math.pi / 2], "path": None})
+    reach = 1.35 * 40
+    assert has_near(host, (300 + 8, 200), GOAL)  # the ring
+    assert has_near(host, (300, 200 + reach - 2), GOAL)  # down, along the heading
+    assert not has_near(host, (300, 200 - reach + 2), GOAL)
+    host.state(goal=[300, 200], path=None)
+    host.paint()
+    assert has_near(host, (300 + 8, 200), GOAL)
+    assert not has_near(host, (300, 200 + reach - 2), GOAL)
+
+
+def test_the_goals_of_a_record_can_be_hidden(camera):
+    host, _ = camera(setup={"source": "trace", "has_goals": True}, state={"goal": [300, 200, 0]})
+    assert has_near(host, (300 + 8, 200), GOAL)
+    host.tab.get_by_text("Show", exact=True).click()
+    assert host.tab.get_by_text("Goal and planned path").count() == 1

@@ -376,7 +376,7 @@ def test_a_record_has_its_speed_alone(watch):
     ("goals", "goal", "path"),
     [
         ((100, 200), [100, 200], None),
-        ((100, 200, 1.5), [100, 200], None),
+        ((100, 200, 1.5), [100, 200, 1.5], None),
         ([(100, 200), (300, 400)], None, [[100, 200], [300, 400]]),
     ],
 )
@@ -385,6 +385,26 @@ def test_where_the_robot_is_to_go_is_drawn_whoever_drives(goals, goal, path):
         controls = next(part for part in panel._view._parts if isinstance(part, Controls))
         state = controls.state()
         assert (state["values"]["control"], state["goal"], state["path"]) == ("mine", goal, path)
+
+
+def test_the_heading_of_a_goal_stays_as_long_as_the_robot_drives_there(watch):
+    watcher = watch(small(measure=True), goals=np.array([100, 200, 1.5]))
+    assert setting(watcher, "control", "go-to-point") == "go-to-point"
+    assert watcher.newest("state")["goal"] == [100, 200, 1.5]
+    watcher.say("go_to", x=150, y=150)
+    watcher.settle()
+    assert watcher.newest("state")["goal"] == [150, 150]
+    assert setting(watcher, "control", "spin") == "spin"
+    assert watcher.newest("state")["goal"] == [100, 200, 1.5]
+
+
+@pytest.mark.parametrize("goals", [None, (100, 200, 1.5)])
+def test_a_record_that_is_played_back_has_the_goals_that_it_is_given(goals):
+    trace = small(measure=True).run(3)
+    with robsim.panel(trace, goals=goals) as panel:
+        controls = next(part for part in panel._view._parts if isinstance(part, Controls))
+        assert controls.state()["goal"] == (None if goals is None else list(goals))
+        assert controls.setup()["has_goals"] == (goals is not None)
 
 
 def test_a_goal_that_is_none_is_refused():

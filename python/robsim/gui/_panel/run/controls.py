@@ -12,7 +12,7 @@ from robsim._base.text import said_by
 from robsim.gui._link import Link
 from robsim.gui._messages import Refused
 from robsim.gui._panel.part import Handlers, Part
-from robsim.gui._panel.run.settings.driving import Driving
+from robsim.gui._panel.run.settings.driving import Driving, as_told
 from robsim.gui._panel.run.settings.owners import owners_of
 from robsim.gui._panel.run.settings.pace import Speed
 from robsim.gui._panel.run.settings.setting import Remarks, Setting
@@ -69,12 +69,13 @@ class Controls(Part):
         return {"set": self._set, "go_to": self._go_to, "path": self._path}
 
     def setup(self) -> dict[str, Any]:
-        return {"controls": [setting.described() for setting in self._settings.values()]}
+        controls = [setting.described() for setting in self._settings.values()]
+        return {"controls": controls, "has_goals": self.panel.goals is not None}
 
     def state(self) -> dict[str, Any]:
         values = {name: setting.value for name, setting in self._settings.items()}
         driving = self._run and self._run.driving
-        goal, path = (driving.goal, driving.path) if driving else (None, None)
+        goal, path = (driving.goal, driving.path) if driving else as_told(self.panel.goals)
         return {"values": values, "goal": goal, "path": path}
 
     def look(self, now: float) -> float:

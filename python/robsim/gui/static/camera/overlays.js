@@ -19,7 +19,7 @@ const OVERLAY_WIDTH = 1.5; // px on the screen
 export const makeOverlays = () => [
   { name: "path_driven", shown: true, color: "measured", columns: pathColumns, draw: makeTrail() },
   { name: "object_trace", shown: true, columns: blobColumns, draw: drawObjectTrace },
-  { name: "planned", shown: true, color: "other-5", is: isSteered, draw: drawPlanned },
+  { name: "planned", shown: true, color: "other-5", is: hasGoals, draw: drawPlanned },
   { name: "boxes", shown: true, draw: drawBoxes },
   { name: "covariance", shown: true, color: "estimated", draw: drawCovariance },
   { name: "held_pose", shown: true, color: "held", draw: drawHeld },
@@ -29,7 +29,7 @@ export const makeOverlays = () => [
 ];
 
 const pathColumns = () => ["pose_measured"];
-const isSteered = ({ source }) => source != "trace";
+const hasGoals = ({ source, has_goals: isAsked }) => source != "trace" || isAsked;
 const hasTruth = ({ has_truth: isKnown }) => isKnown ?? true;
 
 export const isShown = (context, { name, shown }) => context.local.overlays[name] ?? shown;
@@ -78,13 +78,25 @@ export function drawDot({ pen, unit }, [x, y], color, radius = 2.5) {
   pen.fill();
 }
 
-/** Draw a goal: a ring around a dot, at a point of the canvas. */
-function drawGoal(scene, [x, y], color) {
+/**
+ * Draw a goal [x, y] of the work area, a ring around a dot; with a heading, [x, y, heading], an
+ * arrow shows it, as long as the line of the robot's own.
+ */
+function drawGoal(scene, goal, color) {
+  const [x, y] = scene.place(goal);
   const radius = 8 * scene.unit;
   const ring = Array.from({ length: 32 }, (_, i) =>
     fromRobot([x, y, (i * Math.PI) / 16], [radius, 0]));
   drawLine(scene, ring, color, { width: 2, isClosed: true });
   drawDot(scene, [x, y], color);
+  if (goal.length < 3) return;
+  const tip = scene.place(fromRobot(goal, [1.35 * robotReach(scene), 0]));
+  const turn = Math.atan2(tip[1] - y, tip[0] - x); // on the canvas
+  const [begin, ...head] = [[radius, 0], [-9 * scene.unit, -6 * scene.unit], [0, 0],
+    [-9 * scene.unit, 6 * scene.unit]].map((point, i) =>
+    fromRobot([...(i ? tip : [x, y]), turn], point));
+  drawLine(scene, [begin, tip], color, { width: 2.5 });
+  drawLine(scene, head, color, { width: 2.5 });
 }
 
 function outlineAt(scene, pose, color, options) {
@@ -93,8 +105,12 @@ function outlineAt(scene, pose, color, options) {
   drawLine(scene, points, color, { isClosed: true, ...options });
 }
 
-const robotReach = ({ context }) =>
-  Math.max(...context.setup.robot.outline.map(([forward]) => forward));
+const UNKNOWN_REACH = 40; // px, of a robot of which nobody has the outline
+
+function robotReach({ context }) {
+  const { outline } = context.setup.robot;
+  return outline.length ? Math.max(...outline.map(([forward]) => forward)) : UNKNOWN_REACH;
+}
 
 function drawOutline(scene) {
   if (scene.frame.measured)
@@ -167,9 +183,9 @@ function drawPlanned(scene) {
     const points = path.map(scene.place);
     drawLine(scene, points, color, { dash: [7, 5], width: 2 });
     drawDot(scene, points[0], color, 3);
-    drawGoal(scene, points.at(-1), color);
+    drawGoal(scene, path.at(-1), color);
   }
-  if (goal) drawGoal(scene, scene.place(goal), color);
+  if (goal) drawGoal(scene, goal, color);
 }
 
 /** The ellipse of the position, and the wedge of the heading, within 2 standard errors. */

@@ -24,6 +24,13 @@ _KINDS = {kind: name for name, kind in _TO_POINTS.items()} | SIGNAL_KINDS
 Point = Sequence[float]
 
 
+def as_told(goals: Floats | None) -> tuple[list[float] | None, list[list[float]] | None]:
+    """Return goals as the browser is told them: a position or a pose, or waypoints."""
+    if goals is None:
+        return None, None
+    return (goals.tolist(), None) if goals.ndim == 1 else (None, goals.tolist())
+
+
 class Driving(Choice):
     """The controller; also where it drives to."""
 
@@ -39,10 +46,9 @@ class Driving(Choice):
         self._runner = runner
         self._stages = stages
         self._owners = owners
-        #: What is asked, and drawn whoever drives: a position, or waypoints.
-        self._asked = None if goals is None or goals.ndim > 1 else goals[:2].tolist()
-        self._asked_path = None if goals is None or goals.ndim == 1 else goals.tolist()
-        self._goal: Point | None = self._asked
+        #: What is asked, and drawn whoever drives: a position or a pose, or waypoints.
+        self._asked, self._asked_path = as_told(goals)
+        self._goal: Point | None = None if self._asked is None else self._asked[:2]
         self._path: Sequence[Point] | None = self._asked_path
 
     @property
@@ -56,9 +62,12 @@ class Driving(Choice):
 
     @property
     def goal(self) -> list[float] | None:
-        """Where the robot drives to, or is to; any thread may ask."""
+        """Where the robot drives to, or is to, with a heading if it has one; any thread may ask."""
         control = self._runner._callbacks["control"]
-        return [control.x, control.y] if isinstance(control, GoToPoint) else self._asked
+        if not isinstance(control, GoToPoint):
+            return self._asked
+        goal = [control.x, control.y]
+        return self._asked if self._asked is not None and self._asked[:2] == goal else goal
 
     @property
     def path(self) -> list[list[float]] | None:
