@@ -7,6 +7,7 @@ import pytest
 
 from commands import command
 from robsim.assignments import SubmissionResult
+from robsim.gui._hosts.page import Page
 from robsim.trace import Trace
 from small_assignments import TESTS, assignment, drawn_quickly, solution
 
@@ -86,7 +87,7 @@ def test_a_run_is_played_again_for_an_appeal(hw3):
     assert run.exit_code == 0, run.stderr
     worst = SubmissionResult.from_json((hw3 / "graded/s001/result.json").read_text()).tests[1].worst
     assert f"s001, hidden, run {worst}" in run.stdout
-    assert "in the panel: robsim gui" in run.stdout
+    assert "in the panel: the same command with --gui, or robsim gui" in run.stdout
     trace = Trace.load(hw3 / f"graded/s001/hidden-run{worst}.npz")
     assert len(trace) == 20
     other = command("grade", "hw3", "subs/s001", "--play", "hidden", "--run", f"{1 - worst}")
@@ -94,6 +95,30 @@ def test_a_run_is_played_again_for_an_appeal(hw3):
     failing = command("grade", "hw3", "subs/s002.py", "--play", "shown")
     assert failing.exit_code == 1
     assert "estimate_state at step 0" in failing.stderr
+
+
+def test_a_run_that_is_played_again_opens_in_the_panel(hw3, monkeypatch):
+    shown = []
+
+    def wait(page, patience):
+        page.view.driver.step().result()
+        shown.append((page.view.record.trace, page.view.goals, page.view.driver.error))
+
+    monkeypatch.setattr(Page, "wait", wait)
+    monkeypatch.setattr(Page, "open", lambda page: False)
+    monkeypatch.delenv("SSH_CONNECTION", raising=False)
+    run = command("grade", "hw3", "subs/s001", "--play", "hidden", "--gui")
+    assert run.exit_code == 0
+    assert "run 0, as graded has no results of s001 that tell the worst one" in run.stderr
+    assert "no browser could be started: open this address in one" in run.stderr
+    assert "the panel is at http://127.0.0.1:" in run.stdout
+    ((trace, goals, error),) = shown
+    kept = Trace.load(hw3 / "graded/s001/hidden-run0.npz")
+    assert trace.pose_true.tolist() == kept.pose_true.tolist()
+    assert (goals, error) == (None, None)  # to estimate is to go nowhere
+    alone = command("grade", "hw3", "subs", "--gui")
+    assert alone.exit_code == 2
+    assert "--gui shows the run to --play: give that, too" in alone.stderr
 
 
 def test_gradescope_reads_what_is_written_for_it(hw3):

@@ -277,9 +277,38 @@ def test_a_task_has_its_world_and_its_goal(seen, tmp_path):
     assert runner.scenario.replace(seed=None, control=None) == task.scenario
     assert seen.error is None
     assert np.array_equal(seen.view.goals, task.goals)
+    assert run.stdout.endswith("no scores: 1 of the 150 steps of the task park were run\n")
     run = command("gui", "--task", "follow")
     assert run.exit_code == 0, run.stderr
     assert seen.view.goals.shape == (3, 2)
+
+
+def test_the_scores_of_a_whole_run_of_a_task_are_told(seen, tmp_path, monkeypatch):
+    task = robsim.tasks.Park(steps=20)
+    monkeypatch.setattr("robsim.tasks.task", lambda name: task)
+
+    def wait(page, patience):
+        for _ in range(25):
+            page.view.driver.step().result()
+        seen.view = page.view
+
+    monkeypatch.setattr(Page, "wait", wait)
+    for voltage, told in {
+        0.1: "first 20 steps: time until it stays at the pose",
+        2: "2 V at",
+    }.items():
+        (tmp_path / "control.py").write_text(f"def control(step):\n    return {voltage}, 0\n")
+        run = command("gui", str(tmp_path), "--task", "park", "--seed", "1")
+        assert told in run.stdout, run.stderr
+        assert seen.view.record.n_steps == 25
+
+
+def test_a_trace_has_the_goal_of_a_task(seen, tmp_path):
+    task = robsim.tasks.Park(steps=3)
+    task.simulation(seed=1).run(3).save(tmp_path / "trace.npz")
+    run = command("gui", "trace.npz", "--task", "park", cwd=tmp_path)
+    assert (run.exit_code, run.stderr) == (0, "")
+    assert np.array_equal(seen.view.goals, task.goals)
 
 
 @pytest.mark.parametrize(

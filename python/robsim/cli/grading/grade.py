@@ -120,6 +120,15 @@ def grade(
             "trace and picture.",
         ),
     ] = None,
+    gui: Annotated[
+        bool,
+        typer.Option(
+            "--gui",
+            metavar=SWITCH,
+            help="Also open the run to --play in the panel, in the browser, with the goal of the "
+            "task; it ends when you close its page, or with Ctrl-C.",
+        ),
+    ] = False,
     run: Annotated[
         int | None,
         typer.Option(
@@ -147,13 +156,15 @@ def grade(
         from robsim.cli.grading import marks
 
         given = _assignment(assignment, isolation)
+        if gui and play is None:
+            raise ValueError("--gui shows the run to --play: give that, too")
         if regrade:
             result = marks.marked_anew(given, out, columns, pseudonyms=pseudonyms)
         else:
             if submissions is None:
                 raise ValueError("what is to be graded? robsim grade ASSIGNMENT SUBMISSIONS")
             if play is not None:
-                marks.played(given, submissions, play, run, out, student)
+                marks.played(given, submissions, play, run, out, student, is_shown=gui)
                 return
             chosen = marks.Chosen(
                 submissions=submissions,

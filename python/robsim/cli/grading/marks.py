@@ -26,6 +26,7 @@ from robsim.assignments._reports.student_text import student_text
 from robsim.assignments._reports.writing import CLASS, PAGE
 from robsim.assignments._results import PASSED, SubmissionResult
 from robsim.cli import errors
+from robsim.cli.pages import show_panel
 from robsim.cli.results import check_file, check_folder
 
 if TYPE_CHECKING:
@@ -160,14 +161,21 @@ def played(
     run: int | None,
     out: Path,
     student: str | None,
+    *,
+    is_shown: bool,
 ) -> None:
-    """Do a run again, print its scores, and write its trace and picture."""
+    """Do a run again, print its scores, write its trace and picture, and show it in the panel."""
     name = one_submission(submission).student if student is None else student
     folder = ResultFolder(out)
     if run is None:
         old = folder.read(name)
         worst = {} if old is None else {one.name: one.worst for one in old.tests}
         run = worst.get(test) or 0
+        if old is None:
+            errors.print_note(
+                f"run {run}, as {out} has no results of {name} that tell the worst one; another "
+                "one: --run N"
+            )
     again = assignment.play(submission, test, run, student=student)
     place = folder.of(name)
     check_folder(place)
@@ -179,4 +187,10 @@ def played(
     if again.output:
         errors.show(f"it printed:\n{again.output}")
     errors.say(f"picture: {one_line(picture)}")
-    errors.say(f"in the panel: robsim gui {one_line(trace)}")
+    if not is_shown:
+        errors.say(f"in the panel: the same command with --gui, or robsim gui {one_line(trace)}")
+        return
+    from robsim.gui import panel
+
+    with panel(again.trace, goals=again.test.task.goals) as opened:
+        show_panel(opened)

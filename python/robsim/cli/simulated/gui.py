@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import getpass
-import os
-import socket
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from robsim.cli import errors
+from robsim.cli.pages import show_panel
 from robsim.cli.shared import (
     SWITCH,
     CallLimit,
@@ -31,14 +28,11 @@ from robsim.cli.simulated.options import (
 from robsim.cli.text import about, parse_speed, whole_number
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from robsim.gui._hosted import HostedPanel
-    from robsim.gui._hosts.page import Page
     from robsim.gui._panel.view import Shown
     from robsim.imaging import Recording
     from robsim.sessions import Session
-    from robsim.simulation import Scenario
+    from robsim.tasks import Task
     from robsim.trace import Trace
 
 EXAMPLE = "Example: robsim gui mine"
@@ -57,8 +51,6 @@ HELP = (
 # What there is to see at first, unless a folder or an option says otherwise.
 _STAGES = {"measure": True, "estimate_parameters": True}
 _CONTROL = "drive-around"
-
-_PATIENCE = 3.0  # s that the last page may be away, such as while it is loaded anew
 
 
 def gui(
@@ -109,8 +101,8 @@ def gui(
         typer.Option(
             "--task",
             metavar="NAME",
-            help="The world of a task, with its goal, for the folder of a solution; see robsim "
-            "tasks list.",
+            help="The world of a task, with its goal, for the folder of a solution, whose scores "
+            "it tells at the end; for a trace the goal alone. See robsim tasks list.",
         ),
     ] = None,
     control: Control = None,
@@ -165,10 +157,13 @@ def gui(
             if given := [name for name, value in of_a_run.items() if value is not None]:
                 raise ValueError(f"{given[0]} is for a run: with --{tools[0]} nothing runs")
             with _tool(tools[0], path, colors, robot, calibration) as tool:
-                _show(tool, port, is_wanted=not no_browser)
+                show_panel(tool, port, is_wanted=not no_browser)
             return
         factor = parse_speed("--speed", speed)
-        world, goals = _of_task(task, scenario)
+        saved = None if path is None else _saved(path)
+        chosen_task = _task_of(task, scenario)
+        world = scenario if chosen_task is None or saved is not None else chosen_task.scenario
+        goals = None if chosen_task is None else chosen_task.goals
         if path is None and world is None and control is None:
             control = _CONTROL
         options = shared_options(
@@ -183,23 +178,36 @@ def gui(
             colors=colors,
             seed=seed,
         )
-        with panel(_shown(path, options), speed=factor, goals=goals) as opened:
-            _show(opened, port, is_wanted=not no_browser)
+        with panel(_shown(path, saved, options), speed=factor, goals=goals) as opened:
+            show_panel(opened, port, is_wanted=not no_browser)
+            if chosen_task is not None:
+                errors.say(_scored(chosen_task, opened.trace))
 
 
-def _of_task(
-    name: str | None, scenario: Path | None
-) -> tuple[Path | Scenario | None, ArrayLike | None]:
-    """Return the scenario of a task and its goals, or the scenario that was given."""
+def _task_of(name: str | None, scenario: Path | None) -> Task | None:
+    """Return the task of a name, unless there is a scenario beside it."""
     if name is None:
-        return scenario, None
+        return None
     if scenario is not None:
         raise ValueError("--task has a scenario of its own: leave out --scenario")
     from robsim.tasks import task
 
     with about("--task"):
-        chosen = task(name)
-    return chosen.scenario, chosen.goals
+        return task(name)
+
+
+def _scored(task: Task, trace: Trace) -> str:
+    """Return the scores of the run that was shown, in a sentence."""
+    if len(trace) < task.steps:
+        return f"no scores: {len(trace)} of the {task.steps} steps of the task {task.name} were run"
+    run = trace[: task.steps]
+    if (rule := task.broken_rule(run)) is not None:
+        return f"no scores: {rule}"
+    numbers = task.score(run)
+    scores = (
+        f"{score.title} {numbers[score.name]:.3g} {score.unit}".rstrip() for score in task.scores
+    )
+    return f"the first {task.steps} steps: {'; '.join(scores)}"
 
 
 def _tool(
@@ -226,16 +234,10 @@ def _tool(
     return color_panel(what, robot=robot, file=file)
 
 
-def _show(opened: HostedPanel, port: int, *, is_wanted: bool) -> None:
-    """Show a panel until its last page is closed."""
-    page = opened._serve(port)
-    _tell(page, is_shown=is_wanted and page.open(), is_wanted=is_wanted)
-    _wait(page)
-
-
-def _shown(path: Path | None, options: dict[str, Any]) -> Shown:
+def _shown(
+    path: Path | None, saved: Recording | Session | Trace | None, options: dict[str, Any]
+) -> Shown:
     """Return a saved run, or the simulation that the options describe."""
-    saved = None if path is None else _saved(path)
     if saved is None:
         stages = {} if "scenario" in options else _STAGES
         return simulation_of(path, stages | options)
@@ -259,26 +261,3 @@ def _saved(path: Path) -> Recording | Session | Trace | None:
     if path.suffix == ".py":
         raise ValueError(f"{path} is a single file: give its folder, {path.parent}")
     return Recording(path) if path.is_file() else None
-
-
-def _tell(page: Page, *, is_shown: bool, is_wanted: bool) -> None:
-    errors.say(f"the panel is at {page.url}")
-    if is_wanted and not is_shown:
-        errors.print_note("no browser could be started: open this address in one")
-    if not is_shown and "SSH_CONNECTION" in os.environ:
-        login = f"{getpass.getuser()}@{socket.gethostname()}"
-        errors.print_note(
-            "to see it on the machine before you, type there: "
-            f"ssh -N -L {page.port}:127.0.0.1:{page.port} {login}; then open the address there"
-        )
-    errors.say("Ctrl-C ends it")
-    sys.stdout.flush()
-
-
-def _wait(page: Page) -> None:
-    try:
-        page.wait(_PATIENCE)
-    except KeyboardInterrupt:
-        errors.print_note("ended")
-    else:
-        errors.say("its last page was closed: ended")
