@@ -27,7 +27,7 @@ def simulation(**options):
     return robsim.Simulation(area=(300, 300), measure=True, seed=1, **options)
 
 
-def quick_figure(record, shot, state):
+def quick_figure(record, shot, state, goals):
     """The real one takes half a second."""
     return Figure(figsize=(0.5, 0.1 * (1 + record.n_steps)))
 

@@ -15,8 +15,8 @@ from robsim.reference import ExtendedKalmanFilter
 pytestmark = pytest.mark.long
 
 
-def still_of(shown):
-    view = PanelView(shown)
+def still_of(shown, **options):
+    view = PanelView(shown, **options)
     try:
         return view.snapshot()
     finally:
@@ -59,6 +59,18 @@ def test_it_shows_camera_traces_and_histograms_in_few_bytes(simulation):
     assert is_there(camera, (200, 40, 40))  # the red square on the floor
     assert is_there(traces, (209, 0, 201))  # the truth
     assert is_there(histograms, (128, 200, 138))
+
+
+def test_a_goal_is_drawn_with_its_heading(simulation):
+    bare, at, posed = (
+        pixels_of(still_of(simulation, goals=goals))[40:480, 10:450]
+        for goals in (None, np.array([600.0, 600.0]), np.array([600.0, 600.0, 0.0]))
+    )
+    rings, arrows = (np.argwhere(abs(one - bare).max(axis=2) > 60) for one in (at, posed))
+    assert len(rings) > 50
+    assert np.ptp(rings, axis=0).max() < 40
+    assert np.ptp(arrows[:, 1]) > np.ptp(rings[:, 1]) + 10  # to the right
+    assert np.ptp(arrows[:, 0]) < np.ptp(rings[:, 0]) + 5
 
 
 @pytest.mark.slow

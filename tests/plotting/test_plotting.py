@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 import robsim
 from robsim.plotting import _style as style
 from robsim.plotting import plot_batch, plot_frame, plot_parameters, plot_traces
+from robsim.plotting._images.shapes import HEADING_LINE
 from robsim.trace import RunInfo, Trace
 
 pytestmark = pytest.mark.long
@@ -733,8 +734,16 @@ def test_goals_are_rings_above_everything():
     assert ring.get_markerfacecolor() == "none"
     assert ring.get_zorder() == max(drawn.get_zorder() for drawn in axes.get_lines())
     assert "goal" in [text.get_text() for text in axes.get_legend().get_texts()]
-    with pytest.raises(ValueError, match=r"goals: expected the shape \(N, 2\), got \(2,\)"):
-        plot_frame(make_frame(), goals=(900, 300))
+    with pytest.raises(ValueError, match="goals must be a position"):
+        plot_frame(make_frame(), goals=(900, 300, 0, 0))
+
+
+def test_the_heading_of_a_goal_is_an_arrow():
+    axes = plot_frame(make_frame(), goals=(900, 300, np.pi / 2))
+    (arrow,) = axes.texts
+    assert arrow.xy == pytest.approx((900, 300 + HEADING_LINE))  # its tip
+    assert arrow.get_position() == pytest.approx((900, 300))
+    assert not plot_frame(make_frame(), goals=(900, 300)).texts
 
 
 def test_path_up_to_a_step():

@@ -215,7 +215,8 @@ def _checks(
 def _through(setting: Setting) -> Floats:
     """Return a drive from the bottom left to the top right, in a gentle curve."""
     t = np.linspace(0.0, 1.0, 60)
-    x, y = setting.place((150 + 900 * t, 1000 - 850 * t + 80 * np.sin(2 * np.pi * t)))
+    path = np.column_stack((150 + 900 * t, 1000 - 850 * t + 80 * np.sin(2 * np.pi * t)))
+    x, y = setting.places(path).T
     return np.column_stack((x, y, np.arctan2(np.gradient(y), np.gradient(x))))
 
 

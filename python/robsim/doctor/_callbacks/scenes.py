@@ -103,7 +103,12 @@ class Setting:
 
     def place(self, place: Place) -> Place:
         """Return where a place of `AREA` lies here."""
-        return place[0] * self.area[0] / AREA[0], place[1] * self.area[1] / AREA[1]
+        x, y = self.places(np.array(place))
+        return float(x), float(y)
+
+    def places(self, places: Floats) -> Floats:
+        """Return where places of `AREA`, (2,) or (N, 2), lie here."""
+        return np.asarray(places * self.area / AREA)
 
     def driven(
         self,

@@ -52,7 +52,7 @@ class _Drive:
     @property
     def distances(self) -> Floats:
         """The distance from the last goal, step by step (px)."""
-        return np.hypot(*(self.poses[:, :2] - self.waypoints[-1]).T)
+        return np.asarray(np.hypot(*(self.poses[:, :2] - self.waypoints[-1]).T))
 
     @property
     def last_steps(self) -> Floats:
@@ -229,7 +229,7 @@ def _waits(drive: _Drive) -> Problem | None:
     """Return whether it gives no voltage wherever nobody sees the robot."""
     trace = drive.run.trace
     is_unseen = ~trace.seen
-    stands = (abs(trace.u) <= _NO_VOLTAGE).all(axis=1)
+    stands = np.asarray((abs(trace.u) <= _NO_VOLTAGE).all(axis=1))
     if is_unseen.sum() < 5 or stands[is_unseen].mean() < _HELD or stands[~is_unseen].mean() > 0.5:
         return None
     return drive.run.problem(
@@ -242,7 +242,7 @@ def _waits(drive: _Drive) -> Problem | None:
 
 
 def _step_lengths(poses: Floats) -> Floats:
-    return np.hypot(*np.diff(poses[:, :2], axis=0).T)
+    return np.asarray(np.hypot(*np.diff(poses[:, :2], axis=0).T))
 
 
 def _speed(poses: Floats) -> float:

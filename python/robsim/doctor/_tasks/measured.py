@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from robsim._base.check_report import Problem
-from robsim._base.checks import Floats
 from robsim.doctor._callbacks.pose_mistakes import are_right, mistakes
 from robsim.doctor._tasks.seen_run import SeenRun, rms
 from robsim.simulation._world.world_of_scenario import frame_size
 from robsim.tasks import TaskTrial
+from robsim.trace._trace import Bools
 
 _LEAST = 5  # poses
 _SEVERAL = 0.05  # of the frames
@@ -49,7 +49,7 @@ def measured_findings(trial: TaskTrial) -> Iterator[Problem]:
         yield from _inexact(run, is_right)
 
 
-def _false(run: SeenRun, is_visible: Floats) -> Iterator[Problem]:
+def _false(run: SeenRun, is_visible: Bools) -> Iterator[Problem]:
     """Yield how often it takes something else for the robot, or does not find it."""
     trace, other = run.trace, run.reference
     false = trace.is_false & is_visible
@@ -72,7 +72,7 @@ def _false(run: SeenRun, is_visible: Floats) -> Iterator[Problem]:
         )
 
 
-def _inexact(run: SeenRun, is_right: Floats) -> Iterator[Problem]:
+def _inexact(run: SeenRun, is_right: Bools) -> Iterator[Problem]:
     """Yield why its poses are less exact than those of the reference."""
     measured, true = run.trace.pose_measured[is_right], run.trace.pose_true[is_right]
     off = measured[:, :2] - true[:, :2]

@@ -72,4 +72,5 @@ class Still(Part):
     def _drawn(self, shot: Shot | None) -> bytes:
         from robsim.gui._panel.still_picture import still_picture  # matplotlib takes its time
 
-        return still_picture(self.panel.record, shot, self.panel.driver.state)
+        panel = self.panel
+        return still_picture(panel.record, shot, panel.driver.state, panel.goals)

@@ -24,6 +24,7 @@ from robsim.plotting import _style as style
 from robsim.plotting import draw_overlay
 from robsim.plotting._charts.error_panels import draw_histogram
 from robsim.plotting._charts.traces import draw_all_poses
+from robsim.plotting._images.frame import draw_goals
 from robsim.trace import Trace
 
 _SIZE = (1000, 500)  # px
@@ -32,7 +33,9 @@ _MOST_STEPS = 3000  # of the traces; more would take long
 _UNITS = ("px", "px", "deg")
 
 
-def still_picture(record: Record, shot: Shot | None, state: str) -> bytes:
+def still_picture(
+    record: Record, shot: Shot | None, state: str, goals: Floats | None = None
+) -> bytes:
     """Return a picture of the newest step, the traces and the histograms (PNG).
 
     Parameters
@@ -43,21 +46,23 @@ def still_picture(record: Record, shot: Shot | None, state: str) -> bytes:
         The newest step; None = nothing is known of it yet.
     state : str
         The state of the run, a word.
+    goals : array (2,), (3,) or (N, 2), optional
+        Where the robot is to go.
     """
     with drawing:
-        figure = _figure(record, shot, state)
+        figure = _figure(record, shot, state, goals)
         canvas = io.BytesIO()
         figure.savefig(canvas, format="png", dpi=_DPI)
     return small_png(Image.open(canvas).convert("RGB"))
 
 
 @style.applied
-def _figure(record: Record, shot: Shot | None, state: str) -> Figure:
+def _figure(record: Record, shot: Shot | None, state: str, goals: Floats | None) -> Figure:
     trace = record.trace[-_MOST_STEPS:]
     figure = Figure(figsize=(_SIZE[0] / _DPI, _SIZE[1] / _DPI), dpi=_DPI)
     parts: Any = figure.subfigures(1, 2, width_ratios=(1, 1.16))
     left, right = parts
-    _draw_camera(left.add_subplot(), record, shot)
+    _draw_camera(left.add_subplot(), record, shot, goals)
     left.suptitle(no_formula(_title(record, shot, state)), x=0.01, ha="left", size=10)
     if len(trace):
         _draw_record(right, trace)
@@ -71,7 +76,7 @@ def _title(record: Record, shot: Shot | None, state: str) -> str:
     return f"{record.title}   {state}{when}"
 
 
-def _draw_camera(axes: Axes, record: Record, shot: Shot | None) -> None:
+def _draw_camera(axes: Axes, record: Record, shot: Shot | None, goals: Floats | None) -> None:
     axes.set(xticks=(), yticks=())
     axes.grid(False)
     axes.spines[["top", "right"]].set_visible(True)
@@ -81,6 +86,9 @@ def _draw_camera(axes: Axes, record: Record, shot: Shot | None) -> None:
         return
     axes.imshow(_camera_picture(record, shot), interpolation="antialiased")
     axes.set_anchor("N")
+    if goals is not None:
+        axes.set_autoscale_on(False)
+        draw_goals(axes, goals, shot.frame.plane_map.to_pixel)
 
 
 def _camera_picture(record: Record, shot: Shot) -> Any:

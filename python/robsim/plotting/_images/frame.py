@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats
 from robsim._core import Blob, Frame, Measurement
+from robsim.control._waypoints import as_goals
 from robsim.plotting import _style as style
 from robsim.plotting._arguments import check_blobs, check_kind, check_optional, check_positions
 from robsim.plotting._images.shapes import box_corners, heading_line, placed_outline
@@ -57,8 +58,9 @@ def plot_frame(
         The run whose path is drawn, up to the robot with its heading at the end.
     k : int, optional
         The last step of `trace` to draw. Default: the whole path.
-    goals : array_like (N, 2), optional
-        Positions that the robot is to reach (work-area px), drawn as rings.
+    goals : array_like (2,), (3,) or (N, 2), optional
+        The position, the pose or the positions that the robot is to reach (work-area px), drawn as
+        rings; an arrow is the heading of a pose.
 
     Returns
     -------
@@ -68,8 +70,7 @@ def plot_frame(
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type, `outline` or `goals` is not of shape (N, 2), or `k` is
-        not a step of `trace`.
+        If an argument has the wrong type or shape, or `k` is not a step of `trace`.
     """
     check_kind("frame", frame, Frame)
     check_blobs(blobs)
@@ -89,7 +90,7 @@ def plot_frame(
     elif shown is not None and len(shown):
         _draw_end(ax, shown, outline, from_world)
     if goals is not None:
-        _draw_goals(ax, from_world(check_positions("goals", goals)))
+        draw_goals(ax, as_goals(goals), from_world)
     time = "" if frame.t is None else f", t = {frame.t:.2f} s"
     seen = ", not seen" if blobs is not None and measurement is None else ""
     ax.set_title(f"frame {frame.index}{time}{seen}", loc="left")
@@ -160,7 +161,19 @@ def _draw_end(axes: Axes, trace: Trace, outline: Floats | None, from_world: _Map
         _draw_pose(axes, trace.pose_true[-1], outline, from_world, style.TRUE)
 
 
-def _draw_goals(axes: Axes, positions: Floats) -> None:
+def draw_goals(axes: Axes, goals: Floats, from_world: _Map) -> None:
+    """Draw a goal, a position (2,) or a pose (3,), or several positions (N, 2).
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    goals : array
+        The goals (work-area px, rad).
+    from_world : callable
+        The map from positions (N, 2) to the axes.
+    """
+    positions = from_world(np.atleast_2d(goals)[:, :2])
     look: dict[str, Any] = {
         "color": style.GOAL,
         "linestyle": "none",
@@ -169,6 +182,18 @@ def _draw_goals(axes: Axes, positions: Floats) -> None:
     look |= {"zorder": 5, "markeredgewidth": 2.0}
     axes.plot(*positions.T, marker="o", markersize=14, markerfacecolor="none", **look)
     axes.plot(*positions.T, marker=".", markersize=5, **look)
+    if goals.shape == (3,):
+        begin, tip = from_world(heading_line(goals))
+        arrow = {
+            "arrowstyle": "->",
+            "color": style.GOAL,
+            "linewidth": 2,
+            "shrinkA": 7,
+            "shrinkB": 0,
+        }
+        pointer = axes.annotate("", tip, begin, arrowprops=arrow | {"mutation_scale": 14}, zorder=5)
+        assert pointer.arrow_patch is not None
+        pointer.arrow_patch.set_path_effects(style.haloed(2))
     axes.plot(
         [], [], "o", color=style.GOAL, markerfacecolor="none", markeredgewidth=2, label="goal"
     )
