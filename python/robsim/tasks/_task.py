@@ -50,8 +50,8 @@ class Task(ABC):
     slots : tuple of str
         The slots that a solution fills.
     given : str
-        What a solution gets at each step: ``"frames"``, ``"blobs"`` (no frame), ``"pose"`` (the
-        measurement alone).
+        What a solution gets at each step, in `try_out` as where it is graded: ``"frames"``,
+        ``"blobs"`` (no frame), ``"pose"`` (the measurement alone).
     scores : tuple of Score
         The numbers of a run; their shares sum to 1.
     masked : tuple of str
