@@ -97,7 +97,27 @@ def test_a_run_is_played_again_for_an_appeal(hw3):
     assert "estimate_state at step 0" in failing.stderr
 
 
-def test_a_run_that_is_played_again_opens_in_the_panel(hw3, monkeypatch):
+PARK = """\
+name = "hw4"
+title = "Park"
+
+[[tests]]
+name = "shown"
+task = "park"
+points = 1
+public = true
+parameters = { steps = 4, runs = 2, goal = [250.0, 400.0, -0.8] }
+"""
+
+
+def test_a_run_that_is_played_again_opens_in_the_panel(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, text in {
+        "hw4/assignment.toml": PARK,
+        "anna/control.py": "def control(step):\n    return 0.5, 0.4\n",
+    }.items():
+        (tmp_path / name).parent.mkdir()
+        (tmp_path / name).write_text(text)
     shown = []
 
     def wait(page, patience):
@@ -107,16 +127,17 @@ def test_a_run_that_is_played_again_opens_in_the_panel(hw3, monkeypatch):
     monkeypatch.setattr(Page, "wait", wait)
     monkeypatch.setattr(Page, "open", lambda page: False)
     monkeypatch.delenv("SSH_CONNECTION", raising=False)
-    run = command("grade", "hw3", "subs/s001", "--play", "hidden", "--gui")
-    assert run.exit_code == 0
-    assert "run 0, as graded has no results of s001 that tell the worst one" in run.stderr
+    run = command("grade", "hw4", "anna", "--play", "shown", "--gui")
+    assert run.exit_code == 0, run.stderr
+    assert "run 0, as graded has no results of anna that tell the worst one" in run.stderr
+    assert "draws the pictures again, with other noise" in run.stderr
     assert "no browser could be started: open this address in one" in run.stderr
     assert "the panel is at http://127.0.0.1:" in run.stdout
     ((trace, goals, error),) = shown
-    kept = Trace.load(hw3 / "graded/s001/hidden-run0.npz")
+    kept = Trace.load(tmp_path / "graded/anna/shown-run0.npz")
     assert trace.pose_true.tolist() == kept.pose_true.tolist()
-    assert (goals, error) == (None, None)  # to estimate is to go nowhere
-    alone = command("grade", "hw3", "subs", "--gui")
+    assert (goals.tolist(), error) == ([250, 400, -0.8], None)
+    alone = command("grade", "hw4", "anna", "--gui")
     assert alone.exit_code == 2
     assert "--gui shows the run to --play: give that, too" in alone.stderr
 

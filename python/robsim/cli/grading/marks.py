@@ -192,5 +192,10 @@ def played(
         return
     from robsim.gui import panel
 
+    if again.test.task.scenario.noise is not None:
+        errors.print_note(
+            "the panel draws the pictures again, with other noise than the submission has seen; "
+            "measurements, estimates and paths are those of the run"
+        )
     with panel(again.trace, goals=again.test.task.goals) as opened:
         show_panel(opened)
