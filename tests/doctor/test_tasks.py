@@ -169,6 +169,14 @@ def test_runs_that_fail_are_told(tmp_path):
     assert failed.sentence.startswith("2 of 2 runs end with an error: KeyError: 'late' (measure.py")
 
 
+def test_a_file_that_is_switched_off_is_told(tmp_path):
+    off = "ENABLED = False\n\n\ndef control(step):\n    return 0, 0\n"
+    folder = folder_of(tmp_path, {"control": off})
+    report = check_folder(folder, task=Park(steps=20, runs=1))
+    assert report.verdicts["control"] == "default"
+    assert "control.py is switched off: set ENABLED = True in it" in report.remarks
+
+
 def test_what_is_masked_is_told(tmp_path):
     folder = folder_of(tmp_path, shipped(Measure(), "reference"))
     report = check_folder(folder, task=Measure(runs=1, steps=20))

@@ -74,7 +74,7 @@ def _page(report: FolderReport) -> Iterator[RenderableType]:
         yield from _scores(report)
     table = Table.grid(padding=(0, 3), pad_edge=True)
     for slot, verdict in report.verdicts.items():
-        if isinstance(report, TaskReport) and verdict == "default":
+        if isinstance(report, TaskReport) and slot not in (*report.task.slots, *report.not_used):
             continue  # nobody asks for it
         file = "" if isinstance(report.checks[slot], str) else f"{slot}.py"
         table.add_row(slot, styled(verdict, _STYLES.get(verdict, "dim")), file)

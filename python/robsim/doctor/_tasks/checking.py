@@ -96,6 +96,9 @@ def _remarks(report: FolderReport, task: Task, solution: Solution) -> Iterator[s
         asked = ", ".join(f"{slot}.py" for slot in task.slots)
         is_are = "is" if len(unused) == 1 else "are"
         yield f"{', '.join(unused)} {is_are} not used: the task {task.name} asks for {asked}"
+    for slot in task.slots:
+        if slot in solution.files and isinstance(report.checks.get(slot), str):
+            yield f"{slot}.py is switched off: set ENABLED = True in it"
     for name, source in solution.files.items():
         for masked in task.masked:
             if masked.encode() in source:

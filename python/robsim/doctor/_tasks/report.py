@@ -56,6 +56,11 @@ class TaskReport(FolderReport):
         return f"{self.name} does not solve {task}: {self.trial.verdict or 'no limits'}{points}"
 
     @property
+    def not_used(self) -> tuple[str, ...]:
+        """The slots that have a file for which the task does not ask."""
+        return tuple(slot for slot, check in self.checks.items() if check == "not used")
+
+    @property
     def quantities(self) -> Sequence[Quantity]:
         """Points, runs, and how many of them failed."""
         return () if self.trial is None else self.trial.quantities
