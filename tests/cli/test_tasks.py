@@ -52,6 +52,7 @@ def test_what_one_begins_with_can_be_tried(name, tmp_path):
     assert run.exit_code == 1
     assert run.stdout.startswith(f"Task {name}, mine")
     assert "failed   0" in run.stdout
+    assert f"why: robsim check mine --task {name}" in run.stderr
 
 
 def test_a_solution_is_as_good_as_the_reference(tmp_path):

@@ -50,7 +50,15 @@ def _common(task: Task) -> Iterator[str]:
         "naive solution reaches gives none. A run that ends with an error has no points."
     )
     yield "## Try it"
-    yield f"```\nrobsim tasks show {task.name} --to mine\nrobsim tasks try {task.name} mine\n```"
+    yield "\n".join(
+        [
+            "```",
+            f"robsim tasks show {task.name} --to mine",
+            f"robsim tasks try {task.name} mine",
+            f"robsim check mine --task {task.name}  # which score is short, and why",
+            "```",
+        ]
+    )
 
 
 def _files(task: Task) -> Iterator[str]:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from robsim._base.text import one_line
 from robsim.cli import errors
 from robsim.cli.shared import Json
 from robsim.cli.tasks.showing import Name
@@ -76,4 +77,5 @@ def try_solution(
         drawn = f"run {trial.worst} is drawn in {figure}"
         errors.print_note(drawn if trial.worst is not None else "all runs failed: none is drawn")
     if not trial.is_solved:
+        errors.print_note(f"why: robsim check {one_line(path)} --task {trial.task.name}")
         raise typer.Exit(1)
