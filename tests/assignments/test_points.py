@@ -3,14 +3,10 @@
 import pytest
 
 from graded_results import graded, submission
-from robsim.assignments._reports.points import (
-    fraction_of,
-    most_in_all,
-    number,
-    of_most,
-    points_in_all,
-    points_of,
-)
+from robsim.assignments import ClassResult
+from robsim.assignments._points import fraction_of, number, of_most
+from robsim.assignments._reports import gradescope, junit_xml, marks_table, student_text
+from robsim.assignments._reports.pages.student import student_page
 
 
 @pytest.mark.parametrize(
@@ -26,15 +22,33 @@ from robsim.assignments._reports.points import (
     ],
 )
 def test_only_all_are_all_and_only_none_are_none(points, most, shown):
-    assert points_of(graded(points=points, most=most)) == pytest.approx(shown, abs=1e-12)
+    assert graded(points=points, most=most).points == pytest.approx(shown, abs=1e-12)
 
 
 def test_what_is_shown_adds_up():
     thirds = [graded(str(i), points=4 / 3, most=2.0) for i in range(3)]
     result = submission(tests=thirds)
-    assert [points_of(test) for test in thirds] == [1.33] * 3
-    assert points_in_all(result) == 3.99
-    assert most_in_all(result) == 6.0
+    assert [test.points for test in thirds] == [1.33] * 3
+    assert result.points == 3.99
+    assert result.most == 6.0
+
+
+def test_points_agree_wherever_they_are_read():
+    parts = [graded(str(i), points=points, most=2.0) for i, points in enumerate((1.7633, 1.7634))]
+    result = submission(tests=parts)  # 3.5267: 3.53 if it were rounded at the end
+    texts = {
+        "terminal": str(ClassResult(name="hw1", results=(result, result))),
+        "report": str(result),
+        "text": student_text(result),
+        "page": student_page(result, {}),
+        "table": marks_table([result]),
+        "junit": junit_xml([result]).decode(),
+        "json": result.to_json(),
+        "gradescope": str(gradescope(result)),
+    }
+    assert {where for where, text in texts.items() if "3.53" in text or "1.763" in text} == set()
+    for where in ("terminal", "report", "text", "page", "table", "junit"):
+        assert "3.52" in texts[where], where
 
 
 def test_points_are_read_without_zeros_at_the_end():

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from robsim._base.checks import check_text
+from robsim.assignments._points import in_hundredths
 
 if TYPE_CHECKING:
     from robsim.assignments._submission_report import SubmissionReport
@@ -77,7 +78,7 @@ class TestResult:
     public : bool
         Whether students have it, too. Of others nothing but points and `sentence` is theirs to see.
     points, most : float
-        What it got, of how many.
+        What it got, in hundredths, of how many: only all are all, and only none are none.
     status : str
         ``"passed"`` (all points), ``"partial"``, ``"failed"`` (none), ``"error"`` (the assignment
         or the grader failed: no points are lost or won), ``"not run"``.
@@ -130,6 +131,10 @@ class TestResult:
     seconds: float = 0.0
     digest: str = ""
 
+    def __post_init__(self) -> None:
+        # Here, so that points are the same wherever they are read, and add up there.
+        object.__setattr__(self, "points", in_hundredths(self.points, self.most))
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SubmissionResult:
@@ -172,12 +177,12 @@ class SubmissionResult:
     @property
     def points(self) -> float:
         """What it got in all."""
-        return sum(test.points for test in self.tests)
+        return round(sum(test.points for test in self.tests), 2)
 
     @property
     def most(self) -> float:
         """How many points there are."""
-        return sum(test.most for test in self.tests)
+        return round(sum(test.most for test in self.tests), 2)
 
     @property
     def has_errors(self) -> bool:

@@ -18,6 +18,7 @@ from robsim.assignments._checking.rehearsal import FULL, LESS, NOTHING, Part, ca
 from robsim.assignments._classes.plan import Plan, plan_of
 from robsim.assignments._making.folder import SHEET
 from robsim.assignments._packing.public_part import public_part
+from robsim.assignments._points import number
 from robsim.assignments._reading.limits_file import RecordedTest, read_limits
 from robsim.assignments._results import ERROR, SubmissionResult, TestResult
 from robsim.campaigns._engines.engine import Engine, engine_value
@@ -225,7 +226,7 @@ _REMEDIES = {
 def _finding(part: Part, results: list[SubmissionResult]) -> Finding:
     bad = [one for one in results if not _is_expected(part, one)]
     points, most = _points(part, (bad or results)[0])
-    got = f"{points:.3g} of {most:g}"
+    got = f"{number(points)} of {number(most)}"
     if len(results) > 1:
         got += f", in {len(bad)} of {len(results)} gradings"
     is_wrong = 2 * len(bad) > len(results)

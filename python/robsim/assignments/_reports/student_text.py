@@ -5,8 +5,8 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator
 
+from robsim.assignments._points import of_most
 from robsim.assignments._reports import words
-from robsim.assignments._reports.points import most_in_all, of_most, points_in_all
 from robsim.assignments._results import SubmissionResult, TestResult
 from robsim.grading._texts import clean_line, clean_text
 
@@ -15,7 +15,7 @@ _WIDTH = 88
 
 def student_text(result: SubmissionResult) -> str:
     """Return the result as text: what is in it is said. For students: `for_student`."""
-    points = of_most(points_in_all(result), most_in_all(result))
+    points = of_most(result.points, result.most)
     lines = [clean_line(result.title), f"{clean_line(result.student)}: {points}"]
     if not result.is_done:
         lines.append("Not all tests have been run yet.")

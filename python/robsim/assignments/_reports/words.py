@@ -6,7 +6,7 @@ import math
 import shlex
 
 from robsim._base.report import percent
-from robsim.assignments._reports.points import most_in_all, number, of_most, points_of
+from robsim.assignments._points import number, of_most
 from robsim.assignments._results import (
     ERROR,
     FAILED,
@@ -56,7 +56,7 @@ def blame(test: TestResult) -> str:
 
 def result_text(test: TestResult) -> str:
     """Return the points of a test, where there are any."""
-    return "no points" if test.status == ERROR else of_most(points_of(test), test.most)
+    return "no points" if test.status == ERROR else of_most(test.points, test.most)
 
 
 def score_text(score: ScoreResult) -> str:
@@ -156,7 +156,7 @@ def not_graded(result: SubmissionResult) -> str:
     points = sum(test.most for test in result.tests if test.status == ERROR)
     if not points:
         return ""
-    share = f"{number(points)} of these {number(most_in_all(result))} points"
+    share = f"{number(points)} of these {number(result.most)} points"
     return f"{share} could not be graded, by no fault of the submission."
 
 

@@ -15,7 +15,6 @@ from robsim.assignments._reports.markup import Html
 from robsim.assignments._reports.pages.class_page import class_page, tests_of
 from robsim.assignments._reports.pages.floor import DrawnPath, floor_of
 from robsim.assignments._reports.pages.student import student_page
-from robsim.assignments._reports.points import points_of
 from robsim.assignments._reports.similarity.pairs import SimilarPair, similar_pairs
 from robsim.assignments._reports.similarity.winnowing import Program
 from robsim.assignments._reports.student_text import student_text
@@ -140,7 +139,7 @@ def _floors(
     floors = []
     for test in tests_of(results):
         drawn = [
-            DrawnPath(name(result.student), path, points_of(each))
+            DrawnPath(name(result.student), path, each.points)
             for result in results
             for each in result.tests
             if each.name == test.name

@@ -19,9 +19,9 @@ from robsim.assignments._classes.regrading import regrade
 from robsim.assignments._classes.store import ResultFolder
 from robsim.assignments._classes.submissions import Handed, one_submission, submissions_in
 from robsim.assignments._grading.seeds import key_for
+from robsim.assignments._points import number
 from robsim.assignments._reports.marks.gradescope import write_gradescope
 from robsim.assignments._reports.marks.tables import COLUMNS
-from robsim.assignments._reports.points import number
 from robsim.assignments._reports.student_text import student_text
 from robsim.assignments._reports.writing import CLASS, PAGE
 from robsim.assignments._results import PASSED, SubmissionResult

@@ -9,9 +9,9 @@ from typing import Any
 
 from robsim._base.checks import check_choice
 from robsim._base.files import as_path, write_whole
+from robsim.assignments._points import of_most
 from robsim.assignments._reports import words
 from robsim.assignments._reports.markup import Html, data_uri, escaped, joined, tag
-from robsim.assignments._reports.points import most_in_all, of_most, points_in_all, points_of
 from robsim.assignments._reports.views import for_student
 from robsim.assignments._results import ERROR, PASSED, SubmissionResult, TestResult
 from robsim.grading._texts import clean_line, clean_text
@@ -61,7 +61,7 @@ def gradescope(
     left = _Room(MOST_PICTURES)
     tests = [_test(result, test, left.taken(test, pictures or {}), hidden) for test in theirs.tests]
     return {
-        "score": points_in_all(theirs),
+        "score": theirs.points,
         "execution_time": round(theirs.seconds, 3),
         "output": _output(theirs),
         # The default there is HTML.
@@ -139,9 +139,9 @@ def _output(result: SubmissionResult) -> str:
     """Return what is said above all tests: nothing of hidden ones."""
     public = [test for test in result.tests if test.public]
     points = of_most(
-        round(sum(map(points_of, public)), 2), round(sum(test.most for test in public), 2)
+        round(sum(test.points for test in public), 2), round(sum(test.most for test in public), 2)
     )
-    hidden = most_in_all(result) - sum(test.most for test in public)
+    hidden = result.most - sum(test.most for test in public)
     lines = [f"Public tests: {points}."] if public else []
     if hidden > 0:
         lines.append("There are hidden tests, too.")
@@ -169,7 +169,7 @@ def _test(
     if test.number:
         content["number"] = clean_line(test.number)
     if test.status != ERROR:  # which nobody can win or lose
-        content |= {"score": points_of(test), "max_score": float(test.most)}
+        content |= {"score": test.points, "max_score": float(test.most)}
     return content
 
 

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
+from robsim.assignments._points import number
 from robsim.assignments._reports import words
-from robsim.assignments._reports.points import most_in_all, number, points_in_all
 from robsim.assignments._results import (
     ERROR,
     NOT_RUN,
@@ -46,8 +46,8 @@ def _suite(result: SubmissionResult) -> ElementTree.Element:
     suite.set("time", f"{result.seconds:.3f}")
     properties = ElementTree.SubElement(suite, "properties")
     facts = {
-        "points": number(points_in_all(result)),
-        "most": number(most_in_all(result)),
+        "points": number(result.points),
+        "most": number(result.most),
         "isolation": words.isolation_text(result),
     }
     for name, value in facts.items():

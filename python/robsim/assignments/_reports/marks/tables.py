@@ -10,14 +10,8 @@ from typing import Any
 
 from robsim._base.checks import check_choice
 from robsim._base.text import as_cell
+from robsim.assignments._points import fraction_of, number
 from robsim.assignments._reports import words
-from robsim.assignments._reports.points import (
-    fraction_of,
-    most_in_all,
-    number,
-    points_in_all,
-    points_of,
-)
 from robsim.assignments._results import ERROR, NOT_RUN, SubmissionResult, TestResult
 from robsim.grading._texts import clean_line
 
@@ -89,7 +83,7 @@ def _for_robsim(results: Sequence[SubmissionResult], _: str) -> _Rows:
 
 
 def _row(result: SubmissionResult, names: Sequence[str]) -> list[Any]:
-    points, most = points_in_all(result), most_in_all(result)
+    points, most = result.points, result.most
     tests = {test.name: test for test in result.tests}
     each = [_points(tests.get(name)) for name in names]
     share = round(100 * fraction_of(points, most), 2)
@@ -98,7 +92,7 @@ def _row(result: SubmissionResult, names: Sequence[str]) -> list[Any]:
 
 
 def _points(test: TestResult | None) -> float | None:
-    return None if test is None or test.status in (ERROR, NOT_RUN) else points_of(test)
+    return None if test is None or test.status in (ERROR, NOT_RUN) else test.points
 
 
 def _for_moodle(results: Sequence[SubmissionResult], _: str) -> _Rows:
@@ -107,20 +101,20 @@ def _for_moodle(results: Sequence[SubmissionResult], _: str) -> _Rows:
     for result in results:
         match = _OF_MOODLE.fullmatch(result.student)
         who = [f"Participant {match['number']}", match["name"]] if match else [result.student] * 2
-        points = points_in_all(result), most_in_all(result)
+        points = result.points, result.most
         rows.append([*who, *points, None, _feedback(result)])
     return rows
 
 
 def _for_canvas(results: Sequence[SubmissionResult], title: str) -> _Rows:
     rows: _Rows = [["Student", "ID", "SIS User ID", "SIS Login ID", "Section", title]]
-    most = max(map(most_in_all, results), default=0.0)
+    most = max((result.most for result in results), default=0.0)
     rows.append(["    Points Possible", None, None, None, None, most])
     for result in results:
         match = _OF_CANVAS.fullmatch(result.student)
         who = [match["name"], match["number"], None] if match else [result.student, None, None]
         login = None if match else result.student
-        rows.append([*who, login, None, points_in_all(result)])
+        rows.append([*who, login, None, result.points])
     return rows
 
 
@@ -128,7 +122,7 @@ def _for_blackboard(results: Sequence[SubmissionResult], title: str) -> _Rows:
     rows: _Rows = [["Username", title]]
     for result in results:
         match = _OF_BLACKBOARD.fullmatch(result.student)
-        rows.append([match["name"] if match else result.student, points_in_all(result)])
+        rows.append([match["name"] if match else result.student, result.points])
     return rows
 
 
@@ -140,7 +134,7 @@ def _feedback(result: SubmissionResult) -> str:
 def _parts(tests: Iterable[TestResult]) -> Iterable[str]:
     for test in tests:
         yield f"{words.heading(test)}: {words.result_text(test)}."
-        if test.sentence and points_of(test) < test.most:
+        if test.sentence and test.points < test.most:
             yield test.sentence
 
 

@@ -7,16 +7,10 @@ import statistics
 from collections.abc import Mapping, Sequence
 from urllib.parse import quote
 
+from robsim.assignments._points import fraction_of, number
 from robsim.assignments._reports import words
 from robsim.assignments._reports.markup import Html, escaped, joined, page, tag
 from robsim.assignments._reports.pages.histogram import histogram
-from robsim.assignments._reports.points import (
-    fraction_of,
-    most_in_all,
-    number,
-    points_in_all,
-    points_of,
-)
 from robsim.assignments._reports.similarity.pairs import Passage, SimilarPair
 from robsim.assignments._results import ERROR, NOT_RUN, SubmissionResult, TestResult
 
@@ -71,8 +65,8 @@ def tests_of(results: Sequence[SubmissionResult]) -> list[TestResult]:
 
 
 def _head(results: Sequence[SubmissionResult]) -> Html:
-    points = [points_in_all(result) for result in results]
-    most = max(map(most_in_all, results))
+    points = [result.points for result in results]
+    most = max(result.most for result in results)
     mean, middle = statistics.fmean(points), statistics.median(points)
     count = f"{len(results)} submission{'' if len(results) == 1 else 's'}"
     text = f"{count}; mean {number(mean)}, median {number(middle)} of {number(most)} points"
@@ -93,11 +87,11 @@ def _head(results: Sequence[SubmissionResult]) -> Html:
 
 
 def _histograms(results: Sequence[SubmissionResult], tests: Sequence[TestResult]) -> list[Html]:
-    most = max(map(most_in_all, results))
-    drawn = [histogram("In all", [points_in_all(result) for result in results], most)]
+    most = max(result.most for result in results)
+    drawn = [histogram("In all", [result.points for result in results], most)]
     for test in tests:
         graded = [each for each in _all_of(results, test) if each.status not in (ERROR, NOT_RUN)]
-        points = [points_of(each) for each in graded]
+        points = [each.points for each in graded]
         drawn.append(histogram(words.heading(test), points, test.most))
     return drawn
 
@@ -121,7 +115,7 @@ def _row(result: SubmissionResult, tests: Sequence[TestResult], link: str | None
     name: object = result.student
     if link is not None:
         name = tag("a", result.student, href=quote(link, errors="surrogatepass"))
-    total = points_in_all(result)
+    total = result.points
     graded = {test.name: test for test in result.tests}
     cells = [_cell(graded.get(test.name)) for test in tests]
     return tag(
@@ -139,7 +133,7 @@ def _cell(test: TestResult | None) -> Html:
     word, sign = words.STATUS.get(test.status, (test.status, ""))
     if test.status in (ERROR, NOT_RUN):
         return tag("td", f"{sign} {word}", data_value="-1", class_="cell", title=test.sentence)
-    points = points_of(test)
+    points = test.points
     share = fraction_of(points, test.most)
     kind = "all" if share == 1 else "some" if share > 0 else "none"
     look = {"class_": f"cell {kind}", "title": test.sentence or None}
@@ -168,10 +162,10 @@ def _hard(test: TestResult, graded: Sequence[tuple[str, TestResult]]) -> Html:
     short = [
         (student, each)
         for student, each in graded
-        if each.status not in (ERROR, NOT_RUN) and points_of(each) < each.most
+        if each.status not in (ERROR, NOT_RUN) and each.points < each.most
     ]
-    worst_first = sorted(short, key=lambda one: (points_of(one[1]), one[0]))
-    names = ", ".join(f"{student} ({number(points_of(each))})" for student, each in worst_first)
+    worst_first = sorted(short, key=lambda one: (one[1].points, one[0]))
+    names = ", ".join(f"{student} ({number(each.points)})" for student, each in worst_first)
     runs = sum(len(each.failed) for _, each in graded)
     kind = "" if test.public else " (hidden)"
     return tag(

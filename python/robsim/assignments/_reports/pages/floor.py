@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim._base.checks import Floats
+from robsim.assignments._points import fraction_of, number
 from robsim.assignments._reports.markup import Html, tag
-from robsim.assignments._reports.points import fraction_of, number
 
 
 @dataclass(frozen=True)

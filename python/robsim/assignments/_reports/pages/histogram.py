@@ -5,8 +5,8 @@ from __future__ import annotations
 import statistics
 from collections.abc import Sequence
 
+from robsim.assignments._points import number
 from robsim.assignments._reports.markup import Html, tag
-from robsim.assignments._reports.points import number
 
 _PARTS = 10  # between none and all
 _WIDTH, _HEIGHT, _TOP, _BOTTOM = 240, 110, 14, 16

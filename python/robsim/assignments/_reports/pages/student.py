@@ -4,15 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from robsim.assignments._points import fraction_of, number
 from robsim.assignments._reports import words
 from robsim.assignments._reports.markup import Html, data_uri, escaped, joined, page, tag
 from robsim.assignments._reports.pages.scale import scale_of
-from robsim.assignments._reports.points import (
-    fraction_of,
-    most_in_all,
-    number,
-    points_in_all,
-)
 from robsim.assignments._results import PARTIAL, PASSED, ScoreResult, SubmissionResult, TestResult
 
 _HIDDEN = (
@@ -51,7 +46,7 @@ def student_page(
 
 
 def _head(result: SubmissionResult, for_teacher: bool) -> Html:
-    points, most = points_in_all(result), most_in_all(result)
+    points, most = result.points, result.most
     share = 100 * fraction_of(points, most)
     notes = [tag("p", note, class_="note") for note in result.notes]
     if words.not_graded(result):
