@@ -8,7 +8,7 @@ import pytest
 
 from robsim.grading._submissions import Rules, read_submission
 from robsim.grading._submissions import folder as reader
-from submissions import CONTROL, PLAIN, refused, write
+from submissions import CONTROL, PLAIN, packed, refused, write
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs links, pipes and sockets")
 
@@ -55,6 +55,14 @@ def test_a_submission_that_is_a_link_is_not_followed(mine, tmp_path):
     (tmp_path / "s003.py").symlink_to(tmp_path / "secret.py")
     told(tmp_path / "s002", "s002 is a link")
     told(tmp_path / "s003.py", "s003.py is a link")
+
+
+def test_a_zip_that_is_all_there_is_is_no_link(by_descriptor, tmp_path):
+    packed(tmp_path / "secret.zip", {"control.py": SECRET})
+    folder = tmp_path / "s002"
+    folder.mkdir()
+    (folder / "mine.zip").symlink_to(tmp_path / "secret.zip")
+    told(folder, "mine.zip is a link: put the file itself in its place")
 
 
 def test_pipes_keep_nobody(mine, tmp_path):

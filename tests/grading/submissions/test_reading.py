@@ -26,6 +26,23 @@ def test_a_folder_a_zip_a_file_and_a_notebook_are_one_submission(tmp_path):
     assert answer(packed(beside, with_notebook | {"gains.py": "GAIN = 3.0"})) == (3, 3)
 
 
+def test_a_folder_with_a_zip_is_that_zip_as_platforms_hand_it_out(tmp_path):
+    folder = tmp_path / "Anna O'Neill_4711_assignsubmission_file_"
+    folder.mkdir()
+    inside = {"HW1 (2)/control.py": PLAIN, "__MACOSX/HW1 (2)/._control.py": "\0", ".DS_Store": "x"}
+    packed(folder / "HW1 final (2).zip", inside)
+    for beside in ("report.pdf", ".DS_Store", "onlinetext.html"):
+        (folder / beside).write_text("x")
+    assert answer(folder) == (1, 2)
+    (folder / "older").mkdir()
+    assert "'HW1 final (2).zip' is an archive inside" in str(refused(folder))
+    (folder / "older").rmdir()
+    packed(folder / "HW1 final (3).zip", inside)  # which of them?
+    assert "is an archive inside" in str(refused(folder))
+    packed(tmp_path / "s002.zip", {"s002/HW1.zip": ""})
+    assert "is an archive inside" in str(refused(tmp_path / "s002.zip"))
+
+
 def test_suffixes_of_any_case(tmp_path):
     (tmp_path / "S001.PY").write_text(PLAIN)
     assert answer(tmp_path / "S001.PY") == (1, 2)

@@ -18,6 +18,9 @@ _FLAGS = os.O_RDONLY | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 # A FIFO or a terminal that came in between keeps nobody.
 _SAFE = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
 
+_ZIP = ".zip"
+_GRADED = (_ZIP, ".py", ".ipynb")
+
 _KINDS = {
     stat.S_IFLNK: "a link: put the file itself in its place",
     stat.S_IFIFO: "a pipe: remove it",
@@ -72,6 +75,21 @@ def read_folder(path: str, whole: str, intake: Intake) -> None:
     """Take in all files of a folder, and of those in it; raise SubmissionError."""
     with _told(whole, whole), _opened_folder(path) as folder:
         _read(folder, "", whole, intake)
+
+
+def lone_zip(path: str, whole: str, intake: Intake) -> str | None:
+    """Return the name of the zip that a folder was handed in as: beside it is nothing to grade.
+
+    So platforms pack what somebody has uploaded as a zip. None = there is no such zip.
+    """
+    found = []
+    with _told(whole, whole), _opened_folder(path) as folder, os.scandir(folder.place) as entries:
+        for entry in entries:
+            intake.count_entry()
+            is_folder = entry.is_dir(follow_symlinks=False)
+            if (is_folder or entry.name.lower().endswith(_GRADED)) and intake.wants(entry.name):
+                found.append(entry.name)
+    return found[0] if len(found) == 1 and found[0].lower().endswith(_ZIP) else None
 
 
 def _read(folder: _Folder, prefix: str, whole: str, intake: Intake) -> None:

@@ -14,7 +14,7 @@ from robsim._base.text import listed, one_line, quoted
 from robsim.grading._errors import SubmissionError
 from robsim.grading._submissions.archive import most_of_archive, read_archive
 from robsim.grading._submissions.files import FILE, FOLDER, NOTEBOOK, SubmissionFiles
-from robsim.grading._submissions.folder import kind_of, read_file, read_folder
+from robsim.grading._submissions.folder import kind_of, lone_zip, read_file, read_folder
 from robsim.grading._submissions.intake import Intake, size_text
 from robsim.grading._submissions.module_file import slots_of_module
 from robsim.grading._submissions.notebook.cells import reduced
@@ -38,7 +38,7 @@ def read_submission(
     ----------
     path : path
         A folder with a file for each slot, such as ``control.py``, and helper modules; one Python
-        file or a notebook that defines them; a zip of any of these.
+        file or a notebook that defines them; a zip of any of these, or a folder with such a zip.
     rules : Rules
         What it may fill and weigh.
     given : mapping of str to bytes, optional
@@ -64,6 +64,9 @@ def _read(path: Path, rules: Rules, given: Mapping[str, bytes]) -> SubmissionFil
     name = one_line(path.name)
     intake = Intake(name, rules)
     if kind_of(str(path), name) == stat.S_IFDIR:
+        packed = lone_zip(str(path), name, Intake(name, rules))
+        if packed is not None and kind_of(str(path / packed), one_line(packed)) == stat.S_IFREG:
+            return _read(path / packed, rules, given)
         read_folder(str(path), name, intake)
         return _arranged(name, intake.files, rules, given)
     suffix = path.suffix.lower()
