@@ -1,6 +1,7 @@
 """Submissions are graded: points, sentences, numbers, and whose fault it is."""
 
 import math
+import re
 import textwrap
 from dataclasses import replace
 
@@ -11,9 +12,10 @@ from robsim.assignments import Assignment
 from robsim.assignments._grading.marking import marked
 from robsim.assignments._grading.references import References
 from robsim.assignments._grading.seeds import seeds_of
-from robsim.assignments._grading.task_runs import graded_task
+from robsim.assignments._grading.task_runs import graded_task, run_to_show
+from robsim.assignments._reports.words import caption_text
 from robsim.assignments._results import FailedRun
-from robsim.grading import AssignmentError, Key, Limits
+from robsim.grading import AssignmentError, Key, Limits, SubmissionError
 from robsim.grading._calls.judging import judged
 from robsim.grading._graded_run import graded_run
 from robsim.tasks import Limit
@@ -86,7 +88,10 @@ def test_a_naive_solution_loses_points_and_is_told_where(hw3, tmp_path):
     assert "too large" in shown.sentence
     assert "times that of the reference" in shown.sentence
     assert "too large" in hidden.sentence
-    assert not any(letter.isdigit() for letter in hidden.sentence)
+    titles = r"(rms error of the (position|heading)|mean NEES of the pose / 3)"
+    assert re.fullmatch(
+        rf"The {titles}((, the {titles})? and the {titles} are| is) too large.", hidden.sentence
+    )
 
 
 def test_a_submission_that_fails_is_told_the_slot_the_step_and_the_line(hw3, tmp_path):
@@ -104,6 +109,48 @@ def test_a_submission_that_fails_is_told_the_slot_the_step_and_the_line(hw3, tmp
     assert all(math.isnan(score.statistic) for score in shown.scores)
     assert hidden.sentence == "All runs ended early: estimate_state failed."
     assert result.is_done
+    assert (shown.worst, shown.picture) == (0, "shown.png")
+    assert caption_text(shown).startswith("Run 0, until it failed. ")
+
+
+@pytest.mark.parametrize(
+    ("does", "how"),
+    [
+        ("while True: pass", "took too long"),
+        ("import os; os._exit(0)", "ended its process"),
+        ("raise ValueError('x: the worker ended by itself')", "failed"),
+        ("raise ValueError('it took longer than 1 s')", "failed"),
+    ],
+)
+def test_a_hidden_test_says_how_a_run_ended_and_no_more(hw3, tmp_path, does, how):
+    text = f"def estimate_state(step):\n    {does}\n"
+    quick = replace(hw3, limits=replace(hw3.limits, call=0.2, first_call=0.2))
+    result = quick.grade(written(tmp_path / "s003", text))
+    shown, hidden = result.tests
+    assert hidden.sentence == f"All runs ended early: estimate_state {how}."
+    assert (shown.worst, shown.picture) == (0, None)
+    assert caption_text(shown) == "There is no picture: run 0 failed in its first step."
+
+
+def test_a_run_that_fails_is_shown_where_that_costs_more(hw3, graded):
+    failed = (FailedRun(run=1, reason="it ended", step=3),)
+    half = marked(hw3.tests[0], replace(graded.tests[0], failed=failed))
+    assert half.points == half.most / 2
+    assert run_to_show(half, [0]) == 1
+    bad = tuple(replace(score, fraction=0.0) for score in half.scores)
+    assert run_to_show(replace(half, failed=failed, scores=bad, runs=4), [2, 0]) == 0
+    assert run_to_show(replace(half, failed=()), [1, 0]) == 0
+
+
+def test_a_run_that_fails_is_played_up_to_there(hw3, tmp_path):
+    again = hw3.play(written(tmp_path / "s003", RAISES), "hidden", 1)
+    assert len(again.trace) == 7
+    assert "ValueError: at 7" in again.failed
+    assert "the run ended early: " in str(again)
+    assert again.picture().startswith(b"\x89PNG")
+    never = written(tmp_path / "s005", "def estimate_state(step):\n    raise ValueError\n")
+    with pytest.raises(SubmissionError, match="at step 0"):
+        hw3.play(never, "hidden", 1)
 
 
 def test_a_run_that_fails_takes_its_part_of_the_points(hw3, graded):

@@ -41,12 +41,19 @@ def test_the_page_has_what_helps(page):
         "1 of 10 runs did not come through",
         "run 7: estimate_state at step 17, estimate_state.py, line 23: ValueError: no covariance",
         "printed by me",
-        "robsim grade hw3 mine/ --public --only estimate",
-        "process, files (Landlock 7)",
+        "robsim grade . mine --public --only estimate",
         "plot.py is not used",
         "robsim 0.1.0",
     ):
         assert wanted in page.text
+
+
+def test_what_shut_it_in_is_on_the_page_of_the_teacher_alone(page):
+    assert "Landlock" not in page.text
+    assert (
+        "process, files (Landlock 7)"
+        in Outline(student_page(submission(), {}, for_teacher=True)).text
+    )
 
 
 def test_the_page_needs_no_other_file(page):

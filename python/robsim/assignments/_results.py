@@ -93,7 +93,7 @@ class TestResult:
     failed : tuple of FailedRun
         Those that did not come through: each takes its part of the points.
     worst : int or None
-        The number of the run that is shown.
+        The number of the run that is shown: the worst one, or one that failed.
     picture : str or None
         The file of its picture, beside this one.
     caption : str

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from robsim.simulation import FailedCallback
+    from robsim.trace import Trace
 
 
 class GradingError(Exception):
@@ -72,6 +73,8 @@ class SubmissionError(GradingError):
 
     #: What it had printed when it failed in a run, cut; what cannot be seen stands as escapes.
     output: str = ""
+    #: The steps of the run before it failed, with the truth; None = there was none.
+    trace: Trace | None = None
     #: Its place, as of a callback that fails in one process: in a run of a campaign.
     callback: FailedCallback
 

@@ -88,7 +88,7 @@ def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> D
     ------
     SubmissionError
         If the submission fails, with slot, step and line; the attribute ``output`` has what it
-        had printed.
+        had printed, ``trace`` the steps until then.
     AssignmentError
         If a callback of the teacher's fails.
     """
@@ -141,7 +141,10 @@ def _driven(simulation: Simulation, steps: int) -> Trace:
     try:
         return simulation.run(steps)
     except GradingError as error:
-        raise error._anew() from None  # without the notes of the loop on a callback here
+        told = error._anew()  # without the notes of the loop on a callback here
+        if isinstance(told, SubmissionError) and len(simulation.trace):
+            told.trace = simulation.trace
+        raise told from None
     except Exception as error:
         failed = callback_of(error)
         if failed is None:

@@ -15,6 +15,7 @@ from robsim.assignments._grading.pictures import picture_of
 from robsim.assignments._grading.references import References, numbers_of
 from robsim.assignments._grading.seeds import seeds_of
 from robsim.assignments._grading.task_runs import graded_task
+from robsim.grading import SubmissionError, clean_text
 from robsim.grading._graded_run import graded_run
 from robsim.trace import Trace
 
@@ -34,7 +35,9 @@ class PlayedRun(Report):
     trace : Trace
         The run, with the truth.
     numbers : mapping of str to float
-        Its scores.
+        Its scores; none of one that failed.
+    failed : str
+        Why the submission failed in it, as it did in grading; "" = it did not.
     reference : Trace or None
         The run of the reference in the same world; None = there is none here.
     reference_numbers : mapping of str to float
@@ -51,6 +54,7 @@ class PlayedRun(Report):
     reference: Trace | None
     reference_numbers: Mapping[str, float]
     output: str
+    failed: str = ""
 
     @property
     def title(self) -> str:
@@ -59,7 +63,9 @@ class PlayedRun(Report):
 
     @property
     def tables(self) -> Sequence[Table]:
-        """Its scores beside those of the reference."""
+        """Its scores beside those of the reference, if it came through."""
+        if self.failed:
+            return ()
         columns = (
             Column("value", "this run"),
             Column("reference", "reference"),
@@ -71,6 +77,11 @@ class PlayedRun(Report):
             for value, other in [(self.numbers[score.name], self.reference_numbers[score.name])]
         ]
         return (Table(key="scores", columns=columns, rows=rows, row_title="score"),)
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """Why it failed, if it did."""
+        return (f"the run ended early: {self.failed}",) if self.failed else ()
 
     def picture(self) -> bytes:
         """Return the run beside that of the reference, as PNG."""
@@ -92,20 +103,25 @@ def play(
     check_names(f"{assignment.name} has no test by a task", named, tests, ValueError)
     one = tests[test]
     check_int("run", run, minimum=0, maximum=one.task.runs - 1)
-    graded = graded_run(
-        graded_task(assignment, one, handed.path),
-        one.task.scenario,
-        one.task.steps,
-        seeds_of(assignment, one, name, run),
-    )
+    task, seeds = graded_task(assignment, one, handed.path), seeds_of(assignment, one, name, run)
+    failed, numbers = "", {}
+    try:
+        graded = graded_run(task, one.task.scenario, one.task.steps, seeds)
+        trace, output = graded.result, graded.output
+        numbers = dict(numbers_of(one, trace))
+    except SubmissionError as error:
+        if error.trace is None:  # there is nothing to be seen of it
+            raise
+        trace, output, failed = error.trace, error.output, clean_text(str(error))
     references = References(assignment)
     return PlayedRun(
         test=one,
         student=name,
         run=run,
-        trace=graded.result,
-        numbers=numbers_of(one, graded.result),
+        trace=trace,
+        numbers=numbers,
         reference=None if one.reference is None else references.trace(one, name, run),
         reference_numbers=references.numbers(one, name, run),
-        output=graded.output,
+        output=output,
+        failed=failed,
     )

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 from robsim.assignments._results import PASSED, ScoreResult, TestResult
 from robsim.grading._texts import clean_line
 
 _MOST_REASON = 300  # characters
+
+# What the grader says of a submission that does not answer. A submission could say it, too.
+_TOO_LONG = re.compile(r"[\w ]+ took longer than \S+ s( at step \d+)?")
+_ENDED = re.compile(r"[\w ]+: the worker (ended by itself|was ended|has closed) ?.*")
 
 
 def of(result: TestResult) -> str:
@@ -19,12 +25,20 @@ def _of_failed(result: TestResult) -> str:
         return ""
     first = result.failed[0]
     if not result.public:  # the text of an error may tell what was in the run
-        by = f"{first.slot} failed" if first.slot is not None else "the submission failed"
-        return f"{'All' if len(result.failed) == result.runs else 'Some'} runs ended early: {by}."
+        by = first.slot if first.slot is not None else "the submission"
+        which = "All" if len(result.failed) == result.runs else "Some"
+        return f"{which} runs ended early: {by} {_how(first.reason)}."
     reason = clean_line(first.reason.rstrip("."), _MOST_REASON)
     if len(result.failed) == result.runs:
         return f"No run came through. Run {first.run}: {reason}."
     return f"{len(result.failed)} of {result.runs} runs ended early. Run {first.run}: {reason}."
+
+
+def _how(reason: str) -> str:
+    """Return how a run was ended, in words that tell nothing of it."""
+    if _TOO_LONG.fullmatch(reason):
+        return "took too long"
+    return "ended its process" if _ENDED.fullmatch(reason) else "failed"
 
 
 def _of_scores(result: TestResult) -> str:
@@ -35,10 +49,20 @@ def _of_scores(result: TestResult) -> str:
         if result.status == PASSED:
             return "All is as good as it must be."
         return "The others were as good as they must be."
-    worst = max(result.scores, key=lambda score: (1 - score.fraction) * score.share)
-    if not result.public:
-        return f"The {worst.title} is {_direction(worst)}."
-    return _told(worst, through)
+    lost = [score for score in result.scores if score.fraction < 1]
+    lost.sort(key=lambda score: (1 - score.fraction) * score.share, reverse=True)
+    if result.public:
+        return _told(lost[0], through)
+    told: dict[str, list[str]] = {}
+    for score in lost:
+        told.setdefault(_direction(score), []).append(f"the {score.title}")
+    return " ".join(_are(titles, direction) for direction, titles in told.items())
+
+
+def _are(titles: list[str], direction: str) -> str:
+    *others, last = titles
+    text = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+    return f"{text[0].upper()}{text[1:]} {direction}."
 
 
 def _direction(score: ScoreResult) -> str:

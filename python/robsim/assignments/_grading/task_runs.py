@@ -35,7 +35,7 @@ class Runs:
     failed : list of FailedRun
         Those that did not.
     traces : dict of int to Trace
-        The runs that came through, by number.
+        The runs, by number; of those that failed the steps until then, if there were any.
     output : str
         What the submission printed in the first that failed, else in the last.
     isolation : str
@@ -117,11 +117,21 @@ def run_task_test(
         limits = replace(task.limits, run=min(task.limits.run, left))
         _run(assignment, test, replace(task, limits=limits), student, run, references, runs)
     result = marked(test, _result(test, runs, time.monotonic() - begin))
-    if not (ordered := runs_by_badness(test, result)):
+    through = runs_by_badness(test, result)
+    best = runs.traces[through[0]] if through else None
+    if (shown := run_to_show(result, through)) is None:
         return RunTest(result, task, isolation=runs.isolation)
-    best, worst = ordered[0], ordered[-1]
-    shown = replace(result, worst=worst)
-    return RunTest(shown, task, runs.traces[worst], runs.traces[best], runs.isolation)
+    result = replace(result, worst=shown)
+    return RunTest(result, task, runs.traces.get(shown), best, runs.isolation)
+
+
+def run_to_show(result: TestResult, through: list[int]) -> int | None:
+    """Return the run to show: the worst, or the first that failed where these cost more."""
+    of_failed = len(result.failed) / result.runs
+    of_scores = (1 - of_failed) * sum((1 - one.fraction) * one.share for one in result.scores)
+    if result.failed and of_failed >= of_scores:
+        return next((run.run for run in result.failed if run.step is not None), None)
+    return through[-1] if through else None
 
 
 def graded_task(assignment: Assignment, test: TaskTest, path: str) -> GradedTask:
@@ -154,6 +164,8 @@ def _run(
         if not runs.failed:
             runs.output = error.output
         runs.failed.append(failed_run(run, error))
+        if error.trace is not None:
+            runs.traces[run] = error.trace
         return
     runs.isolation = graded.layers
     if not runs.failed:

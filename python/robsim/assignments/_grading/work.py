@@ -154,7 +154,7 @@ class Grader:
         return row._replace(results=results)
 
     def _by_task(self, row: Row, unit: Unit) -> Row:
-        """Do a test by a task, with the picture of its worst run."""
+        """Do a test by a task, with the picture of a run that went wrong."""
         assert isinstance(unit.test, TaskTest)
         job, test = row.job, unit.test
         run = run_task_test(

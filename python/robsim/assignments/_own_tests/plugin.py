@@ -138,7 +138,8 @@ def _sentence(test: OwnTest, error: BaseException | None) -> str:
     if not test.public:  # what a test or an error says may tell what is in it
         return said
     if isinstance(error, SubmissionError):
-        return clean_text(f"{test.failure} {error}".strip(), 400)
+        said = str(error).rstrip(".")
+        return clean_text(f"{test.failure} It failed: {said}." if test.failure else said, 400)
     return test.failure or clean_text(str(error).partition("\nassert ")[0].strip() or said, 400)
 
 

@@ -11,6 +11,7 @@ from robsim.assignments._results import SubmissionResult, TestResult
 from robsim.grading._texts import clean_line, clean_text
 
 _WIDTH = 88
+_MOST_LINES, _LONGEST = 20, 200  # of what was printed
 
 
 def student_text(result: SubmissionResult) -> str:
@@ -42,7 +43,7 @@ def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
         yield from _wrapped(f"{score.title}: {words.score_text(score)}: {gives}", "  - ", "    ")
     yield from _wrapped(words.caption_text(test), "  ", "  ")
     if test.finding:
-        yield "  The doctor found:"
+        yield f"  {words.FINDING}:"
         yield from _quoted(test.finding)
     if test.failed:
         yield f"  {words.failed_head(test)}:"
@@ -50,9 +51,19 @@ def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
             yield from _wrapped(text, "  - ", "    ")
     if test.output.strip():
         yield "  The submission printed:"
-        yield from _quoted(test.output.rstrip())
+        yield from _quoted(_cut(test.output.rstrip()))
     if test.public:
-        yield clean_line(f"  To repeat it: {words.repeat_command(result, test)}")
+        yield f"  {words.REPEAT}:"
+        yield clean_line(f"    {words.repeat_command(test)}")
+
+
+def _cut(text: str) -> str:
+    """Return the beginning of what was printed: all of it is on the page."""
+    lines = text.split("\n")
+    left = len(lines) - _MOST_LINES
+    cut = [line if len(line) <= _LONGEST else f"{line[:_LONGEST]} ..." for line in lines]
+    more = [f"... and {left} lines more"] if left > 0 else []
+    return "\n".join(cut[:_MOST_LINES] + more)
 
 
 def _quoted(text: str) -> Iterator[str]:

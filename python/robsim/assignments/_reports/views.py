@@ -9,8 +9,12 @@ from robsim.assignments._results import ERROR, SubmissionResult, TestResult
 
 
 def for_student(result: SubmissionResult) -> SubmissionResult:
-    """Return what students may see: of hidden tests nothing but title, points and sentence."""
-    return result.replace(tests=tuple(t if t.public else _hidden(t) for t in result.tests))
+    """Return what students may see: of hidden tests nothing but title, points and sentence.
+
+    What has shut the submission in is of use to the teacher alone.
+    """
+    tests = tuple(t if t.public else _hidden(t) for t in result.tests)
+    return result.replace(tests=tests, isolation="")
 
 
 def _hidden(test: TestResult) -> TestResult:

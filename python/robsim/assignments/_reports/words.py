@@ -34,6 +34,9 @@ _WHOSE = {
     "grader": "The grader failed here, not your submission: tell your teacher.",
 }
 
+FINDING = "What robsim check finds"
+REPEAT = "To repeat it, in the folder of the assignment"
+
 HINT = (
     "A hint, and no proof: short programs for the same exercise resemble each other. Names, "
     "numbers, comments and spaces are not compared; what was given to all, or stands in many "
@@ -110,7 +113,8 @@ def _reason(run: FailedRun) -> str:
         file = f"{file}, line {run.line}"
     slot = run.slot
     if slot is not None and run.step is not None:
-        slot = f"{slot} at step {run.step}"
+        step = f"at step {run.step}"
+        slot = "" if slot in run.reason and step in run.reason else f"{slot} {step}"
     parts = [part for part in (slot, file) if part and part not in run.reason]
     return ": ".join(filter(None, (", ".join(parts), run.reason))) or "it failed"
 
@@ -122,10 +126,15 @@ def failed_head(test: TestResult) -> str:
 
 
 def caption_text(test: TestResult) -> str:
-    """Return what the picture shows, with the number of its run."""
+    """Return what the picture shows, with the number of its run, or why there is none."""
+    if test.picture is None and test.failed:
+        if test.worst is None:
+            return "There is no picture: no run began."
+        return f"There is no picture: run {test.worst} failed in its first step."
     if test.worst is None:
         return test.caption
-    return f"Run {test.worst}, the worst. {test.caption}".rstrip()
+    which = "until it failed" if test.worst in {run.run for run in test.failed} else "the worst"
+    return f"Run {test.worst}, {which}. {test.caption}".rstrip()
 
 
 def has_numbers(test: TestResult) -> bool:
@@ -133,10 +142,9 @@ def has_numbers(test: TestResult) -> bool:
     return any(not math.isnan(score.statistic) for score in test.scores)
 
 
-def repeat_command(result: SubmissionResult, test: TestResult) -> str:
-    """Return the command with which a student repeats a public test."""
-    names = map(shlex.quote, (result.assignment, test.name))
-    return "robsim grade {} mine/ --public --only {}".format(*names)
+def repeat_command(test: TestResult) -> str:
+    """Return the command with which students repeat a public test, in the folder that they got."""
+    return f"robsim grade . mine --public --only {shlex.quote(test.name)}"
 
 
 def play_command(result: SubmissionResult, test: TestResult) -> str:

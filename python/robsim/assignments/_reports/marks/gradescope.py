@@ -73,7 +73,7 @@ def gradescope(
         "extra_data": {
             "robsim": dict(theirs.versions),
             "assignment": theirs.assignment,
-            "isolation": clean_line(words.isolation_text(theirs), 1000),
+            "isolation": clean_line(words.isolation_text(result), 1000),
             "submission_digest": theirs.submission_digest,
             "assignment_digest": theirs.assignment_digest,
         },
@@ -183,19 +183,19 @@ def _details(result: SubmissionResult, test: TestResult, picture: str | None) ->
         _listed(_score(score, test) for score in test.scores if words.has_numbers(test)),
     ]
     if picture is not None:
-        parts.append(tag("p", tag("img", src=picture, alt="The worst run")))
+        parts.append(tag("p", tag("img", src=picture, alt="A run")))
     if caption := words.caption_text(test):
         parts.append(tag("p", caption))
     if test.finding:
-        parts += [tag("p", tag("b", "What the doctor found")), _preformatted(test.finding)]
+        parts += [tag("p", tag("b", words.FINDING)), _preformatted(test.finding)]
     if test.failed:
         parts.append(tag("p", tag("b", words.failed_head(test))))
         parts.append(_listed(words.failed_texts(test)))
     if output := test.output.rstrip():
         parts += [tag("p", tag("b", "What the submission printed")), _preformatted(output)]
     if test.public:
-        command = tag("code", words.repeat_command(result, test))
-        parts.append(tag("p", "To repeat it: ", command))
+        command = tag("code", words.repeat_command(test))
+        parts.append(tag("p", f"{words.REPEAT}: ", command))
     return str(joined(*parts))
 
 

@@ -129,9 +129,9 @@ def _picture(test: TestResult, pictures: Mapping[str, bytes]) -> bytes | None:
 
 
 def _figure(test: TestResult, picture: bytes | None) -> Html:
-    if picture is None:
-        return Html("")
     caption = words.caption_text(test)
+    if picture is None:
+        return tag("p", caption, class_="quiet") if caption and test.picture is None else Html("")
     image = tag("img", src=data_uri(picture), alt=caption or "A run")
     return tag("figure", image, tag("figcaption", caption) if caption else "")
 
@@ -139,7 +139,7 @@ def _figure(test: TestResult, picture: bytes | None) -> Html:
 def _finding(test: TestResult) -> Html:
     if not test.finding:
         return Html("")
-    return tag("div", tag("h3", "What the doctor found"), _preformatted(test.finding), class_="box")
+    return tag("div", tag("h3", words.FINDING), _preformatted(test.finding), class_="box")
 
 
 def _failed(test: TestResult) -> Html:
@@ -162,8 +162,8 @@ def _repeat(result: SubmissionResult, test: TestResult, for_teacher: bool) -> Ht
         return tag("p", "To do a run again: ", command, class_="quiet")
     if not test.public:
         return tag("p", _HIDDEN, class_="quiet")
-    command = tag("code", words.repeat_command(result, test))
-    return tag("p", "To repeat it: ", command, class_="quiet")
+    command = tag("code", words.repeat_command(test))
+    return tag("p", f"{words.REPEAT}: ", command, class_="quiet")
 
 
 def _preformatted(text: str) -> Html:
