@@ -137,6 +137,9 @@ def test_a_run_that_fails_is_shown_where_that_costs_more(hw3, graded):
     half = marked(hw3.tests[0], replace(graded.tests[0], failed=failed))
     assert half.points == half.most / 2
     assert run_to_show(half, [0]) == 1
+    at_once = FailedRun(run=0, reason="it ended", step=0)
+    assert run_to_show(replace(half, failed=(at_once, *failed)), []) == 1
+    assert run_to_show(replace(half, failed=(at_once,)), [1]) == 0
     bad = tuple(replace(score, fraction=0.0) for score in half.scores)
     assert run_to_show(replace(half, failed=failed, scores=bad, runs=4), [2, 0]) == 0
     assert run_to_show(replace(half, failed=()), [1, 0]) == 0

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim._base.report import Column, Quantity, Report, Row, Table
-from robsim.assignments._results import ERROR, SubmissionResult
+from robsim.assignments._results import ERROR, NOT_RUN, SubmissionResult, TestResult
 
 _MOST_LISTED = 5
 
@@ -56,7 +56,7 @@ class ClassResult(Report):
 
     @property
     def remarks(self) -> Sequence[str]:
-        """Which submissions could not be read or graded."""
+        """Which submissions could not be graded, or read."""
         return tuple(self._remarks())
 
     def _remarks(self) -> Iterator[str]:
@@ -66,6 +66,9 @@ class ClassResult(Report):
                 f"not all could be graded, which is no fault of theirs: {_listed(broken)}; the "
                 "same call tries them again"
             )
+        unread = [one.student for one in self.results if one.is_unread]
+        if unread:
+            yield f"could not be read, which gives no points; their pages say why: {_listed(unread)}"
         left = [one.student for one in self.results if not one.is_done and not one.has_errors]
         if left:
             yield f"some tests were not asked for: {_listed(left)}"
@@ -82,8 +85,13 @@ class ClassResult(Report):
 
 
 def _row(result: SubmissionResult, names: Sequence[str]) -> list[float | None]:
-    points = {test.name: None if test.status == ERROR else test.points for test in result.tests}
+    points = {test.name: test.points for test in result.tests if _has_points(test)}
     return [result.points, *(points.get(name) for name in names)]
+
+
+def _has_points(test: TestResult) -> bool:
+    is_asked_for = test.status != NOT_RUN or bool(test.digest)
+    return test.status != ERROR and is_asked_for
 
 
 def _listed(students: Sequence[str]) -> str:

@@ -190,6 +190,11 @@ class SubmissionResult:
         return any(test.status == ERROR for test in self.tests)
 
     @property
+    def is_unread(self) -> bool:
+        """Whether it could not be read, so that nothing of it was run: `notes` say why."""
+        return self.is_done and not self.submission_digest and bool(self.notes)
+
+    @property
     def report(self) -> SubmissionReport:
         """The tests in a table, as a `Report`."""
         from robsim.assignments._submission_report import SubmissionReport

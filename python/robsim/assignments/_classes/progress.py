@@ -64,6 +64,7 @@ class Progress:
             )
         except SubmissionError as error:
             self._refused = clean_text(str(error))
+            self._notes = (self._refused,)
         else:
             self._notes = tuple(map(clean_text, files.notes))
             self._digest = digests.of_submission(files)

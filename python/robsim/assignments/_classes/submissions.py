@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -11,7 +12,8 @@ from pathlib import Path
 from robsim._base.files import as_path
 from robsim._base.text import listed, one_line
 from robsim.assignments._assignment import Assignment
-from robsim.grading import AssignmentError
+from robsim.grading import AssignmentError, SubmissionError
+from robsim.grading._submissions import read_submission
 from robsim.simulation._slots import SLOTS
 from robsim.tasks._solutions import MODULE
 
@@ -27,14 +29,40 @@ class Handed:
 
 
 def one_submission(path: str | PathLike[str], name: str = "submission") -> Handed:
-    """Return a submission by its path; raise FileNotFoundError if there is none.
+    """Return a submission by its path, which may end in the student's name in place of a file's.
 
     Messages call the argument `name`.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is none.
     """
     place = Path(os.path.abspath(as_path(path, name)))
     if not os.path.lexists(place):
-        raise FileNotFoundError(2, "there is no such submission", str(path))
+        found = [file for form in _FORMS if (file := Path(f"{place}{form}")).is_file()]
+        if len(found) != 1:
+            raise FileNotFoundError(2, "there is no such submission", str(path))
+        (place,) = found
     return Handed(_student_of(place), str(place))
+
+
+def check_is_one(handed: Handed, assignment: Assignment) -> None:
+    """Raise ValueError for a folder that is no submission, but has those of a class."""
+    folder = Path(handed.path)
+    if not folder.is_dir():
+        return
+    try:
+        read_submission(folder, assignment._rules(), assignment.files_of_all)
+    except SubmissionError:
+        with suppress(FileNotFoundError):
+            found = submissions_in(folder, assignment)
+            if len(found) > 1:
+                one = one_line(Path(folder.name) / Path(found[0].path).name)
+                raise ValueError(
+                    f"{one_line(folder.name)} is no submission, but has {len(found)}: name one of "
+                    f"them, such as {one}"
+                ) from None
 
 
 def submissions_in(path: str | PathLike[str], assignment: Assignment) -> list[Handed]:

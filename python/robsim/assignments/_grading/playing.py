@@ -10,7 +10,7 @@ from robsim._base.checks import check_int, check_text
 from robsim._base.report import Column, Report, Row, Table
 from robsim._base.spelling import check_names
 from robsim.assignments._assignment import Assignment, TaskTest
-from robsim.assignments._classes.submissions import one_submission
+from robsim.assignments._classes.submissions import check_is_one, one_submission
 from robsim.assignments._grading.pictures import picture_of
 from robsim.assignments._grading.references import References, numbers_of
 from robsim.assignments._grading.seeds import seeds_of
@@ -98,6 +98,7 @@ def play(
     """Do a run of a test again; see `Assignment.play`."""
     tests = {one.name: one for one in assignment.tests}
     handed = one_submission(submission)
+    check_is_one(handed, assignment)
     name = handed.student if student is None else check_text("student", student)
     named = [check_text("test", test)]
     check_names(f"{assignment.name} has no test by a task", named, tests, ValueError)

@@ -130,7 +130,9 @@ def run_to_show(result: TestResult, through: list[int]) -> int | None:
     of_failed = len(result.failed) / result.runs
     of_scores = (1 - of_failed) * sum((1 - one.fraction) * one.share for one in result.scores)
     if result.failed and of_failed >= of_scores:
-        return next((run.run for run in result.failed if run.step is not None), None)
+        begun = [run for run in result.failed if run.step is not None]
+        # One with steps before that, which can be drawn.
+        return next((run.run for run in sorted(begun, key=lambda run: not run.step)), None)
     return through[-1] if through else None
 
 

@@ -21,7 +21,7 @@ def student_text(result: SubmissionResult) -> str:
     if not result.is_done:
         lines.append("Not all tests have been run yet.")
     lines += _wrapped(words.not_graded(result), "", "")
-    for note in result.notes:
+    for note in words.notes(result):
         lines += _wrapped(note, "Note: ", "      ")
     for test in result.tests:
         lines += ["", *_test(result, test)]
@@ -36,7 +36,7 @@ def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
     points = words.result_text(test)
     kind = "" if test.public else ", hidden"
     yield clean_line(f"{sign} {words.heading(test)}: {word}, {points}{kind}")
-    for text in (test.sentence, words.blame(test)):
+    for text in (words.sentence(result, test), words.blame(test)):
         yield from _wrapped(text, "  ", "  ")
     for score in test.scores if words.has_numbers(test) else ():
         gives = words.points_text(score, test.most)

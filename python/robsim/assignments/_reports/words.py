@@ -50,6 +50,18 @@ def heading(test: TestResult) -> str:
     return f"{test.number} {title}" if test.number else title
 
 
+def notes(result: SubmissionResult) -> list[str]:
+    """Return what is to be said of the submission as a whole."""
+    if not result.is_unread:
+        return list(result.notes)
+    return [f"It could not be read, and nothing of it was run. {note}" for note in result.notes]
+
+
+def sentence(result: SubmissionResult, test: TestResult) -> str:
+    """Return what is to be said of a test, if `notes` do not say it of all."""
+    return "" if result.is_unread else test.sentence
+
+
 def blame(test: TestResult) -> str:
     """Return what is to be said where it was not the submission that failed."""
     if test.status != ERROR:

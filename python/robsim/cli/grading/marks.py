@@ -17,7 +17,12 @@ from robsim.assignments._classes.class_run import grade_all
 from robsim.assignments._classes.plan import plan_of
 from robsim.assignments._classes.regrading import regrade
 from robsim.assignments._classes.store import ResultFolder
-from robsim.assignments._classes.submissions import Handed, one_submission, submissions_in
+from robsim.assignments._classes.submissions import (
+    Handed,
+    check_is_one,
+    one_submission,
+    submissions_in,
+)
 from robsim.assignments._grading.seeds import key_for
 from robsim.assignments._points import number
 from robsim.assignments._reports.marks.gradescope import write_gradescope
@@ -104,7 +109,11 @@ def _handed(assignment: Assignment, chosen: Chosen) -> list[Handed]:
     if not chosen.is_single:
         return submissions_in(chosen.submissions, assignment)
     one = one_submission(chosen.submissions)
-    return [one if chosen.student is None else Handed(chosen.student, one.path)]
+    if chosen.student is not None:
+        return [Handed(chosen.student, one.path)]
+    if chosen.gradescope is not None:
+        check_is_one(one, assignment)
+    return [one]
 
 
 def marked_anew(
@@ -121,7 +130,8 @@ def marked_anew(
 def _line(result: SubmissionResult, changed: str) -> str:
     if not result.submission_digest:
         return f"{result.student}  {_points(result)}  {result.tests[0].sentence}"
-    lost = [test.name for test in result.tests if test.status != PASSED]
+    # Those without a digest were not asked for, or could not be graded.
+    lost = [test.name for test in result.tests if test.digest and test.status != PASSED]
     names = ", ".join(lost[:_MOST_NAMED]) + (", ..." if len(lost) > _MOST_NAMED else "")
     what = f"  not all of {names}" if lost else ""
     why = f"  (graded anew: {changed})" if changed else ""
@@ -129,7 +139,9 @@ def _line(result: SubmissionResult, changed: str) -> str:
 
 
 def _points(result: SubmissionResult) -> str:
-    return f"{number(result.points)} of {number(result.most)}"
+    """Return the points of the tests that were run or could not be, of how many."""
+    most = sum(test.most for test in result.tests if test.digest)
+    return f"{number(result.points)} of {number(most)}"
 
 
 def show(

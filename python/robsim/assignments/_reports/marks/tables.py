@@ -132,10 +132,12 @@ def _feedback(result: SubmissionResult) -> str:
 
 
 def _parts(tests: Iterable[TestResult]) -> Iterable[str]:
+    told = set()  # of a submission that cannot be read all tests say the same
     for test in tests:
         yield f"{words.heading(test)}: {words.result_text(test)}."
-        if test.sentence and test.points < test.most:
-            yield test.sentence
+        if test.sentence and test.points < test.most and test.sentence not in told:
+            yield test.sentence if test.sentence.endswith(".") else f"{test.sentence}."
+            told.add(test.sentence)
 
 
 _COLUMNS: dict[str, Callable[[Sequence[SubmissionResult], str], _Rows]] = {

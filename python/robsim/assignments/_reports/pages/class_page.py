@@ -45,7 +45,7 @@ def class_page(
         tag("div", _table(results, tests, links or {}), class_="scroll"),
         tag("p", _key(), class_="quiet"),
         tag("h2", "Which tests were hard", id="tests"),
-        _hardest(results, tests),
+        tag("div", _hardest(results, tests), class_="scroll"),
     ]
     if floors:
         parts += [tag("h2", "Best runs", id="paths"), tag("div", *floors, class_="charts large")]
@@ -75,14 +75,16 @@ def _head(results: Sequence[SubmissionResult]) -> Html:
     facts = sorted(kinds - {""})
     isolation = [tag("p", f"Isolation: {fact}", class_="quiet") for fact in facts]
     unfinished = sum(not result.is_done for result in results)
-    note = f"{unfinished} not graded to the end yet." if unfinished else ""
+    unread = sum(result.is_unread for result in results)
+    notes = [f"{unfinished} not graded to the end yet."] if unfinished else []
+    notes += [f"{unread} could not be read: the pages of these students say why."] if unread else []
     return tag(
         "header",
         tag("p", "The class", class_="over"),
         tag("h1", results[0].title),
         tag("p", text),
         *isolation,
-        tag("p", note, class_="note") if note else "",
+        *(tag("p", note, class_="note") for note in notes),
     )
 
 
@@ -173,7 +175,7 @@ def _hard(test: TestResult, graded: Sequence[tuple[str, TestResult]]) -> Html:
         tag("th", words.heading(test) + kind, scope="row"),
         tag("td", f"{len(short)} of {len(graded)}", class_="few"),
         tag("td", runs),
-        tag("td", names),
+        tag("td", names, class_="names"),
     )
 
 

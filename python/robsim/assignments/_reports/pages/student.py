@@ -48,7 +48,7 @@ def student_page(
 def _head(result: SubmissionResult, for_teacher: bool) -> Html:
     points, most = result.points, result.most
     share = 100 * fraction_of(points, most)
-    notes = [tag("p", note, class_="note") for note in result.notes]
+    notes = [tag("p", note, class_="note") for note in words.notes(result)]
     if words.not_graded(result):
         notes.insert(0, tag("p", words.not_graded(result), class_="note"))
     if not result.is_done:
@@ -97,10 +97,11 @@ def _card(
 ) -> Html:
     points = tag("span", words.result_text(test), class_="points")
     kind = "public" if test.public else "hidden"
+    sentence = words.sentence(result, test)
     parts = [
         tag("h2", words.heading(test), id=f"test-{index}"),
         tag("p", _pill(test), points, tag("span", kind, class_="quiet"), class_="line"),
-        tag("p", test.sentence, class_="sentence") if test.sentence else "",
+        tag("p", sentence, class_="sentence") if sentence else "",
         tag("p", words.blame(test), class_="note") if words.blame(test) else "",
         *_scores(test),
         _figure(test, picture),
