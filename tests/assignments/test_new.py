@@ -51,6 +51,8 @@ def test_the_sheet_tells_what_is_written_and_what_it_gives(tmp_path, template):
         assert (made.folder / f"start/{slot}.py").is_file()
     assert "robsim grade . mine --public" in sheet
     assert "robsim tasks" not in sheet  # whose numbers are others
+    assert "A call may take 1 s, the first one of a run 10 s" in sheet
+    assert "| tests in `own_tests.py` | those in its `pytest.mark.points` | public |" in sheet
     for name, value in made.tests[0].task.values.items():
         assert f"| `{name}` | `{value!r}` |" in sheet
 

@@ -8,7 +8,7 @@ from PIL import Image
 
 import robsim
 from robsim.plotting._runs.beside import as_png, draw_run
-from robsim.plotting._runs.errors import distance, run_errors
+from robsim.plotting._runs.errors import RunError, distance, run_errors
 
 
 def lost(step):
@@ -48,6 +48,18 @@ def test_the_error_of_an_estimate_is_drawn_and_told(estimated):
     assert len(figure.axes) == 3
     image = Image.open(io.BytesIO(as_png(figure)))
     assert image.size == (900, 370)
+
+
+def test_no_error_is_told_of_steps_that_are_not_scored(estimated):
+    off = np.array([9.0, 1.0, 2.0, np.nan, 3.0, 2.0])
+    assert RunError("off", "px", "estimate", off, None).worst == 0
+    assert RunError("off", "px", "estimate", off, None, unscored=2).worst == 4
+    ended_before = RunError("off", "px", "estimate", off[:2], None, unscored=2)
+    assert ended_before.sentence(0) == "off: at most 9.0 px, in step 0"
+    figure, _ = draw_run(estimated, None, slots=("estimate_state",), unscored=5)
+    assert "not scored" in [text.get_text() for text in figure.legends[0].get_texts()]
+    off = np.hypot(*(estimated.pose_true[:, :2] - 600.0).T)
+    assert figure.axes[1].get_ylim() == pytest.approx((0, 1.15 * off[5:].max()))
 
 
 def test_measurements_are_compared_with_the_reference(estimated):

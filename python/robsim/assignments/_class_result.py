@@ -68,7 +68,7 @@ class ClassResult(Report):
             )
         unread = [one.student for one in self.results if one.is_unread]
         if unread:
-            yield f"could not be read, which gives no points; their pages say why: {_listed(unread)}"
+            yield f"could not be read, which gives no points, as their pages say: {_listed(unread)}"
         left = [one.student for one in self.results if not one.is_done and not one.has_errors]
         if left:
             yield f"some tests were not asked for: {_listed(left)}"

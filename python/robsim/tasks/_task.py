@@ -56,6 +56,8 @@ class Task(ABC):
         The numbers of a run; their shares sum to 1.
     masked : tuple of str
         Modules and names of robsim that a solution that is handed in cannot have.
+    unscored : int
+        Number of steps at the start of a run that do not count.
     steps : int
         Number of steps of a run.
     runs : int
@@ -68,6 +70,7 @@ class Task(ABC):
     given: ClassVar[str]
     scores: ClassVar[tuple[Score, ...]]
     masked: ClassVar[tuple[str, ...]] = MASKED
+    unscored: ClassVar[int] = 0
 
     steps: int = 60
     runs: int = 10
@@ -237,7 +240,9 @@ class Task(ABC):
 
         check_steps(trace)
         check_optional("reference", reference, Trace)
-        figure, _ = draw_run(trace, reference, slots=self.slots, goals=self.goals)
+        figure, _ = draw_run(
+            trace, reference, slots=self.slots, goals=self.goals, unscored=self.unscored
+        )
         return figure
 
     @property

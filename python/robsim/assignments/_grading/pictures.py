@@ -11,7 +11,10 @@ def picture_of(test: TaskTest, trace: Trace, reference: Trace | None) -> tuple[b
     """Return a run of a submission, beside that of the reference, as PNG, and what it shows."""
     from robsim.plotting._runs.beside import as_png, draw_run  # matplotlib takes its time
 
-    figure, caption = draw_run(trace, reference, slots=test.task.slots, goals=test.task.goals)
+    task = test.task
+    figure, caption = draw_run(
+        trace, reference, slots=task.slots, goals=task.goals, unscored=task.unscored
+    )
     return as_png(figure), caption
 
 

@@ -27,7 +27,14 @@ def _parts(assignment: Assignment) -> Iterator[str]:
     yield (
         "Begin with the files in `start/`: copy them to a folder `mine/`. What you hand in is that "
         "folder, or a zip of it, a single Python file, or a notebook that defines "
-        f"{' and '.join(f'`{slot}`' for slot in assignment.slots)}."
+        f"{' and '.join(f'`{slot}`' for slot in assignment.slots)}. Modules of your own lie beside "
+        "these files, not in folders of their own; so do files with data, which "
+        '`open("data.csv")` finds.'
+    )
+    limits = assignment.limits
+    yield (
+        f"A call may take {limits.call:g} s, the first one of a run {limits.first_call:g} s: a run "
+        "in which one takes longer has no points."
     )
     yield "```\nrobsim grade . mine --public\n```"
     yield (
@@ -41,4 +48,8 @@ def _rows(assignment: Assignment) -> Iterator[str]:
         who = "public" if test.public else "not public"
         yield f"| {test.title} | {test.points:g} | {who} |"
     for file in assignment.files:
-        yield f"| tests in `{file.path.name}` | | {'public' if file.public else 'not public'} |"
+        yield (
+            f"| tests in `{file.path.name}` | those in its `pytest.mark.points` | public |"
+            if file.public
+            else f"| tests in `{file.path.name}` | others | not public |"
+        )

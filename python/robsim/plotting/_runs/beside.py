@@ -28,6 +28,7 @@ _COLORS = {ESTIMATE: style.ESTIMATED, MEASUREMENT: style.MEASURED, DRIVE: style.
 _REFERENCE = style.BATCH
 _SIZE, _DPI = (9.0, 3.7), 100  # inches; some 60 kB
 _LEAST_VIEW, _ARROW = 120.0, 40.0  # px of the work area
+_UNSCORED: dict[str, Any] = {"facecolor": "none", "edgecolor": "#c3c8d0", "hatch": "///"}
 _RING: dict[str, Any] = {"markersize": 12, "markerfacecolor": "none", "markeredgewidth": 1.6}
 
 
@@ -38,6 +39,7 @@ def draw_run(
     slots: Sequence[str],
     goals: ArrayLike | None = None,
     asked: Mapping[str, float] | None = None,
+    unscored: int = 0,
 ) -> tuple[Figure, str]:
     """Draw a run of a submission beside that of the reference in the same world.
 
@@ -53,6 +55,8 @@ def draw_run(
     asked : mapping of str to float, optional
         By the unit of an error: how large it may be in this run, by and large, for all points, such
         as ``{"px": 0.8, "deg": 1.2}``.
+    unscored : int
+        Number of steps at the start that do not count: no largest error is told of them.
 
     Returns
     -------
@@ -69,7 +73,7 @@ def draw_run(
     if not len(trace):
         raise ValueError("trace must have steps")
     points = None if goals is None else np.asarray(goals, float)
-    errors = run_errors(trace, reference, slots, points)
+    errors = run_errors(trace, reference, slots, points, unscored)
     figure = _drawn(trace, reference, errors, "control" in slots, points)
     for error, panel in zip(errors, figure.axes[1:], strict=False):
         if (level := (asked or {}).get(error.unit)) is not None:
@@ -104,7 +108,8 @@ def _drawn(
     figure = style.NotebookFigure(figsize=_SIZE)
     rows: list[list[Any]] = [["plan", str(row)] for row in range(max(len(errors), 1))]
     axes = figure.subplot_mosaic(rows, width_ratios=(1, 1.45))
-    _draw_plan(axes["plan"], trace, reference if is_driven else None, goals)
+    first = errors[0].unscored if errors else 0
+    _draw_plan(axes["plan"], trace, reference if is_driven else None, goals, first)
     _mark_worst(axes["plan"], trace, errors)
     longest = trace if reference is None or len(trace) >= len(reference) else reference
     for row, error in enumerate(errors):
@@ -119,16 +124,19 @@ def _drawn(
     return figure
 
 
-def _draw_plan(plan: Axes, trace: Trace, reference: Trace | None, goals: Floats | None) -> None:
-    """Draw paths and goals from above, as near as they allow."""
+def _draw_plan(
+    plan: Axes, trace: Trace, reference: Trace | None, goals: Floats | None, first: int
+) -> None:
+    """Draw paths and goals from above, as near as they and what counts of an estimate allow."""
     draw_plan(plan, trace)
-    shown = [trace.pose_true[:, :2], trace.pose_estimated[:, :2]]
+    estimated = trace.pose_estimated[:, :2]
+    shown = [trace.pose_true[:, :2], estimated[first:]]
     if reference is not None:
         line: dict[str, Any] = {"color": _REFERENCE, "linestyle": "--", "linewidth": 1.4}
         shown.append(reference.pose_true[:, :2])
         plan.plot(*shown[-1].T, label="reference", **line)
     if np.isfinite(trace.pose_estimated).any():
-        plan.plot(*shown[1].T, color=style.ESTIMATED, linewidth=1.2, label="estimated path")
+        plan.plot(*estimated.T, color=style.ESTIMATED, linewidth=1.2, label="estimated path")
     if goals is not None:
         shown.append(draw_goals(plan, goals))
     zoom(plan, np.vstack(shown), trace.info.px_length)
@@ -169,6 +177,9 @@ def _draw_error(axes: Axes, trace: Trace, error: RunError) -> None:
     for start, end in _segments(trace.hidden.astype(int)):
         low, high = trace.k[start] - 0.5, trace.k[end - 1] + 0.5
         axes.axvspan(low, high, color=style.SEGMENT, zorder=0, label="robot hidden")
+    if error.unscored:
+        low, high = trace.k[0] - 0.5, trace.k[0] + error.unscored - 0.5
+        axes.axvspan(low, high, label="not scored", **_UNSCORED)
     if error.reference is not None:
         k = int(trace.k[0]) + np.arange(len(error.reference))
         axes.plot(k, error.reference, color=_REFERENCE, linewidth=1.4, label="reference")
@@ -180,7 +191,15 @@ def _draw_error(axes: Axes, trace: Trace, error: RunError) -> None:
     if error.unit == "%":  # it falls by powers of ten
         axes.set_yscale("log")
     else:
-        axes.set_ylim(bottom=0)
+        axes.set_ylim(bottom=0, top=_top(error))
+
+
+def _top(error: RunError) -> float | None:
+    """Return up to where an error is drawn, where it is large in steps that do not count."""
+    lines = [error.yours] if error.reference is None else [error.yours, error.reference]
+    scored = np.concatenate([line[error.unscored :] for line in lines])
+    scored = scored[np.isfinite(scored)]
+    return 1.15 * float(scored.max()) if error.unscored and scored.any() else None
 
 
 def _segments(mask: Any) -> list[tuple[int, int]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,6 +35,8 @@ class RunError:
         That of the reference.
     counts_at_end : bool
         Whether it should become small, and is large at first.
+    unscored : int
+        Number of rows at the start that do not count.
     """
 
     title: str
@@ -43,14 +45,17 @@ class RunError:
     yours: Floats
     reference: Floats | None
     counts_at_end: bool = False
+    unscored: int = 0
 
     @property
     def worst(self) -> int | None:
         """The row at which it is told: the last one, or that of the largest error."""
         known = np.flatnonzero(np.isfinite(self.yours))
+        scored = known[known >= self.unscored]
+        known = scored if len(scored) else known
         if not len(known):
             return None
-        return int(known[-1]) if self.counts_at_end else int(np.nanargmax(self.yours))
+        return int(known[-1]) if self.counts_at_end else int(known[self.yours[known].argmax()])
 
     def sentence(self, first_step: int) -> str:
         """Return how large it is, where, and that of the reference there."""
@@ -70,9 +75,20 @@ class RunError:
 
 
 def run_errors(
-    trace: Trace, reference: Trace | None, slots: Sequence[str], goals: Floats | None
+    trace: Trace,
+    reference: Trace | None,
+    slots: Sequence[str],
+    goals: Floats | None,
+    unscored: int = 0,
 ) -> list[RunError]:
     """Return the errors of a run, by what the submission fills; see `draw_run`."""
+    errors = _errors(trace, reference, slots, goals)
+    return [replace(error, unscored=unscored) for error in errors]
+
+
+def _errors(
+    trace: Trace, reference: Trace | None, slots: Sequence[str], goals: Floats | None
+) -> list[RunError]:
     if "estimate_state" in slots:
         return _of_poses(ESTIMATE, "estimated", trace, reference)
     if "measure" in slots:

@@ -19,9 +19,6 @@ from robsim.tasks._task import MOST_STEPS, Task
 from robsim.trace import Trace
 from robsim.trace._trace import check_trace
 
-#: Steps that are not scored, in which the robot is seen for the first time.
-_SETTLING = 10
-
 #: What camera noise of 1 % adds to a measured pose (px, px, rad), found by simulation.
 _BY_NOISE = (0.0155, 0.0155, 0.00065)
 
@@ -56,6 +53,7 @@ class EstimateState(Task):
     title: ClassVar[str] = "estimate the robot's pose through noise and dropouts"
     slots: ClassVar[tuple[str, ...]] = ("estimate_state",)
     given: ClassVar[str] = "pose"
+    unscored: ClassVar[int] = 10  # in which the robot is seen for the first time
     scores: ClassVar[tuple[Score, ...]] = (
         Score(
             name="position",
@@ -90,7 +88,7 @@ class EstimateState(Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_int("steps", self.steps, minimum=2 * _SETTLING, maximum=MOST_STEPS)
+        check_int("steps", self.steps, minimum=2 * self.unscored, maximum=MOST_STEPS)
         check_float("noise", self.noise, "%", minimum=0, maximum=25)
         check_float("dropout", self.dropout, minimum=0, maximum=0.9)
         check_float("slip", self.slip, "px", minimum=0, maximum=20)
@@ -127,11 +125,11 @@ class EstimateState(Task):
         """Return the rms errors of position and heading, and the mean NEES over 3."""
         check_trace(trace)
         trace.require("pose_true")
-        error = wrapped_error(trace.pose_estimated, trace.pose_true)[_SETTLING:]
+        error = wrapped_error(trace.pose_estimated, trace.pose_true)[self.unscored :]
         return {
             "position": _rms(error[:, :2]),
             "heading": float(np.rad2deg(_rms(error[:, 2:]))),
-            "consistency": _mean_nees(error, trace.covariance[_SETTLING:]) / 3,
+            "consistency": _mean_nees(error, trace.covariance[self.unscored :]) / 3,
         }
 
 
