@@ -150,6 +150,16 @@ def test_what_is_still_is_looked_at_before_anything_is_run(folder, cast):
     assert "they were not calibrated: robsim assignment calibrate" in found["limits of public"]
 
 
+def test_other_points_on_the_sheet_are_told(folder, cast):
+    cast("nobody")
+    write_limits(folder, {})
+    toml = folder / "assignment.toml"
+    toml.write_text(toml.read_text().replace("points = 6", "points = 7"))
+    assert problems(folder)["sheet.md"] == (
+        "sheet.md says 6 points for hidden, and assignment.toml 7"
+    )
+
+
 def test_the_command_exits_with_what_was_found(folder, cast):
     cast("nothing in it")
     write_limits(folder, {})

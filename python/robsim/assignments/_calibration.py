@@ -23,7 +23,7 @@ from robsim.tasks._marks.calibrate import calibration_seconds, check_solutions
 from robsim.tasks._marks.calibration import solutions_digest, task_digest
 
 #: Runs of a calibration that was ended, in the folder of the assignment.
-_KEPT = ".calibrating"
+KEPT = ".calibrating"
 
 
 def calibrate_assignment(
@@ -61,7 +61,7 @@ def calibrate_assignment(
     """
     assignment = Assignment.load(folder)
     check_bool("progress", progress)
-    kept = assignment.folder / _KEPT
+    kept = assignment.folder / KEPT
     found: dict[str, TaskCalibration] = {}
     for test, names in _by_task(assignment):
         solutions = _usable(assignment, test.task)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -144,13 +145,19 @@ def _limits(test: TaskTest, made: TaskCalibration | None) -> Finding:
 def _sheet(assignment: Assignment) -> Finding:
     file = assignment.folder / SHEET
     text = file.read_text("utf-8", "replace") if file.is_file() else ""
-    missing = listed(slot for slot in assignment.slots if slot not in text)
-    return Finding(
-        what=SHEET,
-        expected="names each slot",
-        got=f"not {missing}" if missing else "names each",
-        wrong=f"{SHEET} does not say what {missing} is to do" if missing else "",
-    )
+    expected = "names slots and points"
+    if missing := listed(slot for slot in assignment.slots if slot not in text):
+        wrong = f"{SHEET} does not say what {missing} is to do"
+        return Finding(what=SHEET, expected=expected, got=f"not {missing}", wrong=wrong)
+    lines = [re.split(r"\s*\|\s*", line) for line in text.splitlines()]
+    for test in assignment.tests:
+        # A row of the table that a new sheet has; one without it says it in words.
+        told = next((cells[2] for cells in lines if len(cells) > 3 and cells[1] == test.title), "")
+        if told not in ("", number(test.points)):
+            got = f"{told} points for {test.name}"
+            wrong = f"{SHEET} says {got}, and assignment.toml {number(test.points)}"
+            return Finding(what=SHEET, expected=expected, got=got, wrong=wrong)
+    return Finding(what=SHEET, expected=expected, got="names them")
 
 
 def _public(assignment: Assignment) -> Finding:

@@ -58,7 +58,8 @@ def limit_of(test: TaskTest, score: Score) -> Limit:
     """Return the limit of a score; raise AssignmentError if there is none."""
     if score.name not in test.limits:
         raise AssignmentError(
-            f"the test {test.name} has no limit for {score.name}: calibrate its limits first",
+            f"the test {test.name} has no limit for {score.name}: calibrate its limits first: "
+            "robsim assignment calibrate",
             file="limits.json",
         )
     return test.limits[score.name]

@@ -58,13 +58,15 @@ def calibrate_and_print(
 ) -> None:
     """Calibrate, and say beforehand how long it takes, afterwards what came of it."""
     from robsim.assignments import Assignment, calibrate_assignment
-    from robsim.assignments._calibration import seconds_to_calibrate
+    from robsim.assignments._calibration import KEPT, seconds_to_calibrate
 
     executor = engine_of(jobs)
     seconds = seconds_to_calibrate(
         Assignment.load(folder), false_fail=false_fail, confidence=confidence, processes=jobs
     )
-    errors.print_note(f"calibrating takes about {_duration(seconds)}; Ctrl-C keeps what is done")
+    goes_on = (folder / KEPT).is_dir()
+    begin = "what was done is kept; all of it takes" if goes_on else "calibrating takes"
+    errors.print_note(f"{begin} about {_duration(seconds)}; Ctrl-C keeps what is done")
     sys.stderr.flush()
     try:
         found = calibrate_assignment(
