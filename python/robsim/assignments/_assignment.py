@@ -329,7 +329,8 @@ class Assignment:
         Raises
         ------
         SubmissionError
-            If the submission fails in it, with slot, step and line.
+            If the submission fails before there is a step, with slot and line. Where it fails
+            later, the run is what there is of it: its `failed` says why.
         AssignmentError, FileNotFoundError, TypeError, ValueError
             As `grade`.
         """

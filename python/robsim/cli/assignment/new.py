@@ -18,8 +18,8 @@ HELP = (
     "Make the folder of a new assignment.\n\n"
     "TEMPLATE is controller, path, identification, measurement or state. The folder gets a key of "
     "its own, numbers drawn for it, sheet, solutions right and wrong, a public and a hidden test, "
-    "and limits that are calibrated for it, which takes some minutes: Ctrl-C leaves a folder that "
-    "robsim assignment calibrate completes. Its README.md says what is what."
+    "and limits that are calibrated for it, which takes 10 to 30 minutes: Ctrl-C leaves a "
+    "folder that robsim assignment calibrate completes. Its README.md says what is what."
 )
 
 

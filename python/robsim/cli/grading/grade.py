@@ -100,7 +100,8 @@ def grade(
         typer.Option(
             "--gradescope",
             metavar="FILE",
-            help="Write the result of a single submission as Gradescope reads it.",
+            help="Write the result of a single submission as Gradescope reads it, results.json. "
+            "An autograder: robsim assignment pack.",
         ),
     ] = None,
     regrade: Annotated[
