@@ -61,6 +61,13 @@ def test_moodle_takes_its_columns():
     assert other[:2] == ["jd42", "jd42"]
 
 
+def test_feedback_says_the_same_once():
+    tests = [graded(str(i), points=0.0, sentence="it is empty") for i in range(3)]
+    (_, line) = rows([submission("jd42", tests=tests)], columns="moodle")
+    assert line[-1].count("it is empty.") == 1
+    assert line[-1].count("0 of 4 points.") == 3
+
+
 def test_blackboard_takes_its_columns():
     result = submission("Homework 3_jd42_attempt_2026-01-02-10-11-12_hw3.zip")
     table = rows([result], columns="blackboard", title="Hw 3 [Total Pts: 8 Score] |123")

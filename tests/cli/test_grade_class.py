@@ -1,5 +1,6 @@
 """``robsim grade ASSIGNMENT SUBMISSIONS``: what is printed, what is written, the exit status."""
 
+import csv
 import json
 import shutil
 
@@ -53,6 +54,25 @@ def test_a_class_has_a_line_for_each_and_a_table(hw3):
     assert [(one.student, one.points) for one in told] == [("s001", 6), ("s002", 0)]
 
 
+def test_what_cannot_be_read_and_what_was_not_asked_for_are_told(hw3):
+    (hw3 / "subs/s003").mkdir()
+    run = command("grade", "hw3", "subs", "--only", "shown")
+    assert run.exit_code == 1, run.stderr
+    assert "s001  2 of 2\n" in run.stdout
+    assert "s002  0 of 2  not all of shown\n" in run.stdout
+    assert "s003  0 of 6  s003 has no estimate_state.py: it is empty\n" in run.stdout
+    assert "could not be read, which gives no points, as their pages say: s003" in run.stdout
+    assert "some tests were not asked for: s001, s002" in run.stdout
+    with (hw3 / "graded/class.csv").open(newline="") as file:
+        marks = {row["student"]: row for row in csv.DictReader(file)}
+    assert [marks[name]["hidden"] for name in ("s001", "s002", "s003")] == ["", "", "0"]
+    assert marks["s003"]["notes"] == "s003 has no estimate_state.py: it is empty"
+    page = (hw3 / "graded/s003/index.html").read_text()
+    assert page.count("s003 has no estimate_state.py: it is empty") == 1
+    assert "It could not be read, and nothing of it was run." in page
+    assert "1 could not be read" in (hw3 / "graded/class.html").read_text()
+
+
 def test_a_single_submission_is_told_whole(hw3):
     run = command("grade", "hw3", "subs/s001", "--out", "here")
     assert run.exit_code == 0, run.stderr
@@ -92,7 +112,7 @@ def test_a_run_is_played_again_for_an_appeal(hw3):
     assert len(trace) == 20
     other = command("grade", "hw3", "subs/s001", "--play", "hidden", "--run", f"{1 - worst}")
     assert f"run {1 - worst}" in other.stdout
-    failing = command("grade", "hw3", "subs/s002.py", "--play", "shown")
+    failing = command("grade", "hw3", "subs/s002", "--play", "shown")  # by the student's name
     assert failing.exit_code == 1
     assert "estimate_state at step 0" in failing.stderr
 
@@ -164,6 +184,8 @@ def test_gradescope_reads_what_is_written_for_it(hw3):
         (("hw3", "subs", "--columns", "moodel"), 2, "did you mean 'moodle'"),
         (("hw3", "subs", "--out", "subs"), 2, "--out must be apart from the submissions"),
         (("hw3", "--regrade"), 2, "there are no results to be marked anew"),
+        (("hw3", "subs", "--play", "shown"), 2, "has 2: name one of them, such as subs/s001"),
+        (("hw3", "subs", "--gradescope", "a.zip"), 2, "subs is no submission, but has 2: name"),
         (("hw3", "subs/s001", "--play", "shown", "--run", "7"), 2, "--run must lie within 0..1"),
     ],
 )

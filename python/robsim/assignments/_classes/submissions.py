@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -49,20 +48,27 @@ def one_submission(path: str | PathLike[str], name: str = "submission") -> Hande
 
 def check_is_one(handed: Handed, assignment: Assignment) -> None:
     """Raise ValueError for a folder that is no submission, but has those of a class."""
-    folder = Path(handed.path)
-    if not folder.is_dir():
-        return
     try:
-        read_submission(folder, assignment._rules(), assignment.files_of_all)
+        found = submissions_in(handed.path, assignment)
+    except FileNotFoundError:  # it is empty
+        return
+    if len(found) == 1:
+        return
+    is_read = [_can_be_read(one, assignment) for one in found]
+    if sum(is_read) > 1 or not _can_be_read(handed, assignment):
+        folder = Path(handed.path).name
+        raise ValueError(
+            f"{one_line(folder)} is no submission, but has {len(found)}: name one of them, such as "
+            f"{one_line(folder)}/{one_line(Path(found[0].path).name)}"
+        )
+
+
+def _can_be_read(handed: Handed, assignment: Assignment) -> bool:
+    try:
+        read_submission(handed.path, assignment._rules(), assignment.files_of_all)
     except SubmissionError:
-        with suppress(FileNotFoundError):
-            found = submissions_in(folder, assignment)
-            if len(found) > 1:
-                one = one_line(Path(folder.name) / Path(found[0].path).name)
-                raise ValueError(
-                    f"{one_line(folder.name)} is no submission, but has {len(found)}: name one of "
-                    f"them, such as {one}"
-                ) from None
+        return False
+    return True
 
 
 def submissions_in(path: str | PathLike[str], assignment: Assignment) -> list[Handed]:

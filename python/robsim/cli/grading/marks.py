@@ -28,6 +28,7 @@ from robsim.assignments._points import number
 from robsim.assignments._reports.marks.gradescope import write_gradescope
 from robsim.assignments._reports.marks.tables import COLUMNS
 from robsim.assignments._reports.student_text import student_text
+from robsim.assignments._reports.views import for_student
 from robsim.assignments._reports.writing import CLASS, PAGE
 from robsim.assignments._results import PASSED, SubmissionResult
 from robsim.cli import errors
@@ -158,7 +159,7 @@ def show(
         errors.say(f"pages and tables: {out / CLASS}, and a folder for each student beside it")
         return
     (one,) = result.results
-    errors.show(student_text(one))
+    errors.show(student_text(for_student(one) if public else one))
     if public and assignment.points is not None and assignment.points > one.most:
         errors.say(
             f"public tests only: {number(one.most)} of {number(assignment.points)} points shown"
