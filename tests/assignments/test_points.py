@@ -56,3 +56,10 @@ def test_points_are_read_without_zeros_at_the_end():
     assert of_most(0.5, 1.0) == "0.5 of 1 point"
     assert of_most(2.0, 4.0) == "2 of 4 points"
     assert [fraction_of(1, 4), fraction_of(4, 4), fraction_of(0, 0)] == [0.25, 1.0, 1.0]
+
+
+def test_long_names_of_tests_are_cut_in_the_terminal_alone():
+    long = f"test_{'an_estimate_' * 5}"
+    result = ClassResult(name="hw1", results=(submission(tests=[graded(long)]),) * 2)
+    assert " an_estimate_an_estima...\n" in str(result)
+    assert long in result.to_json()

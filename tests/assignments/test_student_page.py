@@ -9,6 +9,7 @@ from PIL import Image
 from graded_results import SECRET, graded, hidden, score, submission
 from html_outline import Outline
 from robsim.assignments._reports import for_student, student_text, write_student
+from robsim.assignments._reports.pages.class_page import class_page
 from robsim.assignments._reports.pages.student import student_page
 from robsim.assignments._results import ERROR, FAILED, NOT_RUN, FailedRun, SubmissionResult
 
@@ -46,6 +47,13 @@ def test_the_page_has_what_helps(page):
         "robsim 0.1.0",
     ):
         assert wanted in page.text
+
+
+def test_a_name_of_moodle_is_read_as_the_name_in_it():
+    result = submission("Jané O'Doe_1042_assignsubmission_file_")
+    for text in (student_page(result, {}), student_text(result), class_page([result])):
+        assert "Jané O" in text
+        assert "assignsubmission" not in text
 
 
 def test_what_shut_it_in_is_on_the_page_of_the_teacher_alone(page):

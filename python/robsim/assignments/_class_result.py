@@ -11,6 +11,7 @@ from robsim._base.report import Column, Quantity, Report, Row, Table
 from robsim.assignments._results import ERROR, NOT_RUN, SubmissionResult, TestResult
 
 _MOST_LISTED = 5
+_WIDEST = 24  # characters of the heading of a column
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +51,8 @@ class ClassResult(Report):
     def tables(self) -> Sequence[Table]:
         """The points of each student in each test."""
         names = list(dict.fromkeys(test.name for one in self.results for test in one.tests))
-        columns = [Column("points", "points", "", ".2f"), *(Column(n, n, "", ".2f") for n in names)]
+        tests = [Column(name, _heading(name), "", ".2f") for name in names]
+        columns = [Column("points", "points", "", ".2f"), *tests]
         rows = [Row(one.student, _row(one, names)) for one in self.results]
         return (Table(key="students", columns=columns, rows=rows, row_title="student"),)
 
@@ -82,6 +84,12 @@ class ClassResult(Report):
     def is_full(self) -> bool:
         """Whether all have all points."""
         return all(one.is_done and one.points >= one.most for one in self.results)
+
+
+def _heading(name: str) -> str:
+    """Return the name of a test, short enough for a column: functions of pytest have long ones."""
+    name = name.removeprefix("test_")
+    return name if len(name) <= _WIDEST else f"{name[: _WIDEST - 3]}..."
 
 
 def _row(result: SubmissionResult, names: Sequence[str]) -> list[float | None]:

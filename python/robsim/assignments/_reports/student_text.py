@@ -17,7 +17,7 @@ _MOST_LINES, _LONGEST = 20, 200  # of what was printed
 def student_text(result: SubmissionResult) -> str:
     """Return the result as text: what is in it is said. For students: `for_student`."""
     points = of_most(result.points, result.most)
-    lines = [clean_line(result.title), f"{clean_line(result.student)}: {points}"]
+    lines = [clean_line(result.title), f"{clean_line(words.person(result.student))}: {points}"]
     if not result.is_done:
         lines.append("Not all tests have been run yet.")
     lines += _wrapped(words.not_graded(result), "", "")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import shlex
 
 from robsim._base.report import percent
@@ -28,6 +29,9 @@ STATUS = {
     NOT_RUN: ("not run", "-"),
 }
 
+#: How Moodle names what it gives to download.
+OF_MOODLE = re.compile(r"(?P<name>.+)_(?P<number>\d+)_assignsubmission_(file|onlinetext)(_.*)?")
+
 _WHOSE = {
     "submission": "",
     "assignment": "The assignment failed here, not your submission: tell your teacher.",
@@ -42,6 +46,12 @@ HINT = (
     "numbers, comments and spaces are not compared; what was given to all, or stands in many "
     "programs, does not count. Read both before you talk to anybody."
 )
+
+
+def person(student: str) -> str:
+    """Return the name of a student, without what Moodle adds to it."""
+    match = OF_MOODLE.fullmatch(student)
+    return match["name"] if match else student
 
 
 def heading(test: TestResult) -> str:

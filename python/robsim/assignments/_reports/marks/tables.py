@@ -19,7 +19,6 @@ _Rows = list[list[Any]]
 _MOST_FEEDBACK = 1000  # characters
 
 # How the platforms name what they give to download.
-_OF_MOODLE = re.compile(r"(?P<name>.+)_(?P<number>\d+)_assignsubmission_(file|onlinetext)(_.*)?")
 _OF_CANVAS = re.compile(r"(?P<name>[^_]+)_(LATE_)?(?P<number>\d+)_\d+_.+")
 _OF_BLACKBOARD = re.compile(r".+_(?P<name>[^_]+)_attempt_\d{4}(-\d\d){5}(_.*)?")
 
@@ -99,7 +98,7 @@ def _for_moodle(results: Sequence[SubmissionResult], _: str) -> _Rows:
     grade = ("Grade", "Maximum grade", "Last modified (grade)", "Feedback comments")
     rows: _Rows = [["Identifier", "Full name", *grade]]
     for result in results:
-        match = _OF_MOODLE.fullmatch(result.student)
+        match = words.OF_MOODLE.fullmatch(result.student)
         who = [f"Participant {match['number']}", match["name"]] if match else [result.student] * 2
         points = result.points, result.most
         rows.append([*who, *points, None, _feedback(result)])

@@ -114,9 +114,9 @@ def _table(
 
 
 def _row(result: SubmissionResult, tests: Sequence[TestResult], link: str | None) -> Html:
-    name: object = result.student
+    name: object = words.person(result.student)
     if link is not None:
-        name = tag("a", result.student, href=quote(link, errors="surrogatepass"))
+        name = tag("a", name, href=quote(link, errors="surrogatepass"))
     total = result.points
     graded = {test.name: test for test in result.tests}
     cells = [_cell(graded.get(test.name)) for test in tests]
@@ -167,7 +167,9 @@ def _hard(test: TestResult, graded: Sequence[tuple[str, TestResult]]) -> Html:
         if each.status not in (ERROR, NOT_RUN) and each.points < each.most
     ]
     worst_first = sorted(short, key=lambda one: (one[1].points, one[0]))
-    names = ", ".join(f"{student} ({number(each.points)})" for student, each in worst_first)
+    names = ", ".join(
+        f"{words.person(student)} ({number(each.points)})" for student, each in worst_first
+    )
     runs = sum(len(each.failed) for _, each in graded)
     kind = "" if test.public else " (hidden)"
     return tag(

@@ -42,7 +42,7 @@ def student_page(
         tag("main", *cards),
         _foot(result),
     ]
-    return page(f"{result.student}: {result.title}", tag("div", *body, class_="page"))
+    return page(f"{words.person(result.student)}: {result.title}", tag("div", *body, class_="page"))
 
 
 def _head(result: SubmissionResult, for_teacher: bool) -> Html:
@@ -59,7 +59,7 @@ def _head(result: SubmissionResult, for_teacher: bool) -> Html:
     return tag(
         "header",
         tag("p", result.title, class_="over"),
-        tag("h1", result.student),
+        tag("h1", words.person(result.student)),
         tag("p", *total, class_="total"),
         tag("div", tag("i", style=f"width:{share:.2f}%"), class_="meter", aria_hidden="true"),
         *notes,
