@@ -60,6 +60,9 @@ def test_no_error_is_told_of_steps_that_are_not_scored(estimated):
     assert "not scored" in [text.get_text() for text in figure.legends[0].get_texts()]
     off = np.hypot(*(estimated.pose_true[:, :2] - 600.0).T)
     assert figure.axes[1].get_ylim() == pytest.approx((0, 1.15 * off[5:].max()))
+    early, _ = draw_run(estimated[:4], estimated, slots=("estimate_state",), unscored=5)
+    assert as_png(early)  # it has ended before the first step that counts
+    assert early.axes[1].get_ylim()[1] > off.max()
 
 
 def test_measurements_are_compared_with_the_reference(estimated):

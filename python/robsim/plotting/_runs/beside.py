@@ -195,11 +195,12 @@ def _draw_error(axes: Axes, trace: Trace, error: RunError) -> None:
 
 
 def _top(error: RunError) -> float | None:
-    """Return up to where an error is drawn, where it is large in steps that do not count."""
+    """Return up to where an error is drawn, where it may be large in steps that do not count."""
     lines = [error.yours] if error.reference is None else [error.yours, error.reference]
-    scored = np.concatenate([line[error.unscored :] for line in lines])
-    scored = scored[np.isfinite(scored)]
-    return 1.15 * float(scored.max()) if error.unscored and scored.any() else None
+    scored = [line[error.unscored :][np.isfinite(line[error.unscored :])] for line in lines]
+    if not error.unscored or not len(scored[0]):  # then the largest error told is one of these
+        return None
+    return 1.15 * float(np.concatenate(scored).max()) or None
 
 
 def _segments(mask: Any) -> list[tuple[int, int]]:
