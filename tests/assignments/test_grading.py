@@ -1,5 +1,6 @@
 """Submissions are graded: points, sentences, numbers, and whose fault it is."""
 
+import gc
 import math
 import re
 import textwrap
@@ -17,7 +18,7 @@ from robsim.assignments._reports.words import caption_text
 from robsim.assignments._results import FailedRun
 from robsim.grading import AssignmentError, Key, Limits, SubmissionError
 from robsim.grading._calls.judging import judged
-from robsim.grading._graded_run import graded_run
+from robsim.grading._graded_run import GradedSimulation, graded_run
 from robsim.tasks import Limit
 from small_assignments import LIMITS, assignment, drawn_quickly, solution
 
@@ -118,7 +119,7 @@ def test_a_submission_that_fails_is_told_the_slot_the_step_and_the_line(hw3, tmp
     [
         ("while True: pass", "took too long"),
         ("import os; os._exit(0)", "ended its process"),
-        ("raise ValueError('x: the worker ended by itself')", "failed"),
+        ("raise ValueError('x: its process ended by itself')", "failed"),
         ("raise ValueError('it took longer than 1 s')", "failed"),
     ],
 )
@@ -242,6 +243,22 @@ def test_a_run_played_again_is_the_one_that_was_graded(hw3, right, graded):
         hw3.play(right, "hidden", 2)
     with pytest.raises(ValueError, match="has no test by a task 'hiden': did you mean 'hidden'"):
         hw3.play(right, "hiden", 1)
+
+
+def test_a_run_that_failed_gives_its_steps_and_keeps_no_worker(hw3, tmp_path):
+    task = graded_task(hw3, hw3.tests[0], str(written(tmp_path / "s003", RAISES)))
+    seeds = seeds_of(hw3, hw3.tests[0], "s003", 0)
+    gc.collect()
+    gc.disable()
+    try:
+        try:
+            graded_run(task, hw3.tests[0].task.scenario, 20, seeds)
+        except SubmissionError as error:
+            steps = len(error.trace)
+        kept = [one for one in gc.get_objects() if type(one) is GradedSimulation]
+    finally:
+        gc.enable()
+    assert (steps, kept) == (7, [])
 
 
 def test_tests_that_are_not_asked_for_are_not_run(hw3, right):

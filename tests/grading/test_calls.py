@@ -146,7 +146,7 @@ def test_slots_and_functions_stand_beside_each_other_and_only_what_is_used_is_lo
         ("return np.zeros(10**7)", "the results may have 64 MiB in all, got 76 MiB$", None),
         ("return np.zeros(10**9)", "it asked for more than 1 GiB$", 4),
         ("raise SystemExit(0)", "line 4: SystemExit: 0$", 4),
-        ("os._exit(0)", r"^f: the worker ended by itself \(exit code 0\)$", None),
+        ("os._exit(0)", r"^f: its process ended by itself \(exit code 0\)$", None),
         ("return x.undefined", "^f, mine.py, line 4: AttributeError", 4),
     ],
 )

@@ -66,11 +66,11 @@ def at_step(*lines, k=3):
         ),
         ("return 13, 0", "at most 12 V", None),
         ("raise SystemExit(0)", "SystemExit", 5),
-        ("os._exit(0)", r"the worker ended by itself \(exit code 0\)", None),
-        ("os.abort()", "the worker was ended by signal SIG", None),
+        ("os._exit(0)", r"its process ended by itself \(exit code 0\)", None),
+        ("os.abort()", "its process was ended by signal SIG", None),
         ("time.sleep(60)", r"control took longer than 0.3 s at step 3", None),
         ("while True: pass", r"control took longer than 0.3 s at step 3", None),
-        ("os.closerange(3, 99)", "closed its connection|Bad file|the worker ended", None),
+        ("os.closerange(3, 99)", "closed its connection|Bad file|its process ended", None),
     ],
 )
 def test_what_goes_wrong_is_told_with_slot_step_and_line(tmp_path, line, message, line_number):
@@ -110,7 +110,7 @@ SPEAKS = """
         ("one.sendall(struct.pack('<HHI', 2, 0, 0))", "a message that is not due"),
         ("one.sendall(struct.pack('<HHI', 6, 0, 2) + b'[]')", "an error that is none"),
         ("one.sendall(struct.pack('<HHI', 4, 0, 9) + b'a')", "too short"),
-        ("one.shutdown(2)", "closed its connection|worker ended"),
+        ("one.shutdown(2)", "closed its connection|process ended"),
     ],
 )
 def test_one_that_speaks_on_the_connection_itself_gains_nothing(tmp_path, speech, message):

@@ -85,7 +85,7 @@ def test_callbacks_of_the_teachers_are_run_here(tmp_path):
         ("return 1e300, 2, 3", "^evaluate_model at step 3: no robot gets to", None),
         ("return 'abc'", "^evaluate_model at step 3: TypeError: the result must be", None),
         ("[0 for _ in iter(int, 1)]", "^evaluate_model took longer than 0.4 s at step 3", None),
-        ("import os; os._exit(0)", "^evaluate_model at step 3: the worker ended by itself", None),
+        ("import os; os._exit(0)", "^evaluate_model at step 3: its process ended by itself", None),
     ],
 )
 def test_what_goes_wrong_is_the_submissions_fault_with_its_step(tmp_path, line, message, number):

@@ -141,10 +141,8 @@ def _driven(simulation: Simulation, steps: int) -> Trace:
     try:
         return simulation.run(steps)
     except GradingError as error:
-        told = error._anew()  # without the notes of the loop on a callback here
-        if isinstance(told, SubmissionError) and len(simulation.trace):
-            told.trace = simulation.trace
-        raise told from None
+        # No name here for what is raised: with its traceback it would keep the worker.
+        raise _with_trace(error, simulation) from None
     except Exception as error:
         failed = callback_of(error)
         if failed is None:
@@ -153,6 +151,14 @@ def _driven(simulation: Simulation, steps: int) -> Trace:
         raise AssignmentError(
             f"a callback of the assignment has failed: {text}", slot=failed.slot, step=failed.k
         ) from error
+
+
+def _with_trace(error: GradingError, simulation: Simulation) -> GradingError:
+    """Return an error without the notes of the loop on a callback here, and the steps until it."""
+    told = error._anew()
+    if isinstance(told, SubmissionError) and len(simulation.trace):
+        told.trace = simulation.trace
+    return told
 
 
 def set_noise_keys(simulation: Simulation, seeds: RunSeeds) -> None:

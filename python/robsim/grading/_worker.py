@@ -167,7 +167,7 @@ class Worker:
         ending = self.process.wait(_DYING)
         if ending is GRADER_LOST_IT:
             raise GraderError(ending.text, slot=slot, step=k)
-        text = ending.text if ending.over else "the worker has closed its connection"
+        text = ending.text if ending.over else "its process has closed its connection"
         self.refuse(slot, k, text)
 
     def _refuse_kind(self, kind: Kind, body: bytes, slot: str | None, k: int | None) -> NoReturn:

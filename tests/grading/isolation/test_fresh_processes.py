@@ -26,7 +26,7 @@ def _no_zygote(monkeypatch):
 def test_a_fresh_worker_runs_is_limited_and_ends(ended):
     ending, output = ended("import os, resource; print(os.getcwd() == os.environ['HOME'])")
     assert output == "True\n"
-    assert ending.text == "the worker ended by itself (exit code 0)"
+    assert ending.text == "its process ended by itself (exit code 0)"
     assert ending.max_rss > 1 << 20
     assert not ending.left
 
@@ -36,7 +36,7 @@ def test_a_fresh_worker_is_ended_with_what_is_in_its_group(worker):
     with worker(source) as (started, channel):
         channel.recv(1)
         started.kill()
-        assert started.wait().text == "the worker was ended by the grader"
+        assert started.wait().text == "its process was ended by the grader"
         while channel.recv(9):  # both have closed their ends
             pass
 
@@ -58,4 +58,4 @@ def test_what_is_missing_is_said(worker):
 @pytest.mark.skipif(sys.platform != "linux", reason="macOS limits no addresses")
 def test_limits_hold_without_a_zygote(ended):
     ending, _ = ended("bytearray(2 << 30)")
-    assert ending.text == "the worker asked for more than 1 GiB of memory"
+    assert ending.text == "its process asked for more than 1 GiB of memory"

@@ -81,7 +81,7 @@ def test_a_killed_worker_is_said(worker):
         (zygote,) = zygotes()
         _, (process,) = split(zygote.process)
         os.kill(process, signal.SIGKILL)
-        assert started.wait(60).text == "the worker was ended by signal SIGKILL"
+        assert started.wait(60).text == "its process was ended by signal SIGKILL"
 
 
 def test_a_zygote_that_hangs_is_killed_and_replaced(worker, ended, monkeypatch):
@@ -223,5 +223,5 @@ def test_a_socket_that_is_held_keeps_nothing_alive(worker):
     """A grader that only closes its channel: the worker reads the end of it, and goes on."""
     with worker("channel.recv(1); print('the end')") as (started, channel):
         channel.shutdown(socket.SHUT_WR)
-        assert started.wait(60).text == "the worker ended by itself (exit code 0)"
+        assert started.wait(60).text == "its process ended by itself (exit code 0)"
     assert started.output == "the end\n"

@@ -163,7 +163,7 @@ time.sleep(600 if {stays} else 0)
     assert not os.path.exists(output.strip())
     assert not ending.left
     if stays:
-        assert ending.text == "the worker wrote more than 1 GiB of files, or folders too deep"
+        assert ending.text == "its process wrote more than 1 GiB of files, or folders too deep"
     assert ended("print(1)")[1] == "1\n"
 
 

@@ -22,7 +22,7 @@ def test_the_entry_gets_the_channel_and_the_memory(worker, isolation):
     source = "import os; channel.sendall(b'%d ' % len(memory) + os.pread(memory[0], 9, 0))"
     with worker(source, isolation=isolation, memory=[memory]) as (started, channel):
         assert channel.recv(99) == b"1 pixels"
-        assert started.wait(60).text == "the worker ended by itself (exit code 0)"
+        assert started.wait(60).text == "its process ended by itself (exit code 0)"
         assert channel.recv(99) == b""
     os.close(memory)
 
@@ -31,11 +31,11 @@ def test_the_entry_gets_the_channel_and_the_memory(worker, isolation):
 @pytest.mark.parametrize(
     ("source", "text"),
     [
-        ("raise SystemExit(3)", "the worker ended by itself (exit code 3)"),
-        ("import os; os._exit(0)", "the worker ended by itself (exit code 0)"),
-        ("1 / 0", "the worker ended by itself (exit code 1)"),
-        ("import ctypes; ctypes.string_at(0)", "the worker was ended by signal SIGSEGV"),
-        ("bytearray(2 << 30)", "the worker asked for more than 1 GiB of memory"),
+        ("raise SystemExit(3)", "its process ended by itself (exit code 3)"),
+        ("import os; os._exit(0)", "its process ended by itself (exit code 0)"),
+        ("1 / 0", "its process ended by itself (exit code 1)"),
+        ("import ctypes; ctypes.string_at(0)", "its process was ended by signal SIGSEGV"),
+        ("bytearray(2 << 30)", "its process asked for more than 1 GiB of memory"),
     ],
 )
 def test_how_a_worker_ended_is_said_in_words(ended, source, text):
@@ -57,13 +57,13 @@ for _ in range(3): threading.Thread(target=spin, daemon=True).start()
 spin()
 """
     ending, _ = ended(spin, cpu=1)
-    assert ending.text == "the worker used more than 1 s of processor time"
+    assert ending.text == "its process used more than 1 s of processor time"
     assert ending.cpu_seconds >= 0.5
 
 
 def test_output_is_cut_and_the_rest_dropped(ended):
     ending, output = ended("for _ in range(300): print('x' * 9999)", output=1000)
-    assert ending.text == "the worker ended by itself (exit code 0)"
+    assert ending.text == "its process ended by itself (exit code 0)"
     assert output == "x" * 1000 + "\n... cut after 1000 bytes"
 
 
@@ -85,7 +85,7 @@ for number in range(400): open(str(number), "wb").write(bytes(10))
 time.sleep(600)
 """
     ending, _ = ended(source, folder_size=1 << 20)
-    assert ending.text == "the worker wrote more than 1 MiB of files, or folders too deep"
+    assert ending.text == "its process wrote more than 1 MiB of files, or folders too deep"
 
 
 def test_a_worker_that_runs_says_so_and_is_ended(worker):
@@ -96,7 +96,7 @@ def test_a_worker_that_runs_says_so_and_is_ended(worker):
         assert channel.recv(1) == b"x"
         assert not w.wait(0).over
         w.kill()
-        assert w.wait(0).text == "the worker was ended by the grader"
+        assert w.wait(0).text == "its process was ended by the grader"
         assert w.output == "here\n"
         assert channel.recv(1) == b""
         w.kill()  # once more does no harm

@@ -21,7 +21,7 @@ from robsim.grading._isolation._processes import zygotes
 
 #: What is said of what was killed, by whose fault it is: of a worker nobody knows who did it.
 KILLED = {
-    "submission": r"(\w+ )?at (the start|step \d+): the worker was ended by signal SIGKILL",
+    "submission": r"(\w+ )?at (the start|step \d+): its process was ended by signal SIGKILL",
     "grader": "the worker was lost: the process that starts workers was killed"
     "|a worker was killed 5 times while it was started",
 }

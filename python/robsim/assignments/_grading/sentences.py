@@ -11,7 +11,7 @@ _MOST_REASON = 300  # characters
 
 # What the grader says of a submission that does not answer. A submission could say it, too.
 _TOO_LONG = re.compile(r"[\w ]+ took longer than \S+ s( at step \d+)?")
-_ENDED = re.compile(r"[\w ]+: the worker (ended by itself|was ended|has closed) ?.*")
+_ENDED = re.compile(r"[\w ]+: its process (ended by itself|was ended|has closed) .*")
 
 
 def of(result: TestResult) -> str:

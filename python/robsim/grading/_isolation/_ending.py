@@ -20,7 +20,7 @@ class Ending:
     Attributes
     ----------
     text : str
-        A sentence without its full stop: ``"the worker ended by itself (exit code 0)"``.
+        A sentence without its full stop: ``"its process ended by itself (exit code 0)"``.
     cpu_seconds : float
         Processor time of all its threads (s); NaN = not known.
     max_rss : int
@@ -56,7 +56,7 @@ def ending_of(
     """Return the ending that a wait status tells of; `killed` = the grader asked for it."""
     if too_much_written:
         most = as_size(limits.folder_size)
-        text = f"the worker wrote more than {most} of files, or folders too deep"
+        text = f"its process wrote more than {most} of files, or folders too deep"
     else:
         text = _text_of(os.waitstatus_to_exitcode(status), cpu_seconds, limits, killed)
     return Ending(text, cpu_seconds, max_rss, left=tuple(left))
@@ -65,16 +65,16 @@ def ending_of(
 def _text_of(code: int, cpu_seconds: float, limits: Limits, killed: bool) -> str:
     if code >= 0:
         if code == NO_MEMORY:
-            return f"the worker asked for more than {as_size(limits.memory)} of memory"
+            return f"its process asked for more than {as_size(limits.memory)} of memory"
         if code == NOT_SHUT_IN:
             return "the worker could not shut itself in (exit code 70)"
-        return f"the worker ended by itself (exit code {code})"
+        return f"its process ended by itself (exit code {code})"
     by_time = {-getattr(signal, "SIGXCPU", 24), -getattr(signal, "SIGKILL", 9)}
     if code in by_time and cpu_seconds >= math.ceil(limits.cpu) - 0.5:
-        return f"the worker used more than {math.ceil(limits.cpu)} s of processor time"
+        return f"its process used more than {math.ceil(limits.cpu)} s of processor time"
     if killed and code == -getattr(signal, "SIGKILL", 9):
-        return "the worker was ended by the grader"
-    return f"the worker was ended by signal {_name_of(-code)}"
+        return "its process was ended by the grader"
+    return f"its process was ended by signal {_name_of(-code)}"
 
 
 def _name_of(number: int) -> str:
