@@ -324,9 +324,12 @@ ALLOWED = {
     "grading/_isolation/_layers/landlock.py": "opens folders, to name them",
     "grading/_isolation/_layers/namespaces.py": "tells the kernel",
     "grading/_isolation/_layers/shut_in.py": "opens folders, to name them",
-    "grading/_isolation/_processes/become_worker.py": "opens the null device, and its own output",
+    "grading/_isolation/_processes/become_worker.py": "opens the null device",
     "grading/_isolation/_processes/descendants.py": "opens to read",
     "grading/_isolation/_processes/scratch.py": "opens folders, to empty them",
+    "grading/_isolation/_processes/windows/be_worker.py": "opens the null device",
+    "grading/_isolation/_processes/windows/scratch.py": "an empty file, for as long as it runs",
+    "grading/_isolation/_processes/working.py": "opens its own output",
 }
 WRITES = {
     *("open", "write_text", "write_bytes", "savefig", "imwrite", "VideoWriter", "savez", "mkstemp"),

@@ -29,7 +29,7 @@ from scipy.stats import binomtest
 from robsim.assignments import Assignment, ClassResult
 from robsim.assignments._checking.hostile import hostile_submissions
 from robsim.grading import Key
-from robsim.grading._isolation import close_zygotes
+from robsim.grading._isolation._processes.zygotes import close_zygotes
 from robsim.tasks import Task, task
 from robsim.tasks._marks.files import shipped_calibrations
 from small_machine import small_machine

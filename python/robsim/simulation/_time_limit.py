@@ -6,6 +6,7 @@ import ctypes
 import functools
 import math
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -127,7 +128,7 @@ class TimeLimit:
                     self._interrupt_callback()
 
     def _interrupt_callback(self) -> None:
-        if self._is_awakened:
+        if sys.platform != "win32" and self._is_awakened:
             signal.pthread_kill(self._thread, _WAKE_UP)
         else:
             ctypes.pythonapi.PyThreadState_SetAsyncExc(

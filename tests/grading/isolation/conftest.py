@@ -5,7 +5,8 @@ from contextlib import contextmanager
 import pytest
 
 from robsim.grading import _isolation
-from robsim.grading._isolation import Limits, close_zygotes
+from robsim.grading._isolation import Limits
+from robsim.grading._isolation._processes.zygotes import close_zygotes
 
 
 @pytest.fixture(scope="package")

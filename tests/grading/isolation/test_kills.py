@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from robsim.grading._isolation import _process, close_zygotes
+from robsim.grading._isolation import _process
 from robsim.grading._isolation._processes import zygotes as _zygotes
+from robsim.grading._isolation._processes.zygotes import close_zygotes
 
 pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux"),

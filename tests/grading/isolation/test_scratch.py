@@ -6,6 +6,7 @@ import sys
 import pytest
 
 from robsim.grading._isolation._processes import scratch
+from robsim.grading._isolation._processes.written import exceeds
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="workers run on Unix")
 
@@ -37,8 +38,8 @@ def test_what_lies_deeper_than_a_path_may_be_counts_as_too_much(tmp_path, monkey
         os.mkdir("x" * 250)
         os.chdir("x" * 250)
     monkeypatch.chdir(tmp_path)
-    assert scratch.exceeds(str(tmp_path), 1 << 40)
-    assert not scratch.exceeds(str(tmp_path / "none"), 0)
+    assert exceeds(str(tmp_path), 1 << 40)
+    assert not exceeds(str(tmp_path / "none"), 0)
     for name in os.listdir(tmp_path):
         scratch.remove(str(tmp_path / name))
 
@@ -46,15 +47,15 @@ def test_what_lies_deeper_than_a_path_may_be_counts_as_too_much(tmp_path, monkey
 @pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="root may look anywhere")
 def test_what_is_closed_counts_as_too_much(tmp_path):
     (tmp_path / "closed").mkdir(0o300)
-    assert scratch.exceeds(str(tmp_path), 1 << 40)
+    assert exceeds(str(tmp_path), 1 << 40)
     scratch.remove(str(tmp_path / "closed"))
 
 
 def test_many_small_things_count(tmp_path):
     for i in range(20):
         (tmp_path / f"f{i}").touch()
-    assert scratch.exceeds(str(tmp_path), 1 << 20)
-    assert not scratch.exceeds(str(tmp_path), 1 << 21)
+    assert exceeds(str(tmp_path), 1 << 20)
+    assert not exceeds(str(tmp_path), 1 << 21)
 
 
 def test_links_are_removed_and_not_what_they_lead_to(tmp_path):

@@ -10,7 +10,7 @@ import pytest
 
 import robsim
 from robsim.grading import Submission, SubmissionError
-from robsim.grading._isolation import close_zygotes
+from robsim.grading._isolation._processes.zygotes import close_zygotes
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="submissions run on Unix")
 

@@ -16,8 +16,8 @@ from graded import assert_same_trace
 from red_team import HONEST
 from red_team.ground import SCENARIO, ground, more_left
 from robsim.grading import GradingError
-from robsim.grading._isolation import close_zygotes
 from robsim.grading._isolation._processes import zygotes
+from robsim.grading._isolation._processes.zygotes import close_zygotes
 
 #: What is said of what was killed, by whose fault it is: of a worker nobody knows who did it.
 KILLED = {

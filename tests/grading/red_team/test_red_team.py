@@ -12,7 +12,7 @@ import pytest
 from red_team import ATTACKS, HONEST, LAYERS, PROCESS
 from red_team.ground import SCENARIO, check_after, check_outcome, ground
 from robsim.grading import check_isolation
-from robsim.grading._isolation import close_zygotes
+from robsim.grading._isolation._processes.zygotes import close_zygotes
 
 pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="looks at what is left by /proc"),

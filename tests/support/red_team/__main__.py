@@ -9,7 +9,7 @@ from pathlib import Path
 
 from red_team import ATTACKS, HONEST, LAYERS, Attack
 from red_team.ground import Ground, check_after, check_outcome, ground
-from robsim.grading._isolation import close_zygotes
+from robsim.grading._isolation._processes.zygotes import close_zygotes
 from small_machine import small_machine
 
 NOT_COVERED = """\

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import stat
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -37,7 +38,7 @@ def is_hidden_path(path: Path) -> bool:
 @contextmanager
 def locked_folder(folder: Path) -> Iterator[None]:
     """Let one process at a time change what is in a folder; a killed one lets go of it."""
-    if fcntl is None:
+    if sys.platform == "win32" or fcntl is None:
         yield
         return
     descriptor = os.open(folder, os.O_RDONLY)
@@ -127,7 +128,7 @@ def _remove_if_abandoned(path: Path) -> bool:
 
 def _lock(descriptor: int) -> bool:
     """Lock a file; return False if a sweep of another process holds it just now."""
-    if fcntl is not None:
+    if sys.platform != "win32" and fcntl is not None:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -139,7 +140,7 @@ def _lock(descriptor: int) -> bool:
 
 def _is_held(descriptor: int, status: os.stat_result) -> bool:
     """Return whether a process is writing a file."""
-    if fcntl is not None:
+    if sys.platform != "win32" and fcntl is not None:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -6,6 +6,7 @@ import errno
 import os
 import shutil
 import stat
+import sys
 import tempfile
 import weakref
 from collections.abc import Iterator
@@ -110,7 +111,7 @@ class PartialFile:
         self._drop()
 
     def _keep_mode(self) -> None:
-        if self._old is not None and hasattr(os, "fchmod"):
+        if sys.platform != "win32" and self._old is not None:
             new = os.fstat(self.descriptor)
             if (new.st_uid, new.st_gid) != (self._old.st_uid, self._old.st_gid):
                 with suppress(PermissionError):

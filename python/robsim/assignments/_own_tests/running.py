@@ -123,10 +123,10 @@ def _end(child: subprocess.Popen[bytes]) -> None:
     """End a child that has not ended, with all that it has started."""
     if child.poll() is None:
         with suppress(OSError):
-            if hasattr(os, "killpg"):
-                os.killpg(child.pid, signal.SIGKILL)
+            if sys.platform == "win32":
+                child.kill()  # its workers end with it
             else:
-                child.kill()
+                os.killpg(child.pid, signal.SIGKILL)
     child.communicate()
 
 

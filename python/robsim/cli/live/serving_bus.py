@@ -67,10 +67,13 @@ def _heard() -> Iterator[list[int]]:
     None of them raises here: an exception between the end of the program and the reading of its
     exit code would lose that.
     """
+    ending = [signal.SIGINT, signal.SIGTERM]
+    if sys.platform != "win32":
+        ending.append(signal.SIGHUP)
     heard: list[int] = []
     before = {
         number: signal.signal(number, lambda number, _: heard.append(number))
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        for number in ending
         if signal.getsignal(number) != signal.SIG_IGN  # as nohup has it
     }
     try:

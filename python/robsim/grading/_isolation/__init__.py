@@ -4,7 +4,6 @@ from robsim.grading._isolation._check import IsolationReport, check_isolation
 from robsim.grading._isolation._ending import Ending
 from robsim.grading._isolation._limits import Limits
 from robsim.grading._isolation._process import WorkerProcess
-from robsim.grading._isolation._processes.zygotes import close_zygotes
 from robsim.grading._isolation._request import Isolation
 from robsim.grading._isolation._start import IsolationError, start_worker
 
@@ -16,6 +15,5 @@ __all__ = [
     "Limits",
     "WorkerProcess",
     "check_isolation",
-    "close_zygotes",
     "start_worker",
 ]

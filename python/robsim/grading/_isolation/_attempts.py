@@ -89,6 +89,9 @@ def _send(target: dict[str, Any]) -> str:
 
 
 def _fork(target: dict[str, Any]) -> str:
+    assert sys.platform != "win32"
+    if sys.platform == "win32":
+        raise NotImplementedError
     child = os.fork()
     if child == 0:
         os._exit(0)
@@ -124,10 +127,17 @@ ATTEMPTS: dict[str, Callable[[dict[str, Any]], str]] = {
     "write outside its folder": _write_outside,
     "connect": _connect,
     "send a packet": _send,
-    "start a process": _fork,
-    "run a program": _execute,
-    "signal the grader": _signal,
 }
+if sys.platform == "win32":
+    from robsim.grading._isolation._processes.windows import attempts
+
+    ATTEMPTS |= attempts.ATTEMPTS
+else:
+    ATTEMPTS |= {
+        "start a process": _fork,
+        "run a program": _execute,
+        "signal the grader": _signal,
+    }
 if sys.platform == "linux":
     ATTEMPTS |= {
         "open the grader's memory": _read_memory,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import signal
 from dataclasses import dataclass
 
@@ -11,6 +10,9 @@ from robsim.grading._isolation._limits import Limits, as_size
 
 #: Exit codes of a worker's own: it could not shut itself in; it found no more memory.
 NOT_SHUT_IN, NO_MEMORY = 70, 71
+
+#: In the place of an exit code: it was ended, from outside or because of its processor time.
+KILLED = -getattr(signal, "SIGKILL", 9)
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ GRADER_LOST_IT = Ending("the worker was lost: the process that starts workers wa
 
 
 def ending_of(
-    status: int,
+    code: int,
     cpu_seconds: float,
     max_rss: int,
     *,
@@ -53,12 +55,15 @@ def ending_of(
     too_much_written: bool,
     left: list[str],
 ) -> Ending:
-    """Return the ending that a wait status tells of; `killed` = the grader asked for it."""
+    """Return the ending that an exit code tells of, or a signal, as a negative number.
+
+    `killed` = the grader asked for it.
+    """
     if too_much_written:
         most = as_size(limits.folder_size)
         text = f"its process wrote more than {most} of files, or folders too deep"
     else:
-        text = _text_of(os.waitstatus_to_exitcode(status), cpu_seconds, limits, killed)
+        text = _text_of(code, cpu_seconds, limits, killed)
     return Ending(text, cpu_seconds, max_rss, left=tuple(left))
 
 
@@ -68,11 +73,12 @@ def _text_of(code: int, cpu_seconds: float, limits: Limits, killed: bool) -> str
             return f"its process asked for more than {as_size(limits.memory)} of memory"
         if code == NOT_SHUT_IN:
             return "the worker could not shut itself in (exit code 70)"
-        return f"its process ended by itself (exit code {code})"
-    by_time = {-getattr(signal, "SIGXCPU", 24), -getattr(signal, "SIGKILL", 9)}
+        shown = code if code < 1 << 16 else f"{code:#x}"  # a crash, on Windows
+        return f"its process ended by itself (exit code {shown})"
+    by_time = {-getattr(signal, "SIGXCPU", 24), KILLED}
     if code in by_time and cpu_seconds >= math.ceil(limits.cpu) - 0.5:
         return f"its process used more than {math.ceil(limits.cpu)} s of processor time"
-    if killed and code == -getattr(signal, "SIGKILL", 9):
+    if killed and code == KILLED:
         return "its process was ended by the grader"
     return f"its process was ended by signal {_name_of(-code)}"
 

@@ -6,6 +6,7 @@ import json
 import os
 import selectors
 import socket
+import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -15,10 +16,10 @@ from typing import Any, Self
 from robsim.grading._errors import GraderError
 from robsim.grading._isolation._ending import GRADER_LOST_IT, STILL_RUNS, Ending, ending_of
 from robsim.grading._isolation._layers.layer import Layers
-from robsim.grading._isolation._limits import as_size
+from robsim.grading._isolation._printed import Printed
 from robsim.grading._isolation._request import Request
 
-_START = 30.0  # s that a worker may take to shut itself in
+_START = 60.0  # s that a worker may take to shut itself in, where it is fresh with its imports
 _END = 60.0  # s that its end, and that of all it has left, may take
 _AT_ONCE = 1 << 16  # bytes
 
@@ -44,17 +45,17 @@ class WorkerProcess:
         self,
         request: Request,
         life: socket.socket,
-        output: int,
+        pipe: int | None,
         *,
+        printed: Printed | None = None,
         on_end: Callable[[Ending], None] = lambda ending: None,
         on_hang: Callable[[], None] = lambda: None,
     ) -> None:
         self._request = request
         self._life = life
         self._lines = life.makefile("rb")
-        self._pipe = output
-        self._kept = bytearray()
-        self._dropped = 0
+        self._pipe = pipe
+        self._printed = printed or Printed(request.limits.output)
         self._killed = False
         self._ending: Ending | None = None
         self._over = threading.Event()
@@ -83,7 +84,7 @@ class WorkerProcess:
         if not report:
             raise WorkerLost
         content = json.loads(report)
-        if os.WIFSIGNALED(content.get("status", 0)):
+        if content.get("code", 0) < 0:
             raise WorkerLost
         if "layers" not in content:
             raise GraderError(f"a worker could not be started: {self._failure(content)}")
@@ -98,13 +99,15 @@ class WorkerProcess:
     def _watch(self) -> None:
         """Read what it prints, until it has ended."""
         with selectors.DefaultSelector() as selector:
-            life = selector.register(self._life, selectors.EVENT_READ)
-            pipe = selector.register(self._pipe, selectors.EVENT_READ)
-            ready = [pipe]
-            while life not in ready:
-                ready = [key for key, _ in selector.select()]
-                if pipe in ready and not self._read():
-                    selector.unregister(self._pipe)
+            selector.register(self._life, selectors.EVENT_READ)
+            pipe = self._pipe
+            if pipe is not None:
+                selector.register(pipe, selectors.EVENT_READ)
+            ready: list[object] = []
+            while self._life not in ready:
+                ready = [key.fileobj for key, _ in selector.select()]
+                if pipe is not None and pipe in ready and not self._read(pipe):
+                    selector.unregister(pipe)
         ending = self._last_report()
         self._read_what_is_there()
         self._close()
@@ -115,25 +118,26 @@ class WorkerProcess:
             self._over.set()
 
     def _close(self) -> None:
-        os.close(self._pipe)
+        if self._pipe is not None:
+            os.close(self._pipe)
         with self._sending:
             self._lines.close()
             self._life.close()
 
-    def _read(self) -> bool:
+    def _read(self, pipe: int) -> bool:
         """Read some of the output; return False at its end."""
-        part = os.read(self._pipe, _AT_ONCE)
-        room = max(0, self._request.limits.output - len(self._kept))
-        self._kept += part[:room]
-        self._dropped += len(part) - len(part[:room])
+        part = os.read(pipe, _AT_ONCE)
+        self._printed.add(part)
         return bool(part)
 
     def _read_what_is_there(self) -> None:
         """Read what is in the pipe, which a process that is left may keep open."""
+        if sys.platform == "win32" or self._pipe is None:
+            return
         os.set_blocking(self._pipe, False)
         with suppress(BlockingIOError):
             for _ in range(64):
-                if not self._read():
+                if not self._read(self._pipe):
                     return
 
     def _last_report(self) -> Ending:
@@ -145,7 +149,7 @@ class WorkerProcess:
             return GRADER_LOST_IT
         told = json.loads(report)
         return ending_of(
-            *(told["status"], told["cpu"], told["max_rss"]),
+            *(told["code"], told["cpu"], told["max_rss"]),
             limits=self._request.limits,
             killed=self._killed,
             too_much_written=told.get("too much written", False),
@@ -155,10 +159,7 @@ class WorkerProcess:
     @property
     def output(self) -> str:
         """What it has printed, with a line that says where it was cut. It may be anything."""
-        text = bytes(self._kept).decode("utf-8", "replace")
-        if not self._dropped:
-            return text
-        return f"{text}\n... cut after {as_size(self._request.limits.output)}"
+        return self._printed.text
 
     def kill(self) -> None:
         """End it, and whatever it has started, without asking; return when nothing is left."""

@@ -6,20 +6,15 @@ import os
 import socket
 import sys
 from collections.abc import Sequence
-from functools import partial
 
 from robsim._base.checks import check_choice
 from robsim._base.text import quoted
 from robsim.grading._errors import GraderError
-from robsim.grading._isolation._ending import GRADER_LOST_IT, Ending
-from robsim.grading._isolation._layers.layer import NETWORK, USER
 from robsim.grading._isolation._limits import Limits
-from robsim.grading._isolation._process import WorkerLost, WorkerProcess
-from robsim.grading._isolation._processes.zygotes import ZygoteSetup, lose_user, retire, zygote_for
+from robsim.grading._isolation._process import WorkerProcess
 from robsim.grading._isolation._request import LEVELS, Isolation, Request
 
 HAS_ZYGOTE = sys.platform == "linux"
-_TRIES = 5  # of which others may kill all but one
 
 
 class IsolationError(GraderError):
@@ -83,82 +78,17 @@ def start_worker(
         hidden=tuple(map(os.path.abspath, hidden)),
         without=tuple(without),
     )
-    descriptors = [channel.fileno(), *memory]
     modules = tuple(dict.fromkeys((*modules, module)))
-    if HAS_ZYGOTE:
-        setup = ZygoteSetup(
-            modules,
-            tuple(path),
-            shut=request.shut,
-            network=NETWORK in request.without,
-        )
-        worker = _from_zygote(setup, request, descriptors)
+    if sys.platform == "linux" and HAS_ZYGOTE:
+        from robsim.grading._isolation._forked import forked_worker as worker_of
+    elif sys.platform == "win32":
+        from robsim.grading._isolation._processes.windows.fresh import fresh_worker as worker_of
     else:
-        from robsim.grading._isolation._processes.fresh import fresh_worker
-
-        worker = fresh_worker(request, descriptors, modules, path)
+        from robsim.grading._isolation._processes.fresh import fresh_worker as worker_of
+    worker = worker_of(request, channel, memory, modules, path)
     if isolation == "strict":
         _refuse_open(worker)
     return worker
-
-
-def _from_zygote(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> WorkerProcess:
-    if request.isolation != "none":
-        _close_own_memory()
-    for _ in range(_TRIES):
-        try:
-            return _asked(setup, request, descriptors)
-        except (WorkerLost, ConnectionError):  # it was killed: with the next one
-            retire(setup)
-    raise GraderError(f"a worker was killed {_TRIES} times while it was started")
-
-
-def _asked(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> WorkerProcess:
-    """Ask a zygote for a worker, with a user of its own where that can be had."""
-    from dataclasses import replace
-
-    from robsim.grading._isolation._layers import users
-
-    user = users.take_user() if request.shut and USER not in request.without else None
-    request = replace(request, user=user)
-    ours, theirs = socket.socketpair()
-    reading, writing = os.pipe()
-    try:
-        with theirs:
-            zygote = zygote_for(setup)
-            zygote.ask(request, [descriptors[0], writing, theirs.fileno(), *descriptors[1:]])
-    except BaseException:
-        ours.close()
-        os.close(reading)
-        _give_back(user, GRADER_LOST_IT)
-        raise
-    finally:
-        os.close(writing)
-    try:
-        return WorkerProcess(
-            request, ours, reading, on_end=partial(_give_back, user), on_hang=zygote.kill
-        )
-    except BaseException:
-        _give_back(user, GRADER_LOST_IT)
-        raise
-
-
-def _give_back(user: int | None, ending: Ending) -> None:
-    from robsim.grading._isolation._layers import users
-
-    if user is None:
-        return
-    if ending is GRADER_LOST_IT:
-        lose_user(user)  # it may have left something
-    else:
-        users.give_back(user)
-
-
-def _close_own_memory() -> None:
-    """Let no other process of the same user look into this one."""
-    from robsim.grading._isolation._layers import calls
-
-    calls.prctl(calls.PR_SET_DUMPABLE, 0)
 
 
 def _refuse_open(worker: WorkerProcess) -> None:

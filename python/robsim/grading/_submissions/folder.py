@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -49,7 +50,7 @@ class _Folder:
 @contextmanager
 def _opened_folder(path: str, above: _Folder | None = None) -> Iterator[_Folder]:
     path, start = above.where(path) if above else (path, None)
-    if not _BY_DESCRIPTOR:
+    if sys.platform == "win32" or not _BY_DESCRIPTOR:
         yield _Folder(path)
         return
     descriptor = os.open(path, _FLAGS | _SAFE | os.O_DIRECTORY, dir_fd=start)

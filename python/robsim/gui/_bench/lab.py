@@ -97,7 +97,10 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     with contextlib.suppress(subprocess.TimeoutExpired):
         process.wait(15)
     if process.poll() is None:
-        os.killpg(process.pid, signal.SIGKILL)  # kernels end when they notice
+        if sys.platform == "win32":
+            process.kill()
+        else:
+            os.killpg(process.pid, signal.SIGKILL)  # kernels end when they notice
         process.wait()
 
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import struct
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from robsim.grading._isolation._layers.calls import PR_SET_NO_NEW_PRIVS, prctl, syscall
+
+assert sys.platform == "linux"
 
 _CREATE_RULESET, _ADD_RULE, _RESTRICT_SELF = 444, 445, 446  # the same on all processors
 _VERSION = 1  # a flag of _CREATE_RULESET

@@ -27,7 +27,7 @@ class Layer:
         return named if self.holds and self.text else self.name
 
 
-PROCESS, LIMITS, USER, MEMORY = "process", "limits", "user", "memory"
+PROCESS, JOB, LIMITS, USER, MEMORY = "process", "job object", "limits", "user", "memory"
 FILES, CALLS, PIDS, NETWORK = "files", "system calls", "own process numbers", "own network"
 
 
@@ -37,6 +37,12 @@ def attempt(name: str, act: Callable[[], str]) -> Layer:
         return Layer(name, True, act())
     except OSError as error:
         return Layer(name, False, error.strerror or str(error))
+
+
+def missing_layers(system: str) -> list[Layer]:
+    """Return the layers that robsim knows no way to on a system."""
+    reason = f"robsim knows no way on {system}"
+    return [Layer(n, False, reason) for n in (USER, MEMORY, FILES, CALLS, PIDS, NETWORK)]
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 import resource
+import sys
 
 from robsim.grading._isolation._layers.layer import LIMITS, Layer
 from robsim.grading._isolation._limits import Limits, as_size
+
+assert sys.platform != "win32"
 
 
 def limit(limits: Limits, *, own_user: bool) -> Layer:

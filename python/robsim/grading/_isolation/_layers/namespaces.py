@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -18,6 +19,8 @@ from robsim.grading._isolation._layers.calls import (
     unshare,
 )
 from robsim.grading._isolation._layers.layer import NETWORK, PIDS, Layer, attempt
+
+assert sys.platform == "linux"
 
 _OWN_PIDS = "/proc/self/ns/pid"
 

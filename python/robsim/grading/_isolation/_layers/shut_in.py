@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sys
+
+assert sys.platform == "linux"
+
 import os
 import signal
-import sys
 import sysconfig
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path

@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import signal
 import socket
+import sys
 import threading
 from contextlib import suppress
 
 from robsim.grading._isolation._layers.calls import has_capability
+
+assert sys.platform == "linux"
 
 #: Numbers that systemd's list of users keeps free.
 FIRST_USER, LAST_USER = 60600, 61180

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import importlib
-import io
-import json
 import os
 import select
 import signal
 import socket
 import sys
-import tempfile
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import NoReturn, TextIO
+from typing import NoReturn
 
-from robsim.grading._isolation._ending import NO_MEMORY, NOT_SHUT_IN
+from robsim.grading._isolation._ending import NOT_SHUT_IN
 from robsim.grading._isolation._layers.layer import PROCESS, Layer, Layers
+from robsim.grading._isolation._processes.working import settle, tell, work
 from robsim.grading._isolation._request import Request
+
+assert sys.platform != "win32"
 
 #: A descriptor of a path and what is granted below it (`_layers.landlock`).
 Grants = Sequence[tuple[int, int]]
@@ -56,9 +55,9 @@ def become_worker(
         _be_alone(output, [channel, life, *memory, *(g[0] for g in grants)], scratch, alive)
         with socket.socket(fileno=life) as report:
             layers = Layers((Layer(PROCESS, True, ""), *made, *_shut_in(request, grants, alive)))
-            report.sendall(json.dumps({"layers": layers.to_message()}).encode() + b"\n")
-        if request.isolation != "strict" or all(layers.closed.values()):
-            code = _work(request, channel, memory)
+            tell(layers, report)
+        with socket.socket(fileno=channel) as connection:
+            code = work(request, layers, connection, memory)
     except BaseException:
         traceback.print_exc()
     finally:
@@ -79,17 +78,7 @@ def _be_alone(output: int, keep: Sequence[int], scratch: str, alive: int | None)
     os.dup2(output, 1)
     os.dup2(output, 2)
     _close_all_but({0, 1, 2, *keep})
-    sys.stdout, sys.stderr = _unbuffered(1), _unbuffered(2)
-    os.chdir(scratch)
-    for name in ("HOME", "TMPDIR", "TMP", "TEMP", "MPLCONFIGDIR"):
-        os.environ[name] = scratch
-    tempfile.tempdir = scratch
-
-
-def _unbuffered(descriptor: int) -> TextIO:
-    """Return a stream in which what is printed is there, however the process ends."""
-    raw = open(descriptor, "wb", buffering=0, closefd=False)  # noqa: SIM115
-    return io.TextIOWrapper(raw, "utf-8", "backslashreplace", write_through=True)
+    settle(scratch)
 
 
 def _close_all_but(keep: set[int]) -> None:
@@ -105,27 +94,10 @@ def _close_all_but(keep: set[int]) -> None:
 def _shut_in(request: Request, grants: Grants, alive: int | None) -> list[Layer]:
     if request.isolation == "none":
         return []
-    if alive is not None:  # there is a zygote: this is Linux
+    if sys.platform == "linux" and alive is not None:  # there is a zygote
         from robsim.grading._isolation._layers.shut_in import shut_in
 
         return shut_in(request, grants)
     from robsim.grading._isolation._layers.elsewhere import shut_in_elsewhere
 
     return shut_in_elsewhere(request)
-
-
-def _work(request: Request, channel: int, memory: list[int]) -> int:
-    """Call the entry; return the exit code."""
-    module, _, function = request.entry.partition(":")
-    try:
-        work = getattr(importlib.import_module(module), function)
-        with socket.socket(fileno=channel) as connection:
-            work(connection, tuple(memory))
-    except MemoryError:
-        return NO_MEMORY
-    except SystemExit as error:
-        return error.code if isinstance(error.code, int) else int(error.code is not None)
-    except BaseException:
-        traceback.print_exc()
-        return 1
-    return 0

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import time
 from collections import defaultdict
 from contextlib import suppress
+
+assert sys.platform == "linux"
 
 _PATIENCE = 5.0  # s
 

@@ -19,7 +19,23 @@ _SET = {
 
 def environment_for(home: str) -> dict[str, str]:
     """Return the environment of a process with a home folder."""
-    return {**_SET, "HOME": home, **{n: os.environ[n] for n in _KEPT if n in os.environ}}
+    kept = {name: os.environ[name] for name in _KEPT if name in os.environ}
+    if sys.platform == "win32":
+        return {**_SET, **kept, **_of_windows(home)}
+    return {**_SET, "HOME": home, **kept}
+
+
+def _of_windows(home: str) -> dict[str, str]:
+    """Return what programs need there, and where a virtual environment is that this one is in."""
+    root = os.environ.get("SYSTEMROOT", r"C:\Windows")
+    libraries = [sys.base_prefix, os.path.join(sys.base_prefix, "Library", "bin")]  # conda's
+    virtual = {"__PYVENV_LAUNCHER__": sys.executable} if sys.prefix != sys.base_prefix else {}
+    return {
+        "SYSTEMROOT": root,
+        "PATH": os.pathsep.join([*libraries, os.path.join(root, "System32"), root]),
+        **dict.fromkeys(("USERPROFILE", "TEMP", "TMP"), home),
+        **virtual,
+    }
 
 
 def command_for(entry: str, *arguments: int) -> list[str]:
@@ -28,4 +44,7 @@ def command_for(entry: str, *arguments: int) -> list[str]:
     module, _, function = entry.partition(":")
     called = f"{function}({', '.join(map(str, arguments))})"
     code = f"import sys; sys.path.append({package!r}); from {module} import {function}; {called}"
-    return [sys.executable, "-I", "-c", code]
+    program = sys.executable
+    if sys.platform == "win32":  # where that of a virtual environment starts another process
+        program = getattr(sys, "_base_executable", program)
+    return [program, "-I", "-c", code]

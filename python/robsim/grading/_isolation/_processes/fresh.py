@@ -2,37 +2,43 @@
 
 from __future__ import annotations
 
+import sys
+
+assert sys.platform != "win32"
+
 import importlib
 import json
 import os
 import signal
 import socket
 import subprocess
-import sys
 import threading
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import NoReturn
 
 from robsim.grading._errors import GraderError
-from robsim.grading._isolation._process import WorkerProcess
+from robsim.grading._isolation._process import WorkerLost, WorkerProcess
 from robsim.grading._isolation._processes import scratch
 from robsim.grading._isolation._processes.environment import command_for, environment_for
+from robsim.grading._isolation._processes.zombies import wait_for_end
 from robsim.grading._isolation._request import Request
 
 
 def fresh_worker(
-    request: Request, descriptors: Sequence[int], modules: Sequence[str], path: Sequence[str]
+    request: Request,
+    channel: socket.socket,
+    memory: Sequence[int],
+    modules: Sequence[str],
+    path: Sequence[str],
 ) -> WorkerProcess:
     """Start a worker as a process of its own, which imports what it needs."""
-    if sys.platform == "win32":
-        raise GraderError("submissions can be run on Linux and macOS; on Windows, in WSL")
     base = scratch.Base()
     ours, theirs = socket.socketpair()
     reading, writing = os.pipe()
     try:
         folder = scratch.make_scratch(base.path, None)
-        given = [descriptors[0], writing, theirs.fileno(), *descriptors[1:]]
+        given = [channel.fileno(), writing, theirs.fileno(), *memory]
         message = {
             "request": request.to_message(),
             "modules": list(modules),
@@ -50,7 +56,10 @@ def fresh_worker(
     finally:
         os.close(writing)
     _Keeper(process, theirs, base)
-    return WorkerProcess(request, ours, reading)
+    try:
+        return WorkerProcess(request, ours, reading)
+    except WorkerLost:
+        raise GraderError("a worker was killed while it was started") from None
 
 
 def _started(
@@ -100,7 +109,7 @@ class _Keeper:
 
     def _wait(self) -> None:
         """Tell how it ended, and remove what is left of it."""
-        os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOWAIT)
+        wait_for_end(self._process.pid)
         self._kill()  # what it has left in its session
         with self._lock:
             _, status, usage = os.wait4(self._process.pid, 0)
@@ -108,7 +117,7 @@ class _Keeper:
         self._process.returncode = os.waitstatus_to_exitcode(status)
         self._base.remove()
         ending = {
-            "status": status,
+            "code": self._process.returncode,
             "cpu": usage.ru_utime + usage.ru_stime,
             "max_rss": usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024),
             "left": [f"folder {self._base.path}"] if os.path.lexists(self._base.path) else [],

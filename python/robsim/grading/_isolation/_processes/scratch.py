@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+import sys
+
+assert sys.platform != "win32"
+
+import fcntl
 import functools
 import os
 import secrets
-import stat
 import tempfile
-from collections.abc import Iterable
 from contextlib import suppress
 
 _PREFIX = "robsim-grading-"
-_BLOCK = 1 << 16  # bytes: to remove a folder takes milliseconds on some disks
-_DEEPEST = 100  # folders in folders
-_FLAGS = ("O_DIRECTORY", "O_NOFOLLOW", "O_CLOEXEC")  # not on Windows, which has no workers
-_FOLDER = os.O_RDONLY | sum(getattr(os, name, 0) for name in _FLAGS)
+_FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 
 
 class Base:
@@ -54,8 +54,6 @@ def held(base: str) -> int:
 
     FileNotFoundError if it is just being removed.
     """
-    import fcntl
-
     lock = os.open(base, _FOLDER)
     fcntl.flock(lock, fcntl.LOCK_SH)
     if not os.path.lexists(base):
@@ -80,8 +78,6 @@ def remove_leftovers(folder: str) -> None:
 
 
 def _remove_if_left(base: str) -> None:
-    import fcntl
-
     lock = os.open(base, _FOLDER)
     try:
         if os.fstat(lock).st_uid == os.geteuid():
@@ -98,37 +94,6 @@ def make_scratch(base: str, user: int | None) -> str:
     if user is not None:
         os.chown(scratch, user, user)
     return scratch
-
-
-def exceeds(folder: str, most: int) -> bool:
-    """Return whether files take more than a number of bytes, each at least a block, or lie deep.
-
-    What cannot be looked into, because it is closed, may be more than that.
-    """
-    total, waiting = 0, [(folder, 0)]
-    while waiting:
-        here, depth = waiting.pop()
-        if depth > _DEEPEST:
-            return True
-        try:
-            with os.scandir(here) as entries:
-                for entry in entries:
-                    status = entry.stat(follow_symlinks=False)
-                    total += max(_BLOCK, status.st_blocks * 512)
-                    if total > most:
-                        return True
-                    if stat.S_ISDIR(status.st_mode):
-                        waiting.append((entry.path, depth + 1))
-        except (FileNotFoundError, NotADirectoryError):  # it is just being removed
-            continue
-        except OSError:
-            return True
-    return False
-
-
-def room_for(sizes: Iterable[int]) -> int:
-    """Return how much `exceeds` counts for files of these sizes (bytes)."""
-    return sum(size + _BLOCK for size in sizes)
 
 
 def remove(folder: str) -> None:

@@ -6,6 +6,10 @@ that of its workers: each asks for SIGKILL when its parent dies.
 
 from __future__ import annotations
 
+import sys
+
+assert sys.platform == "linux"
+
 import gc
 import importlib
 import json
@@ -13,7 +17,6 @@ import os
 import selectors
 import signal
 import socket
-import sys
 import time
 import traceback
 from contextlib import suppress
@@ -29,6 +32,7 @@ from robsim.grading._isolation._layers.shut_in import readable_trees, way_to
 from robsim.grading._isolation._processes import scratch
 from robsim.grading._isolation._processes.become_worker import become_worker
 from robsim.grading._isolation._processes.descendants import end_strays
+from robsim.grading._isolation._processes.written import exceeds
 from robsim.grading._isolation._request import Request
 
 #: Longest request (bytes).
@@ -91,7 +95,7 @@ class Zygote:
             return
         self._next_look = time.monotonic() + _LOOK
         for child in self._children.values():
-            if scratch.exceeds(child.folder, child.most_written):
+            if exceeds(child.folder, child.most_written):
                 child.too_much_written = True
                 self._kill(child)
 
@@ -185,7 +189,7 @@ class Zygote:
                     return
                 if child := self._children.pop(process, None):
                     child.ending = {
-                        "status": status,
+                        "code": os.waitstatus_to_exitcode(status),
                         "cpu": usage.ru_utime + usage.ru_stime,
                         "max_rss": usage.ru_maxrss * 1024,
                         "left": self._end_what_is_left(child),

@@ -17,6 +17,8 @@ from robsim.grading._isolation._processes import scratch
 from robsim.grading._isolation._processes.environment import command_for, environment_for
 from robsim.grading._isolation._request import Request
 
+assert sys.platform != "win32"
+
 _START = 60.0  # s that the imports of a zygote may take
 _END = 10.0  # s that its workers and folders may take to be removed
 
