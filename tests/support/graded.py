@@ -7,7 +7,6 @@ import numpy as np
 
 import robsim
 from robsim.grading._graded_run import all_here, graded_run
-from robsim.grading._isolation._processes import zygotes
 from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import Rules, read_submission
 from robsim.grading._tasks.task import Task
@@ -130,5 +129,7 @@ def random_scenario(rng):
 
 def where(trace):
     """A metric: the process that grades a run, and the one that starts its workers."""
+    from robsim.grading._isolation._processes import zygotes  # not on Windows
+
     (process,) = [zygote.process for zygote in zygotes._zygotes.values()]
     return {"grader": os.getpid(), "zygote": process}

@@ -1,4 +1,5 @@
 import socket
+import sys
 import threading
 from contextlib import contextmanager
 
@@ -6,7 +7,6 @@ import pytest
 
 from robsim.grading import _isolation
 from robsim.grading._isolation import Limits
-from robsim.grading._isolation._processes.zygotes import close_zygotes
 
 
 @pytest.fixture(scope="package")
@@ -27,7 +27,10 @@ def run(channel, memory):
 @pytest.fixture(scope="package", autouse=True)
 def _no_zygote_is_left():
     yield
-    close_zygotes()
+    if sys.platform != "win32":
+        from robsim.grading._isolation._processes.zygotes import close_zygotes
+
+        close_zygotes()
 
 
 @pytest.fixture
