@@ -65,6 +65,8 @@ class Channel:
         self._native: _core.MessageSocket | None = None
         if sys.platform != "win32":
             self._native = _core.MessageSocket(connection.fileno(), limits)
+        elif connection.family == socket.AF_INET:  # whose last bytes would wait for an answer
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def send(self, kind: Kind, *parts: bytes | memoryview, patience: float | None = None) -> None:
         """Send a message, in one call where it goes out at once.
