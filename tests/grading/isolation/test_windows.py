@@ -34,10 +34,10 @@ def _nothing_is_left():
 @pytest.mark.parametrize(
     ("source", "text"),
     [
-        ("pass", "the worker ended by itself (exit code 0)"),
-        ("import os; os._exit(3)", "the worker ended by itself (exit code 3)"),
-        ("1/0", "the worker ended by itself (exit code 1)"),
-        ("raise MemoryError", "the worker asked for more than 1 GiB of memory"),
+        ("pass", "its process ended by itself (exit code 0)"),
+        ("import os; os._exit(3)", "its process ended by itself (exit code 3)"),
+        ("1/0", "its process ended by itself (exit code 1)"),
+        ("raise MemoryError", "its process asked for more than 1 GiB of memory"),
         ("kept = []\nwhile True: kept.append(bytearray(1 << 24))", "1 GiB of memory"),
     ],
 )
@@ -57,13 +57,13 @@ def test_a_worker_is_at_home_in_its_folder(ended, monkeypatch):
         "print(homes == {os.getcwd()}, 'SECRET' in os.environ)"
     )
     assert output == "True False\n"
-    assert ending.text == "the worker ended by itself (exit code 0)"
+    assert ending.text == "its process ended by itself (exit code 0)"
 
 
 def test_output_is_cut_and_the_rest_dropped(ended):
     ending, output = ended("for _ in range(300): print('x' * 10000)", output=1 << 10)
     assert output == "x" * 1024 + "\n... cut after 1 KiB"
-    assert ending.text == "the worker ended by itself (exit code 0)"
+    assert ending.text == "its process ended by itself (exit code 0)"
 
 
 def test_all_files_together_are_limited(ended):
@@ -71,7 +71,7 @@ def test_all_files_together_are_limited(ended):
         "import time\nopen('big', 'wb').write(bytes(3 << 20))\ntime.sleep(600)",
         folder_size=1 << 20,
     )
-    assert ending.text == "the worker wrote more than 1 MiB of files, or folders too deep"
+    assert ending.text == "its process wrote more than 1 MiB of files, or folders too deep"
     assert not ending.left
 
 
@@ -81,7 +81,7 @@ def test_files_that_are_read_only_or_lie_deep_are_removed(ended):
         "open('kept', 'w').close(); os.chmod('kept', stat.S_IREAD)\n"
         "for _ in range(40): os.mkdir('folder'); os.chdir('folder')"
     )
-    assert ending.text == "the worker ended by itself (exit code 0)"
+    assert ending.text == "its process ended by itself (exit code 0)"
     assert not ending.left
 
 
@@ -93,7 +93,7 @@ def test_a_worker_that_runs_is_ended(worker):
         end.recv(1)
         assert not started.wait(0).over
         started.kill()
-        assert started.wait().text == "the worker was ended by the grader"
+        assert started.wait().text == "its process was ended by the grader"
         assert started.output == "x\n"
 
 
@@ -109,7 +109,7 @@ def test_what_a_worker_has_started_ends_with_it(ended):
     ending, output = ended(CHILD)
     assert time.monotonic() - before < 600
     if WINE:
-        assert ending.text == "the worker ended by itself (exit code 0)"
+        assert ending.text == "its process ended by itself (exit code 0)"
     else:
         assert "OSError" in output
 
@@ -117,7 +117,7 @@ def test_what_a_worker_has_started_ends_with_it(ended):
 @wants_windows
 def test_processor_time_is_limited_and_counted(ended):
     ending, _ = ended("while True: pass", cpu=1)
-    assert ending.text == "the worker used more than 1 s of processor time"
+    assert ending.text == "its process used more than 1 s of processor time"
     assert ending.cpu_seconds > 0.5
 
 
