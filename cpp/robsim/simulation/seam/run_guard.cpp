@@ -8,7 +8,8 @@ namespace robsim {
 RunGuard::RunGuard()
     : ThreadGuard(
           "another thread is running this simulation or experiment: wait until it has finished; "
-          "its trace, n_steps and stage can be read meanwhile",
+          "its trace, n_steps and stage can be read meanwhile; a callback that starts threads of "
+          "its own reads for them what they need of step",
           "another thread was running this simulation or experiment when the process was forked, "
           "and only half of a step is here: make another one in this process") {}
 
