@@ -311,7 +311,7 @@ ALLOWED = {
     "gui/_hosted.py": "opens a page",
     "gui/_tools/opening.py": "opens a picture to read",
     "gui/_hosts/page.py": "opens a browser",
-    "cli/simulated/gui.py": "opens a page",
+    "cli/pages.py": "opens a page",
     "cli/results.py": "packs in memory",
     "grading/_keys.py": "creates a file that nobody else can read; opens to read",
     "grading/_frame_memory.py": "a file without a name, shared with a worker",

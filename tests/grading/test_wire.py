@@ -39,6 +39,14 @@ def heard(request):
     return ask
 
 
+@pytest.fixture
+def ctrl_c():
+    """Let it raise KeyboardInterrupt, also where Python was started so that it ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def test_an_exchange_sends_its_parts_first(ends):
     channel, other = ends
     other.send(HEAD.pack(Kind.ANSWER, 0, 2) + b"no")
@@ -54,6 +62,7 @@ def test_a_channel_that_is_closed_speaks_no_more(ends):
         channel.exchange(Kind.STEP, b"ab", patience=10)
 
 
+@pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.skipif(sys.platform == "win32", reason="there os.kill ends the process")
 def test_ctrl_c_ends_an_exchange(ends):
     channel, _ = ends
@@ -64,6 +73,7 @@ def test_ctrl_c_ends_an_exchange(ends):
     interrupter.join()
 
 
+@pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.skipif(sys.platform == "win32", reason="there a signal ends no exchange")
 def test_ctrl_c_just_before_a_wait_ends_it(ends):
     channel, other = ends
