@@ -62,7 +62,7 @@ def hand_in(
 ) -> dict[str, dict[str, str]]:
     """Write what a class hands in; return what each one has for each task."""
     rng = random.Random(seed)
-    hostile = hostile_submissions(slots)
+    hostile = [*hostile_submissions(slots)]
     names = {}
     for number in range(students):
         place = folder / f"student{number:03}"
