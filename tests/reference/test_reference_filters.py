@@ -669,7 +669,8 @@ sys.modules["robsim.reference"] = None  # as if the folder were not there
 for module in pkgutil.walk_packages(robsim.__path__, "robsim."):
     unneeded = ("robsim.reference", "robsim.__main__", "robsim.simulation.templates")
     left_out = module.name.startswith(unneeded)
-    if not left_out:
+    is_of_windows = ".windows." in module.name and sys.platform != "win32"
+    if not (left_out or is_of_windows):
         importlib.import_module(module.name)
 """
 
