@@ -96,7 +96,11 @@ def _refuse_open(worker: WorkerProcess) -> None:
     layers = worker.layers
     if missing := [what for what, closed in layers.closed.items() if not closed]:
         worker.kill()
-        reasons = "; ".join(f"{x.name}: {x.text}" for x in layers.layers if not x.holds)
+        lacking: dict[str, list[str]] = {}
+        for layer in layers.layers:
+            if not layer.holds:
+                lacking.setdefault(layer.text, []).append(layer.name)
+        reasons = "; ".join(f"{', '.join(names)}: {why}" for why, names in lacking.items())
         raise IsolationError(
             "isolation='strict' needs files, processes, network and the grader's memory closed "
             f"to a submission; open here: {', '.join(missing)} ({reasons})"

@@ -148,15 +148,16 @@ class _Keeper:
 
     def _keep(self) -> None:
         """Watch it, tell how it ended, and remove what is left of it."""
-        most = 0
+        asked = most = 0
         while True:
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(_LOOK)
-            with suppress(OSError):
-                most = max(most, memory_of(self._process)[1])
+            with suppress(OSError):  # it may just have ended
+                asked, peak = memory_of(self._process)
+                most = max(most, peak)
             if self._process.returncode is not None:
                 break
-            self._look()
+            self._look(asked)
         cpu = cpu_seconds(self._process)
         self._job.end(_ENDED)  # what it has left
         self._reader.join(_LAST_WORDS)
@@ -173,12 +174,12 @@ class _Keeper:
             self._life.shutdown(socket.SHUT_RDWR)
         self._life.close()
 
-    def _look(self) -> None:
+    def _look(self, memory: int) -> None:
         """End it where it has taken too much; the job keeps the limit of processor time."""
         if self._request.isolation == "none":
             return
         limits = self._request.limits
-        if memory_of(self._process)[0] > limits.memory:
+        if memory > limits.memory:
             self._end(NO_MEMORY)
         elif exceeds(self.scratch.path, limits.folder_size):
             self._too_much_written = True
