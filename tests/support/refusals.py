@@ -7,7 +7,6 @@ over ``def test_...(refusal): refusal()``.
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -84,13 +83,17 @@ class Refusal:
     says: str = ""
     raises: type[Exception] | tuple[type[Exception], ...] = WRONG
 
-    def params(self):
-        of = getattr(self.call, "__name__", "").replace("<lambda>", "")
+    def __call__(self):
         for value in self.values:
-            check = partial(
-                refuses, self.name, self.call, value, raises=self.raises, says=self.says
-            )
-            yield pytest.param(check, id=f"{of}({self.name}={short(value)})")
+            try:
+                refuses(self.name, self.call, value, raises=self.raises, says=self.says)
+            except BaseException as error:
+                error.add_note(f"{self.name} = {short(value)}")
+                raise
+
+    def param(self):
+        of = getattr(self.call, "__name__", "").replace("<lambda>", "")
+        return pytest.param(self, id=f"{of}({self.name})")
 
 
 def options(call, values, /, *given, says="", raises=WRONG, **good):
@@ -108,6 +111,6 @@ def options(call, values, /, *given, says="", raises=WRONG, **good):
 
 
 def refusals(*rows):
-    """One test case for each value of a table."""
+    """One test case for each row of a table."""
     rows = [row for some in rows for row in (some if isinstance(some, list) else [some])]
-    return pytest.mark.parametrize("refusal", [one for row in rows for one in row.params()])
+    return pytest.mark.parametrize("refusal", [row.param() for row in rows])

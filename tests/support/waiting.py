@@ -3,7 +3,7 @@
 import time
 
 
-def wait_for(condition, seconds=30):
+def wait_for(condition, seconds=300):
     """Return what the condition says once it is true; fail if it takes too long."""
     end = time.monotonic() + seconds
     while not (result := condition()):
