@@ -9,8 +9,7 @@ from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 
 import robsim
-from robsim.evaluation._consistency import nees_consistency, nis_consistency
-from robsim.evaluation._errors import estimation_errors, pose_errors
+from robsim.evaluation import estimation_errors, nees_consistency, nis_consistency, pose_errors
 from robsim.plotting import _style as style
 from robsim.plotting import (
     plot_consistency,
@@ -18,7 +17,6 @@ from robsim.plotting import (
     plot_errors,
     plot_parameters,
 )
-from robsim.plotting._charts.ellipses import ellipses
 
 pytestmark = pytest.mark.kernels
 
@@ -65,12 +63,6 @@ def labels(axes):
     return axes.get_legend_handles_labels()[1]
 
 
-def top_of(band):
-    """The upper edge of a filled band at each of its places."""
-    vertices = band.get_paths()[0].vertices
-    return {x: vertices[vertices[:, 0] == x, 1].max() for x in np.unique(vertices[:, 0])}
-
-
 # errors
 
 
@@ -97,9 +89,9 @@ def test_the_claim_and_the_bound_are_drawn_at_two_standard_deviations():
     bound = np.broadcast_to(np.diag([0.25, 0.25, 1e-6]), (50, 3, 3))
     panel = plot_errors(pose_errors(make_trace()), bound=bound).axes[0]
     assert labels(panel) == ["reported (2 sd)", "error", "Cramér-Rao bound (2 sd)"]
-    assert set(top_of(panel.collections[0]).values()) == {4.0}
+    assert [top for _, _, top in spans_of(panel.collections[0])] == [4.0]
     np.testing.assert_allclose(line(panel, "Cramér-Rao bound (2 sd)").get_ydata(), 1.0)
-    with pytest.raises(ValueError, match=r"bound must be of shape \(50, 3, 3\), got \(3, 3\)"):
+    with pytest.raises(ValueError, match=r"^bound .*\(50, 3, 3\)"):
         plot_errors(pose_errors(make_trace()), bound=np.eye(3))
 
 
@@ -158,7 +150,7 @@ def test_errors_of_runs_have_their_root_mean_square():
     np.testing.assert_allclose(line(panel, "2 rmse of the runs").get_ydata(), 2 * rmse)
     assert sum(len(one.get_xdata()) == 30 for one in panel.get_lines()) >= 12
     render(figure)
-    with pytest.raises(ValueError, match="an array of 1 x 2 axes"):
+    with pytest.raises(ValueError, match=r"\baxes\b"):
         plot_errors(report, axes=panel)
 
 
@@ -188,7 +180,6 @@ def test_the_values_stand_with_their_band():
     assert axes.get_yscale() == "log"
     assert axes.get_ylabel() == "NEES\n(1 expected)"
     render(axes.figure)
-    assert axes._repr_png_().startswith(b"\x89PNG")
 
 
 def test_the_band_of_a_single_step_can_be_seen():
@@ -214,29 +205,15 @@ def test_the_verdict_is_the_title():
     render(axes.figure)
 
 
-def test_consistency_takes_axes():
+def test_nothing_known_draws_nothing_into_given_axes():
     axes = Figure().subplots()
-    assert plot_consistency(nees_consistency(np.ones((5, 2)), np.eye(2)), ax=axes) is axes
-
-
-def test_nothing_known_draws_nothing():
-    axes = plot_consistency(nees_consistency(np.full((5, 2), NAN), np.eye(2)))
+    nothing = nees_consistency(np.full((5, 2), NAN), np.eye(2))
+    assert plot_consistency(nothing, ax=axes) is axes
     assert axes.get_title(loc="left").endswith(": not known")
     render(axes.figure)
 
 
 # ellipses
-
-
-def test_an_ellipse_holds_its_share():
-    P = np.array([[4.0, 1.5], [1.5, 1.0]])
-    corners = ellipses(P[np.newaxis], 0.95)[0]
-    # all corners at the same e' P^-1 e, the chi-square quantile of 2 degrees of freedom
-    values = np.einsum("ki,ij,kj->k", corners, np.linalg.inv(P), corners)
-    np.testing.assert_allclose(values, 5.991464547)
-    places = np.random.default_rng(3).multivariate_normal(np.zeros(2), P, 20_000)
-    inside = np.einsum("ki,ij,kj->k", places, np.linalg.inv(P), places) < values[0]
-    assert abs(inside.mean() - 0.95) < 0.007
 
 
 def drawn_ellipses(axes):
@@ -245,13 +222,20 @@ def drawn_ellipses(axes):
 
 
 def test_ellipses_lie_on_the_path_as_the_camera_sees_it():
-    axes = plot_ellipses(make_trace(), every=10, magnify=1)
+    axes = plot_ellipses(make_trace(), every=10, magnify=1, level=0.95)
     drawn = drawn_ellipses(axes)
     assert len(drawn) == 5
     np.testing.assert_allclose(drawn.mean(axis=1), make_trace().pose_estimated[::10, :2])
     # sqrt(5.99) times the standard deviations 2 and 1
     size = 2 * np.sqrt(5.9915) * np.array([2, 1])
     np.testing.assert_allclose(np.ptp(drawn, axis=1)[0], size, rtol=1e-4)
+    turned = np.tile(np.diag([4.0, 1.0, 1e-4]), (50, 1, 1))
+    turned[:, 0, 1] = turned[:, 1, 0] = 1.5
+    drawn = drawn_ellipses(plot_ellipses(make_trace(covariance=turned), every=50, magnify=1))[0]
+    # all corners at the same e' P^-1 e, the chi-square quantile of 2 degrees of freedom
+    corners = drawn - make_trace().pose_estimated[0, :2]
+    values = np.einsum("ki,ij,kj->k", corners, np.linalg.inv(turned[0, :2, :2]), corners)
+    np.testing.assert_allclose(values, 5.991464547)
     np.testing.assert_allclose(line(axes, "true path").get_xydata(), make_trace().pose_true[:, :2])
     assert axes.yaxis_inverted()
     assert axes.get_aspect() == 1
@@ -294,19 +278,6 @@ def test_only_steps_with_an_estimate_have_an_ellipse():
     np.testing.assert_allclose(drawn.mean(axis=1)[:, 0], 101.0 + 4 * np.array([13, 23, 33, 43]))
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"every": 0}, "every must lie within 1"),
-        ({"level": 1.0}, "level must lie between 0 and 1"),
-        ({"magnify": 0.0}, "magnify must be finite and above 0"),
-    ],
-)
-def test_wrong_options_of_ellipses_are_refused(options, message):
-    with pytest.raises(ValueError, match=message):
-        plot_ellipses(make_trace(), **options)
-
-
 def test_the_ellipse_of_a_robot_not_seen_yet_does_not_hide_the_path():
     covariance = np.tile(np.diag([4.0, 1.0, 1e-4]), (50, 1, 1))
     usual = plot_ellipses(make_trace(covariance=covariance), every=10).get_xlim()
@@ -319,8 +290,11 @@ def test_the_ellipse_of_a_robot_not_seen_yet_does_not_hide_the_path():
 def test_ellipses_need_covariances():
     with pytest.raises(ValueError, match="no covariance"):
         plot_ellipses(make_trace(covariance=np.full((50, 3, 3), NAN)))
-    with pytest.raises(ValueError, match=r"positive definite, got the eigenvalue -1"):
+    with pytest.raises(ValueError, match="positive definite"):
         plot_ellipses(make_trace(covariance=np.broadcast_to(-np.eye(3), (50, 3, 3))))
+    for wrong in ({"every": 0}, {"level": 0.0}, {"level": 1.0}, {"magnify": 0.0}):
+        with pytest.raises(ValueError, match=f"^{next(iter(wrong))} must"):
+            plot_ellipses(make_trace(), **wrong)
 
 
 # parameters
@@ -341,5 +315,5 @@ def test_two_standard_errors_are_dashed_lines():
     np.testing.assert_allclose(values[5:], 0.02 / theta[0, 0])
     shown = plot_parameters(trace).axes[0].get_lines()
     assert not [one for one in shown if one.get_linestyle() == "--"]
-    with pytest.raises(ValueError, match=r"standard_errors must be of shape \(50, 3, 5\)"):
+    with pytest.raises(ValueError, match="standard_errors"):
         plot_parameters(trace, standard_errors=errors[:, 0])

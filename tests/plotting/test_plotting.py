@@ -2,19 +2,17 @@
 
 import dataclasses
 import math
-import subprocess
 import sys
 
 import matplotlib
 import numpy as np
 import pytest
-from matplotlib.colors import same_color, to_rgba
+from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 
 import robsim
 from robsim.plotting import _style as style
 from robsim.plotting import plot_batch, plot_frame, plot_parameters, plot_traces
-from robsim.plotting._images.shapes import HEADING_LINE
 from robsim.trace import RunInfo, Trace
 
 pytestmark = pytest.mark.long
@@ -33,16 +31,16 @@ def _no_pyplot():
         yield
 
 
-def make_trace(
-    steps=60, *, seen=None, tracked=True, noise=0.3, boundary="bounce", first_step=0, more=None
-):
-    """A robot that turns on a circle by 10 degrees a step, seen where `seen` says so."""
+def make_trace(steps=60, *, seen=None, tracked=True, noise=0.3, more=None, change=None, **about):
+    """A robot that turns on a circle by 10 degrees a step, seen where `seen` says so.
+
+    `change` has functions that change a group of columns in place, by its name.
+    """
     rng = np.random.default_rng(7)
     heading = np.deg2rad(10.0) * np.arange(steps) + 0.05
-    wrapped = (heading + np.pi) % (2 * np.pi) - np.pi
     true = np.column_stack(
-        (600 + 200 * np.cos(heading), 500 + 200 * np.sin(heading), wrapped)
-    ).reshape(steps, 3)
+        (600 + 200 * np.cos(heading), 500 + 200 * np.sin(heading), robsim.wrap_angle(heading))
+    )
     groups = {"pose_true": true, "u": np.zeros((steps, 2)), "bounced": np.zeros(steps)}
     if tracked:
         seen = np.ones(steps, dtype=bool) if seen is None else np.asarray(seen)
@@ -53,8 +51,12 @@ def make_trace(
             if not seen[k]:
                 held[k] = held[k - 1]
         groups |= {"pose_measured": measured, "pose_held": held}
-    info = RunInfo(dt=0.2, theta_true=THETA_TRUE, boundary=boundary)
-    return Trace(groups | (more or {}), info, first_step=first_step)
+    groups |= more or {}
+    for name, function in (change or {}).items():
+        function(groups[name])
+    first_step = about.pop("first_step", 0)
+    info = RunInfo(**({"dt": 0.2, "theta_true": THETA_TRUE, "boundary": "bounce"} | about))
+    return Trace(groups, info, first_step=first_step)
 
 
 def render(figure, *, layout=True):
@@ -64,13 +66,6 @@ def render(figure, *, layout=True):
         figure.set_layout_engine("none")
     figure.draw_without_rendering()
     return figure
-
-
-def changed(trace, group, change):
-    """The trace with one group of its columns changed in place."""
-    groups = {name: values.copy() for name, values in trace._groups.items()}
-    change(groups[group])
-    return Trace(groups, trace.info)
 
 
 def plan(figure):
@@ -121,13 +116,13 @@ def rich():
     """A trace with everything in it, the robot not seen or taken for another, and its figure."""
     seen = np.ones(60, dtype=bool)
     seen[[0, 1, 20, 21, 40]] = False
-    trace = make_trace(seen=seen, more={"pose_estimated": np.ones((60, 3)), **make_blobs()})
 
     def lose(measured):
         measured[30, 0] += 400
         measured[31, 0] -= 300
 
-    trace = changed(trace, "pose_measured", lose)
+    more = {"pose_estimated": np.ones((60, 3)), **make_blobs()}
+    trace = make_trace(seen=seen, more=more, change={"pose_measured": lose})
     return trace, render(plot_traces(trace, show_blobs=True), layout=False)
 
 
@@ -178,6 +173,8 @@ def test_what_was_not_seen_is_black_where_it_was_last_seen(rich):
     np.testing.assert_array_equal(points(held)[:, 1], trace.pose_measured[[19, 19, 39], 0])
     (measured,) = lines(panel(figure, "heading (deg)"), style.MEASURED)
     np.testing.assert_array_equal(points(measured)[:, 0], np.flatnonzero(trace.seen))
+    (estimated,) = lines(panel(figure, "x (px)"), style.ESTIMATED)
+    np.testing.assert_array_equal(estimated.get_ydata(), trace.pose_estimated[:, 0])
 
 
 def test_heading_is_in_degrees_within_half_a_turn_and_its_line_breaks_at_the_wrap(usual):
@@ -189,12 +186,6 @@ def test_heading_is_in_degrees_within_half_a_turn_and_its_line_breaks_at_the_wra
     assert np.nanmax(values) <= 180
     assert np.nanmax(np.abs(np.diff(values))) < 11
     assert axes.get_ylim() == (-188, 188)
-
-
-def test_estimated_poses_are_blue(rich):
-    trace, figure = rich
-    (line,) = lines(panel(figure, "x (px)"), style.ESTIMATED)
-    np.testing.assert_array_equal(line.get_ydata(), trace.pose_estimated[:, 0])
 
 
 def test_blobs_are_drawn_only_when_asked_for_in_x_and_y(rich, usual):
@@ -245,8 +236,16 @@ def test_errors_are_dots_with_a_line_then_dots_then_ranges(long, usual):
     assert (widest.min(), widest.max()) == (error.min(), error.max())
     # about one standard deviation to either side
     assert 0.2 < np.median(inner[inner > 0]) < 0.4
-    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    legend = figure.legends[0]
+    labels = [text.get_text() for text in legend.get_texts()]
     assert labels == ["measured", "true", "all errors", "68 % of them"]
+    sizes = [
+        mark.get_markersize()
+        for mark in legend.legend_handles
+        if getattr(mark, "get_marker", str)() == "."
+    ]
+    assert sizes
+    assert min(sizes) >= 8  # the dots themselves are tiny
 
 
 def test_the_bell_curve_has_the_area_of_the_histogram_and_its_numbers_are_printed(long):
@@ -294,66 +293,49 @@ def test_plan_has_the_y_axis_downwards_and_equal_scales(usual):
 
 
 def test_plan_of_an_unlimited_area_follows_the_path():
-    trace = make_trace(boundary="unlimited", tracked=False)
-    trace = changed(trace, "pose_true", lambda poses: np.add(poses, (5000, 0, 0), out=poses))
-    axes = plan(plot_traces(trace))
+    change = {"pose_true": lambda poses: np.add(poses, (5000, 0, 0), out=poses)}
+    axes = plan(plot_traces(make_trace(boundary="unlimited", tracked=False, change=change)))
     assert axes.yaxis_inverted()
     assert axes.get_xlim()[0] < 5400
     assert axes.get_xlim()[1] > 5800
 
 
 def test_without_tracking_there_are_the_upper_rows_only():
-    figure = render(plot_traces(make_trace(tracked=False)))
+    figure = render(plot_traces(make_trace(tracked=False)), layout=False)
     assert len(figure.axes) == 4
     assert figure.get_suptitle() == "60 steps of 0.2 s, not measured"
-    figure = plot_traces(make_trace(seen=np.zeros(60, dtype=bool)))
-    assert figure.get_suptitle() == "60 steps of 0.2 s, the robot was never seen"
-
-
-@pytest.mark.parametrize(
-    ("steps", "boundary", "tracked"),
-    [(1, "unlimited", True), (2, "bounce", False)],
-)
-def test_short_traces(steps, boundary, tracked):
-    trace = make_trace(steps, boundary=boundary, tracked=tracked)
-    figure = render(plot_traces(trace, show_blobs=True), layout=False)
-    assert panel(figure, "x (px)").get_xlim() == (-0.5, steps - 0.5)
 
 
 def test_one_valid_step_and_none():
-    seen = np.zeros(20, dtype=bool)
-    seen[4] = True
-    trace = make_trace(20, seen=seen)
+    trace = make_trace(20, seen=np.arange(20) == 4)
     first = histograms(plot_traces(trace))[0]
     assert sum(bar.get_width() for bar in first.patches) == 1
     assert not lines(first, style.FITTED)
     figure = render(plot_traces(trace[5:]), layout=False)  # held, but not seen
-    assert figure.get_suptitle() == "15 steps of 0.2 s, the robot was never seen"
+    assert "never seen" in figure.get_suptitle()
     assert len(figure.axes) == 4
 
 
 def test_a_single_step_is_a_dot_of_every_colour_and_is_called_so():
-    trace = make_trace(1, more={"pose_estimated": np.ones((1, 3))})
-    figure = plot_traces(trace)
+    trace = make_trace(1, more={"pose_estimated": np.ones((1, 3))}, boundary="unlimited")
+    figure = render(plot_traces(trace, show_blobs=True), layout=False)
     for color in (style.TRUE, style.MEASURED, style.ESTIMATED):
         (dot,) = lines(panel(figure, "x (px)"), color)
         assert dot.get_marker() == "."
     assert figure.get_suptitle().startswith("1 step of 0.2 s, ")
+    assert panel(figure, "x (px)").get_xlim() == (-0.5, 0.5)
     low, high = panel(figure, "x error\n(px)").get_ylim()
     assert low <= 0 <= high
 
 
 def test_a_pose_held_while_the_heading_turns_on_past_180_degrees_stays_in_the_panel():
-    seen = np.arange(60) < 10
-    trace = make_trace(seen=seen)
-
     def turn(poses):
         poses[:, 2] = robsim.wrap_angle(3.0 + 0.1 * np.arange(60))
 
     def hold(poses):
         poses[:, 2] = 3.0
 
-    trace = changed(changed(trace, "pose_true", turn), "pose_held", hold)
+    trace = make_trace(seen=np.arange(60) < 10, change={"pose_true": turn, "pose_held": hold})
     axes = panel(plot_traces(trace), "heading (deg)")
     (held,) = lines(axes, style.HELD)
     low, high = axes.get_ylim()
@@ -367,15 +349,6 @@ def test_the_path_and_the_truth_lie_on_the_poses_that_were_held():
     assert colors.index(style.HELD) < colors.index(style.TRUE)
 
 
-def test_marks_of_the_legend_can_be_seen_in_a_long_run(long):
-    legend = long[1].legends[0]
-    dots = [
-        handle for handle in legend.legend_handles if getattr(handle, "get_marker", str)() == "."
-    ]
-    assert dots
-    assert all(dot.get_markersize() >= 8 for dot in dots)
-
-
 def test_rounding_errors_do_not_look_like_errors():
     figure = plot_traces(make_trace(noise=1e-13))
     low, high = panel(figure, "x error\n(px)").get_ylim()
@@ -384,27 +357,22 @@ def test_rounding_errors_do_not_look_like_errors():
 
 
 def test_a_constant_error_far_from_zero():
-    trace = make_trace(noise=0.0)
-    trace = changed(trace, "pose_measured", lambda poses: np.add(poses, (14, 0, 0), out=poses))
-    figure = plot_traces(trace)
+    change = {"pose_measured": lambda poses: np.add(poses, (14, 0, 0), out=poses)}
+    figure = plot_traces(make_trace(noise=0.0, change=change))
     low, high = panel(figure, "x error\n(px)").get_ylim()
     assert low < 14 < high
     low, high = panel(figure, "y error\n(px)").get_ylim()
     assert low < 0 < high
     texts = [axes.get_title(loc="left") for axes in histograms(figure)]
-    assert texts == [
-        "mean 14.000, sd 0.000 px",
-        "mean 0.000, sd 0.000 px",
-        "mean 0.000, sd 0.000 deg",
-    ]
+    zero = "mean 0.000, sd 0.000"
+    assert texts == ["mean 14.000, sd 0.000 px", f"{zero} px", f"{zero} deg"]
 
 
 # all figures
 
 
 def test_figures_show_themselves_in_a_notebook(usual):
-    for axes in (plot_frame(make_frame()), plot_batch(make_report())):
-        assert axes._repr_png_().startswith(b"\x89PNG")
+    assert plot_batch(make_report())._repr_png_().startswith(b"\x89PNG")
     assert isinstance(usual[1], style.NotebookFigure)
 
 
@@ -417,26 +385,16 @@ def test_the_users_settings_stay():
     assert matplotlib.rcParams.copy() == before
 
 
-def test_importing_the_figures_does_not_import_pyplot():
-    code = "import sys, robsim.plotting; sys.exit('matplotlib.pyplot' in sys.modules)"
-    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
-
-
-def test_the_colours_of_the_poses_differ():
-    colors = (style.TRUE, style.MEASURED, style.HELD, style.ESTIMATED, style.BATCH)
-    assert len({to_rgba(color) for color in colors}) == 5
-
-
 # parameters
 
 
-def make_parameters(steps=400):
+def make_parameters(steps=400, **changes):
     """Estimates that jump at the start and then converge, but d1Y to a wrong value."""
     rng = np.random.default_rng(11)
     decay = np.exp(-np.arange(steps) / 10.0)[:, None, None]
     parameters = np.array(THETA_TRUE) + 1e3 * decay * rng.standard_normal((steps, 3, 5))
     parameters[:, 1, 4] = 31.9
-    return make_trace(steps, more={"parameters": parameters.reshape(steps, 15)})
+    return make_trace(steps, more={"parameters": parameters.reshape(steps, 15)}, **changes)
 
 
 @pytest.fixture(scope="module")
@@ -486,18 +444,24 @@ def test_true_values_and_last_estimates_stand_beside_the_curves(estimated):
     assert {"a1Y", "1.9375", "true", "last"} <= set(written(estimated[1].axes[1]))
 
 
-def test_parameters_draw_in_given_axes():
+def test_figures_are_drawn_into_given_axes():
     nested = Figure()
     axes = nested.subfigures(1, 2)[1].subplots(3)
     assert plot_parameters(make_parameters(50), axes=axes) is nested
     assert len(nested.axes) == 3
     assert len(errors_of(axes[2])) == 5
-    with pytest.raises(ValueError, match=r"axes: expected .* of 3 axes, got the shape \(2,\)"):
+    with pytest.raises(ValueError, match=r"\baxes\b.*3.*\(2,\)"):
         plot_parameters(make_parameters(50), axes=axes[:2])
+    given = Figure().add_subplot()
+    assert plot_batch(make_report(), ax=given) is given
+    assert len(drawn(given, style.BATCH)) == 15
+    given = Figure().add_subplot()
+    assert plot_frame(make_frame(), ax=given) is given
+    assert given.images
 
 
 def test_parameters_that_were_not_estimated():
-    with pytest.raises(robsim.trace.NotRecordedError, match="the trace has no parameters"):
+    with pytest.raises(robsim.trace.NotRecordedError, match="parameters"):
         plot_parameters(make_trace())
 
 
@@ -506,18 +470,13 @@ def test_parameters_estimated_for_a_part_of_the_run():
         parameters[:30] = np.nan
         parameters[:, 10:] = np.nan
 
-    trace = changed(make_parameters(40), "parameters", forget)
-    figure = plot_parameters(trace)
+    figure = plot_parameters(make_parameters(40, change={"parameters": forget}))
     assert written(figure.axes[2])[2:5] == ["a1P", "1.8333", "none"]
 
 
 def test_parameters_without_a_truth_show_the_way_to_the_last_estimate():
-    trace = make_parameters(40)
     unknown = tuple((math.nan,) * 5 for _ in range(3))
-    trace = Trace(
-        dict(trace._groups),
-        dataclasses.replace(trace.info, theta_true=unknown, boundary="recorded"),
-    )
+    trace = make_parameters(40, theta_true=unknown, boundary="recorded")
     figure = plot_parameters(trace)
     axes = figure.axes[0]
     assert axes.get_ylabel() == "x: deviation\nfrom the last"
@@ -589,21 +548,18 @@ def test_batch_prints_the_values():
 
 
 def test_batch_without_a_truth_shows_the_relative_standard_errors():
-    report = make_report(batch=np.full((3, 5), 2.0))
     report = dataclasses.replace(
-        report,
+        make_report(batch=np.full((3, 5), 2.0)),
         theta_true=NOTHING,
         standard_errors=np.full((3, 5), 0.1),
         identify_from="measurement",
     )
     axes = plot_batch(report)
-    assert axes.get_xlabel().startswith("standard errors, relative to the estimates\n")
+    assert axes.get_xlabel().startswith("standard errors")
     (_, high) = axes.patches[0].get_bbox().intervalx
     assert high == pytest.approx(0.1)  # two standard errors of 0.1, relative to 2
     assert not drawn(axes, style.BATCH)
-    texts = [text.get_text() for text in axes.texts]
-    assert "true" not in texts
-    assert "not determined" not in texts
+    assert not {"true", "not determined"} & set(written(axes))
 
 
 def test_an_exact_value_points_to_the_left_edge():
@@ -615,18 +571,11 @@ def test_an_exact_value_points_to_the_left_edge():
 def test_batch_without_online_and_without_anything():
     axes = plot_batch(make_report(batch=NOTHING))
     render(axes.figure)
-    assert axes.get_position().x0 < 0.1
-    assert axes.get_position().y0 < 0.1
+    assert max(axes.get_position().p0) < 0.1
     assert axes.get_xlim()[0] < 1e-3
     assert not drawn(axes, style.BATCH)
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["batch"]
-    assert "online" not in [text.get_text() for text in axes.texts]
-
-
-def test_batch_draws_in_given_axes():
-    given = Figure().add_subplot()
-    assert plot_batch(make_report(), ax=given) is given
-    assert len(drawn(given, style.BATCH)) == 15
+    assert "online" not in written(axes)
 
 
 # frame
@@ -696,35 +645,33 @@ def test_outline_stands_at_the_measured_pose():
     np.testing.assert_allclose(
         polygon.get_xy(), [(600, 450), (570, 400), (630, 400), (600, 450)], atol=1e-9
     )
-    with pytest.raises(ValueError, match=r"outline: expected the shape \(N, 2\), got \(3,\)"):
+    with pytest.raises(ValueError, match="outline"):
         plot_frame(make_frame(), measurement=measurement, outline=[1, 2, 3])
 
 
 def test_not_seen_is_said_when_blobs_are_shown_without_a_pose():
-    def title(axes):
-        return axes.get_title(loc="left")
-
-    assert title(plot_frame(make_frame(), blobs={"red": []})).endswith(", not seen")
-    assert not title(plot_frame(make_frame())).endswith("seen")
     seen = robsim.Measurement((600, 400, 0))
-    drawn = plot_frame(make_frame(), blobs={"red": []}, measurement=seen)
-    assert not title(drawn).endswith("seen")
+    for options, is_said in (
+        ({"blobs": {"red": []}}, True),
+        ({}, False),
+        ({"blobs": {"red": []}, "measurement": seen}, False),
+    ):
+        title = plot_frame(make_frame(), **options).get_title(loc="left")
+        assert title.endswith(", not seen") is is_said
 
 
 def test_the_robot_stands_at_the_end_of_its_path_with_its_outline():
-    info = RunInfo(dt=0.2, theta_true=THETA_TRUE, robot="lab")
-    trace = Trace(make_trace()._groups, info)
+    trace = make_trace(robot="lab")
     (outline,) = plot_frame(make_frame(), trace=trace, k=20).patches
     pose, lab = trace.pose_measured[20], robsim.load_robot("lab")
     assert same_color(outline.get_edgecolor(), style.MEASURED)
     offsets = outline.get_xy()[:-1] - pose[:2]
     expected = np.linalg.norm(lab.to_robot_frame(lab.outline), axis=1)
     np.testing.assert_allclose(np.linalg.norm(offsets, axis=1), expected)
-    unseen = changed(trace, "pose_measured", lambda poses: poses.__setitem__(-1, np.nan))
+    unseen = make_trace(seen=np.arange(60) < 59, robot="lab")
     (outline,) = plot_frame(make_frame(), trace=unseen).patches
     assert same_color(outline.get_edgecolor(), style.TRUE)
-    gone = Trace(trace._groups, RunInfo(dt=0.2, theta_true=THETA_TRUE, robot="gone"))
-    assert not plot_frame(make_frame(), trace=gone).patches
+    assert not plot_frame(make_frame(), trace=make_trace(robot="gone")).patches
 
 
 def test_goals_are_rings_above_everything():
@@ -734,14 +681,14 @@ def test_goals_are_rings_above_everything():
     assert ring.get_markerfacecolor() == "none"
     assert ring.get_zorder() == max(drawn.get_zorder() for drawn in axes.get_lines())
     assert "goal" in [text.get_text() for text in axes.get_legend().get_texts()]
-    with pytest.raises(ValueError, match="goals must be a position"):
+    with pytest.raises(ValueError, match="goals"):
         plot_frame(make_frame(), goals=(900, 300, 0, 0))
 
 
 def test_the_heading_of_a_goal_is_an_arrow():
     axes = plot_frame(make_frame(), goals=(900, 300, np.pi / 2))
     (arrow,) = axes.texts
-    assert arrow.xy == pytest.approx((900, 300 + HEADING_LINE))  # its tip
+    assert arrow.xy == pytest.approx((900, 300 + 80))  # its tip
     assert arrow.get_position() == pytest.approx((900, 300))
     assert not plot_frame(make_frame(), goals=(900, 300)).texts
 
@@ -756,9 +703,9 @@ def test_path_up_to_a_step():
     assert len(path.get_xydata()) == 50
     assert axes.get_xlim() == (-0.5, 1199.5)
     for step in (9, 60):
-        with pytest.raises(ValueError, match=f"k must be a step of .*10..59.* got {step}"):
+        with pytest.raises(ValueError, match=rf"^k must .*10..59.*{step}"):
             plot_frame(make_frame(), trace=trace, k=step)
-    with pytest.raises(ValueError, match="k needs a trace, got k = 3"):
+    with pytest.raises(ValueError, match="k needs a trace"):
         plot_frame(make_frame(), k=3)
 
 
@@ -801,12 +748,6 @@ def test_frame_of_a_lens_from_above_is_in_its_own_pixels():
     np.testing.assert_allclose(drawn, plane_map.to_pixel((200, 200)))
 
 
-def test_frame_draws_in_given_axes():
-    given = Figure().add_subplot()
-    assert plot_frame(make_frame(), ax=given) is given
-    assert given.images
-
-
 def test_the_parameters_say_how_well_they_are_excited():
     def shown(controller):
         options = {"boundary": "unlimited", "estimate_parameters": True, "seed": 1}
@@ -826,55 +767,13 @@ def test_traces_are_drawn_into_given_axes():
     assert plot_traces(trace, axes=given) is given["x"].figure
     assert all(panel.has_data() for panel in given.values())
     assert given["x"].get_legend()
-    with pytest.raises(ValueError, match="axes must have the panels dheading, dx"):
+    with pytest.raises(ValueError, match=r"axes .*dheading, dx"):
         plot_traces(trace, axes={name: given[name] for name in names if name not in errors[::2]})
-
-
-def test_every_figure_says_what_it_needs_and_where_to_get_it():
-    sim = robsim.Simulation(seed=1)
-    runs = "give robsim.pose_errors"
-    for plot, name, source in (
-        (plot_traces, "trace must be a Trace", "give sim.trace"),
-        (plot_parameters, "trace must be a Trace", "give sim.trace"),
-        (robsim.plotting.plot_ellipses, "trace must be a Trace", "give sim.trace"),
-        (plot_frame, "frame must be a Frame", "give sim.frame"),
-        (robsim.plotting.draw_overlay, "frame must be a Frame", "give sim.frame"),
-        (robsim.plotting.plot_robot, "robot must be a RobotDefinition", "give sim.robot"),
-        (plot_batch, "report must be a BatchEstimate", "give robsim.batch_estimate"),
-        (robsim.plot_errors, "report must be an ErrorReport", runs),
-        (
-            robsim.plotting.plot_consistency,
-            "report must be a ConsistencyReport",
-            "robsim.pose_consistency",
-        ),
-    ):
-        for wrong, kind in ((sim, "a Simulation"), (None, "None"), (3, "an int")):
-            with pytest.raises(TypeError, match=f"{name}, got {kind}: .*{source}"):
-                plot(wrong)
-    with pytest.raises(TypeError, match=r"must be a Trace, got a Simulation: give sim\.trace"):
-        plot_frame(make_frame(), trace=sim)
-    with pytest.raises(TypeError, match="ax must be an Axes, got a Figure: give axes"):
-        plot_frame(make_frame(), ax=Figure())
 
 
 def test_before_a_run_there_is_nothing_to_draw():
     sim = robsim.Simulation(seed=1, measure=True, estimate_parameters=True)
     for plot in (plot_traces, plot_parameters, robsim.plotting.plot_ellipses):
-        with pytest.raises(ValueError, match="the trace has no steps yet: run the simulation"):
+        with pytest.raises(ValueError, match="no steps"):
             plot(sim.trace)
     assert plot_frame(make_frame(), trace=sim.trace).images
-
-
-def test_a_clip_of_something_else_is_refused_by_name():
-    sim = robsim.Simulation(seed=1)
-    trace = sim.run(2)
-    with pytest.raises(TypeError, match="simulation must be a Simulation, got a Trace"):
-        robsim.play(trace)
-    with pytest.raises(TypeError, match="stop must be an int, got '2'"):
-        robsim.play(sim, stop="2")
-
-
-def test_a_single_panel_for_a_figure_of_several_is_refused_by_name():
-    trace = robsim.Simulation(seed=1).run(2)
-    with pytest.raises(TypeError, match=r"axes must be a dict of panels .*\[\[.x., .path.\]"):
-        robsim.plot_traces(trace, axes=Figure().add_subplot())

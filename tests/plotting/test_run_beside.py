@@ -115,17 +115,14 @@ def test_a_run_without_steps_is_refused(driven):
         draw_run(driven[0][:0], None, slots=("control",))
 
 
-@pytest.mark.parametrize(
-    ("goals", "expected"),
-    [
+def test_distance_from_a_goal_or_a_path():
+    positions = np.array([[0.0, 0.0], [3.0, 4.0]])
+    for goals, expected in (
         ([3.0, 4.0], [5.0, 0.0]),
         ([3.0, 4.0, 1.0], [5.0, 0.0]),
         ([[3.0, 4.0]], [5.0, 0.0]),
         ([[0.0, 4.0], [9.0, 4.0]], [4.0, 0.0]),
         ([[1.0, 0.0], [2.0, 0.0], [2.0, 4.0]], [1.0, 1.0]),
         ([[1.0, 0.0], [1.0, 0.0]], [1.0, np.hypot(2, 4)]),
-    ],
-)
-def test_distance_from_a_goal_or_a_path(goals, expected):
-    positions = np.array([[0.0, 0.0], [3.0, 4.0]])
-    assert distance(positions, np.array(goals)) == pytest.approx(expected)
+    ):
+        assert distance(positions, np.array(goals)) == pytest.approx(expected)

@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from drawn_robots import box, painted, random_robot
-from robsim import DriveAround, Simulation, robots
+from robsim import DriveAround, Simulation
 from robsim.robots import (
     add_robot,
     default_robot,
@@ -28,8 +28,8 @@ from robsim.robots import (
     set_default_robot,
 )
 from robsim.robots._default_robot import data_folder
-from robsim.robots._lookup import as_robot, user_robots
 from robsim.vision import MarkerLayout
+from sizes import thorough
 
 pytestmark = [pytest.mark.kernels, pytest.mark.long, pytest.mark.usefixtures("user_folder")]
 
@@ -49,16 +49,11 @@ def files(folder):
     return sorted(str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file())
 
 
-# --- where things are
-
-
 def test_the_user_folder(user_folder, monkeypatch):
     assert data_folder() == user_folder
     monkeypatch.setenv("ROBSIM_DATA", "~/here")
     assert data_folder() == Path.home() / "here"
     monkeypatch.setenv("ROBSIM_DATA", "")
-    assert data_folder() == platformdirs.user_data_path("robsim")
-    monkeypatch.delenv("ROBSIM_DATA")
     assert data_folder() == platformdirs.user_data_path("robsim")
 
 
@@ -75,14 +70,13 @@ def test_looking_writes_nothing(user_folder):
 
 def test_a_robot_from_each_kind_of_source(user_folder, photo, tmp_path):
     save_robot(tmp_path / "folder", load_robot("lab"))
-    sources = [load_robot("lab"), "lab", "LAB", tmp_path / "folder", str(tmp_path / "folder")]
-    for number, source in enumerate([*sources, photo, str(photo), "robot-0"]):
-        robot = add_robot(f"robot-{number}", source)
-        assert robot.name == f"robot-{number}"
-    assert robot_names() == SHIPPED + [f"robot-{number}" for number in range(8)]
+    sources = [load_robot("lab"), "LAB", tmp_path / "folder", photo, str(photo), "robot-0"]
+    for number, source in enumerate(sources):
+        assert add_robot(f"robot-{number}", source).name == f"robot-{number}"
+    assert robot_names() == SHIPPED + [f"robot-{number}" for number in range(6)]
     assert files(user_folder / "robots/robot-0") == ["robot.png", "robot.toml"]
-    distances = [load_robot(f"robot-{number}").marker_layout().distance for number in range(8)]
-    assert distances == pytest.approx([43] * 5 + [48] * 2 + [43], abs=0.02)
+    distances = [load_robot(f"robot-{number}").marker_layout().distance for number in range(6)]
+    assert distances == pytest.approx([43] * 3 + [48] * 2 + [43], abs=0.02)
 
 
 def test_what_is_added_is_what_is_loaded(rng):
@@ -109,19 +103,18 @@ def test_given_values_override_those_of_the_source(photo):
     assert add_robot("other", photo, size=90).size == 90
 
 
-@pytest.mark.parametrize("kind", ["jpg", "bmp", "gif", "webp", "grey.png"])
 @pytest.mark.filterwarnings("ignore:the image has no transparency")
-def test_any_kind_of_picture(tmp_path, kind):
-    file = tmp_path / f"photo.{kind}"
+def test_any_kind_of_picture(tmp_path):
     image = Image.fromarray(painted(RED, BLUE)).convert("RGB")
-    if kind == "grey.png":
-        image.convert("L").save(file)
-        robot = add_robot("mine", file, markers={"red": RED, "blue": BLUE}, ignore_colors=True)
-    else:
-        image.save(file)
-        robot = add_robot("mine", file)
+    for kind in ("jpg", "bmp", "gif", "webp"):
+        image.save(tmp_path / f"photo.{kind}")
+        robot = add_robot(kind, tmp_path / f"photo.{kind}")
         assert robot.marker_layout().distance == pytest.approx(48, abs=0.2)
-    assert robot.image.shape == (400, 400, 4)
+        assert robot.image.shape == (400, 400, 4)
+    image.convert("L").save(tmp_path / "grey.png")
+    markers = {"red": RED, "blue": BLUE}
+    grey = add_robot("grey", tmp_path / "grey.png", markers=markers, ignore_colors=True)
+    assert grey.image.shape == (400, 400, 4)
 
 
 @pytest.mark.parametrize("side", ["wide", "high"])
@@ -142,11 +135,10 @@ def test_a_large_robot_is_scaled_down(side):
 def test_upper_and_lower_case_are_the_same():
     add_robot("Mine", "lab")
     assert load_robot("mINE").name == "Mine"
-    with pytest.raises(ValueError, match="you have a robot 'Mine' already"):
+    with pytest.raises(ValueError, match="'Mine' already"):
         add_robot("mine", "lab")
     add_robot("MINE", "lab", overwrite=True)
-    assert robot_names()[-1] == "MINE"
-    assert len(robot_names()) == 4
+    assert robot_names() == [*SHIPPED, "MINE"]
     set_default_robot("mine")
     assert default_robot() == "MINE"
 
@@ -161,55 +153,39 @@ def test_an_own_robot_is_replaced_only_when_asked(user_folder):
     assert files(user_folder) == ["robots/mine/robot.png", "robots/mine/robot.toml"]
 
 
-@pytest.mark.parametrize("name", ["müller", "naïve", "größe-2", "ロボット", "लैब", "Ørsted_1"])
+@pytest.mark.parametrize("name", ["größe-2", "लैब"])
 def test_names_of_all_languages(name):
     add_robot(name, "lab")
-    assert name in robot_names()
     set_default_robot(name.upper())
     assert default_robot() == name
-    assert load_robot().name == name
     # An accent may be a character of its own.
     assert load_robot(unicodedata.normalize("NFD", name)).name == name
     with pytest.raises(ValueError, match="already"):
         add_robot(unicodedata.normalize("NFD", name), "lab")
-    remove_robot(name)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        *("", " ", ".", "..", "../x", "a/b", "a\\b", "/etc/x", "C:x", "a.b", "a b", "-a", "_a"),
-        *("x" * 41, "\0", "a\n", "½", "\u0308a", "a*", "~", "$HOME", "con", "NUL", "com1"),
-        *("Lpt9", "aux", "prn"),
-    ],
-)
-def test_names_that_are_refused(user_folder, name):
-    with pytest.raises(ValueError, match="name must"):
-        add_robot(name, "lab")
+def test_names_that_are_refused(user_folder):
+    plain = ["", " ", "..", "a/b", "a\\b", "C:x", "a.b", "-a", "_a", "x" * 41, "\0", "a\n", "a*"]
+    for name in (*plain, "½", "\u0308a", "con", "NUL", "com1", "Lpt9", "aux", "prn"):
+        with pytest.raises(ValueError, match="name must"):
+            add_robot(name, "lab")
     assert not user_folder.exists()
 
 
-def test_a_name_that_is_no_text():
-    for name in (None, 5, Path("mine"), b"mine"):
-        with pytest.raises(TypeError, match="name must be text"):
-            add_robot(name, "lab")
+def test_names_that_are_taken():
+    for name in ("a", "0", "x" * 40, "A-b_9", "com10", "nul-1"):
+        assert add_robot(name, "lab").name == name
 
 
-@pytest.mark.parametrize("name", ["a", "0", "x" * 40, "A-b_9", "console", "com10", "nul-1"])
-def test_names_that_are_taken(name):
-    assert add_robot(name, "lab").name == name
-
-
-@pytest.mark.parametrize("name", [*SHIPPED, "LAB", "Sheep"])
+@pytest.mark.parametrize("name", ["robot2", "LAB"])
 def test_shipped_robots_stay_as_they_are(user_folder, name):
-    message = rf"ships with robsim and cannot be changed: `robsim robots add my-{name.lower()} "
     for attempt in (
         lambda: add_robot(name, "lab"),
         lambda: add_robot(name, "lab", overwrite=True),
         lambda: rotate_robot(name, 90),
         lambda: remove_robot(name),
     ):
-        with pytest.raises(ValueError, match=message):
+        with pytest.raises(ValueError, match=f"cannot be changed: .*my-{name.lower()}"):
             attempt()
     assert not user_folder.exists()
 
@@ -217,29 +193,22 @@ def test_shipped_robots_stay_as_they_are(user_folder, name):
 def test_sources_that_are_none(tmp_path):
     (tmp_path / "empty").mkdir()
     (tmp_path / "text.png").write_text("hello")
-    for source, message in (
-        ("no such", r"source must be a robot's name \(lab, robot2, sheep\), a folder with a robot"),
-        ("", "has no robot.toml"),
-        (tmp_path / "none.png", "source must be a robot's name"),
-        (tmp_path / "empty", "has no robot.toml, so it does not define a robot"),
-        (tmp_path / "text.png", "is not in an image format"),
+    for source, said in (
+        ("no such", r"\bsource\b.*lab, robot2, sheep"),
+        (tmp_path / "none.png", r"\bsource\b"),
+        (tmp_path / "empty", r"empty has no robot\.toml"),
+        (tmp_path / "text.png", r"text\.png"),
     ):
-        with pytest.raises(ValueError, match=message):
-            add_robot("mine", source)
-    for source in (None, 5, b"lab", painted(RED, BLUE)):
-        with pytest.raises(TypeError, match="source must be a RobotDefinition"):
+        with pytest.raises(ValueError, match=said):
             add_robot("mine", source)
 
 
 def test_colours_that_are_not_seen(user_folder, photo, tmp_path):
     colors = tmp_path / "colors.toml"
     colors.write_text("[red]\nv = [250, 255]\n[blue]\nu = [160, 255]\nv = [0, 140]\n")
-    with pytest.raises(
-        ValueError, match=r"right marker \(red\): 0.0 % .* ignore_colors=True"
-    ) as caught:
+    with pytest.raises(ValueError, match=r"right marker \(red\): 0.0 % .*ignore_colors=True"):
         add_robot("mine", "lab", colors=colors)
-    assert "V 250..255" in str(caught.value)
-    with pytest.raises(ValueError, match="red marker: nothing in the image has the colour red"):
+    with pytest.raises(ValueError, match="red marker: nothing"):
         add_robot("mine", photo, colors=colors)
     assert not user_folder.exists()
     assert add_robot("mine", "lab", colors=colors, ignore_colors=True).name == "mine"
@@ -252,15 +221,15 @@ def broken(*arguments, **options):
     raise OSError("the disk is full")
 
 
-@pytest.mark.parametrize("step", ["write_whole", "read_robot", "rename"])
+@pytest.mark.parametrize(
+    "step", ["robsim.robots._files.write_whole", "robsim.robots._user_robots.read_robot", "rename"]
+)
 def test_a_failing_add_leaves_nothing_behind(user_folder, monkeypatch, step):
-    if step == "write_whole":
-        monkeypatch.setattr(robots._files, "write_whole", broken)
-    elif step == "read_robot":
-        monkeypatch.setattr(robots._user_robots, "read_robot", broken)
-    else:
-        monkeypatch.setattr(Path, "rename", broken)
     lab = load_robot("lab")
+    if step == "rename":
+        monkeypatch.setattr(Path, "rename", broken)
+    else:
+        monkeypatch.setattr(step, broken)
     with pytest.raises(OSError, match="the disk is full"):
         add_robot("mine", lab)
     assert files(user_folder) == []
@@ -295,12 +264,6 @@ def test_an_overwrite_leaves_one_image(user_folder):
         assert image in ("robots/mine/robot.png", "robots/mine/robot-2.png")
 
 
-def test_an_overwritten_robot_is_called_as_it_was_called_last(user_folder):
-    add_robot("mine", "lab")
-    add_robot("MINE", "lab", overwrite=True)
-    assert list(user_robots()) == ["MINE"]
-
-
 def test_a_failing_save_leaves_the_old_file(tmp_path, monkeypatch):
     save_robot(tmp_path, load_robot("lab"))
     before = {file: (tmp_path / file).read_bytes() for file in files(tmp_path)}
@@ -316,31 +279,23 @@ def test_a_failing_save_leaves_the_old_file(tmp_path, monkeypatch):
 def test_a_saved_robot_can_be_read_by_people(tmp_path):
     save_robot(tmp_path / "a/b", load_robot("lab"))
     text = (tmp_path / "a/b/robot.toml").read_text()
-    assert 'name = "lab"\nimage = "robot.png"   # beside this file' in text
     assert "alignment = 90.0   # degrees clockwise" in text
     assert "centre = [239.50, 239.50]\n" in text
     assert "\n    [239.50, 26.47], [308.40, 32.50], [312.53, 33.61], [314.37, 34.47],\n" in text
     assert max(map(len, text.splitlines())) <= 100
-    assert set(tomllib.loads(text)) == {"name", "image", "size", "alignment", "centre"} | {
-        *("outline", "maximum_blobs", "markers")
-    }
 
 
-@pytest.mark.parametrize("name", ['a"b', "a b = 1", "\\", "größe", "'''", '"""', "😀"])
-def test_any_name_is_saved(tmp_path, name):
-    save_robot(tmp_path, replace(load_robot("lab"), name=name))
-    assert load_robot(tmp_path).name == name
+def test_any_name_is_saved(tmp_path):
+    for name in ('a"b', "a b = 1", "\\", "größe", "'''", '"""', "x" * 40):
+        save_robot(tmp_path, replace(load_robot("lab"), name=name))
+        assert load_robot(tmp_path).name == name
 
 
-@pytest.mark.parametrize(
-    "name", ["", "a\nb = 1", "\x7f", "\x1b]0;mine\a", "\u202eenim", "a\0b", 41 * "a"]
-)
-def test_a_name_that_cannot_be_shown(name):
-    with pytest.raises(
-        ValueError, match="name must be 1 to 40 printable characters, got '"
-    ) as told:
-        replace(load_robot("lab"), name=name)
-    assert str(told.value).isprintable()
+def test_a_name_that_cannot_be_shown():
+    for name in ("", "a\nb = 1", "\x1b]0;mine\a", "\u202eenim", "a\0b", 41 * "a"):
+        with pytest.raises(ValueError, match="name must be 1 to 40") as told:
+            replace(load_robot("lab"), name=name)
+        assert str(told.value).isprintable()
 
 
 def test_other_files_of_the_folder_are_left_alone(tmp_path):
@@ -348,24 +303,18 @@ def test_other_files_of_the_folder_are_left_alone(tmp_path):
     save_robot(tmp_path, load_robot("lab"))
     save_robot(str(tmp_path), load_robot("lab"))
     assert files(tmp_path) == ["notes.txt", "robot.png", "robot.toml"]
-    with pytest.raises(TypeError, match="robot must be a RobotDefinition"):
-        save_robot(tmp_path, "lab")
 
 
 # --- rotating
 
 
-@pytest.mark.parametrize(
-    ("before", "degrees", "after"),
-    [
-        *((0, 90, 90), (90, -90, 0), (90, 120, -150), (-150, -40, 170)),
-        *((10, 720.5, 10.5), (0.1, 0.2, 0.3)),
-    ],
-)
-def test_rotate_adds_to_the_alignment(before, degrees, after):
-    add_robot("mine", "lab", alignment=before)
-    assert rotate_robot("MINE", degrees).alignment == after
-    assert load_robot("mine").alignment == after
+def test_rotate_adds_to_the_alignment():
+    add_robot("mine", "lab", alignment=0)
+    for degrees, after in ((90, 90), (-90, 0), (120, 120), (90, -150), (720.5, -149.5)):
+        assert rotate_robot("MINE", degrees).alignment == after
+        assert load_robot("mine").alignment == after
+    with pytest.raises(ValueError, match="degrees"):
+        rotate_robot("mine", np.nan)
 
 
 def test_rotate_keeps_what_was_written_by_hand(user_folder):
@@ -377,31 +326,19 @@ def test_rotate_keeps_what_was_written_by_hand(user_folder):
     assert file.read_text() == before.replace("alignment = 90.0", "alignment = 135.0")
 
 
-@pytest.mark.parametrize("degrees", [np.nan, np.inf, "90", None, True])
-def test_rotate_by_no_number(degrees):
-    add_robot("mine", "lab")
-    with pytest.raises((TypeError, ValueError), match="degrees must be"):
-        rotate_robot("mine", degrees)
-
-
 # --- removing
 
 
 def test_remove(user_folder):
     add_robot("mine", "lab")
-    set_default_robot("mine")
-    remove_robot("Mine")
-    assert robot_names() == SHIPPED
-    assert default_robot() == "lab"
-    assert files(user_folder) == ["settings.toml"]
-
-
-def test_removing_another_robot_keeps_the_choice():
-    add_robot("mine", "lab")
     add_robot("other", "lab")
     set_default_robot("mine")
     remove_robot("other")
     assert default_robot() == "mine"
+    remove_robot("Mine")
+    assert robot_names() == SHIPPED
+    assert default_robot() == "lab"
+    assert files(user_folder) == ["settings.toml"]
 
 
 def test_a_damaged_robot_and_damaged_settings_do_not_keep_one_from_removing(user_folder):
@@ -413,14 +350,15 @@ def test_a_damaged_robot_and_damaged_settings_do_not_keep_one_from_removing(user
     assert robot_names() == SHIPPED
 
 
-@pytest.mark.parametrize("name", ["none", "", "..", "../robots", "/", "\0"])
-def test_there_is_nothing_of_this_name(name):
-    for attempt in (lambda: remove_robot(name), lambda: rotate_robot(name, 5)):
+def test_there_is_nothing_of_this_name():
+    for name in ("none", "", "..", "/", "\0"):
         with pytest.raises(ValueError, match="of your own: there is none yet"):
-            attempt()
+            remove_robot(name)
+        with pytest.raises(ValueError, match="of your own: there is none yet"):
+            rotate_robot(name, 5)
     add_robot("mine", "lab")
     with pytest.raises(ValueError, match="of your own: there are mine"):
-        remove_robot(name)
+        remove_robot("../robots")
     assert robot_names()[-1] == "mine"
 
 
@@ -431,25 +369,25 @@ def test_the_choice_is_what_load_robot_loads():
     set_default_robot("SHEEP")
     assert default_robot() == "sheep"
     assert load_robot().name == "sheep"
-    assert as_robot(None).name == "sheep"
     assert load_robot("lab").name == "lab"
     assert Simulation().robot.name == "sheep"
     reset_default_robot()
     assert load_robot().name == "lab"
 
 
-def test_the_choice_survives_a_restart():
+def test_the_choice_survives_a_restart(user_folder):
     add_robot("mine", "lab")
     set_default_robot("mine")
     run = "import robsim.robots; print(robsim.robots.load_robot().name)"
     result = subprocess.run([sys.executable, "-c", run], capture_output=True, text=True, check=True)
     assert result.stdout == "mine\n"
+    assert (user_folder / "settings.toml").exists()
 
 
-@pytest.mark.parametrize("name", ["none", "", "..", "/"])
-def test_a_robot_that_is_none_is_not_chosen(user_folder, name):
-    with pytest.raises(ValueError, match=r"no robot .* there are lab, robot2, sheep"):
-        set_default_robot(name)
+def test_a_robot_that_is_none_is_not_chosen(user_folder):
+    for name in ("none", "", "..", "/"):
+        with pytest.raises(ValueError, match=r"there are lab, robot2, sheep"):
+            set_default_robot(name)
     assert not user_folder.exists()
 
 
@@ -463,9 +401,8 @@ def test_a_damaged_robot_is_not_chosen(user_folder):
 
 def test_other_settings_are_kept(user_folder):
     user_folder.mkdir()
-    before = "# mine\nlanguage = 'en'  # a note\n\n[window]\nrobot = 'other'\n"
     settings = user_folder / "settings.toml"
-    settings.write_text(before)
+    settings.write_text("# mine\nlanguage = 'en'  # a note\n\n[window]\nrobot = 'other'\n")
     assert default_robot() == "lab"
     set_default_robot("sheep")
     values = tomllib.loads(settings.read_text())
@@ -477,18 +414,20 @@ def test_other_settings_are_kept(user_folder):
     assert default_robot() == "lab"
 
 
-DAMAGED = ["oops", "robot = ", "robot = 5", "robot = ['lab']", "[robot]\nname = 'lab'", b"\xff\xfe"]
-
-
-@pytest.mark.parametrize("content", DAMAGED)
+@pytest.mark.parametrize("content", [b"oops", b"robot = 5", b"\xff\xfe"])
 def test_damaged_settings(user_folder, content):
     user_folder.mkdir()
     settings = user_folder / "settings.toml"
-    settings.write_bytes(content if isinstance(content, bytes) else content.encode())
+    settings.write_bytes(content)
     for attempt in (default_robot, load_robot, Simulation):
-        with pytest.raises(ValueError, match=r"settings\.toml.*`robsim robots reset` goes back"):
+        with pytest.raises(ValueError, match=r"settings\.toml.*robsim robots reset"):
             attempt()
+    if content != b"robot = 5":
+        with pytest.raises(ValueError, match="robsim robots reset"):
+            set_default_robot("sheep")
     reset_default_robot()
+    aside = [file.read_bytes() for file in user_folder.glob("settings-damaged-*.toml")]
+    assert aside == ([] if content == b"robot = 5" else [content])
     assert default_robot() == "lab"
     set_default_robot("sheep")
     assert default_robot() == "sheep"
@@ -496,22 +435,11 @@ def test_damaged_settings(user_folder, content):
 
 def test_settings_that_are_a_folder(user_folder):
     (user_folder / "settings.toml").mkdir(parents=True)
-    with pytest.raises(ValueError, match=r"settings\.toml.*robsim robots reset"):
-        default_robot()
-    with pytest.raises(ValueError, match=r"settings\.toml.*robsim robots reset"):
-        set_default_robot("sheep")
+    for attempt in (default_robot, lambda: set_default_robot("sheep")):
+        with pytest.raises(ValueError, match=r"settings\.toml.*robsim robots reset"):
+            attempt()
     reset_default_robot()
     assert default_robot() == "lab"
-
-
-def test_settings_that_are_no_toml_are_put_aside(user_folder):
-    user_folder.mkdir()
-    (user_folder / "settings.toml").write_text("oops")
-    with pytest.raises(ValueError, match="robsim robots reset"):
-        set_default_robot("sheep")
-    reset_default_robot()
-    (aside,) = user_folder.glob("settings-damaged-*.toml")
-    assert aside.read_text() == "oops"
 
 
 def test_a_chosen_robot_that_is_gone(user_folder):
@@ -519,9 +447,7 @@ def test_a_chosen_robot_that_is_gone(user_folder):
     set_default_robot("mine")
     shutil.rmtree(user_folder / "robots/mine")
     for attempt in (load_robot, Simulation):
-        with pytest.raises(
-            ValueError, match=r"settings\.toml: the default robot, 'mine', no longer exists"
-        ):
+        with pytest.raises(ValueError, match=r"settings\.toml: .*'mine', no longer exists"):
             attempt()
     assert default_robot() == "mine"
     reset_default_robot()
@@ -558,12 +484,10 @@ def test_strange_things_in_the_user_folder(user_folder):
 # --- the whole way
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+@pytest.mark.parametrize("seed", range(thorough(4, 1)))
 def test_a_robot_made_up_on_the_spot(seed, tmp_path):
     """Drawn, added as a mere picture, used, tracked by its own markers only, removed."""
-    print(f"seed of the robot: {seed}")
-    rng = np.random.default_rng(seed)
-    drawn = random_robot(rng)
+    drawn = random_robot(np.random.default_rng(seed))
     Image.fromarray(drawn.image).save(tmp_path / "drawn.png")
     add_robot("drawn", tmp_path / "drawn.png", size=drawn.size)
     rotate_robot("drawn", drawn.alignment)
@@ -580,18 +504,12 @@ def test_a_robot_made_up_on_the_spot(seed, tmp_path):
     assert statistics.rmse_xy < 1
     assert statistics.rmse_heading_deg < 2
     for markers in ("lab", MarkerLayout(43, 14)):
-        other = Simulation(control=DriveAround(), markers=markers, **options).run(120)
+        other = Simulation(control=DriveAround(), markers=markers, **options).run(60)
         assert not other.seen.any()
     remove_robot("drawn")
     assert load_robot().name == "lab"
-    assert "drawn" not in robot_names()
 
 
 def test_the_number_of_blobs_is_kept(tmp_path):
-    few = replace(load_robot("lab"), maximum_blobs=3)
-    save_robot(tmp_path / "few", few)
-    assert load_robot(tmp_path / "few").marker_layout().maximum_blobs == 3
-    file = tmp_path / "few/robot.toml"
-    file.write_text(file.read_text().replace("maximum_blobs = 3", "maximum_blobs = 0"))
-    with pytest.raises(ValueError, match=r"robot\.toml: maximum_blobs must lie within 1..100000"):
-        load_robot(tmp_path / "few")
+    save_robot(tmp_path, replace(load_robot("lab"), maximum_blobs=3))
+    assert load_robot(tmp_path).marker_layout().maximum_blobs == 3

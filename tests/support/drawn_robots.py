@@ -50,3 +50,13 @@ def random_robot(rng):
 def box(left, top, right, bottom):
     """A rectangle as a polygon."""
     return np.array([(left, top), (right, top), (right, bottom), (left, bottom)], float)
+
+
+def covered(polygon, image):
+    """The pixels of an image (h, w) within a polygon, by the even-odd rule."""
+    down, right = np.indices(image.shape[:2])
+    odd = np.zeros(image.shape[:2], bool)
+    for (ax, ay), (bx, by) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        if ay != by:
+            odd ^= ((ay > down) != (by > down)) & (right < ax + (down - ay) * (bx - ax) / (by - ay))
+    return odd
