@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 import robsim
-from refusals import Refusal, options, refusals
-from robsim.control._path_following import FollowPath, GoToPoint
-from robsim.control._path_score import score_path
+from robsim.control import FollowPath, GoToPoint, score_path
+from sizes import thorough
 
 pytestmark = pytest.mark.kernels
 
@@ -30,7 +29,7 @@ def seen(k, *pose, estimate=None):
 # --- the law, step by step
 
 
-@pytest.mark.parametrize("heading", [0.0, 1.0, np.pi, -2.5])
+@pytest.mark.parametrize("heading", [0.0, 1.0, np.pi])
 def test_a_goal_ahead_or_behind_is_driven_to_straight(heading):
     along = 300 * np.array([np.cos(heading), np.sin(heading)])
     u1, u2 = GoToPoint(*(600 + along))(seen(0, 600, 600, heading))
@@ -116,7 +115,7 @@ def test_the_estimate_comes_before_the_measurement():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("maximum_voltage", [0.1, 0.3, 1.0, 2.7])
+@pytest.mark.parametrize("maximum_voltage", [0.1, 2.7])
 def test_no_voltage_is_above_the_limit(maximum_voltage, rng):
     controls = [
         GoToPoint(600, 600, maximum_voltage=maximum_voltage),
@@ -224,50 +223,30 @@ def test_the_options_are_fixed_and_the_waypoints_are_copied():
         path.waypoint_radius = 30
     with pytest.raises(FrozenInstanceError):
         GoToPoint(1, 2).maximum_voltage = 3
-    assert repr(GoToPoint(1, 2)).startswith(
-        "GoToPoint(x=1, y=2, maximum_voltage=1.0, maximum_speed=40.0,"
-    )
-    assert repr(FollowPath([(1, 2)])).startswith("FollowPath(waypoints=array([[1., 2.]]), maximum_")
+    assert repr(GoToPoint(1, 2)).startswith("GoToPoint(x=1, y=2, maximum_voltage=1.0,")
 
 
 OPTIONS = (
-    "maximum_voltage maximum_speed distance_gain speed_gain heading_gain turn_gain minimum_voltage"
+    *("maximum_voltage", "maximum_speed", "distance_gain", "speed_gain", "heading_gain"),
+    *("turn_gain", "minimum_voltage"),
 )
-MUST_BE = "^{name} must be"
 
 
-@refusals(
-    options(GoToPoint, {OPTIONS: (-0.1, np.nan, np.inf)}, 1, 2, says=MUST_BE, raises=ValueError),
-    options(GoToPoint, {OPTIONS: ("1", None, True)}, 1, 2, says=MUST_BE, raises=TypeError),
-    options(
-        FollowPath, {OPTIONS: (-0.1, np.nan, np.inf)}, [(1, 2)], says=MUST_BE, raises=ValueError
-    ),
-    options(FollowPath, {OPTIONS: ("1", None, True)}, [(1, 2)], says=MUST_BE, raises=TypeError),
-    options(
-        FollowPath,
-        {"waypoint_radius": (-1,), "lookahead": (np.nan,)},
-        [(1, 2)],
-        says="^{name} must be finite and at least 0",
-        raises=ValueError,
-    ),
-    Refusal(
-        FollowPath,
-        "waypoints",
-        ([(1e200, 0)],),
-        r"waypoints must be finite, within 1e\+06 px, got",
-        ValueError,
-    ),
-    Refusal(FollowPath, "waypoints", ([1, 2],), "^waypoints must be an array", ValueError),
-    Refusal(
-        lambda x: GoToPoint(x, 2), "x", (np.nan,), r"^x must be finite \(px\), got nan", ValueError
-    ),
-    Refusal(lambda y: GoToPoint(1, y), "y", ((2, 3),), "^y must be a number", TypeError),
-    Refusal(
-        lambda value: GoToPoint(1, 2, value), "GoToPoint", (3,), "only x, y without", TypeError
-    ),
-)
-def test_what_is_no_path(refusal):
-    refusal()
+def test_what_is_no_path():
+    for name in OPTIONS:
+        for wrong in (-0.1, np.nan, np.inf):
+            with pytest.raises(ValueError, match=f"^{name} must"):
+                GoToPoint(1, 2, **{name: wrong})
+            with pytest.raises(ValueError, match=f"^{name} must"):
+                FollowPath([(1, 2)], **{name: wrong})
+    for name, wrong in (("waypoint_radius", -1), ("lookahead", np.nan)):
+        with pytest.raises(ValueError, match=f"^{name} must"):
+            FollowPath([(1, 2)], **{name: wrong})
+    for waypoints in ([], [1, 2], [(1, 2, 3)], [(1e200, 0)]):
+        with pytest.raises(ValueError, match="waypoints must"):
+            FollowPath(waypoints)
+    with pytest.raises(ValueError, match="x must"):
+        GoToPoint(np.nan, 2)
 
 
 # --- in the loop
@@ -283,7 +262,7 @@ def assert_goes_to(trace, goal):
 
 @pytest.mark.long
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(thorough(3, 1)))
 def test_it_goes_to_a_point_and_stays_there(seed, model):
     goal = np.random.default_rng(seed).uniform(150, 1050, 2)
     control = GoToPoint(*goal)
@@ -310,8 +289,9 @@ def test_dropouts_are_coasted_through():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize(("path", "steps"), [(SQUARE, 560), (EIGHT, 620)])
+@pytest.mark.parametrize(
+    ("path", "steps", "model"), [(SQUARE, 560, "slides sideways"), (EIGHT, 620, "does not")]
+)
 def test_it_follows_a_path(path, steps, model):
     start = (*path[-1], 0.5)
     trace = robsim.Simulation(
@@ -357,15 +337,3 @@ def test_it_goes_by_the_state_estimator_if_one_runs():
     assert (sim.run(5).u == 0).all()
     sim.estimate_state = None
     assert (sim.run(1).u[-1] != 0).any()
-
-
-def test_while_it_is_not_seen_the_robot_stays():
-    trace = robsim.Simulation(control=FollowPath(SQUARE), measure=lambda step: None, **SMALL).run(5)
-    assert (trace.u == 0).all()
-
-
-@pytest.mark.parametrize("controller", [robsim.GoToPoint(600, 300), robsim.FollowPath([(1, 2)])])
-def test_a_pose_in_place_of_a_step_is_refused_by_name(controller):
-    with pytest.raises(TypeError, match=r"step must be a Step, got \(300, 300, 0\): by hand it is "
-                       r"robsim.Step\(measurement="):  # fmt: skip
-        controller((300, 300, 0))

@@ -82,21 +82,10 @@ def test_lengths_are_those_of_the_trace():
     assert (other.unit, other.settled_step) == ("mm", one.settled_step)
 
 
-WRONG = {
-    "shape": ((1, 2), ValueError, r"pose must be an array \(3,\).*shape \(2,\)"),
-    "kind": ("abc", TypeError, "pose must be an array"),
-    "ragged": ([1, [2], 3], ValueError, "pose must be an array"),
-    "not finite": ((1, 2, NAN), ValueError, "pose must be finite"),
-}
-
-
-@pytest.mark.parametrize(("pose", "kind", "message"), WRONG.values(), ids=WRONG)
-def test_a_wrong_pose_is_told(pose, kind, message):
-    with pytest.raises(kind, match=message):
-        score_pose(trace_of([(0, 0, 0)]), pose)
-
-
-def test_wrong_tolerances_are_told():
+def test_wrong_input_is_told():
+    for pose in ((1, 2), (1, 2, NAN)):
+        with pytest.raises(ValueError, match="pose must"):
+            score_pose(trace_of([(0, 0, 0)]), pose)
     with pytest.raises(ValueError, match="position_tolerance"):
         score_pose(trace_of([(0, 0, 0)]), (0, 0, 0), position_tolerance=-1)
     with pytest.raises(ValueError, match="heading_tolerance"):

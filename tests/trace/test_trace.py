@@ -3,7 +3,6 @@ import csv
 import json
 import pickle
 import re
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ from hypothesis import strategies as st
 import robsim
 from robsim.trace import PARAMETER_NAMES, NotRecordedError, RunInfo, Trace
 from robsim.trace._trace import longest_run
+from sizes import thorough
 
 NAN = np.nan
 DT = 0.2
@@ -110,52 +110,38 @@ def test_every_column_has_its_shape():
 
 def test_every_column_has_its_unit():
     units = trace_of(4).units
-    poses = {
-        f"{q}_{suffix}": unit
-        for suffix in ("true", "measured", "held", "estimated")
-        for q, unit in (("x", "px"), ("y", "px"), ("heading", "rad"))
-    }
-    covariances = {
-        f"cov_{a}_{b}": f"{ua} {ub}"
-        for (a, ua), (b, ub) in product((("x", "px"), ("y", "px"), ("heading", "rad")), repeat=2)
-    }
-    blobs = {f"{c}{i}_{q}": "px" for c, i, q in product(("red", "blue"), (1, 2), "xy")}
-    assert units == {
-        "k": "",
-        "t": "s",
-        "u1": "V",
-        "u2": "V",
-        "bounced": "",
-        "seen": "",
-        "state0": "",
-        "state1": "",
-        "x_view": "px",
-        "y_view": "px",
-        **poses,
-        **covariances,
-        **blobs,
-        **{
-            f"{name}{axis}": unit
-            for axis, length in (("X", "px"), ("Y", "px"), ("P", "rad"))
-            for name, unit in (
-                *(("a1", ""), ("a2", "")),
-                *(("b1", f"{length}/V"), ("b2", f"{length}/V"), ("d1", length)),
-            )
-        },
-    }
+    assert set(units) == set(trace_of(4).names)
+    for unit, names in {
+        "": "k bounced seen state0 state1 a1X a2Y a1P",
+        "s": "t",
+        "V": "u1 u2",
+        "px": "x_true y_held x_measured y_estimated red1_x blue2_y x_view y_view d1X d1Y",
+        "rad": "heading_true heading_estimated d1P",
+        "px px": "cov_x_x cov_y_x",
+        "px rad": "cov_x_heading",
+        "rad px": "cov_heading_y",
+        "rad rad": "cov_heading_heading",
+        "px/V": "b1X b2Y",
+        "rad/V": "b1P b2P",
+    }.items():
+        assert {name: units[name] for name in names.split()} == dict.fromkeys(names.split(), unit)
 
 
 def test_single_columns_are_the_numbers_of_their_group():
     trace = trace_of(4)
-    np.testing.assert_array_equal(trace["heading_true"], trace.pose_true[:, 2])
-    np.testing.assert_array_equal(trace["u2"], trace.u[:, 1])
-    np.testing.assert_array_equal(trace["red2_x"], trace.blobs["red"][:, 1, 0])
-    np.testing.assert_array_equal(trace["blue1_y"], trace.blobs["blue"][:, 0, 1])
-    np.testing.assert_array_equal(trace["cov_x_heading"], trace.covariance[:, 0, 2])
-    np.testing.assert_array_equal(trace["b1Y"], trace.parameters[:, 1, 2])
-    np.testing.assert_array_equal(trace["state1"], trace.state[:, 1])
-    np.testing.assert_array_equal(trace["bounced"], [False, True, False, True])
+    for name, expected in {
+        "heading_true": trace.pose_true[:, 2],
+        "u2": trace.u[:, 1],
+        "red2_x": trace.blobs["red"][:, 1, 0],
+        "blue1_y": trace.blobs["blue"][:, 0, 1],
+        "cov_x_heading": trace.covariance[:, 0, 2],
+        "b1Y": trace.parameters[:, 1, 2],
+        "state1": trace.state[:, 1],
+        "bounced": [False, True, False, True],
+    }.items():
+        np.testing.assert_array_equal(trace[name], expected)
     assert all(trace[name].shape == (4,) for name in trace.names)
+    assert PARAMETER_NAMES[:6] == ("a1X", "a2X", "b1X", "b2X", "d1X", "a1Y")
 
 
 def test_time_is_the_step_times_dt():
@@ -164,16 +150,10 @@ def test_time_is_the_step_times_dt():
     np.testing.assert_array_equal(trace.t, np.array([7, 8, 9]) * DT)
 
 
-def test_parameter_names_go_row_by_row():
-    assert PARAMETER_NAMES[:6] == ("a1X", "a2X", "b1X", "b2X", "d1X", "a1Y")
-    assert PARAMETER_NAMES[-1] == "d1P"
-    assert len(set(PARAMETER_NAMES)) == 15
-
-
 def test_missing_groups_are_nan():
     trace = trace_of(4, optional=())
     for name in ("pose_measured", "pose_held", "pose_estimated", "covariance", "parameters"):
-        assert getattr(trace, name).shape[0] == 4
+        assert len(getattr(trace, name)) == 4
         assert np.isnan(getattr(trace, name)).all()
     assert np.isnan(trace.error).all()
     assert not trace.seen.any()
@@ -184,68 +164,47 @@ def test_missing_groups_are_nan():
     assert " ".join(trace.names) == "k t x_true y_true heading_true u1 u2 bounced"
 
 
-@pytest.mark.parametrize(
-    ("read", "expected"),
-    [
-        (len, 0),
-        (lambda trace: trace.pose_true.shape, (0, 3)),
-        (lambda trace: trace.covariance.shape, (0, 3, 3)),
-        (lambda trace: trace.t.shape, (0,)),
-        (lambda trace: trace.tracking().seen, 0),
-        (lambda trace: trace.state.shape, (0, 2)),
-        (lambda trace: trace.names, trace_of(1).names),
-        (lambda trace: trace["x_true"].shape, (0,)),
-        (lambda trace: trace.to_pandas().shape[0], 0),
-    ],
-)
-def test_a_trace_without_steps_has_the_same_columns(read, expected):
-    assert read(trace_of(0)) == expected
-    assert read(trace_of(4)[2:2]) == expected
+def test_a_trace_without_steps_has_the_same_columns():
+    for trace in (trace_of(0), trace_of(4)[2:2]):
+        assert len(trace) == trace.tracking().seen == trace.to_pandas().shape[0] == 0
+        shapes = {"pose_true": (3,), "covariance": (3, 3), "t": (), "state": (2,)}
+        for name, shape in shapes.items():
+            assert getattr(trace, name).shape == (0, *shape)
+        assert trace.names == trace_of(1).names
+        assert trace["x_true"].shape == (0,)
 
 
-@pytest.mark.parametrize(
-    "name", ["pose_true", "u", "pose_measured", "pose_held", "pose_estimated", "view"]
-)
-def test_a_loaded_trace_is_read_only(tmp_path, name):
+def test_a_loaded_trace_is_read_only(tmp_path):
     trace_of(4, optional=("pose_estimated", "view")).save(tmp_path / "run.npz")
-    column = getattr(Trace.load(tmp_path / "run.npz"), name)
-    with pytest.raises(ValueError, match="read-only"):
-        column[0] = 1
+    loaded = Trace.load(tmp_path / "run.npz")
+    for name in ("pose_true", "u", "pose_measured", "pose_held", "pose_estimated", "view"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(loaded, name)[0] = 1
 
 
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [
-        *(("pose_true", values) for values in (None, 5.0, np.zeros((2, 2)))),
-        *(("u", values) for values in (np.zeros((3, 2)), np.zeros((2, 3)), [])),
-        *((name, np.zeros((2, 1))) for name in ("something", "blobs_", "pose_held")),
-    ],
-)
-def test_wrong_groups_are_named(name, values):
-    with pytest.raises(ValueError, match=rf"\b{name}\b"):
-        trace_of(2, (), **{name: values})
+def test_wrong_groups_are_named():
+    for name, values in (
+        ("pose_true", np.zeros((2, 2))),
+        ("u", np.zeros((3, 2))),
+        ("u", np.zeros((2, 3))),
+        ("something", np.zeros((2, 1))),
+        ("blobs_", np.zeros((2, 1))),
+        ("pose_held", np.zeros((2, 1))),
+    ):
+        with pytest.raises(ValueError, match=rf"\b{name}\b"):
+            trace_of(2, (), **{name: values})
 
 
-@pytest.mark.parametrize("name", REQUIRED)
-def test_a_missing_group_is_named(name):
-    made = groups(2, ())
-    del made[name]
-    with pytest.raises(ValueError, match=f"must have the group {name}"):
-        Trace(made, INFO)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        *(("dt", value) for value in ("x", None, [1], -1, 0, NAN, np.inf, 10**400)),
-        *(("theta_true", value) for value in (None, "text", THETA[0], [["1"] * 5] * 3)),
-        *(("area", value) for value in ("ab", (1,), (1, 2, 3), (1.5, 2), (0, 1))),
-        *(("seed", 1), ("identify_from", 1), ("boundary", None), ("robot", 5)),
-    ],
-)
-def test_wrong_values_of_info_are_named(name, value):
-    with pytest.raises((TypeError, ValueError), match=f"^{name} must "):
-        RunInfo(**{"dt": DT, "theta_true": THETA} | {name: value})
+def test_wrong_values_of_info_are_named():
+    for name, values in {
+        "dt": (-1, 0, NAN, np.inf, 10**400),
+        "theta_true": (None, THETA[0], [["1"] * 5] * 3),
+        "area": ((1,), (1, 2, 3), (1.5, 2), (0, 1)),
+        "seed": (1,),
+    }.items():
+        for value in values:
+            with pytest.raises((TypeError, ValueError), match=f"^{name} must "):
+                RunInfo(**{"dt": DT, "theta_true": THETA} | {name: value})
 
 
 # --- derived columns
@@ -276,24 +235,10 @@ def test_tracking_statistics_by_hand():
     assert statistics.largest_xy == pytest.approx(5)
     assert statistics.largest_heading_deg == pytest.approx(np.rad2deg(0.1))
     lines = str(statistics).splitlines()
-    assert lines[:11] == [
-        "Tracking",
-        "  steps                                4",
-        "  seen                                 3 (75.0 %)",
-        "  not seen                             1",
-        "  false poses                          1",
-        "  rmse of the position (px)            3.606",
-        "  rmse of the heading (deg)            4.051",
-        "  median error of the position (px)    5.000",
-        "  median error of the heading (deg)    5.730",
-        "  largest error of the position (px)   5.000",
-        "  largest error of the heading (deg)   5.730",
+    assert [line.split("   ")[-1].strip() for line in lines[1:11]] == [
+        *("4", "3 (75.0 %)", "1", "1", "3.606", "4.051", "5.000", "5.730", "5.000", "5.730")
     ]
-    assert " ".join("".join(lines[11:]).split()) == (
-        "- a pose more than 10 px or 20 deg off is false: rmse and largest error are those of the "
-        "other poses, the median is that of all"
-    )
-    assert "largest error of the heading (deg)" in statistics._repr_html_()
+    assert "more than 10 px or 20 deg" in " ".join(str(statistics).split())
 
 
 def test_tracking_tells_reasons_and_what_measurements_report():
@@ -311,22 +256,20 @@ def test_tracking_tells_reasons_and_what_measurements_report():
         missed=np.array([[0], [0], [0], [1], [4]], dtype=float),
     )
     statistics = trace.tracking()
-    reasons = trace.missed_reasons[3:].tolist()
-    assert statistics.missed == dict.fromkeys(reasons, 1)
-    assert f"2: {reasons[0]} 1, {reasons[1]} 1" in str(statistics)
+    assert statistics.missed == dict.fromkeys(trace.missed_reasons[3:].tolist(), 1)
     assert statistics.reported_xy == pytest.approx(5)
     assert statistics.reported_heading_deg == pytest.approx(2)
-    assert "the standard deviation that a measurement gives itself" in str(statistics)
     assert statistics.to_dict()["not_seen"] == 2
 
 
 def test_tracking_says_what_the_drawing_costs():
     statistics = robsim.Simulation(measure=True, seed=1).run(3).tracking()
-    assert "the robot was drawn in 36 headings" in " ".join(str(statistics).split())
-    assert "an rmse of 2.9 deg" in " ".join(str(statistics).split())
+    text = " ".join(str(statistics).split())
+    assert "36 headings" in text
+    assert "2.9 deg and 0.4 px" in text
     assert statistics.reported_heading_deg == pytest.approx(10 / np.sqrt(12), rel=0.01)
     exact = robsim.Simulation(measure=True, seed=1, headings=None).run(3).tracking()
-    assert "drawn in" not in str(exact)
+    assert "headings" not in str(exact)
 
 
 def test_false_poses_do_not_hide_how_good_the_others_are():
@@ -334,25 +277,22 @@ def test_false_poses_do_not_hide_how_good_the_others_are():
     measured = np.tile([0.6, 0.8, 0.01], (171, 1))
     measured[:4] = (600, 800, 3)
     trace = trace_of(171, ("pose_measured",), pose_true=poses, pose_measured=measured)
-    assert trace.tracking().rmse_xy == pytest.approx(1)
-    assert trace.tracking().median_xy == pytest.approx(1)
-    assert trace.tracking().largest_xy == pytest.approx(1)
+    good = trace.tracking()
+    assert (good.rmse_xy, good.median_xy, good.largest_xy) == pytest.approx((1, 1, 1))
     every = trace[:4].tracking()
     assert np.isnan(every.rmse_xy)
     assert np.isnan(every.largest_xy)
     assert every.median_xy == pytest.approx(1000)
     assert every.false_poses == 4
-    assert "not known" not in str(every)
 
 
-@pytest.mark.parametrize("rows", [0, 3])
-def test_tracking_statistics_of_nothing_are_nan(rows):
-    statistics = trace_of(rows, optional=()).tracking()
-    assert (statistics.steps, statistics.seen, statistics.false_poses) == (rows, 0, 0)
-    assert np.isnan(statistics.rmse_xy)
-    assert np.isnan(statistics.rmse_heading_deg)
-    assert statistics.heading == "Tracking, never seen"
-    assert statistics.to_dict()["rmse_xy"] is None
+def test_tracking_statistics_of_nothing_are_nan():
+    for rows in (0, 3):
+        statistics = trace_of(rows, optional=()).tracking()
+        assert (statistics.steps, statistics.seen, statistics.false_poses) == (rows, 0, 0)
+        assert np.isnan(statistics.rmse_xy)
+        assert np.isnan(statistics.rmse_heading_deg)
+        assert statistics.to_dict()["rmse_xy"] is None
 
 
 @given(st.floats(-50, 50), st.floats(-50, 50))
@@ -373,57 +313,41 @@ def test_heading_errors_are_within_half_a_turn(true, measured):
         (slice(None), [10, 11, 12, 13, 14]),
         (slice(1, 3), [11, 12]),
         (slice(-2, None), [13, 14]),
-        (slice(3, 100), [13, 14]),
         (slice(3, 1), []),
     ],
 )
-def test_slices_keep_info_and_step_numbers(key, steps):
+def test_slices_keep_info_and_step_numbers(tmp_path, key, steps):
     whole = trace_of(5, optional=("pose_measured",), first_step=10)
     part = whole[key]
     assert part.info is whole.info
     np.testing.assert_array_equal(part.k, steps)
+    np.testing.assert_array_equal(part[1:].k, steps[1:])
     np.testing.assert_array_equal(part.pose_true, whole.pose_true[key])
     np.testing.assert_array_equal(part.pose_measured, whole.pose_measured[key])
+    part.save(tmp_path / "part.npz")
+    assert_same(Trace.load(tmp_path / "part.npz"), part)
 
 
-def test_a_slice_of_a_slice_counts_on():
-    np.testing.assert_array_equal(trace_of(9, first_step=100)[2:8][1:3].k, [103, 104])
+def test_a_stride_is_refused():
+    for stride in (2, -1):
+        with pytest.raises(ValueError, match=f"stride of {stride}"):
+            trace_of(4)[::stride]
 
 
-@pytest.mark.parametrize("stride", [2, -1])
-def test_a_stride_is_refused(stride):
-    with pytest.raises(ValueError, match=f"every step, got a stride of {stride}"):
-        trace_of(4)[::stride]
-
-
-def test_a_wrong_key_names_the_column_that_was_meant():
-    with pytest.raises(KeyError, match="no column 'x_ture': did you mean 'x_true'"):
-        trace_of(4)["x_ture"]
-    with pytest.raises(KeyError, match="no column 'zzz': there are k, t, x_true"):
-        trace_of(4)["zzz"]
-    with pytest.raises(KeyError, match=r"pose_true is an attribute: trace\.pose_true"):
-        trace_of(4)["pose_true"]
-
-
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("x_true", r"x_true is a column: trace\['x_true'\]"),
-        ("pose_ture", "no attribute 'pose_ture'; did you mean 'pose_true'"),
-        ("traking", "did you mean 'tracking'"),
-        ("zzz", "no attribute 'zzz'$"),
-        ("__array_interface__", "no attribute '__array_interface__'$"),
-    ],
-)
-def test_a_wrong_attribute_says_what_was_meant(name, message):
-    with pytest.raises(AttributeError, match=message):
-        getattr(trace_of(4), name)
-
-
-def test_a_trace_can_be_copied_and_pickled():
-    trace = trace_of(4)
-    for other in (copy.deepcopy(trace), pickle.loads(pickle.dumps(trace))):
-        np.testing.assert_array_equal(other.pose_true, trace.pose_true)
+def test_a_wrong_key_or_attribute_names_the_column_that_was_meant():
+    for key, meant in (("x_ture", "x_true"), ("zzz", "k, t, x_true"), ("pose_true", "trace.pose_")):
+        with pytest.raises(KeyError, match=meant):
+            trace_of(4)[key]
+    for name, meant in (
+        ("x_true", r"trace\['x_true'\]"),
+        ("pose_ture", "'pose_true'"),
+        ("pose", r"trace\.pose_true"),
+        ("frame", "render_step"),
+        ("zzz", "'zzz'$"),
+        ("__array_interface__", "'__array_interface__'$"),
+    ):
+        with pytest.raises(AttributeError, match=meant):
+            getattr(trace_of(4), name)
 
 
 # --- what a run must have recorded
@@ -438,11 +362,13 @@ def test_what_was_not_recorded_is_named_with_the_remedy():
     error = caught.value
     assert error.columns == ("pose_measured", "pose_estimated", "covariance")
     assert error.remedy == "run with measure=True; run with estimate_state=..."
-    assert str(error).startswith("the trace has no pose_measured, pose_estimated, covariance: run")
     again = pickle.loads(pickle.dumps(error))
     assert (again.columns, again.remedy, str(again)) == (error.columns, error.remedy, str(error))
-    with pytest.raises(ValueError, match=r"names must be one of .*'poses'"):
+    with pytest.raises(ValueError, match="'poses'"):
         trace.require("poses")
+    for column, remedy in (("x_measured", "measure=True"), ("a1X", "estimate_parameters")):
+        with pytest.raises(KeyError, match=f"'{column}' .*{remedy}"):
+            trace[column]
 
 
 def test_what_was_recorded_and_never_known_is_told_apart():
@@ -453,25 +379,16 @@ def test_what_was_recorded_and_never_known_is_told_apart():
         unseen[:0].require("pose_measured")
 
 
-@pytest.mark.parametrize("key", [1, np.int64(1), None, (0, 1), [0, 1], 1.5])
-def test_other_keys_are_refused(key):
-    with pytest.raises(TypeError, match="column name or a slice"):
-        trace_of(4)[key]
-
-
 def test_the_trace_describes_itself():
     trace = trace_of(4, first_step=3)
     assert "steps 3..6" in repr(trace)
-    assert str(trace).startswith("Trace, steps 3..6\n")
     assert max(map(len, str(trace).splitlines())) <= 100
     assert trace.summary().to_dict()["groups"]["pose_true"] == {
         "columns": ["x_true", "y_true", "heading_true"],
         "units": ["px", "rad"],
         "known": 4,
     }
-    assert "x_measured" in trace._repr_html_()
     assert "no steps" in repr(trace[:0])
-    assert len(repr(trace)) < 100
 
 
 # --- other formats
@@ -491,9 +408,8 @@ def test_to_pandas():
 def test_csv_round_trip_keeps_every_bit(tmp_path, rng):
     measured = rng.normal(size=(6, 3)) * 1e3
     measured[2] = NAN
-    trace = trace_of(
-        6, ("pose_measured",), pose_true=rng.normal(size=(6, 3)), pose_measured=measured
-    )
+    true = rng.normal(size=(6, 3))
+    trace = trace_of(6, ("pose_measured",), pose_true=true, pose_measured=measured)
     path = tmp_path / "run.csv"
     trace.to_csv(path)
     with path.open(newline="", encoding="utf-8") as file:
@@ -505,16 +421,8 @@ def test_csv_round_trip_keeps_every_bit(tmp_path, rng):
     for name in ("x_true", "heading_true", "y_measured", "t"):
         numbers = [float(row[header.index(name)] or NAN) for row in rows]
         np.testing.assert_array_equal(numbers, trace[name])
-
-
-def test_pandas_reads_the_csv(tmp_path):
-    trace = tracked()
-    trace.to_csv(tmp_path / "run.csv")
-    frame = pd.read_csv(tmp_path / "run.csv")
-    assert tuple(frame.columns) == trace.names
+    frame = pd.read_csv(path)
     assert frame["seen"].dtype == frame["bounced"].dtype == bool
-    for name in trace.names:
-        np.testing.assert_allclose(frame[name], trace[name], rtol=1e-14)
 
 
 def test_csv_of_a_trace_without_steps_has_a_header(tmp_path):
@@ -527,7 +435,7 @@ def test_csv_of_a_trace_without_steps_has_a_header(tmp_path):
 
 
 @pytest.mark.long
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=thorough(60, 20), deadline=None)
 @given(
     rows=st.integers(0, 40),
     optional=st.sets(st.sampled_from(sorted(OPTIONAL))),
@@ -571,52 +479,27 @@ def test_there_is_no_pickle_in_the_file(tmp_path):
     assert all(values.dtype == np.float64 for name, values in members.items() if name != "info")
 
 
-def test_a_slice_is_saved_as_it_is(tmp_path):
-    part = trace_of(9)[4:7]
-    part.save(tmp_path / "part.npz")
-    assert_same(Trace.load(tmp_path / "part.npz"), part)
-
-
 def refuses(path, name=""):
     """The error names the file, and what is wrong with it."""
     with pytest.raises(ValueError, match=rf"{re.escape(str(path))}.*{name}"):
         Trace.load(path)
 
 
-def test_a_missing_file(tmp_path):
-    with pytest.raises(FileNotFoundError, match=re.escape(str(tmp_path / "no.npz"))):
-        Trace.load(tmp_path / "no.npz")
-
-
-def test_a_directory(tmp_path):
-    with pytest.raises((OSError, ValueError), match=re.escape(str(tmp_path))):
-        Trace.load(tmp_path)
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        b"",
-        b"\0",
-        b"k,t\n1,2\n",
-        b"PK\x03\x04",
-        b"PK\x05\x06" + bytes(18),  # a zip without members
-        b"\x93NUMPY",
-        b"\x80\x04N.",  # a pickle
-        b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x08\2\0\0\0\x90wS\xde",
-    ],
-)
-def test_files_of_other_kinds(tmp_path, content):
+def test_files_of_other_kinds(tmp_path):
     path = tmp_path / "other.npz"
-    path.write_bytes(content)
-    refuses(path)
-
-
-def test_foreign_arrays(tmp_path):
+    no_members = b"PK\x05\x06" + bytes(18)
+    pickled = b"\x80\x04N."
+    for content in (b"", b"k,t\n1,2\n", b"PK\x03\x04", no_members, b"\x93NUMPY", pickled):
+        path.write_bytes(content)
+        refuses(path)
     np.save(tmp_path / "array.npy", np.zeros(3))
     refuses(tmp_path / "array.npy")
     np.savez(tmp_path / "foreign.npz", a=np.zeros(3))
     refuses(tmp_path / "foreign.npz")
+    with pytest.raises((OSError, ValueError), match=re.escape(str(tmp_path))):
+        Trace.load(tmp_path)
+    with pytest.raises(FileNotFoundError, match=re.escape(str(tmp_path / "no.npz"))):
+        Trace.load(tmp_path / "no.npz")
 
 
 @pytest.fixture(scope="module")
@@ -649,14 +532,14 @@ def load_damaged(path, content):
 @pytest.mark.slow
 @pytest.mark.long
 def test_every_flipped_bit_is_found_or_harmless(tmp_path, saved):
-    for place in range(len(saved)):
+    for place in range(0, len(saved), thorough(1, 3)):
         damaged = bytearray(saved)
         damaged[place] ^= 1 << (place % 8)
         load_damaged(tmp_path / "flip.npz", bytes(damaged))
 
 
 @pytest.mark.long
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=thorough(200, 60), deadline=None)
 @given(damage=st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), min_size=1))
 @example(damage=[(40, 255), (41, 255), (42, 255), (43, 255)])
 def test_random_damage_is_found_or_harmless(tmp_path_factory, saved, damage):
@@ -694,21 +577,14 @@ def forge(tmp_path):
     return write
 
 
-def test_the_forge_makes_a_good_trace(forge):
+def test_wrong_members(forge):
     assert_same(Trace.load(forge()), trace_of(2, ("pose_measured",)))
-
-
-@pytest.mark.parametrize("name", ["info", "pose_true", "u", "bounced"])
-def test_a_missing_member(forge, name):
-    refuses(forge(without=[name]), name)
-
-
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [
+    for name in ("info", "pose_true", "u", "bounced"):
+        refuses(forge(without=[name]), name)
+    for name, values in (
         *(("pose_true", np.zeros(shape)) for shape in (2, (2, 2), (3, 3))),
-        *(("u", np.zeros(shape)) for shape in ((2, 3), (1, 2))),
         *(("u", np.zeros((2, 2), dtype)) for dtype in (np.float32, np.int64, ">f8", complex)),
+        ("u", np.zeros((1, 2))),
         *(("bounced", values) for values in (np.zeros((2, 1), bool), np.array([["a"], ["b"]]))),
         *(("pose_measured", np.zeros(shape)) for shape in ((2, 4), (2, 1, 3))),
         ("pose_measured", np.array([[None] * 3] * 2, dtype=object)),
@@ -716,85 +592,63 @@ def test_a_missing_member(forge, name):
         *(("pose_held", np.zeros((2, 0))), ("blobs_red", np.zeros((2, 8)))),
         *(("covariance", np.zeros((2, 3))), ("parameters", np.zeros((2, 14)))),
         ("something", np.zeros((2, 1))),
-    ],
-)
-def test_wrong_members(forge, name, values):
-    refuses(forge({name: values}))
-
-
-def test_wrong_members_of_a_trace_without_rows(forge):
-    empty = {
-        name: np.zeros((0, width)) for name, width in (REQUIRED | {"pose_measured": 3}).items()
-    }
+    ):
+        refuses(forge({name: values}))
+    widths = REQUIRED | {"pose_measured": 3}
+    empty = {name: np.zeros((0, width)) for name, width in widths.items()}
     assert len(Trace.load(forge(empty))) == 0
     refuses(forge(empty | {"pose_true": np.zeros((0, 7))}))
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(
-    "info",
-    [
-        *({"format": value} for value in ("robsim trace 2", None)),
-        *({"groups": value} for value in (None, 5, [1, "u"], [], ["pose_true", "u", "bounced"])),
-        *({"groups": [*REQUIRED, "pose_measured", name]} for name in ("u", "pose_held")),
-        *({"first_step": value} for value in ("x", "3", None, [1], 1.5, -1, np.inf, 2**80)),
-        *({"theta_true": value} for value in ("text", None, 5, ["12345"] * 3, [["a"] * 5] * 3)),
-        *({"theta_true": [[value] * 5] * 3} for value in (10**400, np.nan, np.inf)),
-        *({"theta_true": value} for value in ([[0.0] * 4] * 3, [[0.0] * 5] * 2)),
-        {"theta_true": [[0.0] * 5, [0.0], [0.0]]},
-        *({"dt": value} for value in ("x", None, [1], -1, 0, np.nan, np.inf, 10**400)),
-        *({"area": value} for value in (5, None, "ab", [1], [1, 2, 3], [1.5, "a"], [0, 1])),
-        *({"seed": value} for value in (1, None, "x", [1])),
-        *({"identify_from": 1}, {"boundary": None}, {"robot": 5}, {"colour": "red"}),
-    ],
-    ids=lambda info: f"{info}"[:40],
-)
-def test_wrong_info(forge, info):
-    refuses(forge(info=info))
+WRONG_INFO = {
+    "format": ("robsim trace 2", None),
+    "groups": (
+        *(None, 5, [1, "u"], [], ["pose_true", "u", "bounced"]),
+        *([*REQUIRED, "pose_measured", name] for name in ("u", "pose_held")),
+    ),
+    "first_step": ("3", None, [1], 1.5, -1, np.inf, 2**80),
+    "theta_true": (
+        *("text", None, 5, ["12345"] * 3, [["a"] * 5] * 3, [[0.0] * 4] * 3, [[0.0] * 5] * 2),
+        *([[value] * 5] * 3 for value in (10**400, np.nan, np.inf)),
+        [[0.0] * 5, [0.0], [0.0]],
+    ),
+    "dt": ("x", None, [1], -1, 0, np.nan, np.inf, 10**400),
+    "area": (5, None, "ab", [1], [1, 2, 3], [1.5, "a"], [0, 1]),
+    "seed": (1, None, "x", [1]),
+    "identify_from": (1,),
+    "boundary": (None,),
+    "robot": (5,),
+    "colour": ("red",),
+}
 
 
-@pytest.mark.parametrize("key", ["format", "groups", "first_step", "dt", "theta_true", "area"])
-def test_info_without_a_key(forge, key):
-    refuses(forge(without=[key]), key)
+@pytest.mark.parametrize("key", WRONG_INFO)
+def test_wrong_info(forge, key):
+    for value in WRONG_INFO[key]:
+        refuses(forge(info={key: value}))
+    if key in ("format", "groups", "first_step", "dt", "theta_true", "area"):
+        refuses(forge(without=[key]), key)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        *("", "{", "[]", "1", "null", '"robsim trace 1"', "{}", "9" * 5000, "[" * 100_000),
-        *(5, ["a", "b"]),
-    ],
-    ids=lambda text: f"{text}"[:20],
-)
-def test_info_that_is_no_json_object(forge, text):
-    refuses(forge(text=text))
+def test_info_that_is_no_json_object(forge):
+    texts = ("", "{", "[]", "1", "null", '"robsim trace 1"', "{}", "9" * 5000, "[" * 100_000)
+    for text in (*texts, 5, ["a", "b"]):
+        refuses(forge(text=text))
 
 
 # --- longest_run
 
 
-@pytest.mark.parametrize(
-    ("mask", "run"),
-    [
-        ([], slice(0, 0)),
-        ([False, False], slice(0, 0)),
-        ([True, True, True], slice(0, 3)),
-        ([False, True, False, True, True], slice(3, 5)),
-        ([True, True, False, True, True], slice(0, 2)),
-        ([False, True], slice(1, 2)),
-    ],
-)
-def test_longest_run(mask, run):
-    assert longest_run(np.array(mask, dtype=bool)) == run
-
-
 @pytest.mark.long
 @given(st.lists(st.booleans(), max_size=30))
+@example([])
+@example([True, True, False, True, True])
 def test_longest_run_is_true_and_no_other_is_longer(mask):
     run = longest_run(np.array(mask, dtype=bool))
     lengths = [len(part) for part in "".join(map(str, map(int, mask))).split("0")]
     assert run.stop - run.start == max(lengths)
     assert all(mask[run])
+    assert run.start == "".join(map(str, map(int, mask))).find("1" * max(lengths))
 
 
 def test_a_save_that_fails_leaves_the_old_file(tmp_path, monkeypatch):
@@ -826,8 +680,7 @@ def test_traces_are_equal_if_their_columns_and_runs_are():
 
     trace = run(1)
     assert trace == run(1)
-    assert trace == pickle.loads(pickle.dumps(trace))
-    assert trace == copy.deepcopy(trace)
+    assert trace == pickle.loads(pickle.dumps(trace)) == copy.deepcopy(trace)
     assert trace[2:] == run(1)[2:]
     for other in (run(2), run(1, 4), trace[1:], "trace"):
         assert trace != other
@@ -836,43 +689,13 @@ def test_traces_are_equal_if_their_columns_and_runs_are():
     assert recorded == pickle.loads(pickle.dumps(recorded))
 
 
-@pytest.mark.parametrize(
-    ("name", "meant"),
-    [("pose", "trace.pose_true"), ("estimate", "trace.pose_estimated"), ("time", "trace.t"),
-     ("steps", r"len\(trace\)"), ("frame", r"sim.render_step\(k\): a trace keeps no frames")],
-)  # fmt: skip
-def test_what_users_look_for_by_other_names_is_told(name, meant):
-    trace = robsim.Simulation(seed=1).run(1)
-    with pytest.raises(AttributeError, match=f"no attribute '{name}'; did you mean {meant}\\?$"):
-        getattr(trace, name)
-
-
-def test_a_column_that_was_not_recorded_says_how_to_record_it():
-    trace = robsim.Simulation(seed=1).run(1)
-    with pytest.raises(KeyError, match="no column 'x_measured' in this run: run with measure=True"):
-        trace["x_measured"]
-    with pytest.raises(KeyError, match="no column 'a1X' in this run: run with estimate_parameters"):
-        trace["a1X"]
-
-
 def test_a_callback_that_forgot_its_return_is_suspected():
-    sim = robsim.Simulation(
-        seed=1, measure=lambda step: None, estimate_parameters=lambda step: None
-    )
-    trace = sim.run(5)
+    options = {"measure": lambda step: None, "estimate_parameters": lambda step: None}
+    trace = robsim.Simulation(seed=1, **options).run(5)
     (remark,) = trace.tracking().remarks
-    assert "a measure of your own must return its Measurement" in remark
-    with pytest.raises(NotRecordedError, match="let estimate_parameters return the parameters"):
+    assert "must return its Measurement" in remark
+    with pytest.raises(NotRecordedError, match="let estimate_parameters return"):
         trace.require("parameters")
-
-
-def test_a_simulation_in_place_of_its_trace_is_told():
-    sim = robsim.Simulation(seed=1, measure=True)
-    for call in (robsim.batch_estimate, robsim.identifiability, lambda s: robsim.score_path(s, [])):
-        with pytest.raises(TypeError, match=r"trace must be a Trace, got .*: give sim.trace$"):
-            call(sim)
-    with pytest.raises(TypeError, match=r"traces must be a Trace or .*: give sim.trace of each$"):
-        robsim.pose_errors([sim])
 
 
 def test_headings_in_degrees_are_suspected():

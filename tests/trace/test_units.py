@@ -7,11 +7,11 @@ import robsim
 from robsim.evaluation import parameter_bounds
 from robsim.identification import parameter_convergence
 from robsim.imaging import Calibration, PlaneMap
-from robsim.plotting._images.replay import annotated_frames
+from robsim.plotting import annotated_frames
 from robsim.reference import ConstantVelocityKalmanFilter
 
 MM_PER_PX = 2.5
-LENGTHS = {"px": 1.0, "mm": MM_PER_PX, "cm": MM_PER_PX / 10, "m": MM_PER_PX / 1000}
+LENGTHS = {"px": 1.0, "mm": MM_PER_PX, "m": MM_PER_PX / 1000}
 THETA = np.array(
     [[1.0, 1.0, 2.0, 2.0, 2.0], [1.0, 1.0, 2.0, 2.0, 2.0], [1.0, 1.0, 1.0, 1.0, 1.0]]
 )  # 2 where a parameter has a length in it
@@ -32,7 +32,7 @@ def simulation():
     return sim
 
 
-@pytest.fixture(params=["mm", "cm", "m"])
+@pytest.fixture(scope="module", params=["mm", "m"])
 def converted(request, simulation):
     return simulation.trace.in_unit(request.param, mm_per_px=MM_PER_PX)
 
@@ -77,8 +77,14 @@ def test_a_converted_trace_is_saved_and_converted_back(simulation, converted, tm
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("source", ["truth", "measurement"])
-@pytest.mark.parametrize("method", ["least_squares", "instrumental_variables", "output_error"])
+@pytest.mark.parametrize(
+    ("method", "source"),
+    [
+        ("least_squares", "truth"),
+        ("instrumental_variables", "measurement"),
+        ("output_error", "measurement"),
+    ],
+)
 def test_batch_estimates_are_the_same(simulation, converted, method, source):
     one = robsim.batch_estimate(simulation.trace, method=method, identify_from=source)
     other = robsim.batch_estimate(converted, method=method, identify_from=source)
@@ -172,26 +178,20 @@ def test_a_calibrated_experiment_knows_the_length_of_a_px(simulation, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "name"),
     [
-        (lambda t: t.in_unit("mm"), "unit must be 'px', got 'mm': the camera was not calibrated"),
-        (lambda t: t.in_unit("inch"), "unit must be one of 'px', 'mm', 'cm', 'm', got 'inch'"),
-        (lambda t: t.in_unit("mm", mm_per_px=0), "mm_per_px must lie within 0.001..10000"),
-        (
-            lambda t: t.in_unit("mm", mm_per_px=2).in_unit("mm", mm_per_px=3),
-            "mm_per_px must be 2, as the run has it, or left out, got 3",
-        ),
-        (
-            lambda t: robsim.pose_errors([t, t.in_unit("mm", mm_per_px=2)]),
-            "traces must have one unit of length, got mm, px",
-        ),
+        (lambda t: t.in_unit("mm"), "unit"),
+        (lambda t: t.in_unit("inch"), "unit"),
+        (lambda t: t.in_unit("mm", mm_per_px=0), "mm_per_px"),
+        (lambda t: t.in_unit("mm", mm_per_px=2).in_unit("mm", mm_per_px=3), "mm_per_px must be 2"),
+        (lambda t: robsim.pose_errors([t, t.in_unit("mm", mm_per_px=2)]), "traces .*mm, px"),
     ],
 )
-def test_wrong_units(simulation, change, message):
-    with pytest.raises(ValueError, match=message):
+def test_wrong_units(simulation, change, name):
+    with pytest.raises(ValueError, match=rf"^{name}\b"):
         change(simulation.trace)
 
 
-def test_a_unit_is_a_text(simulation):
-    with pytest.raises(TypeError, match="unit must be one of 'px', 'mm', 'cm', 'm', got 1"):
-        simulation.trace.in_unit(1)
+def test_a_cm_is_ten_mm(simulation):
+    cm = simulation.trace.in_unit("cm", mm_per_px=MM_PER_PX)
+    np.testing.assert_allclose(cm.pose_true[:, 0], simulation.trace.pose_true[:, 0] * 0.25)
