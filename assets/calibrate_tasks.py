@@ -1,6 +1,6 @@
 """Calibrates the limits of the tasks that ship with robsim: python/robsim/tasks/limits.json.
 
-``./run limits``. It takes some minutes a task; it says before how many.
+``./run study limits``. It takes some minutes a task; it says before how many.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ SEED = 20261125
 
 def main() -> int:
     """Calibrate, print what each solution comes to, and return 1 if a wrong one often passes."""
-    parser = argparse.ArgumentParser(prog="./run limits", description=__doc__)
+    parser = argparse.ArgumentParser(prog="./run study limits", description=__doc__)
     parser.add_argument("--only", nargs="+", choices=list(TASKS), default=list(TASKS))
     parser.add_argument("--jobs", type=int, help="processes; default: one for each core")
     parser.add_argument("--keep", type=Path, help="folder for the runs, to go on later")

@@ -1,4 +1,4 @@
-"""What statistical marks promise: ./run marks draws notebooks/site/marks.png, prints its numbers.
+"""What statistical marks promise: ./run study marks draws notebooks/site/marks.png, prints its numbers.
 
 All solutions of a task, right and wrong ones, are run in tests as they are graded: what these come
 to, how many points that gives, and how well more runs tell right from wrong.
@@ -204,7 +204,7 @@ def table(found: Mapping[int, Tests]) -> str:
 
 def main() -> int:
     """Run the solutions, draw the figure, print the numbers."""
-    parser = argparse.ArgumentParser(prog="./run marks", description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(prog="./run study marks", description=__doc__.split("\n")[0])
     parser.add_argument("--task", default=TASK, choices=robsim.tasks.TASKS, help=f"default: {TASK}")
     parser.add_argument("--false-fail", type=float, default=FALSE_FAIL, help="default: 0.01")
     parser.add_argument("--jobs", type=int, help="processes; default: this one")

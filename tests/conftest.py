@@ -8,6 +8,8 @@ import hypothesis
 import numpy as np
 import pytest
 
+from skips import fail_if_unlisted
+
 # Other random numbers for all tests that draw any: `ROBSIM_TEST_SEED=1 ./run test`. Those that are
 # marked `random` draw them from the fixture `rng`; hypothesis, too, repeats itself only by default.
 SEED = int(os.environ.get("ROBSIM_TEST_SEED", "0"))
@@ -34,6 +36,18 @@ def pytest_collection_finish():
     gc.enable()
     gc.collect()
     gc.freeze()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport():
+    """Fail a test that is left out for a reason that is not on the list."""
+    return fail_if_unlisted((yield))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report():
+    """Fail a file that is left out for a reason that is not on the list."""
+    return fail_if_unlisted((yield))
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -128,7 +128,7 @@ class ConsistencyReport(Report):
     worse by its standard error. That of the share comes from its autocorrelation in time. Of right
     filters over 20 runs 1 to 10 % are called so, of filters of which half are rejected 40 to 80 %;
     of right filters by their NIS 25 to 40 %, since its limits are only 1.96 standard deviations
-    off. All rates, measured anew by ``./run statistics``: tests/statistics/RESULTS.md.
+    off. All rates, measured anew by ``./run study statistics``: tests/statistics/RESULTS.md.
 
     In trials of that filter with four levels of process noise and 100 to 500 steps, over 20 runs
     this test rejected 1 of 1200 correctly tuned filters, and 4799 of 4800 with Q or R wrong by a
