@@ -1,0 +1,1 @@
+"""Deliberate faults in robsim, drawn at random and by name: whether the tests catch them."""

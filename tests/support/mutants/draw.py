@@ -1,0 +1,46 @@
+"""Which faults are put in: some by name, the others drawn from all places in both languages."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Iterator
+from pathlib import Path
+
+from mutants import in_cpp, in_python
+from mutants.fault import Fault
+from mutants.named import named_faults
+
+#: Not drawn from: solutions and templates are for students, what is written for JavaScript is not
+#: Python, and what is read by another compiler than ours is not compiled here.
+_LEFT_OUT = ("/solutions/", "/templates/", "/bench/", "windows", "_neon")
+_LANGUAGES = {"python": ("*.py", in_python.faults_in), "cpp": ("*.cpp", in_cpp.faults_in)}
+
+
+def drawn(root: Path, seed: int, count: int, lines: Path | None) -> Iterator[tuple[str, Fault]]:
+    """Yield the faults by name, then drawn ones without end, each with the group that it is of.
+
+    Parameters
+    ----------
+    root : path
+        The tree.
+    seed : int
+        What the draw comes from.
+    count : int
+        How many places each group gets at most.
+    lines : path, optional
+        A JSON file with lines that some tests ran, by file: half of the faults lie in these.
+    """
+    for fault in named_faults(root):
+        yield "by name", fault
+    ran = json.loads(lines.read_text()) if lines else {}
+    draw = random.Random(seed)
+    for language, (pattern, faults_in) in _LANGUAGES.items():
+        folder = root / ("python/robsim" if language == "python" else "cpp")
+        files = sorted(str(path.relative_to(root)) for path in folder.rglob(pattern))
+        files = [file for file in files if not any(part in file for part in _LEFT_OUT)]
+        everywhere = [fault for file in files for fault in faults_in(root, file)]
+        there = [one for one in everywhere if one.line in ran.get(one.file, ())]
+        for group, places in (("ran by deleted tests", there), ("anywhere", everywhere)):
+            for fault in draw.sample(places, min(count, len(places))):
+                yield f"{language}, {group}", fault

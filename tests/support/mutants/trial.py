@@ -1,0 +1,138 @@
+"""One fault at a time: put in, built, and tried by the tests of one or more trees."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from mutants.fault import Fault
+
+_LONGEST = 3600  # s, of a build or a run of tests
+#: Folders of tests that take long, by the folder of the fault; other faults: folders of its name.
+_RELATED = {
+    "_base": "files trace robots simulation fuzz",
+    "assignments": "assignments cli",
+    "bindings": "bindings simulation threads fuzz vision",
+    "capture": "capture live",
+    "cli": "cli",
+    "estimation": "estimation identification simd digests",
+    "evaluation": "evaluation reference statistics",
+    "geometry": "geometry simulation digests",
+    "grading": "grading assignments",
+    "identification": "identification doctor statistics",
+    "imaging": "imaging capture fuzz simd vision",
+    "laboratory": "live",
+    "live": "live",
+    "model": "model simulation digests",
+    "motors": "motors live simulation",
+    "random": "simulation digests world",
+    "simd": "simd vision world",
+    "simulation": "simulation threads grading digests",
+    "tasks": "tasks assignments doctor guards",
+    "virtual_bus": "capture",
+    "vision": "vision simd fuzz simulation digests",
+    "world": "world simd simulation digests",
+}
+
+
+def run(command: list[str], **options) -> subprocess.CompletedProcess[str]:
+    """Run a command, and return what it printed."""
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, timeout=_LONGEST, **options
+    )
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A folder with a copy of the tree, its build, and what is installed of it."""
+
+    root: Path
+    folder: Path
+
+    @property
+    def tree(self) -> Path:
+        return self.folder / "tree"
+
+    @property
+    def site(self) -> Path:
+        return self.folder / "site"
+
+    def prepare(self) -> None:
+        """Copy the tree, and build it."""
+        shutil.rmtree(self.tree, ignore_errors=True)
+        self.tree.mkdir(parents=True)
+        for name in ("cpp", "python", "assets", "notebooks"):
+            shutil.copytree(self.root / name, self.tree / name)
+        for name in ("CMakeLists.txt", "pyproject.toml", "README.md", "LICENSE"):
+            shutil.copy2(self.root / name, self.tree)
+        (self.tree / "tests").mkdir()
+        shutil.copytree(self.root / "tests/core", self.tree / "tests/core")
+        packages = run([sys.executable, "-c", "import site; print(site.getsitepackages()[0])"])
+        configured = run(
+            [
+                *("cmake", "-S", str(self.tree), "-B", str(self.folder / "cmake"), "-G", "Ninja"),
+                *("-DCMAKE_BUILD_TYPE=Release", "-DROBSIM_TESTS=ON"),
+                f"-DCMAKE_PREFIX_PATH={packages.stdout.strip()}",
+                f"-DPython_EXECUTABLE={sys.executable}",
+            ],
+            env=_path(),
+        )
+        assert configured.returncode == 0, configured.stderr
+        assert self.build() is None, self.build()
+
+    def build(self) -> str | None:
+        """Compile what changed and install all of it; return what the compiler says if it fails."""
+        built = run(["cmake", "--build", str(self.folder / "cmake")], env=_path())
+        if built.returncode:
+            return built.stdout[-2000:]
+        shutil.rmtree(self.site, ignore_errors=True)
+        shutil.copytree(self.tree / "python", self.site)
+        command = ["cmake", "--install", str(self.folder / "cmake"), "--prefix", str(self.site)]
+        installed = run(command, env=_path())
+        assert installed.returncode == 0, installed.stderr
+        return None
+
+    def restore(self, file: str) -> None:
+        """Take a fault out of a file."""
+        shutil.copyfile(self.root / file, self.tree / file)
+
+    def core_tests(self) -> str | None:
+        """Return the first C++ test that fails, None if all pass."""
+        done = run([str(self.folder / "cmake/robsim_tests"), "--gtest_brief=1"])
+        if done.returncode == 0:
+            return None
+        failed = re.search(r"\[  FAILED  \] (\S+)", done.stdout)
+        return f"C++ {failed[1]}" if failed else f"C++ tests: exit status {done.returncode}"
+
+    def caught_by(self, tests: Path, fault: Fault) -> str | None:
+        """Return the first test that fails: of all quick ones, then of related long ones."""
+        if (found := self.core_tests()) is not None:
+            return found
+        if (found := self._pytest(tests, "not slow and not long", ["tests"])) is not None:
+            return found
+        rooms = [part for part in Path(fault.file).parts[:-1] if part in _RELATED]
+        room = rooms[0] if rooms else Path(fault.file).parts[2]
+        folders = [f"tests/{one}" for one in _RELATED.get(room, room).split()]
+        folders = [folder for folder in folders if (tests / folder).is_dir()]
+        return self._pytest(tests, "slow or long", folders) if folders else None
+
+    def _pytest(self, root: Path, marks: str, folders: list[str]) -> str | None:
+        command = [sys.executable, "-m", "pytest", "-q", "-x", "-n", "2", "-p", "no:cacheprovider"]
+        environment = os.environ | {"PYTHONPATH": str(self.site), "OPENBLAS_NUM_THREADS": "1"}
+        try:
+            done = run([*command, "-m", marks, *folders], cwd=root, env=environment)
+        except subprocess.TimeoutExpired:
+            return "the tests do not end"
+        if done.returncode in (0, 5):  # 5: none is marked so
+            return None
+        failed = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.MULTILINE)
+        return failed[1] if failed else f"pytest: exit status {done.returncode}"
+
+
+def _path() -> dict[str, str]:
+    return os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
