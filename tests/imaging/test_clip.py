@@ -8,8 +8,8 @@ import pytest
 from PIL import Image
 
 import robsim
-from refusals import Refusal, options, refusals
-from robsim.imaging._clip import Clip
+from refusals import refuses
+from robsim.imaging import Clip
 
 
 def frames(count=6, *, width=60, height=40):
@@ -39,20 +39,12 @@ def test_plays_all_frames_at_the_rate_for_ever():
             assert error.mean() < 10
 
 
-def test_says_how_large_it_is():
-    clip = Clip(frames(), fps=5)
-    html = clip._repr_html_()
-    assert 'width="60" height="40" alt="a clip of 6 frames"' in html
-    assert re.fullmatch(r"<Clip: 6 frames of 60 x 40 px, [1-9] kB>", repr(clip))
-
-
-@pytest.mark.parametrize(
-    ("width", "size"),
-    [(30, (30, 20)), (25, (25, 17)), (1, (1, 1)), (60, (60, 40)), (480, (60, 40))],
-)
-def test_is_reduced_to_a_width_but_never_enlarged(width, size):
-    with opened(Clip(frames(), fps=5, width=width)) as picture:
-        assert picture.size == size
+def test_is_reduced_to_a_width_but_never_enlarged():
+    for width, size in ((30, (30, 20)), (25, (25, 17)), (1, (1, 1)), (480, (60, 40))):
+        clip = Clip(frames(1), fps=5, width=width)
+        with opened(clip) as picture:
+            assert (picture.size, picture.n_frames) == (size, 1)
+        assert f'width="{size[0]}" height="{size[1]}"' in clip._repr_html_()
 
 
 def test_takes_frames_and_needs_no_opencv(monkeypatch):
@@ -61,7 +53,7 @@ def test_takes_frames_and_needs_no_opencv(monkeypatch):
     assert len(clip) == 2
 
 
-@pytest.mark.parametrize("ending", [".webp", ".gif", ".GIF"])
+@pytest.mark.parametrize("ending", [".webp", ".GIF"])
 def test_save(tmp_path, ending):
     path = tmp_path / f"clip{ending}"
     Clip(frames(), fps=5).save(path)
@@ -79,55 +71,29 @@ def test_save(tmp_path, ending):
 @pytest.mark.long
 def test_a_run_stays_small():
     simulation = robsim.Simulation(seed=1, noise=robsim.GaussianNoise(5))
-    clip = Clip((simulation.step().frame for _ in range(20)), fps=5)
+    clip = Clip((simulation.step().frame for _ in range(8)), fps=5)
     assert opened(clip).size == (480, 480)
-    assert len(clip._repr_html_()) < 20 * 30_000
+    assert len(clip._repr_html_()) < 8 * 30_000
 
 
-def test_one_frame():
-    with opened(Clip(frames(1), fps=5)) as picture:
-        assert picture.n_frames == 1
-
-
-FRAMES = list(frames())
-NARROW = np.zeros((40, 50, 3), np.uint8)
-SIZES = "frame 6 is 50 x 40 px, the frames before it 60 x"
-RATES = r"fps must lie within 0\.1\.\.60 \(1/s\), got"
-WIDTHS = r"width must lie within 1\.\.16383, got"
-
-
-def clip_of(frames):
-    return Clip(frames, fps=5)
-
-
-@refusals(
-    Refusal(clip_of, "frames", ([],), "a clip needs at least one, got none", ValueError),
-    Refusal(clip_of, "frames", ([1, 2],), r"frames\[0\] must be a Frame or", TypeError),
-    Refusal(clip_of, "frame", ([*FRAMES, NARROW],), SIZES, ValueError),
-    options(Clip, {"fps": (0, -1, 61, np.nan)}, FRAMES, says=RATES, raises=ValueError),
-    options(Clip, {"width": (0, -5, 20_000)}, FRAMES, fps=5, says=WIDTHS, raises=ValueError),
-    options(
-        Clip,
-        {"width": ("480", True, 480.0)},
-        FRAMES,
-        fps=5,
-        says="must be an int, got",
-        raises=TypeError,
-    ),
-)
-def test_what_is_no_clip(refusal):
-    refusal()
-
-
-@pytest.mark.parametrize("name", ["clip.mp4", "clip"])
-def test_other_endings(tmp_path, name):
-    with pytest.raises(ValueError, match=r"must end in \.webp or \.gif"):
-        Clip(frames(), fps=5).save(tmp_path / name)
+def test_what_is_no_clip(tmp_path):
+    some = list(frames())
+    refuses("frames", Clip, [], fps=5)
+    refuses("frames", Clip, [1, 2], fps=5)
+    said = refuses("frame", Clip, [*some, np.zeros((40, 50, 3), np.uint8)], fps=5)
+    assert "frame 6 is 50 x 40 px" in said
+    for fps in (0, 0.09, 61, np.nan):
+        refuses("fps", Clip, some, fps=fps)
+    for width in (0, 16384, True):
+        refuses("width", Clip, some, fps=5, width=width)
+    for name in ("clip.mp4", "clip"):
+        with pytest.raises(ValueError, match=r"\.webp"):
+            Clip(some, fps=5).save(tmp_path / name)
 
 
 def test_a_gif_keeps_the_time_of_frames_that_come_twice(tmp_path):
     a, b = (np.full((20, 20, 3), value, np.uint8) for value in (50, 200))
-    robsim.imaging.Clip([a, a, a, b], fps=5).save(tmp_path / "a.gif")
+    Clip([a, a, a, b], fps=5).save(tmp_path / "a.gif")
     with Image.open(tmp_path / "a.gif") as gif:
         times = []
         for frame in range(gif.n_frames):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from refusals import INF, NAN, Refusal, refusals
+from refusals import INF, NAN, refuses
 from robsim.imaging import Intrinsics
 
 SIZE = (1280, 960)
@@ -75,9 +75,6 @@ def test_a_lens_shows_nothing_beyond_where_it_would_fold():
 
 def test_values():
     lens = Intrinsics(MATRIX, LENSES["both"])
-    assert repr(Intrinsics([[2, 0, 1], [0, 3, 4], [0, 0, 1]], (0.5, 0, 0, 0, 0))) == (
-        "Intrinsics([[2.0, 0.0, 1.0], [0.0, 3.0, 4.0], [0.0, 0.0, 1.0]], (0.5, 0.0, 0.0, 0.0, 0.0))"
-    )
     for other in (
         Intrinsics(lens.matrix, lens.distortion),
         pickle.loads(pickle.dumps(lens)),
@@ -91,25 +88,19 @@ def test_values():
     for name in ("matrix", "distortion"):
         with pytest.raises(ValueError, match="read-only"):
             getattr(lens, name)[0] = 1
-        with pytest.raises(AttributeError):
-            setattr(lens, name, getattr(lens, name))
 
 
 NO_MATRIX = (
-    *(None, 5, "abc", np.eye(2), np.zeros((3, 3)), 2 * np.eye(3), np.diag([0, 1, 1])),
-    *(np.diag([1, -1, 1]), MATRIX.T, MATRIX + np.eye(3, k=1), MATRIX + np.diag([INF, 0, 0])),
+    *(np.eye(2), np.zeros((3, 3)), 2 * np.eye(3), np.diag([0, 1, 1]), np.diag([1, -1, 1])),
+    *(MATRIX.T, MATRIX + np.eye(3, k=1), MATRIX + np.diag([INF, 0, 0])),
 )
 
 
-@refusals(
-    Refusal(Intrinsics, "matrix", NO_MATRIX),
-    Refusal(
-        lambda value: Intrinsics(MATRIX, value),
-        "distortion",
-        (0.1, "abcde", (1, 2, 3, 4), np.zeros((1, 5)), (0, 0, 0, 0, NAN), (0, 0, 0, INF, 0)),
-    ),
-    Refusal(Intrinsics(MATRIX).ideal, "pixels", (None, 5, (1, 2, 3), (NAN, 1))),
-    Refusal(Intrinsics(MATRIX).distorted, "pixels", (None, 5, (1, 2, 3), (NAN, 1))),
-)
-def test_what_is_no_lens(refusal):
-    refusal()
+def test_what_is_no_lens():
+    for matrix in NO_MATRIX:
+        refuses("matrix", Intrinsics, matrix)
+    for distortion in ((1, 2, 3, 4), np.zeros((1, 5)), (0, 0, 0, 0, NAN), (0, 0, 0, INF, 0)):
+        refuses("distortion", Intrinsics, MATRIX, distortion)
+    for call in (Intrinsics(MATRIX).ideal, Intrinsics(MATRIX).distorted):
+        for pixels in ((1, 2, 3), (NAN, 1)):
+            refuses("pixels", call, pixels)

@@ -14,7 +14,7 @@ def test_four_corners_that_are_themselves_give_the_identity():
 
 
 def test_a_homography_is_found_again(rng):
-    for _ in range(50):
+    for _ in range(20):
         wanted = PlaneMap(np.eye(3) + rng.uniform(-1, 1, (3, 3)) * [[0.3], [0.3], [2e-4]])
         seen = np.multiply([(30, 20), (610, 25), (580, 470), (40, 450)], rng.uniform(0.9, 1.1))
         found = PlaneMap.from_points(seen, wanted.to_world(seen))
@@ -35,49 +35,35 @@ def test_a_point_within_the_triangle_of_the_others():
     np.testing.assert_allclose(PlaneMap.from_points(seen, positions).to_world(seen), positions)
 
 
-@pytest.mark.parametrize("shift", [1, 2, 3])
-def test_a_turned_camera(shift):
-    plane_map = PlaneMap.from_points(SQUARE, np.roll(SQUARE, shift, axis=0))
-    np.testing.assert_allclose(plane_map.to_world((50, 50)), (50, 50), atol=1e-9)
+def test_a_turned_camera():
+    for shift in (1, 2, 3):
+        plane_map = PlaneMap.from_points(SQUARE, np.roll(SQUARE, shift, axis=0))
+        np.testing.assert_allclose(plane_map.to_world((50, 50)), (50, 50), atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "order",
-    [(3, 2, 1, 0), (0, 3, 2, 1), (1, 0, 2, 3), (0, 2, 1, 3)],
-    ids=["backwards", "mirrored", "first two swapped", "middle two swapped"],
-)
-def test_another_order_of_the_points(order):
-    with pytest.raises(ValueError, match=r"the same order.*go round in another order"):
-        PlaneMap.from_points(SQUARE, [SQUARE[i] for i in order])
+def refused(pixels, positions, words):
+    with pytest.raises((TypeError, ValueError), match=words):
+        PlaneMap.from_points(pixels, positions)
 
 
-@pytest.mark.parametrize("fourth", [(50, 0), (200, 0), (0, 0), (50, 0.01)])
-def test_three_points_on_a_line(fourth):
-    bad = [(0, 0), (100, 0), (100, 100), fourth]
-    with pytest.raises(ValueError, match="pixels must not have three points on a line"):
-        PlaneMap.from_points(bad, SQUARE)
-    with pytest.raises(ValueError, match="positions must not have three points on a line"):
-        PlaneMap.from_points(SQUARE, bad)
+def test_another_order_of_the_points():
+    # backwards, mirrored, the first two swapped, the middle two swapped
+    for order in ((3, 2, 1, 0), (0, 3, 2, 1), (1, 0, 2, 3), (0, 2, 1, 3)):
+        refused(SQUARE, [SQUARE[i] for i in order], "order")
 
 
-@pytest.mark.parametrize(
-    "points",
-    [SQUARE[:3], [(1, 2, 3)] * 4, "abc", [1, 2], None, [(0, 0), (1,)]],
-)
-def test_other_shapes(points):
-    wanted = r"pixels must be four or more points.*\(N, 2\), got"
-    with pytest.raises((TypeError, ValueError), match=wanted):
-        PlaneMap.from_points(points, SQUARE)
+def test_three_points_on_a_line():
+    for fourth in ((50, 0), (0, 0), (50, 0.01)):
+        bad = [(0, 0), (100, 0), (100, 100), fourth]
+        refused(bad, SQUARE, "^pixels.*line")
+        refused(SQUARE, bad, "^positions.*line")
 
 
-def test_as_many_pixels_as_positions():
-    with pytest.raises(ValueError, match=r"as many points, at least four, got 5 and 4"):
-        PlaneMap.from_points([*SQUARE, (5, 5)], SQUARE)
-
-
-def test_points_that_are_not_finite():
-    with pytest.raises(ValueError, match="positions must be four or more points, finite"):
-        PlaneMap.from_points(SQUARE, [*SQUARE[:3], (np.nan, 1)])
+def test_points_of_another_shape_or_number():
+    for points in (SQUARE[:3], [(1, 2, 3)] * 4, [1, 2], [(0, 0), (1,)]):
+        refused(points, SQUARE, "pixels")
+    refused([*SQUARE, (5, 5)], SQUARE, "5 and 4")
+    refused(SQUARE, [*SQUARE[:3], (np.nan, 1)], "positions")
 
 
 TABLE = PlaneMap([[1.9, 0.3, -120], [-0.1, 2.4, -60], [1e-4, 5e-4, 1]])
@@ -126,24 +112,16 @@ def test_the_squared_distances_are_least(rng):
                 assert cost(other) > cost(best.matrix)
 
 
-@pytest.mark.parametrize("order", ["backwards", "mirrored", "two swapped"])
-def test_another_order_of_many_points(order):
+def test_another_order_of_many_points():
     positions = TABLE.to_world(GRID)
-    if order == "backwards":
-        positions = np.roll(positions, 5, axis=0)
-    if order == "mirrored":
-        positions = positions * (-1, 1)
-    if order == "two swapped":
-        positions[[0, 11]] = positions[[11, 0]]
-    with pytest.raises(ValueError, match=r"in the same order.*no camera sees them"):
-        PlaneMap.from_points(GRID, positions)
+    refused(GRID, np.roll(positions, 5, axis=0), "order")
+    refused(GRID, positions * (-1, 1), "order")
+    positions[[0, 11]] = positions[[11, 0]]
+    refused(GRID, positions, "order")
 
 
 def test_points_that_do_not_determine_the_map():
     line = np.array([(0, 0), (10, 5), (20, 10), (40, 20), (60, 30), (10, 90)], float)
-    with pytest.raises(ValueError, match="must not have all points but one on a line"):
-        PlaneMap.from_points(line, line)
-    with pytest.raises(ValueError, match="fewer than four different points"):
-        PlaneMap.from_points(*[[(0, 0), (0, 0), (9, 0), (9, 0), (0, 9)]] * 2)
-    with pytest.raises(ValueError, match="must have"):
-        PlaneMap.from_points(GRID[:5], [(0, 0)] * 5)
+    refused(line, line, "line")
+    refused(*[[(0, 0), (0, 0), (9, 0), (9, 0), (0, 9)]] * 2, "different points")
+    refused(GRID[:5], [(0, 0)] * 5, "positions")

@@ -11,12 +11,15 @@ FORMATS = ("mono8", "mono16", *UNITS, "rgb8", *(f"bayer_{filter_}" for filter_ i
 BITS_OF_PIXEL = {"mono16": 16, "yuv411": 12, "yuv422": 16, "yuv444": 24, "rgb8": 24}
 
 
-@pytest.fixture(params=_core.cpu_paths(), autouse=True)
+@pytest.fixture(params=_core.cpu_paths())
 def _path(request):
     before = _core.cpu_path()
     _core.force_cpu_path(request.param)
     yield
     _core.force_cpu_path(before)
+
+
+on_every_path = pytest.mark.usefixtures("_path")
 
 
 def planes_of(raw, format_):
@@ -36,17 +39,19 @@ def rgb_of_yuv(y, u, v):
     return np.clip(np.stack((red, green, blue), axis=2), 0, 255)
 
 
-@pytest.mark.parametrize("format_", UNITS)
-@pytest.mark.parametrize("width", [4, 32, 36, 64, 100, 636])
-def test_yuv_is_within_a_level_of_its_real_numbers(rng, format_, width):
-    raw = rng.integers(0, 256, (7, width * BITS_OF_PIXEL[format_] // 8), dtype=np.uint8)
-    image = _core.to_rgb(raw, width, 7, format_)
-    assert np.abs(image - rgb_of_yuv(*planes_of(raw, format_))).max() < 0.6
+@on_every_path
+def test_yuv_is_within_a_level_of_its_real_numbers(rng):
+    for format_ in UNITS:
+        for width in (4, 32, 36, 636):
+            raw = rng.integers(0, 256, (7, width * BITS_OF_PIXEL[format_] // 8), dtype=np.uint8)
+            image = _core.to_rgb(raw, width, 7, format_)
+            assert np.abs(image - rgb_of_yuv(*planes_of(raw, format_))).max() < 0.6
 
 
+@on_every_path
 def test_every_chroma_is_within_a_level_of_its_real_number():
     u, v = np.meshgrid(np.arange(256), np.arange(256))
-    for y in (0, 1, 127, 254, 255):
+    for y in (0, 127, 255):
         raw = np.stack((u, np.full_like(u, y), v), axis=2).astype(np.uint8)
         image = _core.to_rgb(raw, 256, 256, "yuv444")
         assert np.abs(image - rgb_of_yuv(float(y), u - 128.0, v - 128.0)).max() < 0.6
@@ -73,32 +78,31 @@ def debayered(raw, filter_):
     return image
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("filter_", FILTERS)
-@pytest.mark.parametrize("size", [(2, 2), (3, 3), (5, 31), (4, 34), (2, 67)])
-def test_missing_colours_are_means_of_their_neighbours(rng, filter_, size):
-    raw = rng.integers(0, 256, size, dtype=np.uint8)
-    image = _core.to_rgb(raw, size[1], size[0], f"bayer_{filter_}")
-    np.testing.assert_array_equal(image, debayered(raw, filter_))
+@on_every_path
+def test_missing_colours_are_means_of_their_neighbours(rng):
+    for filter_ in FILTERS:
+        for height, width in ((2, 2), (3, 3), (5, 31), (2, 67)):
+            raw = rng.integers(0, 256, (height, width), dtype=np.uint8)
+            image = _core.to_rgb(raw, width, height, f"bayer_{filter_}")
+            np.testing.assert_array_equal(image, debayered(raw, filter_))
 
 
-@pytest.mark.parametrize("width", [1, 31, 32, 33, 100])
-def test_grey_has_three_equal_channels(rng, width):
-    raw = rng.integers(0, 256, (3, width), dtype=np.uint8)
-    image = _core.to_rgb(raw, width, 3, "mono8")
-    np.testing.assert_array_equal(image, np.repeat(raw[:, :, None], 3, axis=2))
+@on_every_path
+def test_grey_has_three_equal_channels(rng):
+    for width in (1, 31, 32, 33, 100):
+        raw = rng.integers(0, 256, (3, width), dtype=np.uint8)
+        image = _core.to_rgb(raw, width, 3, "mono8")
+        np.testing.assert_array_equal(image, np.repeat(raw[:, :, None], 3, axis=2))
 
 
-@pytest.mark.parametrize("bits", [8, 10, 12, 16])
-def test_grey_of_two_bytes_has_the_high_one_first(rng, bits):
-    grey = rng.integers(0, 1 << bits, (3, 50))
-    image = _core.to_rgb(grey.astype(">u2").tobytes(), 50, 3, "mono16", bits)
-    np.testing.assert_array_equal(image[..., 1], grey >> (bits - 8))
-
-
-def test_a_level_beyond_the_bits_is_white():
-    image = _core.to_rgb(bytes([0x1F, 0xFF, 0x0F, 0xF0]), 2, 1, "mono16", 12)
-    assert image[0, :, 0].tolist() == [255, 255]
+@on_every_path
+def test_grey_of_two_bytes_has_the_high_one_first(rng):
+    for bits in (8, 12, 16):
+        grey = rng.integers(0, 1 << bits, (3, 50))
+        image = _core.to_rgb(grey.astype(">u2").tobytes(), 50, 3, "mono16", bits)
+        np.testing.assert_array_equal(image[..., 1], grey >> (bits - 8))
+    beyond = _core.to_rgb(bytes([0x1F, 0xFF, 0x0F, 0xF0]), 2, 1, "mono16", 12)
+    assert beyond[0, :, 0].tolist() == [255, 255]
 
 
 @pytest.mark.parametrize("format_", FORMATS)
@@ -124,41 +128,38 @@ def test_what_is_sent_is_what_comes(format_):
         )
 
 
-@pytest.mark.parametrize("format_", UNITS)
-def test_chroma_that_is_sent_is_the_mean_of_its_pixels(rng, format_):
+def test_chroma_that_is_sent_is_the_mean_of_its_pixels(rng):
     image = rng.integers(0, 256, (3, 8, 3), dtype=np.uint8)
-    raw = np.frombuffer(_core.from_rgb(image, format_), np.uint8).reshape(3, -1)
-    y, u, v = planes_of(raw, format_)
     luma = image @ (0.299, 0.587, 0.114)
-    assert np.abs(y - luma).max() <= 0.51
-    n = UNITS[format_]
-    for sent, of, factor in ((u, image[..., 2], 1.772), (v, image[..., 0], 1.402)):
-        means = ((of - luma) / factor).reshape(3, -1, n).mean(axis=2)
-        assert np.abs(sent[:, ::n] - np.minimum(means, 127)).max() <= 0.51
+    for format_, n in UNITS.items():
+        raw = np.frombuffer(_core.from_rgb(image, format_), np.uint8).reshape(3, -1)
+        y, u, v = planes_of(raw, format_)
+        assert np.abs(y - luma).max() <= 0.51
+        for sent, of, factor in ((u, image[..., 2], 1.772), (v, image[..., 0], 1.402)):
+            means = ((of - luma) / factor).reshape(3, -1, n).mean(axis=2)
+            assert np.abs(sent[:, ::n] - np.minimum(means, 127)).max() <= 0.51
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("format_", FORMATS)
-@pytest.mark.parametrize("size", [(2, 4), (480, 644)])
-def test_a_byte_too_few_is_refused(format_, size):
-    height, width = size
-    raw = bytes(width * height * BITS_OF_PIXEL.get(format_, 8) // 8)
-    assert _core.to_rgb(raw, width, height, format_).shape == (height, width, 3)
-    with pytest.raises(ValueError, match=f"{format_} has {len(raw)} bytes, got {len(raw) - 1}"):
-        _core.to_rgb(raw[1:], width, height, format_)
+def test_a_byte_too_few_is_refused(format_):
+    for height, width in ((2, 4), (48, 64)):
+        raw = bytes(width * height * BITS_OF_PIXEL.get(format_, 8) // 8)
+        assert _core.to_rgb(raw, width, height, format_).shape == (height, width, 3)
+        with pytest.raises(ValueError, match=f"{len(raw)} bytes, got {len(raw) - 1}"):
+            _core.to_rgb(raw[1:], width, height, format_)
 
 
 @pytest.mark.parametrize(
     ("format_", "size", "expected"),
     [
-        ("yuv422", (5, 4), "a multiple of 2 px wide, got 5 x 4 px"),
-        ("yuv411", (6, 4), "a multiple of 4 px wide, got 6 x 4 px"),
-        ("bayer_rggb", (1, 4), "2 x 2 px at least, got 1 x 4 px"),
-        ("bayer_bggr", (4, 1), "2 x 2 px at least, got 4 x 1 px"),
-        ("mono8", (0, 4), "1 x 1 px at least, got 0 x 4 px"),
-        ("rgb8", (4, -1), "1 x 1 px at least, got 4 x -1 px"),
-        ("yuv422", (2**31 - 2, 2**31 - 1), "has 9223372023969873924 bytes, got 64"),
-        ("nv12", (4, 4), "format must be one of 'mono8', .*, got 'nv12'"),
+        ("yuv422", (5, 4), "multiple of 2 px"),
+        ("yuv411", (6, 4), "multiple of 4 px"),
+        ("bayer_rggb", (1, 4), "2 x 2 px"),
+        ("bayer_bggr", (4, 1), "2 x 2 px"),
+        ("mono8", (0, 4), "1 x 1 px"),
+        ("rgb8", (4, -1), "1 x 1 px"),
+        ("yuv422", (2**31 - 2, 2**31 - 1), "9223372023969873924 bytes"),
+        ("nv12", (4, 4), "format"),
     ],
 )
 def test_sizes_that_a_format_does_not_have_are_refused(format_, size, expected):
@@ -169,15 +170,12 @@ def test_sizes_that_a_format_does_not_have_are_refused(format_, size, expected):
             _core.from_rgb(np.zeros((size[1], size[0], 3), np.uint8), format_)
 
 
-@pytest.mark.parametrize("bits", [7, 17, -1])
-def test_bits_that_two_bytes_do_not_have_are_refused(bits):
-    with pytest.raises(ValueError, match=rf"bits must be 8 \.\. 16, got {bits}"):
-        _core.to_rgb(bytes(64), 4, 4, "mono16", bits)
-
-
-def test_bytes_with_gaps_are_refused():
+def test_what_is_no_raw_picture_is_refused():
+    for bits in (7, 17):
+        with pytest.raises(ValueError, match="bits"):
+            _core.to_rgb(bytes(64), 4, 4, "mono16", bits)
     for gaps in (np.zeros((4, 8), np.uint8)[:, ::2], np.zeros((4, 4), np.uint16)):
-        with pytest.raises(ValueError, match="raw must be bytes without gaps"):
+        with pytest.raises(ValueError, match="raw"):
             _core.to_rgb(gaps, 4, 4, "mono8")
-    with pytest.raises(TypeError, match="raw must be a buffer of bytes, got None"):
+    with pytest.raises(TypeError, match="raw"):
         _core.to_rgb(None, 4, 4, "mono8")

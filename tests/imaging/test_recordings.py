@@ -8,9 +8,8 @@ import pytest
 from PIL import Image
 
 import robsim
-from robsim.imaging._opencv import load_opencv
-from robsim.imaging._recordings import Recording
-from robsim.imaging._video import save_video
+from robsim import Recording
+from robsim.imaging import Intrinsics, PlaneMap, save_image, save_video
 
 
 def picture(brightness, *, width=32, height=24):
@@ -24,14 +23,8 @@ def picture(brightness, *, width=32, height=24):
 def folder(tmp_path):
     """Five images whose brightness is their number."""
     for number in (1, 2, 3, 10, 20):
-        robsim.imaging.save_image(tmp_path / f"frame{number}.png", picture(number))
+        save_image(tmp_path / f"frame{number}.png", picture(number))
     return tmp_path
-
-
-def test_the_folder_of_a_session_names_its_video(tmp_path):
-    (tmp_path / "frames.mkv").touch()
-    with pytest.raises(ValueError, match=r"no images in the folder .*: its video is .*frames\.mkv"):
-        Recording(tmp_path)
 
 
 def brightness(frames):
@@ -56,12 +49,9 @@ class TestFolder:
         recording = Recording(folder)
         for _ in range(2):
             assert brightness(recording) == [1, 2, 3, 10, 20]
+        for one, other in zip(recording, recording, strict=True):
+            assert one.index == other.index
         assert (recording.count, recording.size, recording.source) == (5, (32, 24), folder)
-
-    def test_two_at_once(self, folder):
-        recording = Recording(folder)
-        pairs = list(zip(recording, recording, strict=True))
-        assert brightness(pair[1] for pair in pairs) == [1, 2, 3, 10, 20]
 
     def test_its_frames_have_a_number_and_a_time_if_one_is_given(self, folder):
         frames = list(Recording(folder))
@@ -72,7 +62,6 @@ class TestFolder:
     def test_without_a_dt_the_model_says_how_far_apart_the_frames_are(self, folder):
         recording = Recording(folder)
         assert recording.dt is None
-        assert repr(recording).endswith("5 frames of 32 x 24 px, no times>")
         for dt in (0.2, 0.5):
             model = robsim.RobotModel(robsim.RobotParameters(dt=dt))
             sim = robsim.Experiment(recording, define_model=lambda model=model: model)
@@ -88,7 +77,7 @@ class TestFolder:
     def test_names_that_are_hard_to_sort(self, tmp_path):
         names = ["2.png", "10.png", "a01.png", "a1.PNG", "a.png", "B3.png", "b\u00b2.png"]
         for number, name in enumerate(names):
-            robsim.imaging.save_image(tmp_path / name, picture(number))
+            save_image(tmp_path / name, picture(number))
         assert brightness(Recording(tmp_path)) == list(range(len(names)))
 
     def test_every_kind_of_picture_becomes_rgb(self, tmp_path):
@@ -111,23 +100,24 @@ class TestFolder:
 
     def test_without_pictures(self, tmp_path):
         (tmp_path / "notes.txt").write_text("nothing")
-        with pytest.raises(ValueError, match=f"no images in the folder {tmp_path}"):
+        with pytest.raises(ValueError, match=str(tmp_path)):
+            Recording(tmp_path)
+        (tmp_path / "frames.mkv").touch()  # as the folder of a session has it
+        with pytest.raises(ValueError, match=r"frames\.mkv"):
             Recording(tmp_path)
 
     def test_a_damaged_picture_comes_after_the_ones_before(self, folder):
         damaged = folder / "frame3.png"
         damaged.write_bytes(damaged.read_bytes()[:60])
         got = []
-        with pytest.raises(ValueError, match=r"frame3\.png cannot be read as an image"):
+        with pytest.raises(ValueError, match=r"frame3\.png"):
             collect(Recording(folder), into=got)
         assert brightness(got) == [1, 2]
 
     def test_a_change_of_size_comes_after_the_frames_before(self, folder):
-        robsim.imaging.save_image(folder / "frame10.png", picture(10, width=30))
+        save_image(folder / "frame10.png", picture(10, width=30))
         got = []
-        with pytest.raises(
-            ValueError, match=r"frame10\.png is 30 x 24 px, the frames before it 32 x 24 px"
-        ):
+        with pytest.raises(ValueError, match=r"frame10\.png is 30 x 24 px.*32 x 24 px"):
             collect(Recording(folder), into=got)
         assert brightness(got) == [1, 2, 3]
 
@@ -145,7 +135,7 @@ class TestPlaneMap:
         np.testing.assert_allclose(frame.plane_map.to_world((0, 0)), (0.5, 0.5))
 
     def test_as_given(self, folder):
-        plane_map = robsim.imaging.PlaneMap(np.diag((10.0, 20.0, 1.0)))
+        plane_map = PlaneMap(np.diag((10.0, 20.0, 1.0)))
         recording = Recording(folder, plane_map=plane_map)
         assert recording.area == (316, 470)  # (31.5 * 10, 23.5 * 20) + 0.5
         frame = next(iter(recording))
@@ -158,24 +148,22 @@ class TestPlaneMap:
         ids=["horizon", "beside"],
     )
     def test_that_does_not_show_how_large_the_area_is(self, folder, matrix):
-        plane_map = robsim.imaging.PlaneMap(matrix)
-        with pytest.raises(ValueError, match=r"area: .* give its width and height"):
+        plane_map = PlaneMap(matrix)
+        with pytest.raises(ValueError, match="area"):
             Recording(folder, plane_map=plane_map)
         assert Recording(folder, plane_map=plane_map, area=(99, 88)).area == (99, 88)
 
     def test_through_a_lens(self, folder):
         camera = [[20, 0, 15.5], [0, 20, 11.5], [0, 0, 1]]
-        lens = robsim.imaging.Intrinsics(camera, (0.4, 0, 0, 0, 0))
-        plane_map = robsim.imaging.PlaneMap(np.diag([100, 100, 1]), lens)
+        lens = Intrinsics(camera, (0.4, 0, 0, 0, 0))
+        plane_map = PlaneMap(np.diag([100, 100, 1]), lens)
         # It bends the sides outwards: most is seen in their middles.
         width, height = plane_map.to_world([(31.5, 11.5), (15.5, 23.5)]).max(axis=0) + 0.5
         assert plane_map.to_world((31.5, 23.5))[0] < width - 50
         area = Recording(folder, plane_map=plane_map).area
         np.testing.assert_allclose(area, (width, height), atol=1)
-        folded = robsim.imaging.PlaneMap(
-            plane_map.matrix, robsim.imaging.Intrinsics(camera, (-0.4, 0, 0, 0, 0))
-        )
-        with pytest.raises(ValueError, match=r"area: .* give its width and height"):
+        folded = PlaneMap(plane_map.matrix, Intrinsics(camera, (-0.4, 0, 0, 0, 0)))
+        with pytest.raises(ValueError, match="area"):
             Recording(folder, plane_map=folded)
 
 
@@ -188,7 +176,6 @@ class TestVideo:
             for number, frame in enumerate(frames):
                 np.testing.assert_array_equal(frame.image, picture(number))
         assert (recording.count, recording.size) == (8, (32, 24))
-        assert "8 frames of 32 x 24 px, dt = 0.08 s" in repr(recording)
 
     def test_has_the_time_from_its_rate(self, video):
         recording = Recording(video)
@@ -198,14 +185,13 @@ class TestVideo:
         assert Recording(video, dt=0.5).dt == 0.5
 
     def test_with_a_rate_that_can_not_be(self, tmp_path):
-        pytest.importorskip("cv2")
-        cv2 = load_opencv("the test")  # quiet, if it is the first
+        cv2 = pytest.importorskip("cv2")
         file = tmp_path / "fast.avi"
         writer = cv2.VideoWriter(str(file), cv2.VideoWriter_fourcc(*"MJPG"), 1000, (32, 24))
         for number in range(3):
             writer.write(picture(number))
         writer.release()
-        with pytest.raises(ValueError, match=r"fast\.avi has the frame rate 1000 .*give dt"):
+        with pytest.raises(ValueError, match=r"fast\.avi .*1000"):
             Recording(file)
         assert [frame.t for frame in Recording(file, dt=0.1)] == pytest.approx([0, 0.1, 0.2])
 
@@ -227,13 +213,13 @@ class TestVideo:
             pass
         assert not open_files()
 
-    @pytest.mark.parametrize("content", [b"", b"no video", b"\x00" * 5000])
-    def test_that_is_none(self, tmp_path, content, capfd):
+    def test_that_is_none(self, tmp_path, capfd):
         pytest.importorskip("cv2")
         file = tmp_path / "walk.mp4"
-        file.write_bytes(content)
-        with pytest.raises(ValueError, match=r"walk\.mp4 is not a video, or it is damaged"):
-            Recording(file)
+        for content in (b"", b"no video", b"\x00" * 5000):
+            file.write_bytes(content)
+            with pytest.raises(ValueError, match=r"walk\.mp4"):
+                Recording(file)
         assert capfd.readouterr().err == ""
 
     @pytest.mark.long
@@ -246,7 +232,7 @@ class TestVideo:
         for share in (0.5, 0.9):
             half.write_bytes(whole.read_bytes()[: int(share * whole.stat().st_size)])
             if ending == ".mp4":  # its table of contents comes last
-                with pytest.raises(ValueError, match=r"half\.mp4 is not a video, or .* truncated"):
+                with pytest.raises(ValueError, match=r"half\.mp4"):
                     Recording(half)
             else:
                 with warnings.catch_warnings(record=True) as caught:
@@ -254,34 +240,26 @@ class TestVideo:
                     count = len(list(Recording(half)))
                 assert 0 < count <= 10
                 told = [str(warning.message) for warning in caught]
-                assert told == [
-                    f"{half} ends after {count} of 10 frames: it is truncated or damaged"
-                ] * (count < 10)
+                assert len(told) == (count < 10)
+                assert all(f"{half} ends after {count} of 10" in text for text in told)
         assert capfd.readouterr().err == ""
 
     def test_without_opencv(self, video, monkeypatch):
         monkeypatch.setitem(sys.modules, "cv2", None)
-        with pytest.raises(ImportError, match=r"needs OpenCV: pip install opencv-python-headless"):
+        with pytest.raises(ImportError, match="OpenCV"):
             Recording(video)
 
 
 def test_a_file_that_is_not_there(tmp_path):
-    with pytest.raises(FileNotFoundError, match=r"no file or folder .*gone\.mp4"):
+    with pytest.raises(FileNotFoundError, match=r"gone\.mp4"):
         Recording(tmp_path / "gone.mp4")
 
 
-@pytest.mark.parametrize("dt", [0, -1, np.nan, np.inf])
-def test_a_dt_that_can_not_be(folder, dt):
-    with pytest.raises(ValueError, match="must be above 0 and at most"):
-        Recording(folder, dt=dt)
-
-
-def test_options_of_another_kind(folder):
-    with pytest.raises(TypeError, match=r"dt must be a number \(s\), got '0\.2'"):
-        Recording(folder, dt="0.2")
-    with pytest.raises(TypeError, match="area must be"):
-        Recording(folder, area=1200)
-    with pytest.raises(ValueError, match="area must"):
+def test_options_that_can_not_be(folder):
+    for dt in (0, -1, np.nan, np.inf):
+        with pytest.raises(ValueError, match="dt"):
+            Recording(folder, dt=dt)
+    with pytest.raises(ValueError, match="area"):
         Recording(folder, area=(0, 100))
 
 

@@ -14,14 +14,17 @@ def means_of_blocks(image, factor):
     return (sums + factor**2 // 2) // factor**2
 
 
-@pytest.mark.parametrize(
-    ("size", "width", "factor"),
-    [((8, 8), 4, 2), ((6, 6), 2, 3), ((9, 13), 6, 2), ((41, 43), 10, 4), ((7, 6), 5, 1)],
-)
-def test_a_pixel_is_the_mean_of_its_block(rng, size, width, factor):
-    image = rng.integers(0, 256, (*size, 3), dtype=np.uint8)
-    smaller = _core.reduced(robsim.Frame(image), width)
-    np.testing.assert_array_equal(smaller, means_of_blocks(image, factor))
+def test_a_pixel_is_the_mean_of_its_block(rng):
+    for size, width, factor in (
+        *(((8, 8), 4, 2), ((6, 6), 2, 3), ((9, 13), 6, 2)),
+        *(((41, 43), 10, 4), ((7, 6), 5, 1)),
+    ):
+        image = rng.integers(0, 256, (*size, 3), dtype=np.uint8)
+        smaller = _core.reduced(robsim.Frame(image), width)
+        np.testing.assert_array_equal(smaller, means_of_blocks(image, factor))
+    part = rng.integers(0, 256, (12, 20, 3), dtype=np.uint8)[:, 4:16]
+    smaller = _core.reduced(robsim.Frame(part, copy=False), 6)
+    np.testing.assert_array_equal(smaller, means_of_blocks(part, 2))
 
 
 def test_large_factors_go_in_steps_and_never_below_the_width():
@@ -31,13 +34,6 @@ def test_large_factors_go_in_steps_and_never_below_the_width():
     assert (smaller == 255).all()
 
 
-def test_rows_of_any_stride_are_taken(rng):
-    whole = rng.integers(0, 256, (12, 20, 3), dtype=np.uint8)
-    part = whole[:, 4:16]
-    smaller = _core.reduced(robsim.Frame(part, copy=False), 6)
-    np.testing.assert_array_equal(smaller, means_of_blocks(part, 2))
-
-
 def test_a_width_of_nothing_is_refused():
-    with pytest.raises(ValueError, match="width must be 1 px at least"):
+    with pytest.raises(ValueError, match="width"):
         _core.reduced(robsim.Frame(np.zeros((4, 4, 3), np.uint8)), 0)
