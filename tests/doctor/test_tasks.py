@@ -11,6 +11,7 @@ from commands import command
 from robsim.doctor import TaskReport, check_folder
 from robsim.doctor._callbacks.scenes import Setting
 from robsim.tasks import TASKS, EstimateState, Identify, Measure, Park
+from sizes import thorough
 
 # What is found first of each of the wrong solutions that ship.
 CAUSES = {
@@ -92,7 +93,8 @@ def test_each_wrong_solution_has_a_cause():
     ("name", "solution"), SHIPPED, ids=[f"{name}-{one.name}" for name, one in SHIPPED]
 )
 def test_what_ships_is_told_apart_and_explained(tmp_path, name, solution):
-    report = check_folder(folder_of(tmp_path, solution.files), task=name)
+    runs = thorough(10, 5 if name == "estimate" else 3)
+    report = check_folder(folder_of(tmp_path, solution.files), task=TASKS[name](runs=runs))
     assert report.is_solved == solution.is_right
     if solution.is_right:
         assert report.ok, report.sentences
@@ -103,38 +105,43 @@ def test_what_ships_is_told_apart_and_explained(tmp_path, name, solution):
         assert report.problems[0].kind == CAUSES[name][solution.name], report.sentences
 
 
-def test_a_page_says_what_is_short_and_why(tmp_path):
-    task = EstimateState()
-    folder = folder_of(tmp_path, shipped(task, "r_too_small") | {"control": "no Python"})
-    report = check_folder(folder, task=task)
+@pytest.fixture(scope="module")
+def too_sure(tmp_path_factory):
+    """A folder whose filter has too small an R, and a file that the task does not ask for."""
+    files = shipped(EstimateState(), "r_too_small") | {"control": "no Python"}
+    return folder_of(tmp_path_factory.mktemp("too_sure"), files)
+
+
+def test_a_page_says_what_is_short_and_why(too_sure):
+    task = EstimateState(runs=4)
+    report = check_folder(too_sure, task=task)
     assert isinstance(report, TaskReport)
-    assert "does not solve the task estimate" in report.heading
+    assert not report.is_solved
     assert list(report.short) == ["position", "heading", "consistency"]
-    assert report.trial.points == pytest.approx(task.try_out(folder, progress=False).points)
+    assert report.trial.points == pytest.approx(task.try_out(too_sure, progress=False).points)
     assert report.verdicts["control"] == "not used"
-    assert "control.py is not used: the task estimate asks for estimate_state.py" in report.remarks
+    assert any("control.py" in remark for remark in report.remarks)
     (problem,) = report.problems
     assert "R, the noise of the measurements, is too small" in problem.sentence
     assert problem.situation == f"run {report.trial.worst} of the task"
-    run = command("check", str(folder), "--task", "estimate")
+
+
+def test_the_command_gives_the_report(too_sure):
+    report = check_folder(too_sure, task="estimate")
+    run = command("check", str(too_sure), "--task", "estimate", "--json")
     assert run.exit_code == 1
-    page = " ".join(run.stdout.split())
-    assert "rms error of the heading: 1.39 times that of the reference" in page
-    assert "what the runs of the task show 1. its estimates are 0.48 times as far" in page
-    assert ["control", "not", "used"] in [line.split() for line in run.stdout.splitlines()]
-    assert not [line for line in run.stdout.splitlines() if "default" in line]
-
-
-def test_python_and_json_say_the_same(tmp_path):
-    folder = folder_of(tmp_path, shipped(EstimateState(), "reference"))
-    report = check_folder(folder, task="estimate")
-    assert report
-    assert report.heading.endswith("solves the task estimate: as good as the reference")
-    run = command("check", str(folder), "--task", "estimate", "--json")
-    assert run.exit_code == 0
     assert json.loads(run.stdout) == report.to_dict()
-    assert report.to_dict()["points"] == 1
-    assert "Check of" in report.title
+    page = command("check", str(too_sure), "--task", "estimate").stdout
+    assert ["control", "not", "used"] in [line.split() for line in page.splitlines()]
+    assert "default" not in page
+
+
+def test_a_task_that_is_solved_is_a_success(tmp_path):
+    folder = folder_of(tmp_path, shipped(EstimateState(), "reference"))
+    run = command("check", str(folder), "--task", "estimate")
+    assert run.exit_code == 0
+    assert "as good as the reference" in " ".join(run.stdout.split())
+    assert check_folder(folder, task=EstimateState(runs=2)).to_dict()["points"] == 1
 
 
 def test_the_file_says_nothing_of_the_values_and_the_task_does(tmp_path):
@@ -147,8 +154,7 @@ def test_what_cannot_be_loaded_is_not_tried(tmp_path):
     folder = folder_of(tmp_path, {"control": "def control(step)\n    return 0, 0\n"})
     report = check_folder(folder, task="park")
     assert (report.trial, report.ok, report.is_solved) == (None, False, False)
-    assert "was not tried on the task park: it cannot be loaded" in report.heading
-    assert "not valid Python" in report.sentences[0]
+    assert report.problems[0].kind == "not loaded"
 
 
 def test_runs_that_fail_are_told(tmp_path):
@@ -166,7 +172,7 @@ def test_runs_that_fail_are_told(tmp_path):
         """
     report = check_folder(folder_of(tmp_path, {"measure": late}), task=Measure(runs=2, steps=30))
     (failed,) = (one for one in report.findings if one.kind == "run fails")
-    assert failed.sentence.startswith("2 of 2 runs end with an error: KeyError: 'late' (measure.py")
+    assert all(word in failed.sentence for word in ("2 of 2", "KeyError: 'late'", "measure.py"))
 
 
 def test_a_file_that_is_switched_off_is_told(tmp_path):
@@ -174,29 +180,23 @@ def test_a_file_that_is_switched_off_is_told(tmp_path):
     folder = folder_of(tmp_path, {"control": off})
     report = check_folder(folder, task=Park(steps=20, runs=1))
     assert report.verdicts["control"] == "default"
-    assert "control.py is switched off: set ENABLED = True in it" in report.remarks
+    assert any("ENABLED = True" in remark for remark in report.remarks)
 
 
 def test_what_is_masked_is_told(tmp_path):
     folder = folder_of(tmp_path, shipped(Measure(), "reference"))
     report = check_folder(folder, task=Measure(runs=1, steps=20))
-    assert "measure.py has robsim.locate, which cannot be had where the task is graded" in (
-        report.remarks
-    )
+    assert any("robsim.locate" in remark for remark in report.remarks)
 
 
-@pytest.mark.parametrize(
-    ("task", "error", "message"),
-    [
-        ("parc", ValueError, "there is no task 'parc': did you mean 'park'"),
-        (Park, TypeError, "task must be a Task, or its name, got"),
-        ("measure", ValueError, r"has no solution: it must have measure\.py"),
-    ],
-)
-def test_what_cannot_be_is_refused(tmp_path, task, error, message):
+def test_what_cannot_be_is_refused(tmp_path):
     folder = folder_of(tmp_path, {"control": "def control(step):\n    return 0, 0\n"})
-    with pytest.raises(error, match=message):
-        check_folder(folder, task=task)
+    with pytest.raises(ValueError, match="parc"):
+        check_folder(folder, task="parc")
+    with pytest.raises(TypeError, match="task"):
+        check_folder(folder, task=Park)
+    with pytest.raises(ValueError, match=r"measure\.py"):
+        check_folder(folder, task="measure")
 
 
 def test_a_setting_is_that_of_the_task():

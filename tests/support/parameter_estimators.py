@@ -1,10 +1,33 @@
-"""Parameter estimators to try the doctor on: right ones in many styles, and usual mistakes."""
+"""Parameter estimators to try the doctor on: right ones in many styles, and usual mistakes.
+
+Most mistakes are the right filter with another piece: a method or a number.
+"""
 
 from functools import partial
 
 import numpy as np
 
 import robsim
+from state_estimators import altered, by_name, changed
+
+
+def on_samples(update):
+    """An estimator that updates at each sample."""
+
+    def estimate(step):
+        return None if step.sample is None else update(step.sample.phi, step.sample.y)
+
+    return estimate
+
+
+def symmetric(P):
+    return (P + np.swapaxes(P, -1, -2)) / 2
+
+
+def fitted(samples):
+    """Least squares, axis by axis, of samples (phi, y)."""
+    A, b = (np.array(part) for part in zip(*samples, strict=True))
+    return np.array([np.linalg.lstsq(A[:, i], b[:, i], rcond=None)[0] for i in range(3)])
 
 
 class LeastSquares:
@@ -16,6 +39,9 @@ class LeastSquares:
     def __init__(self):
         self.theta, self.P = np.zeros((3, 5)), np.tile(self.P0 * np.eye(5), (3, 1, 1))
 
+    def used(self, phi, y):
+        return phi, y
+
     def gain(self, phi):
         Pphi = (self.P @ phi[:, :, None])[:, :, 0]
         return Pphi / (self.forgetting + (phi * Pphi).sum(axis=1, keepdims=True))
@@ -23,16 +49,22 @@ class LeastSquares:
     def error(self, phi, y):
         return y - (phi * self.theta).sum(axis=1)
 
-    def reduced(self, K, phi):
+    def shrunk(self, K, phi):
         Pphi = (self.P @ phi[:, :, None])[:, :, 0]
-        P = (self.P - K[:, :, None] * Pphi[:, None]) / self.forgetting
-        return (P + P.transpose(0, 2, 1)) / 2
+        return (self.P - K[:, :, None] * Pphi[:, None]) / self.forgetting
+
+    def reduced(self, K, phi):
+        return symmetric(self.shrunk(K, phi))
+
+    def result(self):
+        return self.theta
 
     def update(self, phi, y):
+        phi, y = self.used(phi, y)
         K = self.gain(phi)
         self.theta = self.theta + K * self.error(phi, y)[:, None]
         self.P = self.reduced(K, phi)
-        return self.theta
+        return self.result()
 
 
 class Forgetting(LeastSquares):
@@ -43,16 +75,12 @@ class Batch:
     """All samples are kept, and fitted anew every 20 samples."""
 
     def __init__(self):
-        self.phi, self.y, self.theta = [], [], np.zeros((3, 5))
+        self.samples, self.theta = [], np.zeros((3, 5))
 
     def update(self, phi, y):
-        self.phi.append(phi)
-        self.y.append(y)
-        if len(self.y) % 20 == 0 and len(self.y) < 2000:
-            A, b = np.array(self.phi), np.array(self.y)
-            self.theta = np.array(
-                [np.linalg.lstsq(A[:, i], b[:, i], rcond=None)[0] for i in range(3)]
-            )
+        self.samples.append((phi, y))
+        if len(self.samples) % 20 == 0 and len(self.samples) < 2000:
+            self.theta = fitted(self.samples)
         return self.theta
 
 
@@ -89,10 +117,8 @@ class SquareRootFilter:
 class Kalman(LeastSquares):
     """The parameters as a random walk: P grows by a constant."""
 
-    drift = np.diag((1e-9, 1e-9, 1e-9, 1e-9, 1e-9))
-
     def reduced(self, K, phi):
-        return super().reduced(K, phi) + self.drift
+        return super().reduced(K, phi) + 1e-9 * np.eye(5)
 
 
 class Reset(LeastSquares):
@@ -121,17 +147,16 @@ class Nlms:
         return self.theta
 
 
-class SlowNlms(Nlms):
-    step = 0.1
-
-
 class Displacement(LeastSquares):
     """Estimates the displacement y - x(k-1), and adds 1 to a1."""
 
     forgetting = 0.995
 
-    def update(self, phi, y):
-        return super().update(phi, y - phi[:, 0]) + np.eye(5)[0]
+    def used(self, phi, y):
+        return phi, y - phi[:, 0]
+
+    def result(self):
+        return self.theta + np.eye(5)[0]
 
 
 class Differences(LeastSquares):
@@ -140,9 +165,11 @@ class Differences(LeastSquares):
     def __init__(self):
         self.theta, self.P = np.zeros((3, 4)), np.tile(1e6 * np.eye(4), (3, 1, 1))
 
-    def update(self, phi, y):
-        f = np.column_stack((phi[:, 0] - phi[:, 1], phi[:, 2:]))
-        b = super().update(f, y - phi[:, 0])
+    def used(self, phi, y):
+        return np.column_stack((phi[:, 0] - phi[:, 1], phi[:, 2:])), y - phi[:, 0]
+
+    def result(self):
+        b = self.theta
         return np.column_stack((1 + b[:, 0], -b[:, 0], b[:, 1:]))
 
 
@@ -163,14 +190,12 @@ class Pooled:
 def three_filters():
     filters = [robsim.RecursiveLeastSquares(5, forgetting=0.98) for _ in range(3)]
 
-    def estimate(step):
-        if step.sample is None:
-            return None
-        for one, phi, y in zip(filters, step.sample.phi, step.sample.y, strict=True):
-            one.update(phi, y)
+    def update(phi, y):
+        for one, *sample in zip(filters, phi, y, strict=True):
+            one.update(*sample)
         return np.array([one.theta for one in filters])
 
-    return estimate
+    return on_samples(update)
 
 
 def generator():
@@ -193,11 +218,8 @@ class Window:
 
     def update(self, phi, y):
         self.samples = [*self.samples, (phi, y)][-60:]
-        A, b = (np.array(part) for part in zip(*self.samples, strict=True))
-        if np.ptp(A[:, 2, 2]) > 0.1:  # the voltages change
-            self.theta = np.array(
-                [np.linalg.lstsq(A[:, i], b[:, i], rcond=None)[0] for i in range(3)]
-            )
+        if np.ptp([phi[2, 2] for phi, _ in self.samples]) > 0.1:  # the voltages change
+            self.theta = fitted(self.samples)
         return self.theta
 
 
@@ -238,22 +260,26 @@ class Instruments(LeastSquares):
         return self.theta
 
 
+def of_robsim(forgetting=1.0):
+    return partial(robsim.RecursiveLeastSquares, 5, n_filters=3, forgetting=forgetting)
+
+
 RIGHT = {
     "RLS": LeastSquares,
     "RLS .99": Forgetting,
-    "RLS small P": type("SmallP", (LeastSquares,), {"P0": 1e3}),
-    "RLS .98 symmetric": type("Faster", (LeastSquares,), {"forgetting": 0.98}),
-    "robsim RLS": partial(robsim.RecursiveLeastSquares, 5, n_filters=3),
-    "robsim RLS .99": partial(robsim.RecursiveLeastSquares, 5, n_filters=3, forgetting=0.99),
-    "robsim RLS .95": partial(robsim.RecursiveLeastSquares, 5, n_filters=3, forgetting=0.95),
-    "robsim RLS .9": partial(robsim.RecursiveLeastSquares, 5, n_filters=3, forgetting=0.9),
+    "RLS small P": changed(LeastSquares, P0=1e3),
+    "RLS .98 symmetric": changed(LeastSquares, forgetting=0.98),
+    "robsim RLS": of_robsim(),
+    "robsim RLS .99": of_robsim(0.99),
+    "robsim RLS .95": of_robsim(0.95),
+    "robsim RLS .9": of_robsim(0.9),
     "batch": Batch,
     "normal equations": NormalEquations,
     "square root": SquareRootFilter,
     "Kalman": Kalman,
     "covariance reset": Reset,
     "NLMS": Nlms,
-    "slow NLMS": SlowNlms,
+    "slow NLMS": changed(Nlms, step=0.1),
     "displacement": Displacement,
     "differences": Differences,
     "x and y pooled": Pooled,
@@ -284,31 +310,21 @@ class TwoSamples:
 
     def update(self, phi, y):
         self.samples = [*self.samples, (phi, y)][-2:]
-        A, b = (np.array(part) for part in zip(*self.samples, strict=True))
-        return np.array([np.linalg.lstsq(A[:, i], b[:, i], rcond=None)[0] for i in range(3)])
-
-
-class KeepsP(LeastSquares):
-    """Never updates P."""
-
-    def reduced(self, K, phi):
-        return self.P
+        return fitted(self.samples)
 
 
 def keeps_p_in_a_closure():
     P, theta = 1e6 * np.eye(5), np.zeros((3, 5))
 
-    def estimate(step):
+    def update(all_phi, all_y):
         nonlocal theta
-        if step.sample is None:
-            return None
         theta = theta.copy()
-        for i, (phi, y) in enumerate(zip(step.sample.phi, step.sample.y, strict=True)):
+        for i, (phi, y) in enumerate(zip(all_phi, all_y, strict=True)):
             K = P @ phi / (1 + phi @ P @ phi)
             theta[i] += K * (y - phi @ theta[i])
         return theta
 
-    return estimate
+    return on_samples(update)
 
 
 class ConstantVelocity:
@@ -319,28 +335,7 @@ class ConstantVelocity:
 
     def update(self, phi, y):
         self.n += 1
-        theta = np.zeros((3, 5))
-        theta[:, :2] = 2, -1
-        theta[:, 4] = 1e-6 / self.n
-        return theta
-
-
-class Windup(LeastSquares):
-    """Lambda .9 of the textbook, P kept symmetric."""
-
-    forgetting = 0.9
-
-
-class SlowerWindup(LeastSquares):
-    forgetting = 0.93
-
-
-class Diverges(Forgetting):
-    forgetting = 0.99
-
-    def reduced(self, K, phi):
-        Pphi = (self.P @ phi[:, :, None])[:, :, 0]
-        return (self.P - K[:, :, None] * Pphi[:, None]) / self.forgetting
+        return np.tile((2, -1, 0, 0, 1e-6 / self.n), (3, 1))
 
 
 class SharedP:
@@ -354,8 +349,7 @@ class SharedP:
         for i in range(3):
             K = self.P @ phi[i] / (1 + phi[i] @ self.P @ phi[i])
             theta[i] += K * (y[i] - phi[i] @ theta[i])
-            P = self.P - np.outer(K, phi[i] @ self.P)
-            self.P = (P + P.T) / 2
+            self.P = symmetric(self.P - np.outer(K, phi[i] @ self.P))
         self.theta = theta
         return theta
 
@@ -366,113 +360,33 @@ class SharedFirstP(SharedP):
     def update(self, phi, y):
         K = (self.P @ phi.T / (1 + (phi @ self.P * phi).sum(axis=1))).T
         self.theta = self.theta + K * (y - (phi * self.theta).sum(axis=1))[:, None]
-        P = self.P - np.outer(K[0], phi[0] @ self.P)
-        self.P = (P + P.T) / 2
+        self.P = symmetric(self.P - np.outer(K[0], phi[0] @ self.P))
         return self.theta
 
 
-class LagOutput(Forgetting):
+def output_before(self, phi, y):
     """phi of one step, y of the step before."""
-
-    before = None
-
-    def update(self, phi, y):
-        if self.before is None:
-            self.before = y
-        y, self.before = self.before, y
-        return super().update(phi, y)
+    before, self.before = self.before, y
+    return phi, y if before is None else before
 
 
-class LagRegressor(Forgetting):
+def regressor_before(self, phi, y):
     """y of one step, phi of the step before."""
-
-    before = None
-
-    def update(self, phi, y):
-        if self.before is None:
-            self.before = phi
-        phi, self.before = self.before, phi
-        return super().update(phi, y)
+    before, self.before = self.before, phi
+    return phi if before is None else before, y
 
 
-def lag_regressor_of_robsim():
-    filters = robsim.RecursiveLeastSquares(5, n_filters=3)
-    kept = []
+def lags(part):
+    """The filter of robsim, with phi (0) or y (1) of the step before."""
+    filters, kept = of_robsim()(), []
 
-    def estimate(step):
-        if step.sample is None:
-            return None
-        kept.append(step.sample.phi)
-        return filters.update(kept[-2], step.sample.y) if len(kept) > 1 else np.zeros((3, 5))
+    def update(*sample):
+        kept.append(sample[part])
+        used = list(sample)
+        used[part] = kept[-2] if len(kept) > 1 else 0 * kept[-1]
+        return filters.update(*used)
 
-    return estimate
-
-
-def lag_output_of_robsim():
-    filters = robsim.RecursiveLeastSquares(5, n_filters=3)
-    kept = []
-
-    def estimate(step):
-        if step.sample is None:
-            return None
-        kept.append(step.sample.y)
-        return filters.update(step.sample.phi, kept[-2]) if len(kept) > 1 else np.zeros((3, 5))
-
-    return estimate
-
-
-class SamePhi(Forgetting):
-    """The regressor of x for all axes."""
-
-    def update(self, phi, y):
-        return super().update(np.tile(phi[0], (3, 1)), y)
-
-
-class Negative(Forgetting):
-    def update(self, phi, y):
-        return -super().update(phi, y)
-
-
-class GainSign(Forgetting):
-    def gain(self, phi):
-        return -super().gain(phi)
-
-
-class ErrorSign(Forgetting):
-    def error(self, phi, y):
-        return -super().error(phi, y)
-
-
-class RowsExchanged(Forgetting):
-    def update(self, phi, y):
-        return super().update(phi, y)[[2, 0, 1]]
-
-
-class InputsExchanged(Forgetting):
-    def update(self, phi, y):
-        return super().update(phi, y)[:, [0, 1, 3, 2, 4]]
-
-
-class ColumnsExchanged(Forgetting):
-    def update(self, phi, y):
-        return super().update(phi, y)[:, [1, 0, 2, 3, 4]]
-
-
-class ForgetsToAddOne(Displacement):
-    def update(self, phi, y):
-        return super().update(phi, y) - np.eye(5)[0]
-
-
-class StopsLearning(Forgetting):
-    def reduced(self, K, phi):
-        return 0.5 * super().reduced(K, phi)
-
-
-class HalfTheGain(LeastSquares):
-    """The 1 in the denominator is forgotten, and P shrinks without reason."""
-
-    def reduced(self, K, phi):
-        return 0.9 * super().reduced(K, phi)
+    return on_samples(update)
 
 
 class OneFilterForThree:
@@ -485,20 +399,6 @@ class OneFilterForThree:
         for f, v in zip(phi, y, strict=True):
             self.filter.update(f, v)
         return np.tile(self.filter.theta, (3, 1))
-
-
-class OtherAxis(LeastSquares):
-    """The error of an axis is computed with the parameters of the next one."""
-
-    def error(self, phi, y):
-        return y - (phi * self.theta[[1, 2, 0]]).sum(axis=1)
-
-
-class Swaps(Forgetting):
-    """x and y samples are exchanged, but not their regressors."""
-
-    def update(self, phi, y):
-        return super().update(phi, y[[1, 0, 2]])
 
 
 class Integers(LeastSquares):
@@ -525,19 +425,6 @@ class OneRow:
         return self.theta
 
 
-class NoInputs(LeastSquares):
-    """The voltages are left out."""
-
-    def update(self, phi, y):
-        return super().update(phi * (1, 1, 0, 0, 1), y)
-
-
-class SmallP(LeastSquares):
-    """P starts so small that nothing is learned."""
-
-    P0 = 1e-9
-
-
 class WindupInSlots:
     """P in an attribute without a dict, a matrix for each axis."""
 
@@ -555,8 +442,10 @@ class WindupInSlots:
         return self.theta
 
 
-class WindupInLists(Windup):
+class WindupInLists(LeastSquares):
     """P as lists of lists, of which numpy knows nothing."""
+
+    forgetting = 0.9
 
     def __init__(self):
         super().__init__()
@@ -569,39 +458,65 @@ class WindupInLists(Windup):
         return theta
 
 
-BROKEN = {
-    "whole numbers": (Integers, ["whole numbers"]),
-    "one row three times": (OneRow, ["axes mixed"]),
-    "no inputs": (NoInputs, ["parameters not learned"]),
-    "small P": (SmallP, ["learns nothing"]),
-    "windup .9 in slots": (WindupInSlots, ["windup"]),
-    "windup .9 in lists": (WindupInLists, ["windup"]),
-    "one sample": (OneSample, ["learns nothing"]),
-    "two samples": (TwoSamples, ["learns nothing"]),
-    "P never updated": (KeepsP, ["learns nothing"]),
-    "P never updated, closure": (keeps_p_in_a_closure, ["learns nothing"]),
-    "2 x(k-1) - x(k-2)": (ConstantVelocity, ["learns nothing"]),
-    "windup .9": (Windup, ["windup"]),
-    "windup .93": (SlowerWindup, ["windup"]),
-    "asymmetric P": (Diverges, ["diverges"]),
-    "one P": (SharedP, ["axes mixed"]),
-    "one P of the first axis": (SharedFirstP, ["axes mixed"]),
-    "y of the step before": (LagOutput, ["sample mismatched"]),
-    "phi of the step before": (LagRegressor, ["sample mismatched"]),
-    "phi of the step before, robsim": (lag_regressor_of_robsim, ["sample mismatched"]),
-    "y of the step before, robsim": (lag_output_of_robsim, ["sample mismatched"]),
-    "phi of x for all": (SamePhi, ["axes mixed"]),
-    "theta negated": (Negative, ["wrong sign"]),
-    "gain negated": (GainSign, ["wrong sign"]),
-    "error negated": (ErrorSign, ["wrong sign"]),
-    "rows exchanged": (RowsExchanged, ["order"]),
-    "b1 and b2 exchanged": (InputsExchanged, ["order"]),
-    "a1 and a2 exchanged": (ColumnsExchanged, ["order"]),
-    "1 not added": (ForgetsToAddOne, ["wrong parameters"]),
-    "P halved": (StopsLearning, ["learns nothing"]),
-    "P shrinks": (HalfTheGain, ["adaptation stops", "learns nothing"]),
-    "one filter for three axes": (OneFilterForThree, ["axes mixed"]),
-    "one filter of robsim": (partial(robsim.RecursiveLeastSquares, 5), ["refused"]),
-    "errors of other axes": (OtherAxis, ["wrong sign"]),
-    "x and y exchanged": (Swaps, ["axes mixed"]),
-}
+# What makes them, by the kind of problem that must be found.
+BROKEN = by_name(
+    {
+        "whole numbers": {"whole numbers": Integers},
+        "parameters not learned": {
+            "no inputs": changed(
+                LeastSquares, used=lambda self, phi, y: (phi * (1, 1, 0, 0, 1), y)
+            ),
+        },
+        "learns nothing": {
+            "small P": changed(LeastSquares, P0=1e-9),
+            "one sample": OneSample,
+            "two samples": TwoSamples,
+            "P never updated": changed(LeastSquares, reduced=lambda self, K, phi: self.P),
+            "P never updated, closure": keeps_p_in_a_closure,
+            "2 x(k-1) - x(k-2)": ConstantVelocity,
+            "P halved": altered(Forgetting, "reduced", lambda P: P / 2),
+        },
+        "adaptation stops or learns nothing": {
+            "P shrinks": altered(LeastSquares, "reduced", lambda P: 0.9 * P),
+        },
+        "windup": {
+            "windup .9": changed(LeastSquares, forgetting=0.9),
+            "windup .93": changed(LeastSquares, forgetting=0.93),
+            "windup .9 in slots": WindupInSlots,
+            "windup .9 in lists": WindupInLists,
+        },
+        "diverges": {"asymmetric P": changed(Forgetting, reduced=LeastSquares.shrunk)},
+        "axes mixed": {
+            "one P": SharedP,
+            "one P of the first axis": SharedFirstP,
+            "one row three times": OneRow,
+            "one filter for three axes": OneFilterForThree,
+            "phi of x for all": changed(
+                Forgetting, used=lambda self, phi, y: (np.tile(phi[0], (3, 1)), y)
+            ),
+            "x and y exchanged": changed(Forgetting, used=lambda self, phi, y: (phi, y[[1, 0, 2]])),
+        },
+        "sample mismatched": {
+            "y of the step before": changed(Forgetting, before=None, used=output_before),
+            "phi of the step before": changed(Forgetting, before=None, used=regressor_before),
+            "y of the step before, robsim": partial(lags, 1),
+            "phi of the step before, robsim": partial(lags, 0),
+        },
+        "wrong sign": {
+            "theta negated": altered(Forgetting, "result", np.negative),
+            "gain negated": altered(Forgetting, "gain", np.negative),
+            "error negated": altered(Forgetting, "error", np.negative),
+            "errors of other axes": changed(
+                LeastSquares,
+                error=lambda self, phi, y: y - (phi * self.theta[[1, 2, 0]]).sum(axis=1),
+            ),
+        },
+        "order": {
+            "rows exchanged": altered(Forgetting, "result", lambda t: t[[2, 0, 1]]),
+            "b1 and b2 exchanged": altered(Forgetting, "result", lambda t: t[:, [0, 1, 3, 2, 4]]),
+            "a1 and a2 exchanged": altered(Forgetting, "result", lambda t: t[:, [1, 0, 2, 3, 4]]),
+        },
+        "wrong parameters": {"1 not added": changed(Displacement, result=LeastSquares.result)},
+        "refused": {"one filter of robsim": partial(robsim.RecursiveLeastSquares, 5)},
+    }
+)

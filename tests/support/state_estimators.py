@@ -1,4 +1,7 @@
-"""State estimators to try the doctor on: right ones in many styles, and each usual mistake."""
+"""State estimators to try the doctor on: right ones in many styles, and each usual mistake.
+
+A mistake is a right filter with another piece: a method or a number.
+"""
 
 from functools import partial
 
@@ -11,10 +14,37 @@ Q = np.diag((0.1**2, 0.1**2, 0.005**2))
 R = np.diag((0.5**2, 0.5**2, 0.01**2))
 H = np.eye(3, 6)
 PRIOR = np.diag((1e6, 1e6, 10.0, 1e3, 1e3, 1.0))
+UNKNOWN = PRIOR[:3, :3]
+MIDDLE = np.array((600.0, 600.0, 0.0))
 
 
 def wrapped(v):
     return np.array((v[0], v[1], robsim.wrap_angle(v[2])))
+
+
+def seen(step):
+    """The measured pose, or None."""
+    return None if step.measurement is None else step.measurement.pose
+
+
+def changed(base, /, **pieces):
+    """A filter with other pieces."""
+    return type(base.__name__, (base,), pieces)
+
+
+def altered(base, piece, change):
+    """A filter whose piece gives something else."""
+    usual = getattr(base, piece)
+    return changed(base, **{piece: lambda self, *arguments: change(usual(self, *arguments))})
+
+
+def by_name(mistakes):
+    """{name: (what makes it, the faults of which one must be told)}, of makers by faults."""
+    return {
+        name: (make, faults.split(" or "))
+        for faults, makes in mistakes.items()
+        for name, make in makes.items()
+    }
 
 
 class Ekf:
@@ -68,25 +98,26 @@ class Ekf:
 class ConstantVelocity(Ekf):
     """The same without the inputs."""
 
-    acceleration = np.diag((30.0**2, 30.0**2, 3.0**2))
+    Q = np.diag((30.0**2, 30.0**2, 3.0**2))  # of the acceleration
+
+    def matrices(self, dt):
+        return (
+            np.eye(6) + dt * np.eye(6, k=3),
+            np.vstack((np.eye(3) * dt**2 / 2, np.eye(3) * dt)),
+        )
 
     def move(self, u, dt):
-        F = np.eye(6) + dt * np.eye(6, k=3)
-        G = np.vstack((np.eye(3) * dt**2 / 2, np.eye(3) * dt))
+        F, G = self.matrices(dt)
         self.x = F @ self.x
-        self.P = self.spread(F, self.P) + G @ self.acceleration @ G.T
+        self.P = self.spread(F, self.P) + G @ self.Q @ G.T
 
 
 # --- right ones ------------------------------------------------------------------------------
 
 
-def scaled(base, q, r):
+def scaled(base, q=1, r=1):
     """A filter whose noises are tuned by other factors."""
-    return type(
-        f"{base.__name__}{q:g}Q{r:g}R",
-        (base,),
-        {"Q": q * Q, "acceleration": q * ConstantVelocity.acceleration, "R": r * R},
-    )
+    return changed(base, Q=q * base.Q, R=r * base.R)
 
 
 class SquareRoot(ConstantVelocity):
@@ -98,11 +129,9 @@ class SquareRoot(ConstantVelocity):
 
     def __call__(self, step):
         if step.k > 0:
-            dt = step.dt
-            F = np.eye(6) + dt * np.eye(6, k=3)
-            G = np.vstack((np.eye(3) * dt**2 / 2, np.eye(3) * dt))
+            F, G = self.matrices(step.dt)
             self.x = F @ self.x
-            stacked = np.vstack(((F @ self.L).T, (G @ np.sqrt(self.acceleration)).T))
+            stacked = np.vstack(((F @ self.L).T, (G @ np.sqrt(self.Q)).T))
             self.L = np.linalg.qr(stacked, mode="r").T
         if step.measurement is not None:
             A = np.zeros((9, 9))
@@ -116,16 +145,15 @@ class SquareRoot(ConstantVelocity):
         return robsim.Estimate(wrapped(self.x[:3]), (self.L @ self.L.T)[:3, :3])
 
 
-class Information:
+class Information(ConstantVelocity):
     """The inverse of P and P^-1 x are kept."""
 
     def __init__(self):
         self.x, self.Y = np.zeros(6), np.linalg.inv(PRIOR)
 
     def __call__(self, step):
-        F = np.eye(6) + step.dt * np.eye(6, k=3)
-        G = np.vstack((np.eye(3) * step.dt**2 / 2, np.eye(3) * step.dt))
-        P = F @ np.linalg.inv(self.Y) @ F.T + G @ ConstantVelocity.acceleration @ G.T
+        F, G = self.matrices(step.dt)
+        P = F @ np.linalg.inv(self.Y) @ F.T + G @ self.Q @ G.T
         self.Y, x = np.linalg.inv(P + 1e-9 * np.eye(6)), F @ self.x
         if step.measurement is not None:
             z = x[:3] + wrapped(step.measurement.pose - x[:3])
@@ -152,20 +180,40 @@ class WindowFit:
             self.window = [*self.window, (self.now, z)][-8:]
         if len(self.window) < 4:
             pose = self.window[-1][1] if self.window else np.zeros(3)
-            return robsim.Estimate(wrapped(pose), R if self.window else PRIOR[:3, :3])
+            return robsim.Estimate(wrapped(pose), R if self.window else UNKNOWN)
         t = np.array([time for time, _ in self.window]) - self.now
         A = np.column_stack((np.ones_like(t), t, t**2))
         pose = np.linalg.lstsq(A, np.array([z for _, z in self.window]), rcond=None)[0][0]
         return robsim.Estimate(wrapped(pose), R * np.linalg.inv(A.T @ A)[0, 0])
 
 
+class LineFit:
+    """A line through the last measurements, in steps: right for every dt."""
+
+    def __init__(self):
+        self.window = []
+
+    def __call__(self, step):
+        self.window = [(t - 1, z) for t, z in self.window]
+        if step.measurement is not None:
+            self.window = [*self.window, (0, step.measurement.pose)][-5:]
+        if len(self.window) < 3:
+            return robsim.Estimate(self.window[-1][1] if self.window else np.zeros(3), UNKNOWN)
+        t, z = (np.array(part) for part in zip(*self.window, strict=True))
+        z[:, 2] = np.unwrap(z[:, 2])
+        A = np.column_stack((np.ones_like(t), t))
+        P = np.linalg.inv(A.T @ A)
+        P = 8 * R * P[0, 0] - 0.02 * t[-1] * np.diag((40, 40, 0.1))
+        return robsim.Estimate(wrapped(np.linalg.lstsq(A, z, rcond=None)[0][0]), P)
+
+
 def closure():
     """A scalar filter for each component, the speeds taken from the last two estimates."""
-    pose, last, P = None, None, PRIOR[:3, :3]
+    pose, last, P = None, None, UNKNOWN
 
     def estimate(step):
         nonlocal pose, last, P
-        z = None if step.measurement is None else step.measurement.pose
+        z = seen(step)
         if pose is None:
             if z is None:
                 return robsim.Estimate(np.zeros(3), P)
@@ -177,7 +225,7 @@ def closure():
         pose = ahead
         if z is not None:
             k = np.diag(P) / np.diag(P + R)
-            pose = wrapped(ahead + k * wrapped(z - ahead))
+            pose = ahead + k * wrapped(z - ahead)
             P = P @ np.diag(1 - k)
         pose = wrapped(pose)
         return robsim.Estimate(pose, P)
@@ -203,14 +251,14 @@ class CosSin:
     """The heading is kept as cosine and sine, so that it never needs to be wrapped."""
 
     def __init__(self):
-        self.x, self.rate, self.P = None, 0.0, np.diag((1e6, 1e6, 10.0))
-        self.speed = 0.0
+        self.x, self.P = None, np.diag((1e6, 1e6, 10.0))
+        self.speed, self.rate = 0.0, 0.0
 
     def __call__(self, step):
-        z = None if step.measurement is None else step.measurement.pose
+        z = seen(step)
         if self.x is None:
             if z is None:
-                return robsim.Estimate((600, 600, 0), self.P)
+                return robsim.Estimate(MIDDLE, self.P)
             self.x, self.P = np.array((z[0], z[1], np.cos(z[2]), np.sin(z[2]))), R
             return self.result()
         x, y, c, s = self.x
@@ -243,11 +291,11 @@ class AlphaBeta:
         self.x, self.way, self.P = None, np.zeros(3), np.diag((1e6, 1e6, 10.0))
 
     def __call__(self, step):
-        z = None if step.measurement is None else step.measurement.pose
+        z = seen(step)
         if self.x is None:
             if z is not None:
                 self.x, self.P = z, R
-            return robsim.Estimate((600, 600, 0) if z is None else z, self.P)
+            return robsim.Estimate(MIDDLE if z is None else z, self.P)
         self.x = self.x + self.way
         self.P = self.P + np.diag((2.0, 2.0, 0.01))
         if z is not None:
@@ -268,40 +316,14 @@ class AlphaBetaOfTime(AlphaBeta):
             self.way = self.way / step.dt
 
 
-class LowPass(AlphaBeta):
-    """x += alpha (z - x)."""
-
-    alpha, beta = 0.5, 0.0
-
-
 class SlowLowPass(AlphaBeta):
+    """x += alpha (z - x), with little confidence."""
+
     alpha, beta = 0.25, 0.0
 
     def __call__(self, step):
         estimate = super().__call__(step)
         return robsim.Estimate(estimate.pose, estimate.covariance + np.diag((40.0, 40.0, 0.05)))
-
-
-class LineFit:
-    """A line through the last measurements, in steps: right for every dt."""
-
-    def __init__(self):
-        self.window = []
-
-    def __call__(self, step):
-        self.window = [(t - 1, z) for t, z in self.window]
-        if step.measurement is not None:
-            self.window = [*self.window, (0, step.measurement.pose)][-5:]
-        if len(self.window) < 3:
-            return robsim.Estimate(
-                self.window[-1][1] if self.window else np.zeros(3), PRIOR[:3, :3]
-            )
-        t, z = (np.array(part) for part in zip(*self.window, strict=True))
-        z[:, 2] = np.unwrap(z[:, 2])
-        A = np.column_stack((np.ones_like(t), t))
-        P = np.linalg.inv(A.T @ A)
-        P = 8 * R * P[0, 0] - 0.02 * t[-1] * np.diag((40, 40, 0.1))
-        return robsim.Estimate(wrapped(np.linalg.lstsq(A, z, rcond=None)[0][0]), P)
 
 
 class GatedEkf(Ekf):
@@ -320,27 +342,25 @@ class Unscented:
     """Sigma points by hand, with the heading averaged on the circle."""
 
     def __init__(self):
-        self.motion = reference.RobotMotion()
+        self.motion, self.is_seen = reference.RobotMotion(), False
         self.x, self.P = np.array((600.0, 600, 0, 0, 0, 0)), np.diag((1e4, 1e4, 0.5, 1e2, 1e2, 0.1))
-        self.is_seen = False
 
     def __call__(self, step):
-        n, kappa = 6, 0.0
-        z = None if step.measurement is None else step.measurement.pose
+        z = seen(step)
         if not self.is_seen:
             if z is None:
-                return robsim.Estimate(self.x[:3], PRIOR[:3, :3])
+                return robsim.Estimate(self.x[:3], UNKNOWN)
             self.is_seen = True
             self.x[:3], self.P[:3, :3] = z, R
             return robsim.Estimate(self.x[:3], self.P[:3, :3])
-        L = np.linalg.cholesky((n + kappa) * self.P)
+        L = np.linalg.cholesky(6 * self.P)
         points = self.motion.move(self.x + np.vstack((L.T, -L.T)), step.last_u)
         mean = points.mean(axis=0)
         mean[2] = np.arctan2(np.sin(points[:, 2]).mean(), np.cos(points[:, 2]).mean())
         d = points - mean
         d[:, 2] = robsim.wrap_angle(d[:, 2])
         G = self.motion.G
-        self.x, self.P = mean, d.T @ d / (2 * n) + G @ Q @ G.T
+        self.x, self.P = mean, d.T @ d / 12 + G @ Q @ G.T
         if z is not None:
             S = self.P[:3, :3] + R
             K = np.linalg.solve(S, self.P[:3]).T
@@ -353,14 +373,13 @@ class Particles:
     """400 particles around constant velocity, resampled when few are left."""
 
     def __init__(self):
-        self.random = np.random.default_rng(3)
-        self.x = None
+        self.random, self.x = np.random.default_rng(3), None
 
     def __call__(self, step):
-        n, z = 400, None if step.measurement is None else step.measurement.pose
+        n, z = 400, seen(step)
         if self.x is None:
             if z is None:
-                return robsim.Estimate((600, 600, 0), PRIOR[:3, :3])
+                return robsim.Estimate(MIDDLE, UNKNOWN)
             spread = np.sqrt(np.diag((0.25, 0.25, 1e-4, 30.0, 30.0, 0.2)))
             self.x = np.concatenate((z, np.zeros(3))) + self.random.normal(size=(n, 6)) @ spread
             self.w = np.full(n, 1 / n)
@@ -375,8 +394,7 @@ class Particles:
             self.w = np.exp(log_w - log_w.max())
             self.w /= self.w.sum()
         center = self.x[self.w.argmax(), 2]
-        offset = robsim.wrap_angle(self.x[:, 2] - center)
-        poses = np.column_stack((self.x[:, :2], offset))
+        poses = np.column_stack((self.x[:, :2], robsim.wrap_angle(self.x[:, 2] - center)))
         mean = self.w @ poses
         d = poses - mean
         P = d.T @ (d * self.w[:, None]) + 0.1 * R
@@ -387,16 +405,18 @@ class Particles:
         return robsim.Estimate(wrapped(mean + np.array((0, 0, center))), P)
 
 
-def complementary():
-    """Without a matrix: the model's speed is mixed with what is seen."""
-    pose, doubt, speed = np.array((0.0, 0.0, 0.0)), 1e6, 0.0
+def complementary(turn=0.0):
+    """Without a matrix: the model's speed, and rate of so many times its own, mixed with z."""
+    pose, doubt, speed, rate = np.array((0.0, 0.0, 0.0)), 1e6, 0.0, 0.0
 
     def estimate(step):
-        nonlocal pose, doubt, speed
+        nonlocal pose, doubt, speed, rate
+        left, right = step.last_u
         # m s' + F s = (torques) / radius of the wheels
-        speed += step.dt / 0.3 * (0.05 / 0.03 * step.last_u.sum() - 0.1 * speed)
-        way = speed * step.dt * np.array((np.cos(pose[2]), np.sin(pose[2]), 0.0))
-        pose, doubt = pose + way, doubt + step.dt
+        speed += step.dt / 0.3 * (0.05 / 0.03 * (left + right) - 0.1 * speed)
+        rate += step.dt * (turn * 0.76 * (left - right) - 0.83 * rate)
+        v = np.array((speed * np.cos(pose[2]), speed * np.sin(pose[2]), rate))
+        pose, doubt = pose + step.dt * v, doubt + step.dt
         if step.measurement is not None:
             pose, doubt = pose + 0.7 * wrapped(step.measurement.pose - pose), 0.5
         return robsim.Estimate(pose, doubt * np.diag((1.0, 1.0, 1e-3)))
@@ -408,7 +428,7 @@ class HandsOn:
     """The last measurement, with a covariance that grows: the template."""
 
     def __init__(self):
-        self.pose, self.P = np.array((600.0, 600.0, 0.0)), PRIOR[:3, :3]
+        self.pose, self.P = MIDDLE, UNKNOWN
 
     def __call__(self, step):
         self.P = self.P + step.dt * np.diag((125.0, 125.0, 0.0125))
@@ -425,7 +445,7 @@ class DeadReckoning(HandsOn):
         self.model, self.before = robsim.RobotModel(), self.pose
 
     def __call__(self, step):
-        z = None if step.measurement is None else step.measurement.pose
+        z = seen(step)
         moved = self.model.predict(self.pose, self.before, step.last_u)
         self.before = self.pose
         self.pose = moved if z is None else z
@@ -444,7 +464,7 @@ class Median:
         if step.measurement is not None:
             self.seen, self.unseen = [*self.seen, step.measurement.pose][-5:], 1
         if not self.seen:
-            return robsim.Estimate((600, 600, 0), PRIOR[:3, :3])
+            return robsim.Estimate(MIDDLE, UNKNOWN)
         poses = np.array(self.seen)
         poses[:, 2] = poses[-1, 2] + robsim.wrap_angle(poses[:, 2] - poses[-1, 2])
         P = self.unseen * np.diag((40.0, 40.0, 0.05))
@@ -458,10 +478,10 @@ class Holt:
         self.level, self.trend, self.unseen = None, np.zeros(3), 1
 
     def __call__(self, step):
-        z = None if step.measurement is None else step.measurement.pose
+        z = seen(step)
         if self.level is None:
             self.level = z
-            return robsim.Estimate((600, 600, 0) if z is None else z, PRIOR[:3, :3])
+            return robsim.Estimate(MIDDLE if z is None else z, UNKNOWN)
         self.unseen, ahead = self.unseen + 1, self.level + self.trend
         if z is not None:
             level = ahead + 0.5 * wrapped(z - ahead)
@@ -471,39 +491,19 @@ class Holt:
         return robsim.Estimate(wrapped(ahead), 4 * self.unseen**2 * R)
 
 
-def random_walk():
+class RandomWalk:
     """A Kalman filter that takes the robot to stand still; its F is the identity."""
-    x, P, F = np.zeros(3), 1e6 * np.eye(3), np.eye(3)
 
-    def estimate(step):
-        nonlocal x, P
-        P = F @ P @ F + np.diag((9.0, 9.0, 0.02))
-        if step.measurement is not None:
-            K = P @ np.linalg.inv(P + R)
-            x = x + K @ wrapped(step.measurement.pose - x)
-            P = (np.eye(3) - K) @ P
-        return robsim.Estimate(wrapped(x), (P + P.T) / 2)
-
-    return estimate
-
-
-class Unicycle:
-    """Three states, and speeds that follow the voltages at once: a crude model."""
+    noise = np.diag((9.0, 9.0, 0.02))
 
     def __init__(self):
-        self.x, self.P = np.zeros(3), PRIOR[:3, :3]
+        self.x, self.P = np.zeros(3), UNKNOWN
 
-    def input(self, step):
-        return step.last_u
+    def move(self, step):
+        self.P = self.P + self.noise
 
     def __call__(self, step):
-        left, right = self.input(step)
-        v, rate = 16.7 * (left + right), 0.917 * (left - right)
-        if step.k > 0:
-            c, s = np.cos(self.x[2]), np.sin(self.x[2])
-            F = np.array(((1, 0, -v * s * step.dt), (0, 1, v * c * step.dt), (0, 0, 1)))
-            self.x = self.x + step.dt * np.array((v * c, v * s, rate))
-            self.P = F @ self.P @ F.T + np.diag((1.0, 1.0, 0.003))
+        self.move(step)
         if step.measurement is not None:
             K = self.P @ np.linalg.inv(self.P + R)
             self.x = self.x + K @ wrapped(step.measurement.pose - self.x)
@@ -512,13 +512,30 @@ class Unicycle:
         return robsim.Estimate(self.x, self.P)
 
 
-class Robust(ConstantVelocity):
-    """Large innovations count less (Huber)."""
+class Unicycle(RandomWalk):
+    """Three states, and speeds that follow the voltages at once: a crude model."""
+
+    noise = np.diag((1.0, 1.0, 0.003))
+
+    def input(self, step):
+        return step.last_u
+
+    def move(self, step):
+        left, right = self.input(step)
+        v, rate = 16.7 * (left + right), 0.917 * (left - right)
+        if step.k > 0:
+            c, s = np.cos(self.x[2]), np.sin(self.x[2])
+            F = np.array(((1, 0, -v * s * step.dt), (0, 1, v * c * step.dt), (0, 0, 1)))
+            self.x = self.x + step.dt * np.array((v * c, v * s, rate))
+            self.P = F @ self.P @ F.T + self.noise
+
+
+class Huber(ConstantVelocity):
+    """Large innovations count less."""
 
     def innovation(self, z):
-        v = super().innovation(z)
         sigma = np.sqrt(np.diag(H @ self.P @ H.T + self.R))
-        return np.clip(v, -3 * sigma, 3 * sigma)
+        return np.clip(super().innovation(z), -3 * sigma, 3 * sigma)
 
 
 class Adaptive(ConstantVelocity):
@@ -563,20 +580,20 @@ class Acceleration(Ekf):
             self.x = self.x + K @ wrapped(step.measurement.pose - self.x[:3])
             A = np.eye(9) - K @ H9
             self.P = A @ self.P @ A.T + K @ R @ K.T
-        return robsim.Estimate(wrapped(self.x[:3]), self.P[:3, :3])
+        return self.result()
 
 
 RIGHT = {
     "EKF": Ekf,
-    "EKF Q/4": scaled(Ekf, 0.25, 1),
-    "EKF 4Q": scaled(Ekf, 4, 1),
-    "EKF R/4": scaled(Ekf, 1, 0.25),
-    "EKF 4R": scaled(Ekf, 1, 4),
+    "EKF Q/4": scaled(Ekf, q=0.25),
+    "EKF 4Q": scaled(Ekf, q=4),
+    "EKF R/4": scaled(Ekf, r=0.25),
+    "EKF 4R": scaled(Ekf, r=4),
     "constant velocity": ConstantVelocity,
-    "constant velocity Q/4": scaled(ConstantVelocity, 0.25, 1),
-    "constant velocity 4Q": scaled(ConstantVelocity, 4, 1),
-    "constant velocity R/4": scaled(ConstantVelocity, 1, 0.25),
-    "constant velocity 4R": scaled(ConstantVelocity, 1, 4),
+    "constant velocity Q/4": scaled(ConstantVelocity, q=0.25),
+    "constant velocity 4Q": scaled(ConstantVelocity, q=4),
+    "constant velocity R/4": scaled(ConstantVelocity, r=0.25),
+    "constant velocity 4R": scaled(ConstantVelocity, r=4),
     "constant acceleration": Acceleration,
     "square root by QR": SquareRoot,
     "information": Information,
@@ -587,7 +604,7 @@ RIGHT = {
     "cosine and sine": CosSin,
     "alpha-beta": AlphaBeta,
     "alpha-beta with dt": AlphaBetaOfTime,
-    "low-pass": LowPass,
+    "low-pass": changed(AlphaBeta, alpha=0.5, beta=0.0),
     "slow low-pass": SlowLowPass,
     "EKF with a gate": GatedEkf,
     "sigma points": Unscented,
@@ -597,9 +614,9 @@ RIGHT = {
     "dead reckoning": DeadReckoning,
     "median": Median,
     "Holt": Holt,
-    "random walk": random_walk,
+    "random walk": RandomWalk,
     "unicycle": Unicycle,
-    "Huber": Robust,
+    "Huber": Huber,
     "adaptive R": Adaptive,
     "one component after the other": Sequential,
     "reference constant velocity": reference.ConstantVelocityKalmanFilter,
@@ -618,154 +635,55 @@ RIGHT = {
 # --- broken ones -----------------------------------------------------------------------------
 
 
-class Late(Ekf):
-    """Uses the measurement of the step before."""
-
-    before = None
-
-    def measured(self, step):
-        z, self.before = self.before, super().measured(step)
-        return z
+def at(x, P):
+    return robsim.Estimate(x[:3], P[:3, :3])
 
 
-class LateConstantVelocity(ConstantVelocity):
-    queue = ()
+def measurement_before(self, step):
+    """The measurement of the step before."""
+    z, self.before = self.before, seen(step)
+    return z
 
-    def measured(self, step):
-        self.queue = (*self.queue, super().measured(step))[-2:]
-        return self.queue[0] if len(self.queue) > 1 else None
+
+def no_krk(self, K, P):
+    """Joseph's form without K R K'."""
+    A = np.eye(6) - K @ H
+    return A @ P @ A.T
+
+
+def asymmetric(self):
+    return at(self.x, self.P + 0.01 * self.P[0, 0] * np.eye(6, k=1))
+
+
+def predicts_the_next_step(self):
+    return at(wrapped(self.x[:3] + 0.2 * self.x[3:]), self.P)
 
 
 def late_alpha_beta():
+    """The estimates of the step before."""
     f, kept = AlphaBeta(), []
 
     def estimate(step):
-        result = kept.pop() if kept else robsim.Estimate((600, 600, 0), PRIOR[:3, :3])
+        result = kept.pop() if kept else robsim.Estimate(MIDDLE, UNKNOWN)
         kept.append(f(step))
         return result
 
     return estimate
 
 
-class NotReduced(Ekf):
-    """P is not reduced by a measurement."""
+class Mean(HandsOn):
+    """The mean of all measurements: a scalar filter of a standing object."""
 
-    def reduced(self, K, P):
-        return P
-
-
-class NotReducedConstantVelocity(ConstantVelocity):
-    def reduced(self, K, P):
-        return P
-
-
-class Swapped(Ekf):
-    """u2 is taken for the left motor."""
-
-    def input(self, step):
-        return step.last_u[::-1]
-
-
-class Negated(Ekf):
-    def input(self, step):
-        return -step.last_u
-
-
-class TurnsTheOtherWay(Ekf):
-    """The heading is taken as counter-clockwise in the model."""
-
-    def move(self, u, dt):
-        super().move(np.array((u[1], u[0])), dt)
-
-
-def swapped_complementary():
-    """Its own kinematics, with the heading's rate of wrong sign."""
-    pose, speed, rate, doubt = np.array((0.0, 0.0, 0.0)), 0.0, 0.0, 1e6
-
-    def estimate(step):
-        nonlocal pose, speed, rate, doubt
-        left, right = step.last_u
-        speed += step.dt / 0.3 * (0.05 / 0.03 * (left + right) - 0.1 * speed)
-        rate += step.dt * (0.76 * (right - left) - 0.83 * rate)
-        v = np.array((speed * np.cos(pose[2]), speed * np.sin(pose[2]), rate))
-        pose, doubt = pose + step.dt * v, doubt + step.dt
-        if step.measurement is not None:
-            pose, doubt = pose + 0.7 * wrapped(step.measurement.pose - pose), 0.5
-        return robsim.Estimate(pose, doubt * np.diag((1.0, 1.0, 1e-3)))
-
-    return estimate
-
-
-class NoKRK(Ekf):
-    """Joseph's form without K R K'."""
-
-    def reduced(self, K, P):
-        A = np.eye(6) - K @ H
-        return A @ P @ A.T
-
-
-class NoKRKConstantVelocity(ConstantVelocity):
-    def reduced(self, K, P):
-        A = np.eye(6) - K @ H
-        return A @ P @ A.T
-
-
-class NoQ(ConstantVelocity):
-    acceleration = np.zeros((3, 3))
-
-
-class TinyQ(ConstantVelocity):
-    acceleration = 1e-8 * ConstantVelocity.acceleration
-
-
-class NoQOnceStarted(HandsOn):
-    """A scalar filter of a standing object."""
-
-    def __init__(self):
-        super().__init__()
-        self.n = 0
+    n = 0
 
     def __call__(self, step):
         if step.measurement is not None:
             self.n += 1
             self.pose = self.pose + wrapped(step.measurement.pose - self.pose) / self.n
-        return robsim.Estimate(self.pose, R / max(self.n, 1e-3) if self.n else PRIOR[:3, :3])
-
-
-class DeviationForVariance(Ekf):
-    """The standard deviations stand in R."""
-
-    R = np.sqrt(R)
-
-
-class DeviationForVarianceConstantVelocity(ConstantVelocity):
-    R = np.sqrt(R)
-
-
-class SquaredTwice(ConstantVelocity):
-    """The variances are squared again."""
-
-    R = np.diag(np.diag(R) ** 2)
-
-
-class Twice(Ekf):
-    """Predicts twice."""
-
-    steps = 2
-
-
-class TwiceConstantVelocity(ConstantVelocity):
-    steps = 2
-
-
-class DoubleDt(ConstantVelocity):
-    def move(self, u, dt):
-        super().move(u, 2 * dt)
+        return robsim.Estimate(self.pose, R / self.n if self.n else UNKNOWN)
 
 
 class NoTranspose(Ekf):
-    """F P F."""
-
     def spread(self, F, P):
         return F @ P @ F
 
@@ -773,87 +691,6 @@ class NoTranspose(Ekf):
 class NoTransposeConstantVelocity(ConstantVelocity):
     def spread(self, F, P):
         return F @ P @ F
-
-
-class TransposesTheOther(ConstantVelocity):
-    """F' P F."""
-
-    def spread(self, F, P):
-        return F.T @ P @ F
-
-
-class GainSign(ConstantVelocity):
-    def gain(self, P):
-        return -super().gain(P)
-
-
-class GainTwice(ConstantVelocity):
-    def gain(self, P):
-        return 2.2 * super().gain(P)
-
-
-class InnovationSign(Ekf):
-    def innovation(self, z):
-        return wrapped(self.x[:3] - z)
-
-
-class SwapsXAndY(ConstantVelocity):
-    def result(self):
-        return robsim.Estimate(self.x[[1, 0, 2]], self.P[:3, :3])
-
-
-class Degrees(ConstantVelocity):
-    def innovation(self, z):
-        return super().innovation(np.array((z[0], z[1], np.degrees(z[2]))))
-
-
-class Unwrapped(Ekf):
-    def innovation(self, z):
-        return z - self.x[:3]
-
-
-class UnwrappedConstantVelocity(ConstantVelocity):
-    def innovation(self, z):
-        return z - self.x[:3]
-
-
-class Asymmetric(ConstantVelocity):
-    def result(self):
-        P = self.P[:3, :3].copy()
-        P[0, 1] += 0.01 * P[0, 0]
-        return robsim.Estimate(self.x[:3], P)
-
-
-class NeverDoubts(ConstantVelocity):
-    def result(self):
-        return robsim.Estimate(self.x[:3], R)
-
-
-class TooSure(ConstantVelocity):
-    """Claims errors that are thirty times too small."""
-
-    def result(self):
-        return robsim.Estimate(self.x[:3], self.P[:3, :3] / 900)
-
-
-class FixedDt(ConstantVelocity):
-    def move(self, u, dt):
-        super().move(u, 0.2)
-
-
-class IgnoresHeading(ConstantVelocity):
-    """Only the measured place is used."""
-
-    def gain(self, P):
-        return super().gain(P) * (1, 1, 0)
-
-
-class Ahead(ConstantVelocity):
-    """Returns the prediction for the next step."""
-
-    def result(self):
-        pose = self.x[:3] + 0.2 * self.x[3:]
-        return robsim.Estimate(wrapped(pose), self.P[:3, :3])
 
 
 class GateOfPixels(HandsOn):
@@ -870,83 +707,120 @@ class GateOfPixels(HandsOn):
         return robsim.Estimate(self.pose, self.P)
 
 
-class SwappedUnicycle(Unicycle):
-    def input(self, step):
-        return step.last_u[::-1]
-
-
-class TooMuchInput(Ekf):
-    """Volts are taken for something ten times as large."""
-
-    def input(self, step):
-        return 5 * step.last_u
-
-
-class SwappedAndNotReduced(Swapped, NotReduced):
-    pass
-
-
-class LateAndAsymmetric(LateConstantVelocity, Asymmetric):
-    pass
-
-
-class UnwrappedAndNoKRK(Unwrapped, NoKRK):
-    pass
-
-
-# The kinds of problems of which one must be found; "remark:" = words of a remark.
-BROKEN = {
-    "measurement of the step before": (Late, ["measurement late"]),
-    "measurement of the step before, CV": (LateConstantVelocity, ["measurement late"]),
-    "estimate of the step before": (late_alpha_beta, ["measurement late"]),
-    "P not reduced": (NotReduced, ["covariance not reduced"]),
-    "P not reduced, CV": (NotReducedConstantVelocity, ["covariance not reduced"]),
-    "inputs swapped": (Swapped, ["inputs swapped"]),
-    "inputs of wrong sign": (Negated, ["inputs of wrong sign"]),
-    "turns the other way": (TurnsTheOtherWay, ["inputs swapped"]),
-    "turns the other way, own kinematics": (swapped_complementary, ["inputs swapped"]),
-    "inputs swapped, unicycle": (SwappedUnicycle, ["inputs swapped"]),
-    "inputs 5 times too large": (TooMuchInput, ["moves too far"]),
-    "no K R K'": (NoKRK, ["covariance reduced too far"]),
-    "no K R K', CV": (NoKRKConstantVelocity, ["covariance reduced too far"]),
-    "no Q": (NoQ, ["no process noise"]),
-    "tiny Q": (TinyQ, ["no process noise"]),
-    "mean of all measurements": (NoQOnceStarted, ["no process noise"]),
-    "sd for variance in R": (DeviationForVariance, ["remark:standard deviation"]),
-    "sd for variance in R, CV": (
-        DeviationForVarianceConstantVelocity,
-        ["remark:standard deviation"],
-    ),
-    "variances squared": (SquaredTwice, ["covariance too small"]),
-    "predicts twice": (Twice, ["moves too far"]),
-    "F P F": (NoTranspose, ["missing transpose"]),
-    "F P F, CV": (NoTransposeConstantVelocity, ["missing transpose"]),
-    "gain of wrong sign": (GainSign, ["gain of wrong sign"]),
-    "gain too large": (GainTwice, ["gain too large"]),
-    "innovation of wrong sign": (InnovationSign, ["gain of wrong sign"]),
-    "x and y exchanged": (SwapsXAndY, ["components exchanged"]),
-    "degrees": (Degrees, ["heading in degrees"]),
-    "not wrapped": (Unwrapped, ["heading not wrapped"]),
-    "not wrapped, CV": (UnwrappedConstantVelocity, ["heading not wrapped"]),
-    "asymmetric": (Asymmetric, ["covariance not symmetric"]),
-    "P stays as it is": (NeverDoubts, ["covariance does not grow"]),
-    "claims errors thirty times too small": (TooSure, ["covariance too small"]),
-    "dt fixed": (FixedDt, ["remark:it never uses step.dt"]),
-    "heading ignored": (IgnoresHeading, ["ignores measurement"]),
-    "one step ahead": (Ahead, ["estimate ahead"]),
-    "gate that never opens": (GateOfPixels, ["lost after a gap"]),
-}
+# Pieces that are wrong in the filter with inputs and in that without.
+LATE = {"before": None, "measured": measurement_before}
+NOT_REDUCED = {"reduced": lambda self, K, P: P}
+NO_KRK = {"reduced": no_krk}
+UNWRAPPED = {"innovation": lambda self, z: z - self.x[:3]}
+SWAPPED = {"input": lambda self, step: step.last_u[::-1]}
+ASYMMETRIC = {"result": asymmetric}
+# What makes them, by the kind of problem that must be found; "remark:" = words of a remark.
+BROKEN = by_name(
+    {
+        "measurement late": {
+            "measurement of the step before": changed(Ekf, **LATE),
+            "measurement of the step before, CV": changed(ConstantVelocity, **LATE),
+            "estimate of the step before": late_alpha_beta,
+        },
+        "covariance not reduced": {
+            "P not reduced": changed(Ekf, **NOT_REDUCED),
+            "P not reduced, CV": changed(ConstantVelocity, **NOT_REDUCED),
+        },
+        "covariance reduced too far": {
+            "no K R K'": changed(Ekf, **NO_KRK),
+            "no K R K', CV": changed(ConstantVelocity, **NO_KRK),
+        },
+        "inputs swapped": {
+            "inputs swapped": changed(Ekf, **SWAPPED),
+            "inputs swapped, unicycle": changed(Unicycle, **SWAPPED),
+            "turns the other way": changed(
+                Ekf, move=lambda self, u, dt: Ekf.move(self, u[::-1], dt)
+            ),
+            "turns the other way, own kinematics": partial(complementary, -1.0),
+        },
+        "inputs of wrong sign": {"inputs of wrong sign": altered(Ekf, "input", np.negative)},
+        "moves too far": {
+            "inputs 5 times too large": altered(Ekf, "input", lambda u: 5 * u),
+            "predicts twice": changed(Ekf, steps=2),
+        },
+        "no process noise": {
+            "no Q": changed(ConstantVelocity, Q=np.zeros((3, 3))),
+            "tiny Q": scaled(ConstantVelocity, q=1e-8),
+            "mean of all measurements": Mean,
+        },
+        "remark:standard deviation": {
+            "sd for variance in R": changed(Ekf, R=np.sqrt(R)),
+            "sd for variance in R, CV": changed(ConstantVelocity, R=np.sqrt(R)),
+        },
+        "covariance too small": {
+            "variances squared": changed(ConstantVelocity, R=R**2),
+            "claims errors thirty times too small": changed(
+                ConstantVelocity, result=lambda self: at(self.x, self.P / 900)
+            ),
+        },
+        "missing transpose": {
+            "F P F": NoTranspose,
+            "F P F, CV": NoTransposeConstantVelocity,
+        },
+        "gain of wrong sign": {
+            "gain of wrong sign": altered(ConstantVelocity, "gain", np.negative),
+            "innovation of wrong sign": altered(Ekf, "innovation", np.negative),
+        },
+        "gain too large": {
+            "gain too large": altered(ConstantVelocity, "gain", lambda K: 2.2 * K),
+        },
+        "ignores measurement": {
+            "heading ignored": altered(ConstantVelocity, "gain", lambda K: K * (1, 1, 0)),
+        },
+        "components exchanged": {
+            "x and y exchanged": changed(
+                ConstantVelocity, result=lambda self: at(self.x[[1, 0, 2]], self.P)
+            ),
+        },
+        "heading in degrees": {
+            "degrees": changed(
+                ConstantVelocity,
+                innovation=lambda self, z: wrapped((*z[:2], np.degrees(z[2])) - self.x[:3]),
+            ),
+        },
+        "heading not wrapped": {
+            "not wrapped": changed(Ekf, **UNWRAPPED),
+            "not wrapped, CV": changed(ConstantVelocity, **UNWRAPPED),
+        },
+        "covariance not symmetric": {"asymmetric": changed(ConstantVelocity, **ASYMMETRIC)},
+        "covariance does not grow": {
+            "P stays as it is": changed(ConstantVelocity, result=lambda self: at(self.x, R)),
+        },
+        "remark:it never uses step.dt": {
+            "dt fixed": changed(
+                ConstantVelocity, move=lambda self, u, dt: ConstantVelocity.move(self, u, 0.2)
+            ),
+        },
+        "estimate ahead": {
+            "one step ahead": changed(ConstantVelocity, result=predicts_the_next_step),
+        },
+        "lost after a gap": {"gate that never opens": GateOfPixels},
+    }
+)
 
 # Faults that do not depend on each other: all of them are told.
-SEVERAL = {
-    SwappedAndNotReduced: ["inputs swapped", "covariance not reduced"],
-    LateAndAsymmetric: ["measurement late", "covariance not symmetric"],
-    UnwrappedAndNoKRK: ["covariance reduced too far", "heading not wrapped"],
-}
+SEVERAL = (
+    (changed(Ekf, **SWAPPED, **NOT_REDUCED), ["inputs swapped", "covariance not reduced"]),
+    (
+        changed(ConstantVelocity, **LATE, **ASYMMETRIC),
+        ["measurement late", "covariance not symmetric"],
+    ),
+    (
+        changed(Ekf, **UNWRAPPED, **NO_KRK),
+        ["covariance reduced too far", "heading not wrapped"],
+    ),
+)
 
 # What the doctor cannot tell: the estimates are those of a right filter with another Q.
 UNTOLD = {
-    "predicts twice, CV": TwiceConstantVelocity,  # and takes the velocities for half as large
-    "dt doubled, CV": DoubleDt,
-    "F' P F, CV": TransposesTheOther,
+    "predicts twice, CV": changed(ConstantVelocity, steps=2),  # and takes half the velocities
+    "dt doubled, CV": changed(
+        ConstantVelocity, move=lambda self, u, dt: ConstantVelocity.move(self, u, 2 * dt)
+    ),
+    "F' P F, CV": changed(ConstantVelocity, spread=lambda self, F, P: F.T @ P @ F),
 }
