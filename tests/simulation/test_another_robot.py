@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.gui._panel.saved import SavedRecord
 from robsim.simulation import Experiment
 
 
 def simulation(**options):
-    return robsim.Simulation(
-        **{"robot": "lab", "measure": True, "control": robsim.DriveAround(), "seed": 3} | options
-    )
+    given = {"robot": "lab", "measure": True, "control": robsim.DriveAround(), "seed": 3}
+    return robsim.Simulation(**given | {"resolution": (600, 600)} | options)
 
 
 def picture(sim, k):
@@ -31,12 +29,12 @@ def test_the_next_step_shows_the_new_robot_and_earlier_ones_the_old(camera_delay
     sim.run(10)
     for k, image in zip((4, 9), before, strict=True):
         np.testing.assert_array_equal(picture(sim, k), image)
-    sheep = simulation(robot="sheep", headings=None, camera_delay=camera_delay)
+    noise = robsim.GaussianNoise(5)
+    sheep = simulation(robot="sheep", headings=None, camera_delay=camera_delay, noise=noise)
     sheep.run(20)
-    columns = sim._core.columns()
-    np.testing.assert_array_equal(picture(sim, 15), sheep._drawn(15, columns).image)
+    np.testing.assert_array_equal(picture(sim, 15), picture(sheep, 15))
     sim.robot = "robot2"
-    np.testing.assert_array_equal(picture(sim, 15), sheep._drawn(15, columns).image)
+    np.testing.assert_array_equal(picture(sim, 15), picture(sheep, 15))
     np.testing.assert_array_equal(picture(sim, 4), before[0])
 
 
@@ -82,7 +80,8 @@ def test_before_the_first_step_it_is_the_robot_of_the_run():
     sim = simulation()
     sim.robot = "sheep"
     assert sim.run(5).info.changed == ()
-    np.testing.assert_array_equal(sim.trace.pose_measured, _run("sheep").trace.pose_measured)
+    expected = simulation(robot="sheep").run(5).pose_measured
+    np.testing.assert_array_equal(sim.trace.pose_measured, expected)
 
 
 def test_after_a_reset_the_whole_run_is_of_the_new_one():
@@ -90,14 +89,9 @@ def test_after_a_reset_the_whole_run_is_of_the_new_one():
     sim.run(5)
     sim.robot = "sheep"
     sim.reset()
-    np.testing.assert_array_equal(sim.run(5).pose_measured, _run("sheep").trace.pose_measured)
+    expected = simulation(robot="sheep").run(5).pose_measured
+    np.testing.assert_array_equal(sim.run(5).pose_measured, expected)
     assert sim.trace.info.changed == ()
-
-
-def _run(robot):
-    sim = simulation(robot=robot)
-    sim.run(5)
-    return sim
 
 
 def test_other_colours_are_looked_for_from_the_next_step_on():
@@ -123,12 +117,7 @@ def test_other_names_of_colours_get_columns_of_their_own():
     assert np.isfinite(red[:, 0]).all()
     assert np.isfinite(blue[:, 0]).all()
     assert np.isnan(trace.blobs["green"][:3]).all()
-    np.testing.assert_array_equal(red, _six_steps().blobs["red"])
-
-
-def _six_steps():
-    sim = simulation()
-    return sim.run(6)
+    np.testing.assert_array_equal(red, simulation().run(6).blobs["red"])
 
 
 def test_a_robot_too_large_to_bounce_is_refused_and_nothing_changes():
@@ -137,17 +126,11 @@ def test_a_robot_too_large_to_bounce_is_refused_and_nothing_changes():
     image = picture(sim, 2)
     lab = robsim.load_robot("lab")
     large = replace(lab, size=400)
-    with pytest.raises(ValueError, match="area must be wider than the robot"):
+    with pytest.raises(ValueError, match="area"):
         sim.robot = large
     assert sim.robot.name == "lab"
     np.testing.assert_array_equal(picture(sim, 2), image)
     assert sim.run(3).info.changed == ()
-
-
-@pytest.mark.parametrize(("name", "value"), [("robot", None), ("colors", None), ("robot", 3)])
-def test_what_is_none_is_refused_by_name(name, value):
-    with pytest.raises(TypeError, match=f"{name} must be"):
-        setattr(simulation(), name, value)
 
 
 def test_an_experiment_looks_for_the_new_robot(tmp_path):
@@ -161,10 +144,3 @@ def test_an_experiment_looks_for_the_new_robot(tmp_path):
         recorded.step()
         with pytest.raises(RuntimeError, match="colors cannot be changed while a session"):
             recorded.colors = recorded.colors
-
-
-def test_a_saved_run_says_that_its_pictures_show_the_last_one():
-    sim = simulation()
-    sim.run(3)
-    sim.robot = "sheep"
-    assert "all pictures show the last one, sheep" in SavedRecord(sim.run(3)).remarks[0]

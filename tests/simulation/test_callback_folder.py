@@ -11,13 +11,10 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.simulation import _slots as table
 from robsim.simulation._folders.callback_folder import CallbackFolder, new_folder
 
-SLOTS = list(table.SLOTS)
-ONCE, STEP = table.names(when=table.ONCE), table.names(when=table.STEP)
-OPTIONAL = [name for name, slot in table.SLOTS.items() if slot.is_optional]
-ARGUMENTS = {name: slot.argument for name, slot in table.SLOTS.items()}
+SLOTS = list(robsim.Simulation.SLOTS)
+OPTIONAL = ["estimate_parameters", "measure", "estimate_state"]
 SMALL = {"area": (300, 300)}
 GEOMETRY = "def gain():\n    return {}\n"
 
@@ -76,17 +73,15 @@ def load_error(folder):
     return caught.value
 
 
-def test_the_slots_are_those_of_the_simulation():
-    assert sorted(SLOTS) == sorted((*ONCE, *STEP))
-
-
 def test_a_new_folder_has_a_file_for_each_slot(tmp_path):
-    files = new_folder(tmp_path / "course" / "mine")
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes.txt").touch()
+    files = new_folder(tmp_path / "mine")
     assert [file.name for file in files] == [f"{slot}.py" for slot in SLOTS]
-    assert sorted(files) == sorted((tmp_path / "course" / "mine").iterdir())
     for file in files:
         assert os.access(file, os.W_OK)
         assert file.read_text().startswith('"""')
+    assert len(new_folder(tmp_path / "course" / "other")) == len(SLOTS)
 
 
 def test_the_optional_callbacks_are_off_at_first(mine):
@@ -98,33 +93,18 @@ def test_the_optional_callbacks_are_off_at_first(mine):
 
 def test_a_new_folder_overwrites_nothing(tmp_path):
     (tmp_path / "measure.py").write_text("my work")
-    with pytest.raises(FileExistsError, match=r"has measure\.py already: nothing was written"):
+    with pytest.raises(FileExistsError, match=r"measure\.py"):
         new_folder(tmp_path)
     assert [file.name for file in tmp_path.iterdir()] == ["measure.py"]
     assert (tmp_path / "measure.py").read_text() == "my work"
-
-
-def test_a_new_folder_beside_other_files(tmp_path):
-    (tmp_path / "notes.txt").write_text("mine")
-    assert len(new_folder(tmp_path)) == len(SLOTS)
-
-
-def test_a_new_folder_where_a_file_is(tmp_path):
-    (tmp_path / "mine").touch()
-    with pytest.raises(NotADirectoryError, match="mine is a file, not a folder"):
-        new_folder(tmp_path / "mine")
-
-
-@pytest.mark.parametrize("make", [new_folder, CallbackFolder])
-def test_a_folder_must_be_a_path(make):
-    with pytest.raises(TypeError, match="folder must be a path, got 3"):
-        make(3)
+    with pytest.raises(NotADirectoryError):
+        new_folder(tmp_path / "measure.py")
 
 
 @pytest.mark.long
 @pytest.mark.parametrize(
     "options",
-    [{}, {"boundary": "unlimited", "noise": robsim.GaussianNoise(5)},
+    [{"noise": robsim.GaussianNoise(5)},
      {"area": (700, 500), "resolution": (350, 250), "measure": True}],
 )  # fmt: skip
 def test_an_untouched_folder_gives_the_same_bytes_as_none(mine, options):
@@ -189,7 +169,7 @@ def suggestions(text):
 def test_what_a_file_suggests_to_try_works_and_changes_something(mine, slot):
     for optional in OPTIONAL:
         enable(mine / f"{optional}.py")
-    options = {"resolution": (600, 600), "start": (600, 600, 1.55)}
+    options = {"resolution": (300, 300), "start": (600, 600, 1.55)}
     plain = simulation(CallbackFolder(mine).load(), **options)
     before = plain.run(30)
     text = (mine / f"{slot}.py").read_text()
@@ -204,14 +184,22 @@ def test_what_a_file_suggests_to_try_works_and_changes_something(mine, slot):
         assert slot == "measure" or not (same and same_picture), changed
 
 
+def test_a_switch_is_true_or_false(mine):
+    edit(mine / "control.py", "\nENABLED = True", "\nENABLED = False")
+    assert CallbackFolder(mine).load()["control"] is False
+    edit(mine / "control.py", "\nENABLED = False", "\nENABLED = 0")
+    with pytest.raises(TypeError, match=r"control\.py: ENABLED"):
+        CallbackFolder(mine).load()
+
+
 def test_the_measurement_by_hand_agrees_with_that_of_robsim(mine):
     enable(mine / "measure.py")
     (by_hand,) = suggestions((mine / "measure.py").read_text())
     (mine / "measure.py").write_text(by_hand)
     measure = CallbackFolder(mine).load()["measure"]
     options = {"control": robsim.DriveAround(), "resolution": (600, 600), "seed": 1}
-    measured = robsim.Simulation(measure=measure, **options).run(60).pose_measured
-    expected = robsim.Simulation(measure=True, **options).run(60).pose_measured
+    measured = robsim.Simulation(measure=measure, **options).run(20).pose_measured
+    expected = robsim.Simulation(measure=True, **options).run(20).pose_measured
     assert np.isfinite(expected).all()
     np.testing.assert_allclose(measured[:, :2], expected[:, :2], atol=1)
     assert np.abs(robsim.wrap_angle(measured[:, 2] - expected[:, 2])).max() < 0.02
@@ -224,33 +212,18 @@ def test_a_slot_without_a_file_is_not_in_the_result(tmp_path):
     assert simulation(callbacks, **SMALL).run(2).u.tolist() == [[0.1, 0.2]] * 2
 
 
-def test_a_file_that_is_switched_off(mine):
-    edit(mine / "control.py", "\nENABLED = True", "\nENABLED = False")
-    assert CallbackFolder(mine).load()["control"] is False
-
-
-@pytest.mark.parametrize("value", ["0", "None", "'no'"])
-def test_a_switch_must_be_true_or_false(mine, value):
-    edit(mine / "control.py", "\nENABLED = True", f"\nENABLED = {value}")
-    with pytest.raises(TypeError, match=r"control\.py: ENABLED must be True or False, got "):
-        CallbackFolder(mine).load()
-
-
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("slot", "line"),
-    [("control", "control = robsim.DriveAround()"),
-     ("define_model", "define_model = robsim.RobotModel"),
-     ("evaluate_model", "evaluate_model = robsim.Unicycle()"),
-     ("measure", "measure = True"),
-     ("estimate_parameters", "estimate_parameters = True"),
-     ("estimate_parameters", "estimate_parameters = False"),
-     ("control", "control = lambda *anything: (0.1, 0.1)"),
-     ("control", "def control(step, gain=2): return 0.1 * gain, 0")],
-)  # fmt: skip
-def test_other_things_than_a_plain_function(mine, slot, line):
-    (mine / f"{slot}.py").write_text(f"import robsim\n\n{line}\n")
-    assert len(simulation(CallbackFolder(mine).load(), **SMALL).run(3)) == 3
+def test_other_things_than_a_plain_function(mine):
+    for slot, line in (
+        ("control", "control = robsim.DriveAround()"),
+        ("define_model", "define_model = robsim.RobotModel"),
+        ("measure", "measure = True"),
+        ("estimate_parameters", "estimate_parameters = False"),
+        ("control", "control = lambda *anything: (0.1, 0.1)"),
+        ("control", "def control(step: 1 + 1, gain=2): return 0.1 * gain, 0"),
+    ):
+        (mine / f"{slot}.py").write_text(f"import robsim\n\n{line}\n")
+        assert len(simulation(CallbackFolder(mine).load(), **SMALL).run(3)) == 3
 
 
 BROKEN = {
@@ -265,11 +238,9 @@ BROKEN = {
 }
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("slot", SLOTS)
 @pytest.mark.parametrize("what", BROKEN)
-def test_a_file_that_is_no_python_is_named_with_its_line(mine, slot, what):
-    file = mine / f"{slot}.py"
+def test_a_file_that_is_no_python_is_named_with_its_line(mine, what):
+    file = mine / "measure.py"
     file.write_bytes(BROKEN[what])
     error = load_error(mine)
     assert isinstance(error, SyntaxError)
@@ -285,10 +256,8 @@ def test_a_byte_order_mark_and_windows_line_ends_are_no_mistake(mine):
     assert CallbackFolder(mine).load()["control"](None) == (0.05, -0.05)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("slot", SLOTS)
-def test_a_file_that_fails_when_executed(mine, slot):
-    file = mine / f"{slot}.py"
+def test_a_file_that_fails_when_executed(mine):
+    file = mine / "evaluate_model.py"
     file.write_text("numbers = [1, 2]\nnumbers[2]\n")
     error = load_error(mine)
     assert isinstance(error, IndexError)
@@ -297,75 +266,41 @@ def test_a_file_that_fails_when_executed(mine, slot):
     assert f'File "{file}", line 2, in <module>\n    numbers[2]\n' in text
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("slot", SLOTS)
-def test_a_file_with_another_name_in_it(mine, slot):
-    file = mine / f"{slot}.py"
-    file.write_text(
-        f"from math import sin\n\nclass Other:\n    pass\n\n\ndef {slot}l(step):\n    return 1\n"
-    )
-    wanted = f"{slot}({ARGUMENTS[slot]})"
+@pytest.mark.parametrize(
+    ("slot", "text", "kind", "told"),
+    [
+        ("define_model", "", ValueError, ["define_model()"]),
+        (
+            "measure",
+            "from math import sin\nclass Other: pass\ndef measured(step): return 1\n",
+            ValueError,
+            ["measure(step)", "measured, Other"],
+        ),
+        ("control", "control = 3", TypeError, ["control(step)", "got 3"]),
+        ("control", "control = True", TypeError, ["control(step)", "got True"]),
+        ("control", "def control(a, b): pass", TypeError, ["one argument", "control(a, b)"]),
+        ("control", "def control(): pass", TypeError, ["one argument", "control()"]),
+        ("define_model", "def define_model(a): pass", TypeError, ["no argument"]),
+    ],
+)
+def test_a_file_without_the_function(mine, slot, text, kind, told):
+    (mine / f"{slot}.py").write_text(text)
     error = load_error(mine)
-    assert isinstance(error, ValueError)
-    assert str(error) == f"{file} must define {wanted}; it defines: {slot}l, Other"
+    assert isinstance(error, kind)
+    for words in (f"{slot}.py", *told):
+        assert words in str(error)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("slot", SLOTS)
-def test_an_empty_file(mine, slot):
-    (mine / f"{slot}.py").write_bytes(b"")
-    assert str(load_error(mine)).endswith("; it defines: no function")
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("slot", SLOTS)
-@pytest.mark.parametrize("value", ["3", "None", "'text'"])
-def test_a_name_that_is_no_function(mine, slot, value):
-    file = mine / f"{slot}.py"
-    file.write_text(f"{slot} = {value}\n")
-    error = load_error(mine)
-    assert isinstance(error, TypeError)
-    assert str(error).startswith(f"{file}: {slot} must be a function {slot}(")
-    assert str(error).endswith(f"got {value}")
-
-
-def test_true_is_for_stages_of_robsim_only(mine):
-    (mine / "control.py").write_text("control = True\n")
-    with pytest.raises(TypeError, match=r"control must be a function control\(step\), got True"):
-        CallbackFolder(mine).load()
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("slot", SLOTS)
-def test_a_function_with_other_arguments(mine, slot):
-    (mine / f"{slot}.py").write_text(f"def {slot}(a, b):\n    pass\n")
-    count = "one argument" if ARGUMENTS[slot] else "no argument"
-    with pytest.raises(
-        TypeError, match=rf"{slot}\.py: {slot} must take {count}.*, got {slot}\(a, b\)"
-    ):
-        CallbackFolder(mine).load()
-
-
-def test_a_controller_without_argument(mine):
-    (mine / "control.py").write_text("def control():\n    return 0, 0\n")
-    message = r"control\.py: control must take one argument, step, got control\(\)"
-    with pytest.raises(TypeError, match=message):
-        CallbackFolder(mine).load()
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("slot", SLOTS)
+@pytest.mark.parametrize("slot", ["control", "define_model"])
 def test_a_wrong_result_is_told_with_slot_and_file(mine, slot):
     file = mine / f"{slot}.py"
-    file.write_text(f"\n\ndef {slot}({ARGUMENTS[slot]}):\n    return 'nonsense'\n")
+    argument = "step" if slot == "control" else ""
+    file.write_text(f"\n\ndef {slot}({argument}):\n    return 'nonsense'\n")
     sim = simulation(CallbackFolder(mine).load(), **SMALL)
-    if slot == "init_parameter_estimator":
-        sim.estimate_parameters = True
-    with pytest.raises((TypeError, ValueError)) as caught:
+    with pytest.raises((TypeError, ValueError), match=rf"\b{slot}\b") as caught:
         sim.run(5)
-    text = "".join(traceback.format_exception(caught.value))
-    assert re.search({"init_parameter_estimator": "estimator.* must have"}.get(slot, slot), text)
-    if slot in STEP:
+    if slot == "control":
+        text = "".join(traceback.format_exception(caught.value))
         assert f'File "{file}", line 3, in {slot}' in text
 
 
@@ -382,51 +317,31 @@ def test_an_error_in_a_run_shows_the_line_that_ran_even_after_another_edit(mine)
         assert linecache.getline(str(file), 2) == f"    return {number} / 0\n"
 
 
-def test_a_folder_that_is_not_there(tmp_path):
-    with pytest.raises(FileNotFoundError, match=r"no folder .*nothing: robsim new .* creates it"):
+def test_a_folder_without_callbacks(tmp_path, mine):
+    with pytest.raises(FileNotFoundError, match="robsim new"):
         CallbackFolder(tmp_path / "nothing").load()
-
-
-def test_a_file_instead_of_a_folder(mine):
-    with pytest.raises(NotADirectoryError, match=r"control\.py is a file, not a folder of"):
+    with pytest.raises(NotADirectoryError):
         CallbackFolder(mine / "control.py").load()
-
-
-def test_a_folder_without_callbacks(tmp_path):
     (tmp_path / "geometry.py").touch()
     (tmp_path / "mesure.py").touch()
-    with pytest.raises(ValueError, match=r"has no callback files: robsim new .* writes them; "
-                       r"is mesure\.py meant to be measure\.py\?"):  # fmt: skip
+    with pytest.raises(ValueError, match=r"robsim new .*mesure\.py .*measure\.py"):
         CallbackFolder(tmp_path).load()
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("name", "meant"),
-    [("mesure", "measure"), ("controller", "control"), ("Control", "control"),
-     ("defineModel", "define_model"), ("evaluate-model", "evaluate_model"),
-     ("estimate_parameter", "estimate_parameters"), ("robotModelDef", "define_model"),
-     ("myParameterEstimatorInit", "init_parameter_estimator"),
-     ("adjustBackground", "adjust_background"), ("robotModelEval", "evaluate_model"),
-     ("myParameterEstimator", "estimate_parameters"), ("measurePosNOrientation", "measure"),
-     ("stateEstimator", "estimate_state"), ("robot_controller", "control")],
-)  # fmt: skip
-def test_a_misspelt_file_is_told(tmp_path, name, meant):
-    other = "control" if meant == "measure" else "measure"
-    (tmp_path / f"{other}.py").write_text(f"def {other}(step):\n    return None\n")
-    (tmp_path / f"{name}.py").write_text("")
-    message = rf"{name}\.py is no callback: did you mean {meant}\.py\?$"
-    with pytest.warns(UserWarning, match=message) as caught:
-        CallbackFolder(tmp_path).load()
-    assert [warning.filename for warning in caught] == [str(tmp_path / f"{name}.py")]
+def test_a_misspelt_file_is_told(tmp_path):
+    (tmp_path / "measure.py").write_text("def measure(step):\n    return None\n")
+    for name in ("Control", "controller", "robot_controller"):
+        file = tmp_path / f"{name}.py"
+        file.write_text("")
+        with pytest.warns(UserWarning, match=r"\bcontrol\.py") as caught:
+            CallbackFolder(tmp_path).load()
+        assert [warning.filename for warning in caught] == [str(file)]
+        file.unlink()
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(
-    "name", ["control_old", "control2", "control (1)", "geometry", "plot", "test_control", "test"]
-)
-def test_copies_and_other_files_are_left_alone(mine, name):
-    (mine / f"{name}.py").write_text("this is no Python")
+def test_copies_and_other_files_are_left_alone(mine):
+    for name in ("control_old", "control2", "control (1)", "geometry", "test_control", "test"):
+        (mine / f"{name}.py").write_text("this is no Python")
     assert callable(CallbackFolder(mine).load()["control"])
 
 
@@ -444,11 +359,11 @@ def test_a_helper_may_have_a_name_like_that_of_a_slot(mine, indent):
         assert control(None) == (0.3, 0.2)
 
 
-@pytest.mark.parametrize("name", ["random", "numpy", "robsim", "statistics"])
+@pytest.mark.parametrize("name", ["random", "numpy", "robsim"])
 def test_a_helper_with_the_name_of_another_module(mine, name):
     (mine / f"{name}.py").write_text("")
     (mine / "control.py").write_text(f"import {name}\n\ndef control(step):\n    return 0, 0\n")
-    with pytest.raises(ValueError, match=rf"{name}\.py has the name of a module .*: rename it"):
+    with pytest.raises(ValueError, match=rf"{name}\.py"):
         CallbackFolder(mine).load()
 
 
@@ -531,8 +446,7 @@ def test_a_callback_cannot_be_imported(mine, monkeypatch):
     for path in (sys.path, [str(mine), *sys.path]):
         with monkeypatch.context() as patch:
             patch.setattr(sys, "path", path)
-            message = r"control\.py is a callback, which other files cannot import"
-            with pytest.raises(ModuleNotFoundError, match=message):
+            with pytest.raises(ModuleNotFoundError, match=r"control\.py"):
                 CallbackFolder(mine).load()
 
 
@@ -564,11 +478,6 @@ def test_a_dataclass_in_a_callback_file(mine):
         "control = Follow()\n"
     )
     assert CallbackFolder(mine).load()["control"](None) == (0.5, 0)
-
-
-def test_annotations_of_a_file_are_its_own_affair(mine):
-    (mine / "control.py").write_text("def control(step: 1 + 1):\n    return 0, 0\n")
-    assert CallbackFolder(mine).load()["control"].__annotations__ == {"step": 2}
 
 
 def test_an_edit_is_seen_within_the_second_and_at_the_same_length(mine):
@@ -634,7 +543,7 @@ def test_a_folder_is_the_same_from_another_working_folder(mine, tmp_path, monkey
     monkeypatch.chdir("/")
     assert not folder.changed
     (mine / "measure.py").write_text("")
-    with pytest.raises(ValueError, match=r"mine/measure\.py must define"):
+    with pytest.raises(ValueError, match=r"mine/measure\.py"):
         folder.load()
 
 
@@ -643,20 +552,22 @@ def test_another_thread_waits_for_its_turn(tmp_path):
     for gain, name in enumerate(("anna", "ben")):
         (tmp_path / name).mkdir()
         use_helper(tmp_path / name, gain=gain)
-    loaded = []
+    loaded, begins = [], threading.Event()
 
     def load_ben():
+        begins.set()
         loaded.append(CallbackFolder(tmp_path / "ben").load()["control"](None))
 
     anna = CallbackFolder(tmp_path / "anna")
     anna.load()
+    thread = threading.Thread(target=load_ben)
     with anna.importable():
-        thread = threading.Thread(target=load_ben)
         thread.start()
-        thread.join(0.2)
-        assert importlib.import_module("geometry").gain() == 0
+        assert begins.wait(300)
+        for _ in range(10_000):
+            assert importlib.import_module("geometry").gain() == 0
         assert loaded == []
-    thread.join(10)
+    thread.join(300)
     assert loaded == [(1, 0)]
 
 
@@ -709,16 +620,12 @@ def test_two_changes_at_the_same_time_are_noticed(mine):
     assert folder.changed == {"control"}
 
 
-@pytest.mark.parametrize(
-    ("text", "line"), [("x = 1\nx y\n", 2), ("x = 1\nx.y\n", 2), ("ENABLED = 3\n", 1)]
-)
-def test_an_error_of_a_file_has_its_slot_and_line(mine, text, line):
-    (mine / "control.py").write_text(text)
-    with pytest.raises(Exception) as caught:  # noqa: PT011
-        CallbackFolder(mine).load()
-    failed = caught.value.callback
-    assert (failed.slot, failed.k, failed.source.number) == ("control", None, line)
-    assert failed.source.file == str(mine / "control.py")
+def test_an_error_of_a_file_has_its_slot_and_line(mine):
+    for text, line in (("x = 1\nx y\n", 2), ("x = 1\nx.y\n", 2), ("ENABLED = 3\n", 1)):
+        (mine / "control.py").write_text(text)
+        failed = load_error(mine).callback
+        assert (failed.slot, failed.k, failed.source.number) == ("control", None, line)
+        assert failed.source.file == str(mine / "control.py")
 
 
 def test_a_file_that_is_being_saved_is_waited_for(mine, monkeypatch):

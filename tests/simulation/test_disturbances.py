@@ -6,9 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from refusals import INF, NAN, NOT_FINITE, Refusal, options, refusals
 from robsim import ParameterMismatch, PoseNoise, RobotModel, RobotParameters, WheelNoise
-from robsim.simulation._world import disturbances
 
 MODEL = RobotModel()
 SIGMA = (0.5, 0.25, 0.01)
@@ -50,6 +48,15 @@ def test_what_is_no_covariance_says_why():
     for wrong in (np.diag((1, -1, 1)), [[1, 2, 0], [2, 1, 0], [0, 0, 0]]):
         with pytest.raises(ValueError, match="positive semi-definite"):
             PoseNoise(wrong)
+    for wrong in (np.eye(2), np.eye(3)[None], np.eye(3) * np.nan):
+        with pytest.raises(ValueError, match="covariance"):
+            PoseNoise(wrong)
+    sigmas = dict.fromkeys(("x", "y", "heading"), 1)
+    for name, largest in (("x", 1e6), ("y", 1e6), ("heading", 1)):
+        PoseNoise.from_sigma(**sigmas | {name: largest})
+        for sigma in (-1e-9, 1e300):
+            with pytest.raises(ValueError, match=rf"\b{name}\b"):
+                PoseNoise.from_sigma(**sigmas | {name: sigma})
 
 
 # --- noise of the wheels
@@ -69,9 +76,12 @@ def test_the_covariance_is_symmetric_and_semidefinite(left, right, heading):
     PoseNoise(WheelNoise((left, right)).Q(MODEL, heading))
 
 
-def test_one_number_is_for_both_motors():
+def test_the_sigma_of_wheels():
     assert WheelNoise(0.5) == WheelNoise([0.5, 0.5]) == WheelNoise(np.array((0.5, 0.5)))
     assert WheelNoise(0.5).sigma == (0.5, 0.5)
+    for sigma in (-1e-9, (1, -1), (1,), (1, 2, 3), {1, 2}):
+        with pytest.raises((TypeError, ValueError), match="sigma"):
+            WheelNoise(sigma)
 
 
 # --- other parameters
@@ -79,7 +89,9 @@ def test_one_number_is_for_both_motors():
 
 def test_it_is_as_if_gains_and_frictions_were_drawn(monkeypatch):
     numbers = iter([1, -2, 3.1, 3, -0.5])
-    monkeypatch.setattr(disturbances, "random_normal", lambda seed, counter: next(numbers))
+    monkeypatch.setattr(
+        "robsim.simulation._world.disturbances.random_normal", lambda seed, counter: next(numbers)
+    )
     world = ParameterMismatch(0.1).draw(MODEL, np.random.default_rng(1))
     gain, p = RobotParameters().motor_gain, RobotParameters()
     other = RobotParameters(
@@ -91,9 +103,16 @@ def test_it_is_as_if_gains_and_frictions_were_drawn(monkeypatch):
     assert world.dt == MODEL.dt
 
 
-def test_without_mismatch_the_world_is_the_model():
+def test_a_mismatch_of_none_and_of_too_much():
     rng = np.random.default_rng(1)
     assert np.array_equal(ParameterMismatch(0).draw(MODEL, rng).theta, MODEL.theta)
+    ParameterMismatch(0.3)
+    for sigma in (-1e-9, 0.31):
+        with pytest.raises(ValueError, match="sigma"):
+            ParameterMismatch(sigma)
+    unusual = RobotModel.from_theta(MODEL.theta * ((0.5,), (1,), (1,)))
+    with pytest.raises(ValueError, match="model"):
+        ParameterMismatch(0.1).draw(unusual, rng)
 
 
 def test_the_same_numbers_give_the_same_world():
@@ -120,42 +139,3 @@ def test_every_world_is_stable(rng, friction):
         theta = ParameterMismatch(0.3).draw(model, rng).theta
         assert (theta[:, 0] > 1).all()
         assert np.allclose(theta[:, 0] + theta[:, 1], 1)
-
-
-# --- what they refuse
-
-NO_SIGMA = (None, "1", -1, *NOT_FINITE, 1j, True)
-
-
-@pytest.mark.long
-@refusals(
-    Refusal(
-        PoseNoise,
-        "covariance",
-        (None, 1, "abc", [1, 2, 3], np.eye(2), np.eye(3) * NAN, np.eye(3)[None], [[1], [2, 3]], 1j),
-    ),
-    options(PoseNoise.from_sigma, {"x y heading": NO_SIGMA}, x=1, y=1, heading=1),
-    Refusal(
-        WheelNoise, "sigma", (*NO_SIGMA, (), (1,), (1, 2, 3), (1, -1), (NAN, 1), (1, "2"), {1, 2})
-    ),
-    Refusal(ParameterMismatch, "sigma", (*NO_SIGMA, 0.31, (0.1, 0.1))),
-    Refusal(lambda model: WheelNoise(1).Q(model, 0), "model", (None, 5, RobotParameters())),
-    Refusal(lambda heading: WheelNoise(1).Q(MODEL, heading), "heading", (None, "0", NAN, INF)),
-    Refusal(
-        lambda model: ParameterMismatch(0.1).draw(model, np.random.default_rng(1)),
-        "model",
-        (None, MODEL.theta, RobotModel.from_theta(MODEL.theta * ((0.5,), (1,), (1,)))),
-    ),
-    Refusal(
-        lambda rng: ParameterMismatch(0.1).draw(MODEL, rng),
-        "rng",
-        (None, 1, np.random, np.random.RandomState(1)),
-    ),
-)
-def test_what_is_no_disturbance(refusal):
-    refusal()
-
-
-def test_a_sigma_whose_square_is_no_number_is_named():
-    with pytest.raises(ValueError, match=r"y must lie within 0\.\.1e\+06 \(px\), got 1e\+300"):
-        PoseNoise.from_sigma(1, 1e300, 1)

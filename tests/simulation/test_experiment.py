@@ -1,6 +1,5 @@
 """The robot half on frames that come from elsewhere."""
 
-import math
 import sys
 
 import numpy as np
@@ -48,6 +47,8 @@ def test_the_truth_is_not_known(run, tmp_path):
     assert not trace.bounced.any()
     assert np.isnan(np.array(trace.info.theta_true)).all()
     assert not {"x_true", "u1", "bounced"} & set(trace.names)
+    with pytest.raises(robsim.trace.NotRecordedError, match=r"\bu\b.*Replay"):
+        robsim.batch_estimate(trace)
     trace.save(tmp_path / "trace.npz")
     again = robsim.Trace.load(tmp_path / "trace.npz")
     np.testing.assert_array_equal(again.pose_measured, trace.pose_measured)
@@ -76,27 +77,15 @@ def test_a_run_goes_on_where_the_one_before_ended_and_ends_with_the_frames(run):
     sim = robsim.Experiment(frames)
     assert len(sim.run(5)) == 5
     assert sim.step().k == 5
-    with pytest.warns(UserWarning, match="the frames ended after 14 of 100 steps"):
+    with pytest.warns(UserWarning, match="14 of 100 steps"):
         assert len(sim.run(100)) == 20
-    with pytest.raises(EOFError, match="there are no more frames"):
+    with pytest.raises(EOFError):
         sim.run(1)
     assert len(sim.run()) == 20
-    with pytest.raises(EOFError, match="there are no more frames"):
+    with pytest.raises(EOFError):
         sim.step()
     sim.reset()
     np.testing.assert_array_equal(sim.run().pose_measured, simulated.pose_measured)
-
-
-def test_an_error_of_the_source_ends_the_run_and_keeps_the_trace(run):
-    def broken():
-        yield from run[0][:7]
-        raise ValueError("frame 7 is damaged")
-
-    sim = robsim.Experiment(broken())
-    with pytest.raises(ValueError, match="frame 7 is damaged"):
-        sim.run()
-    assert len(sim.trace) == 7
-    assert sim.trace.seen.all()
 
 
 def test_progress_and_no_frames_at_all(run, capsys, monkeypatch):
@@ -104,77 +93,66 @@ def test_progress_and_no_frames_at_all(run, capsys, monkeypatch):
     assert len(robsim.Experiment(run[0]).run(progress="look")) == 20
     assert "look" in capsys.readouterr().err
     sim = robsim.Experiment([])
-    with pytest.warns(UserWarning, match="frames gave no frame: there was nothing to run"):
+    with pytest.warns(UserWarning, match="no frame"):
         assert len(sim.run()) == 0
-    with pytest.raises(RuntimeError, match="there is no frame yet"):
+    with pytest.raises(RuntimeError, match="no frame"):
         _ = sim.frame
 
 
+def camera():
+    """A generator of frames."""
+    yield None
+
+
 @pytest.mark.parametrize(
-    ("frames", "options", "error", "message"),
+    ("frames", "options", "error", "told"),
     [
-        (5, {}, TypeError, "frames must be an iterable of Frame"),
-        ([], {"area": 0}, TypeError, "area must be .width, height. in px, got 0"),
-        ([], {"stop_input": 3}, ValueError, "stop_input must be .u1, u2., finite"),
-        ("run.mkv", {}, TypeError, "folder of images, give robsim.Recording\\('run.mkv'\\)"),
-        (
-            [np.zeros((4, 4, 3), np.uint8)],
-            {},
-            TypeError,
-            r"frames must give Frame or Observation objects, or None, got a uint8 array of shape",
-        ),
-        ([], {"estimate_parameters": True}, ValueError, "estimate_parameters needs the inputs"),
-        ([], {"send": 3}, TypeError, "send must be callable, got 3"),
-        ([], {"send": print, "stop_input": (1,)}, ValueError, r"stop_input must be \(u1, u2\)"),
-        ([], {"frame_timeout": 0}, ValueError, "frame_timeout must be above 0 .s., or inf"),
-        ([], {"area": (0, 5)}, ValueError, "area must"),
+        (camera, {}, TypeError, r"frames=camera\(\)"),
+        (robsim.Frame(np.zeros((4, 4, 3), np.uint8)), {}, TypeError, r"frames.*\[frame\]"),
+        (np.zeros((4, 4, 3), np.uint8), {}, TypeError, "frames.*robsim.Frame"),
+        ("run.mkv", {}, TypeError, r"robsim.Recording\('run.mkv'\)"),
+        ([None, np.zeros((4, 4, 3), np.uint8)], {}, TypeError, "frames.*at step 1"),
+        ([], {"estimate_parameters": True}, ValueError, "estimate_parameters.*inputs"),
+        ([], {"send": 3}, TypeError, "send"),
+        ([], {"frame_timeout": 0}, ValueError, "frame_timeout"),
+        ([], {"area": (0, 5)}, ValueError, "area"),
+        ([], {"noise": robsim.GaussianNoise(5)}, TypeError, "'noise'"),
     ],
 )
-def test_wrong_use(frames, options, error, message):
-    with pytest.raises(error, match=message):
+def test_wrong_use(frames, options, error, told):
+    with pytest.raises(error, match=told):
         robsim.Experiment(frames, **options).run()
 
 
-def test_the_slots_of_the_world_half_are_not_there():
-    experiment = robsim.Experiment([])
-    with pytest.raises(
-        AttributeError, match="Experiment has no slot 'evaluate_model': it is an op"
-    ):
-        experiment.evaluate_model = robsim.Unicycle()
-    with pytest.raises(TypeError, match="Experiment has no option 'noise': it is an option of"):
-        robsim.Experiment([], noise=robsim.GaussianNoise(5))
+def test_the_slots_of_the_world_half_cannot_be_set():
+    with pytest.raises(AttributeError, match="'evaluate_model'"):
+        robsim.Experiment([]).evaluate_model = robsim.Unicycle()
 
 
-def test_a_simulated_world_needs_a_number_of_steps():
-    with pytest.raises(TypeError, match="steps must be an int: a simulated world has no end"):
-        robsim.Simulation().run()
+def test_a_recording_is_no_live_camera():
+    for source in (0, "rtsp://camera/1", "/dev/video0"):
+        with pytest.raises(ValueError, match=r"source .*live camera"):
+            robsim.Recording(source)
 
 
 @pytest.mark.long
 def test_parameters_can_be_estimated_when_the_inputs_are_known():
-    sim = robsim.Simulation(
-        measure=True,
-        resolution=(600, 600),
-        boundary="unlimited",
-        control=robsim.DriveAround(),
-        seed=3,
-    )
-    frames = [sim.step().frame for _ in range(40)]
-    u = sim.trace.u
-    again = robsim.Experiment(
-        frames, control=lambda step: u[step.k], estimate_parameters=True
-    ).run()
+    options = {
+        "measure": True,
+        "resolution": (600, 600),
+        "boundary": "unlimited",
+        "control": robsim.DriveAround(),
+        "seed": 3,
+    }
+    sim = robsim.Simulation(**options)
+    frames = [sim.step().frame for _ in range(20)]
+    control = robsim.Replay(sim.trace.u)
+    again = robsim.Experiment(frames, control=control, estimate_parameters=True).run()
     expected = robsim.Simulation(
-        measure=True,
-        resolution=(600, 600),
-        boundary="unlimited",
-        control=robsim.DriveAround(),
-        seed=3,
-        estimate_parameters=True,
-        identify_from="measurement",
-    ).run(40)
+        **options, estimate_parameters=True, identify_from="measurement"
+    ).run(20)
     np.testing.assert_array_equal(again.parameters, expected.parameters)
-    assert math.isfinite(again.parameters[-1, 0, 0])
+    assert np.isfinite(again.parameters[-1]).all()
 
 
 @pytest.mark.long
@@ -187,7 +165,7 @@ def test_a_model_with_another_time_step_than_the_frames_is_refused(run, tmp_path
 
     dt = 0.2
     sim = robsim.Experiment(recording, define_model=define_model)
-    with pytest.raises(ValueError, match=r"model's dt is 0\.2 s, but that of the frames is 0\.1 s"):
+    with pytest.raises(ValueError, match=r"dt .*0\.2 s.*0\.1 s"):
         sim.run()
     dt = 0.1
     sim.reset()
@@ -218,29 +196,20 @@ def test_the_frames_own_times_are_those_of_the_steps_and_of_the_trace(run, tmp_p
     assert trace.to_pandas()["t"].tolist() == trace.t.tolist()
 
 
-def test_frames_without_times_are_one_dt_apart(run):
-    trace = robsim.Experiment(timed(run[0], (None, None, None))).run()
-    np.testing.assert_allclose(trace.t, [0, 0.2, 0.4])
-
-
-def test_zero_is_a_time_like_any_other(run):
+def test_times_that_are_in_no_order_are_refused_and_the_steps_before_are_kept(run):
     trace = robsim.Experiment(timed(run[0], (-0.5, 0.0, 0.7))).run()
     np.testing.assert_array_equal(trace.t, [-0.5, 0, 0.7])
-    with pytest.raises(ValueError, match=r"that of step 1 is of t = 0 s"):
-        robsim.Experiment(timed(run[0], (0.0, 0.0))).run()
-
-
-def test_frames_in_another_order_are_refused_and_the_steps_before_are_kept(run):
-    sim = robsim.Experiment(timed(run[0], (0.5, 1.0, 0.9)))
-    with pytest.raises(ValueError, match=r"order of their times: that of step 2 is of t = 0\.9"):
-        sim.run()
-    np.testing.assert_array_equal(sim.trace.t, [0.5, 1.0])
+    for times, step in (((0.5, 1.0, 0.9), 2), ((0.0, 0.0), 1), ((5.0, None), 1)):
+        sim = robsim.Experiment(timed(run[0], times))
+        with pytest.raises(ValueError, match=rf"\bstep {step}\b"):
+            sim.run()
+        np.testing.assert_array_equal(sim.trace.t, times[:step])
 
 
 def test_a_frame_before_the_guessed_time_of_a_step_without_one_is_refused(run):
     first, last = timed(run[0], (0.5, 0.6))
     sim = robsim.Experiment([first, None, last])
-    with pytest.raises(ValueError, match=r"one before of t = 0\.7\d* s, for want of its own: give"):
+    with pytest.raises(ValueError, match=r"t = 0\.7\d* s.*Observation"):
         sim.run()
     np.testing.assert_allclose(sim.trace.t, [0.5, 0.7])
 
@@ -248,8 +217,11 @@ def test_a_frame_before_the_guessed_time_of_a_step_without_one_is_refused(run):
 def test_frames_that_come_only_once_cannot_be_reset(run):
     sim = robsim.Experiment(iter(run[0][:3]))
     sim.reset()
+    assert sim.step_stage() == "world"
+    with pytest.raises(RuntimeError, match="once"):
+        sim.reset()
     assert len(sim.run()) == 3
-    with pytest.raises(RuntimeError, match="can be read only once: give a list or a Recording"):
+    with pytest.raises(RuntimeError, match="once"):
         sim.reset()
     assert len(sim.trace) == 3
 
@@ -262,14 +234,6 @@ def test_frames_that_are_dt_apart_are_so_to_the_last_digit(run):
     )
     sim.run()
     assert seen == [0.2] * 8
-
-
-def test_a_frame_without_a_time_after_later_ones_is_refused(run):
-    sim = robsim.Experiment(timed(run[0], (5.0, None)))
-    with pytest.raises(
-        ValueError, match=r"must all have a time t, or none of them: that of step 1 has none"
-    ):
-        sim.run()
 
 
 def test_a_step_without_a_frame_is_not_measured(run):
@@ -316,19 +280,21 @@ def test_frames_of_another_size_are_refused_and_the_run_goes_on_behind_them(run)
     frames = run[0]
     small = robsim.Frame(frames[0].image[:40, :50])
     sim = robsim.Experiment([frames[0], None, small, frames[3]])
-    with pytest.raises(ValueError, match="that of step 2 is 50 x 40 px, those before 600 x 600 px"):
+    with pytest.raises(ValueError, match=r"step 2 is 50 x 40 px.*600 x 600 px"):
         sim.run()
     trace = sim.run()
     np.testing.assert_array_equal(trace.pose_measured[2], run[1].pose_measured[3])
     lower = robsim.Frame(frames[0].image[:599])
-    with pytest.raises(ValueError, match="that of step 1 is 600 x 599 px, those before 600 x 600"):
+    with pytest.raises(ValueError, match="step 1 is 600 x 599 px"):
         robsim.Experiment([frames[0], lower]).run()
+
+
+def test_frames_of_another_size_than_the_area_without_a_map_are_told_once(run):
+    small = robsim.Frame(run[0][0].image[:40, :50])
     sim = robsim.Experiment([small, small])
-    with pytest.warns(UserWarning, match="have 50 x 40 px and no plane map, but the area") as told:
+    with pytest.warns(UserWarning, match=r"50 x 40 px.*PlaneMap\.scaled.*area=\(50, 40\)") as told:
         assert not sim.run().seen.any()
-    assert len(told) == 1
-    assert told[0].filename == __file__
-    assert str(told[0].message).endswith("((50, 40), (1200, 1200)), or Experiment area=(50, 40)")
+    assert [one.filename for one in told] == [__file__]
     robsim.Experiment([small], area=(50, 40)).run()
     lens = robsim.imaging.Intrinsics([[40, 0, 25], [0, 40, 20], [0, 0, 1]])
     mapped = robsim.imaging.PlaneMap(intrinsics=lens)
@@ -337,43 +303,15 @@ def test_frames_of_another_size_are_refused_and_the_run_goes_on_behind_them(run)
 
 def test_a_part_of_the_frames_has_times(run):
     untimed, late = timed(run[0], (None, 0.7))
+    np.testing.assert_allclose(robsim.Experiment([untimed] * 3).run().t, [0, 0.2, 0.4])
     np.testing.assert_allclose(robsim.Experiment([untimed, late]).run().t, [0, 0.7])
     # A step without a frame needs none.
     trace = robsim.Experiment([None, late, None, robsim.Observation(t=1.1)]).run()
     np.testing.assert_allclose(trace.t, [0, 0.7, 0.9, 1.1])
     sim = robsim.Experiment([late, robsim.Observation(untimed), robsim.Observation(untimed, t=0.9)])
-    with pytest.raises(ValueError, match="that of step 1 has none"):
+    with pytest.raises(ValueError, match="step 1 has none"):
         sim.run()
     np.testing.assert_allclose(sim.run().t, [0.7, 0.9])
-
-
-@pytest.mark.parametrize(
-    ("frames", "step"), [([None, 5], 1), ([np.zeros((4, 4, 3), np.uint8)], 0), (["a", None], 0)]
-)
-def test_what_is_no_frame_is_refused_with_its_step(frames, step):
-    sim = robsim.Experiment(frames)
-    with pytest.raises(TypeError, match=f"frames must give Frame or .* at step {step}"):
-        sim.run()
-
-
-def test_stages_that_are_off_are_left_out_to_the_end_of_a_step():
-    sim = robsim.Experiment([robsim.Observation(measurement=(k, 2, 3)) for k in range(2)])
-    assert [sim.step_stage() for _ in range(4)] == ["world", "measure", "world", "measure"]
-    assert sim.n_steps == 2
-
-
-def test_frames_that_are_read_once_cannot_be_reset_after_a_part_of_a_step(run):
-    sim = robsim.Experiment(iter(run[0][:3]))
-    assert sim.step_stage() == "world"
-    with pytest.raises(RuntimeError, match="can be read only once"):
-        sim.reset()
-    assert len(sim.run()) == 3
-
-
-def test_a_trace_of_frames_that_nobody_measures(run):
-    trace = robsim.Experiment(timed(run[0], (0.1, 0.3)), measure=False).run()
-    np.testing.assert_array_equal(trace.t, [0.1, 0.3])
-    assert not trace.seen.any()
 
 
 def test_a_reset_repeats_the_run_with_its_own_inputs(run):

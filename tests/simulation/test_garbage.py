@@ -42,18 +42,55 @@ def with_a_world():
     return sim
 
 
+def with_motors():
+    motors = Motors()
+    motors.sim = robsim.Experiment(
+        [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 4,
+        send=motors,
+        control=robsim.Spin(),
+        area=(64, 64),
+    )
+    return motors.sim
+
+
+class Motors:
+    """Motors that know their experiment."""
+
+    sim = None
+
+    def __call__(self, u):
+        pass
+
+
+def experiment():
+    frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 4
+    return robsim.Experiment(frames, send=lambda u: None, control=robsim.Spin(), area=(64, 64))
+
+
 @pytest.mark.long
-@pytest.mark.parametrize("make", [plain, with_a_callback, with_an_estimator, with_a_world])
+@pytest.mark.parametrize(
+    ("make", "goes_at_once"),
+    [
+        (plain, True),
+        (experiment, True),
+        (with_a_callback, False),
+        (with_an_estimator, False),
+        (with_a_world, False),
+        (with_motors, False),
+    ],
+)
 @pytest.mark.parametrize("steps", [0, 3])
-def test_a_dropped_simulation_goes(make, steps):
+def test_what_is_dropped_goes(make, goes_at_once, steps):
+    gc.collect()
     gc.disable()
     try:
         sim = make()
         if steps:
             sim.run(steps)
+            assert sim.frame.image.any() == (type(sim) is robsim.Simulation)
         gone = weakref.ref(sim)
         del sim
-        assert (gone() is None) == (make is plain)  # one without a cycle goes at once
+        assert (gone() is None) == goes_at_once
         gc.collect()
         assert gone() is None
     finally:
@@ -67,3 +104,18 @@ def test_an_estimator_outlives_its_simulation_in_a_step():
     del sim
     gc.collect()
     assert step.estimator is estimator
+
+
+def test_what_is_kept_of_a_step_keeps_its_model():
+    kept = []
+
+    def evaluate_model(world):
+        kept.append(world)
+        return world.pose_1
+
+    sim = robsim.Simulation(evaluate_model=evaluate_model)
+    sim.run(2)
+    theta = sim.model.theta.copy()
+    del sim
+    gc.collect()
+    np.testing.assert_array_equal(kept[0].model.theta, theta)

@@ -1,6 +1,7 @@
 """An experiment with motors that need no interpreter: dead man, limits, errors of the line."""
 
 import ctypes
+import sys
 import time
 
 import numpy as np
@@ -8,12 +9,13 @@ import pytest
 
 import robsim
 from robsim.motors import Limits, LineError, MotorReceiver, RecordedMotors, UdpMotors
+from waiting import wait_for
 
 pytestmark = pytest.mark.threads
 
 IMAGE = np.zeros((64, 64, 3), np.uint8)
 DT = 0.02  # s
-SOON = 20  # s
+LONG = 300  # s, a limit that nothing meets
 
 
 @pytest.fixture
@@ -37,26 +39,28 @@ def camera():
 
 def experiment(send, frames=None, **options):
     given = {"control": lambda step: (0.5, 0.1), "measure": False, "area": (64, 64)}
-    given |= {"frame_timeout": SOON} | options
+    given |= {"frame_timeout": LONG} | options
     frames = camera() if frames is None else frames
     return robsim.Experiment(frames, send=send, identify_from="truth", **given)
+
+
+@pytest.fixture
+def greedy():
+    """A thread that has the interpreter keeps it until it waits for something."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(LONG)
+    yield
+    sys.setswitchinterval(before)
 
 
 def heard(robot, *kinds):
     return [event for event in robot.events if event.kind in kinds]
 
 
-def waits(condition):
-    end = time.monotonic() + SOON
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.005)
-
-
 @pytest.mark.long
 def test_what_is_sent_arrives_and_the_end_stops_the_robot(robot, motors):
     trace = experiment(motors).run(5)
-    waits(lambda: heard(robot, "stop"))
+    wait_for(lambda: heard(robot, "stop"))
     assert len(heard(robot, "input")) >= 5  # those that wait long for the next are sent again
     np.testing.assert_array_equal(robot.input, (0, 0))
     # When it went out is when it was written to the line.
@@ -66,27 +70,31 @@ def test_what_is_sent_arrives_and_the_end_stops_the_robot(robot, motors):
 
 
 @pytest.mark.long
+@pytest.mark.usefixtures("greedy")
 def test_a_callback_that_holds_the_interpreter_does_not_keep_the_robot_driving(robot, motors):
     usleep = ctypes.PyDLL(None).usleep  # with the interpreter's lock
 
     def control(step):
-        if step.k == 3:
-            usleep(1_200_000)
+        if step.k == 1:
             held.append(time.monotonic())
+            while not heard(robot, "stop") and len(held) < LONG:
+                usleep(100_000)
+                held.append(time.monotonic())
         return 0.5, 0.1
 
     held = []
-    sim = experiment(motors, control=control, frame_timeout=0.4)
-    with pytest.raises(TimeoutError, match=r"frame_timeout = 0\.4 s of the arrival of that"):
+    # On a machine that stands still for half a second the robot would be stopped sooner.
+    sim = experiment(motors, control=control, frame_timeout=0.5)
+    with pytest.raises(TimeoutError, match=r"frame_timeout = 0\.5 s"):
         sim.run()
-    assert len(sim.trace) == 3
+    assert len(sim.trace) == 1
     (stop, *_) = heard(robot, "stop")
-    assert stop.t < held[0]  # while nobody had the interpreter but the callback
-    waits(lambda: not robot.input.any())
+    assert held[0] < stop.t < held[-1]  # while nobody had the interpreter but the callback
+    wait_for(lambda: not robot.input.any())
     # The next run is told anew that the motors may drive.
     sim.control = lambda step: (0.2, 0.1)
-    sim.run(2)
-    assert heard(robot, "input")[-1].u == pytest.approx((0.2, 0.1))
+    sim.run(1)
+    wait_for(lambda: heard(robot, "input")[-1].u[0] == pytest.approx(0.2))
 
 
 @pytest.mark.long
@@ -97,7 +105,7 @@ def test_a_cut_line_ends_the_run_and_says_so(robot):
         return 0.5, 0.1
 
     with (
-        pytest.raises(LineError, match=r"UDP 127\.0\.0\.1:\d+ is cut"),
+        pytest.raises(LineError, match=r"127\.0\.0\.1:\d+"),
         UdpMotors("127.0.0.1", robot.port) as motors,
     ):
         experiment(motors, control=control).run(200)
@@ -105,7 +113,7 @@ def test_a_cut_line_ends_the_run_and_says_so(robot):
 
 def test_a_link_has_a_stop_of_its_own(motors):
     for stop_input in (None, (0.1, 0)):
-        with pytest.raises(ValueError, match=r"stop_input must be \(0, 0\) for <UdpMotors"):
+        with pytest.raises(ValueError, match="stop_input"):
             experiment(motors, stop_input=stop_input)
 
 
@@ -129,5 +137,5 @@ def test_limits_hold_the_inputs_and_the_trace_has_what_was_sent():
     assert abs(trace.u).max() <= 1.5
     np.testing.assert_array_equal(trace.u[3], (0, 0))  # a stop is never slowed down
     np.testing.assert_allclose(seen[1:], trace.u[:-1])
-    with pytest.raises(TypeError, match=r"limits must be robsim\.motors\.Limits\(voltage="):
+    with pytest.raises(TypeError, match="limits"):
         experiment(motors, limits=3)

@@ -26,7 +26,7 @@ def test_what_is_recorded_runs_again_to_the_byte(frames, tmp_path):
     with robsim.Experiment(
         frames,
         send=lambda u: None,
-        frame_timeout=60,
+        frame_timeout=300,
         record=tmp_path / "session",
         lossless=True,
         **options,
@@ -61,11 +61,11 @@ def test_a_session_says_what_it_was_made_with(frames, tmp_path):
 def test_a_session_is_not_overwritten_nor_begun_again(frames, tmp_path):
     with robsim.Experiment(frames, record=tmp_path) as experiment:
         experiment.run(3)
-        with pytest.raises(RuntimeError, match="cannot begin again: make a new Experiment"):
+        with pytest.raises(RuntimeError, match="new Experiment"):
             experiment.reset()
-    with pytest.raises(RuntimeError, match="is complete: make a new Experiment"):
+    with pytest.raises(RuntimeError, match="new Experiment"):
         experiment.run(3)
-    with pytest.raises(FileExistsError, match="has a recorded session already"):
+    with pytest.raises(FileExistsError, match=tmp_path.name):
         robsim.Experiment(frames, record=tmp_path)
 
 

@@ -9,7 +9,7 @@ from remote_half import CONTROLS, RemoteHalf, approach
 pytestmark = pytest.mark.long  # starts processes
 
 SEED = 5
-STEPS = 60
+STEPS = 40
 WORLD = {
     "resolution": (300, 300),
     "noise": robsim.GaussianNoise(10),
@@ -61,12 +61,11 @@ STAGES = ("pose_measured", "pose_held", "pose_estimated", "covariance", "state",
 
 @pytest.mark.slow
 @pytest.mark.sanitized
-@pytest.mark.parametrize("control", CONTROLS)
-def test_a_robot_half_in_a_process_gives_the_same_bytes(run_remotely, control):
-    expected = run_at_home(CONTROLS[control])
+def test_a_robot_half_in_a_process_gives_the_same_bytes(run_remotely):
+    expected = run_at_home(CONTROLS["drive around"])
     assert 0 < np.isnan(expected.pose_measured).any(axis=1).sum() < STEPS
     assert np.isfinite(expected.parameters[-1]).all()
-    world, stop, robot = run_remotely(control=control)
+    world, stop, robot = run_remotely(control="drive around")
     assert_same(world, expected, ("pose_true", *STAGES, "u"))
     assert_same(robot, expected, ("t", *STAGES, "u", "standard_errors_unscaled"))
     for color, centroids in expected.blobs.items():

@@ -45,32 +45,29 @@ def lost_steps(steps):
     return np.random.default_rng(1).choice(np.arange(1, steps), steps // 10, replace=False)
 
 
-@pytest.mark.parametrize("lost", [[20], [20, 21], [20, 22], [2], lost_steps(60)], ids=str)
+@pytest.mark.parametrize("lost", [[20], [20, 22], [2], lost_steps(60)], ids=str)
 def test_a_gap_interrupts_the_record_as_a_missing_measurement_does(lost):
     poses, u = driven(60)
     kept = np.setdiff1d(np.arange(60), lost)
     times = DT * np.arange(60)
-    unseen = [robsim.Observation(t=t) if k in lost else o for k, (t, o) in _numbered(times, poses)]
+    unseen = [
+        robsim.Observation(t=seen.t) if k in lost else seen
+        for k, seen in enumerate(observed(times, poses))
+    ]
     full, samples = identified(unseen, u)
     short, samples_over_gaps = identified(observed(times[kept], poses[kept]), u)
     full.run()
     short.run()
     assert 0 < len(samples) < 57
-    # Sample by sample the same.
-    np.testing.assert_array_equal(
-        [phi for phi, _ in samples], [phi for phi, _ in samples_over_gaps]
-    )
-    np.testing.assert_array_equal([y for _, y in samples], [y for _, y in samples_over_gaps])
+    for one, other in zip(samples, samples_over_gaps, strict=True):
+        np.testing.assert_array_equal(one[0], other[0])
+        np.testing.assert_array_equal(one[1], other[1])
     np.testing.assert_array_equal(full.trace.parameters[-1], short.trace.parameters[-1])
     # The record gives the same ones, and that of its last step.
     recorded = robsim.identification.regression_of(short.trace)
     np.testing.assert_array_equal(recorded.phi[: len(samples)], [phi for phi, _ in samples])
     np.testing.assert_array_equal(recorded.y[: len(samples)], [y for _, y in samples])
     assert len(recorded.k) == len(samples) + 1
-
-
-def _numbered(times, poses):
-    return enumerate(zip(times, observed(times, poses), strict=True))
 
 
 def test_a_tenth_of_lost_frames_spoils_no_estimate():
@@ -113,32 +110,24 @@ STAGES = {
 
 
 @pytest.mark.parametrize("stage", STAGES)
-@pytest.mark.parametrize("interval", [0.033, 0.1, 0.3, 0.5])
-def test_frames_at_another_rate_are_refused_in_one_sentence(stage, interval):
+@pytest.mark.parametrize("interval", [0.1, 0.3])
+def test_frames_at_another_rate_are_refused_at_once(stage, interval):
     sim, run = run_at(np.arange(30) * interval, **{stage: STAGES[stage]()})
-    with pytest.raises(ValueError, match="step") as refused:
+    with pytest.raises(ValueError, match=rf"step\.dt .*0\.2 s, got {interval}: .*sim\.model"):
         run()
     assert len(sim.trace) == 1
-    assert str(refused.value) == (
-        f"step.dt must be a multiple of the model's dt, 0.2 s, got {interval}: the model must have "
-        "the dt of the frames, as sim.model has that of the run"
-    )
-
-
-@pytest.mark.parametrize("stage", STAGES)
-@pytest.mark.parametrize("interval", [0.16, 0.22])
-def test_frames_of_nearly_the_rate_are_refused_soon(stage, interval):
-    sim, run = run_at(np.arange(60) * interval, **{stage: STAGES[stage]()})
-    message = rf"multiple of the model's dt, 0\.2 s, got {interval} on average: the model must"
-    with pytest.raises(ValueError, match=message):
-        run()
-    assert len(sim.trace) <= 13
 
 
 @pytest.mark.parametrize("interval", [0.16, 0.22])
-def test_a_batch_estimate_refuses_frames_of_nearly_the_rate(interval):
-    _, run = run_at(np.arange(60) * interval)
-    with pytest.raises(ValueError, match=rf"got {interval} on average"):
+def test_frames_of_nearly_the_rate_are_refused_soon(interval):
+    times = np.arange(60) * interval
+    for stage, make in STAGES.items():
+        sim, run = run_at(times, **{stage: make()})
+        with pytest.raises(ValueError, match=f"{interval} on average"):
+            run()
+        assert len(sim.trace) <= 13
+    _, run = run_at(times)
+    with pytest.raises(ValueError, match=f"{interval} on average"):
         robsim.batch_estimate(run(), identify_from="measurement")
 
 

