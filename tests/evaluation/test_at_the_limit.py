@@ -7,7 +7,7 @@ from scipy import special
 import robsim
 from robsim.evaluation import nees_consistency, nis_consistency, whiteness
 from robsim.evaluation._time_average import standard_error_of_mean
-from robsim.identification._convergence import ConvergenceReport
+from robsim.identification import ConvergenceReport
 from robsim.identification._identifiability import judge
 
 pytestmark = pytest.mark.kernels
@@ -35,23 +35,23 @@ def values_with_a_share_inside(share, steps=100):
 )
 def test_the_share_of_the_nees(share, heading):
     report = nees_consistency(values_with_a_share_inside(share), np.eye(1))
-    assert report.heading == f"NEES of 1 run of 100 steps: {heading}"
+    assert report.heading.endswith(f": {heading}")
     assert report.share == pytest.approx(share)
     assert report.at_limit == ("limit" in heading)
-    assert ("its limit 80 %, its standard error" in said(report)) == report.at_limit
+    assert ("limit 80 %" in said(report)) == report.at_limit
     assert report.to_dict()["at_limit"] == report.at_limit
     assert report.verdict == heading.split(",")[0]
 
 
-@pytest.mark.parametrize("level", [0.5, 0.8, 0.9, 0.95, 0.99])
-def test_the_verdict_is_that_of_the_95_percent_band_whatever_is_shown(level):
+def test_the_verdict_is_that_of_the_95_percent_band_whatever_is_shown():
     rng = np.random.default_rng(2)
-    right = nees_consistency(rng.normal(size=(20, 200, 3)), np.eye(3), level=level)
-    assert (right.verdict, right.at_limit) == ("consistent", False)
-    assert right.inside == pytest.approx(level, abs=0.1)
-    assert right.share == pytest.approx(0.95, abs=0.05)
-    innovations = rng.normal(size=(200, 2))
-    assert nis_consistency(innovations, np.eye(2), level=level).verdict == "consistent"
+    errors, innovations = rng.normal(size=(20, 200, 3)), rng.normal(size=(200, 2))
+    for level in (0.5, 0.99):
+        right = nees_consistency(errors, np.eye(3), level=level)
+        assert (right.verdict, right.at_limit) == ("consistent", False)
+        assert right.inside == pytest.approx(level, abs=0.1)
+        assert right.share == pytest.approx(0.95, abs=0.05)
+        assert nis_consistency(innovations, np.eye(2), level=level).verdict == "consistent"
 
 
 def test_the_mean_of_the_nees():
@@ -67,7 +67,7 @@ def test_the_mean_of_the_nees():
         report = nees_consistency(errors * scale * np.sqrt(factor), np.eye(3))
         assert (report.verdict, report.at_limit) == (verdict, at_limit), factor
     edge = nees_consistency(errors * scale * np.sqrt(0.903), np.eye(3))
-    assert "its limit 0.3, its standard error" in said(edge)
+    assert "limit 0.3" in said(edge)
 
 
 def test_the_mean_of_the_nis():
@@ -102,13 +102,13 @@ def test_whiteness():
     assert seen >= {(True, False), (True, True), (False, True)}
 
 
-@pytest.mark.parametrize(
-    ("shape", "lags"),
-    [((20, 3), 2), ((60, 3), 6), ((100, 1), 10), ((5000, 1), 10), ((5, 12, 2), 3), ((4, 1), 1)],
-)
-def test_the_default_number_of_lags(shape, lags):
-    innovation = np.random.default_rng(5).normal(size=shape)
-    assert len(whiteness(innovation).autocorrelation) == lags
+def test_the_default_number_of_lags():
+    for shape, lags in (
+        *(((20, 3), 2), ((60, 3), 6), ((100, 1), 10)),
+        *(((5000, 1), 10), ((5, 12, 2), 3), ((4, 1), 1)),
+    ):
+        innovation = np.random.default_rng(5).normal(size=shape)
+        assert len(whiteness(innovation).autocorrelation) == lags
 
 
 def test_identifiability():
@@ -135,30 +135,26 @@ def test_identifiability():
     assert (unknown.verdict, unknown.at_limit) == ("not excited", False)
 
 
-@pytest.mark.parametrize(
-    ("error", "heading"),
-    [
+def test_convergence():
+    for error, heading in (
         (0.5, "converged"),
         (0.9, "converged, at the limit"),
         (1.1, "not converged, at the limit"),
         (1.5, "not converged"),
         (np.nan, "not converged"),
-    ],
-)
-def test_convergence(error, heading):
-    last = np.zeros((3, 5))
-    last[0, 1] = error
-    time = np.zeros((3, 5))
-    time[0, 1] = 0.0 if error <= 1 else np.nan
-    report = ConvergenceReport(
-        theta_true=np.zeros((3, 5)),
-        last=last,
-        tolerance=np.ones((3, 5)),
-        time=time,
-        spread=np.full((3, 5), 0.2),
-    )
-    assert report.heading == f"Online estimate from truth: {heading}"
-    assert ("a2X is within its standard error" in said(report)) == report.at_limit
+    ):
+        last, time = np.zeros((2, 3, 5))
+        last[0, 1] = error
+        time[0, 1] = 0.0 if error <= 1 else np.nan
+        report = ConvergenceReport(
+            theta_true=np.zeros((3, 5)),
+            last=last,
+            tolerance=np.ones((3, 5)),
+            time=time,
+            spread=np.full((3, 5), 0.2),
+        )
+        assert report.heading.endswith(f": {heading}")
+        assert ("a2X" in said(report)) == report.at_limit
 
 
 def test_a_run_says_how_far_its_online_estimates_vary():

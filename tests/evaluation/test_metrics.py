@@ -5,23 +5,22 @@ import pytest
 from scipy import special
 
 import robsim
-from robsim.evaluation._chi_square import chi_square_band
-from robsim.evaluation._consistency import (
+from robsim.evaluation import (
+    cramer_rao_bound,
+    estimation_errors,
     nees,
     nees_consistency,
     nis,
     nis_consistency,
-    pose_consistency,
-)
-from robsim.evaluation._cramer_rao import (
-    cramer_rao_bound,
     parameter_bounds,
     pose_bounds,
+    pose_consistency,
+    pose_errors,
     posterior_cramer_rao_bound,
+    whiteness,
+    wrapped_error,
 )
-from robsim.evaluation._errors import estimation_errors, pose_errors, wrapped_error
-from robsim.evaluation._whiteness import whiteness
-from robsim.identification._convergence import convergence_time, parameter_convergence
+from robsim.identification import convergence_time, parameter_convergence
 from robsim.trace import NotRecordedError
 from size_and_power.linear_filter import P0, F, H, Q, R, filtered
 
@@ -94,30 +93,23 @@ def test_what_is_claimed_stands_beside_the_error():
     covariance = np.broadcast_to(np.diag([4.0, 9.0, 0.01]), (5, 3, 3))
     report = estimation_errors(np.ones((5, 3)), np.zeros((5, 3)), covariance=covariance)
     np.testing.assert_allclose(report.reported_sd_median, [2, 3, 0.1])
-    with pytest.raises(ValueError, match="no negative variance, got -4"):
-        estimation_errors(
-            np.ones((5, 3)), np.zeros((5, 3)), covariance=-covariance[:, :, :] * 4 / 9
-        )
+    with pytest.raises(ValueError, match="covariance"):
+        estimation_errors(np.ones((5, 3)), np.zeros((5, 3)), covariance=-covariance)
 
 
-def test_error_report_reads_well_and_goes_into_json():
+def test_an_error_report_as_text_and_as_data():
     report = estimation_errors([[1.0, NAN, PI / 180]], [[0.0, 0.0, 0.0]])
-    lines = str(report).splitlines()
-    assert lines[0] == "Estimate minus truth"
-    assert lines[5].split() == ["x", "(px)", "1", "1", "0", "1", "1", "(100", "%)"]
-    assert lines[6].split() == ["y", "(px)", "-", "-", "-", "-", "0", "(0", "%)"]
-    assert lines[7].split()[:3] == ["heading", "(deg)", "1"]
-    assert json.loads(report.to_json())["total"] == 1
-    values = json.loads(report.to_json())["errors"]
-    assert values["heading"]["rmse"] == pytest.approx(PI / 180)
-    assert values["heading"]["unit"] == "rad"
-    assert values["y"] == {
-        "unit": "px",
-        "known": 0,
-        **dict.fromkeys(("rmse", "bias", "sd", "max_error")),
-    }
+    rows = [line.split() for line in str(report).splitlines()]
+    assert ["x", "(px)", "1", "1", "0", "1", "1", "(100", "%)"] in rows
+    assert ["y", "(px)", "-", "-", "-", "-", "0", "(0", "%)"] in rows
+    assert ["heading", "(deg)", "1"] in [row[:3] for row in rows]
+    content = json.loads(report.to_json())
+    assert content["total"] == 1
+    assert content["errors"]["heading"]["rmse"] == pytest.approx(PI / 180)
+    assert content["errors"]["heading"]["unit"] == "rad"
+    assert content["errors"]["y"]["known"] == 0
+    assert content["errors"]["y"]["rmse"] is None
     assert report._repr_html_().count("<tr>") == 5
-    assert repr(report) == "<ErrorReport: Estimate minus truth, steps 1>"
 
 
 def test_pose_errors_of_a_trace_agree_with_its_own():
@@ -133,60 +125,43 @@ def test_pose_errors_of_a_trace_agree_with_its_own():
     np.testing.assert_array_equal(pose_errors(trace[10:], of="measurement").k, np.arange(10, 40))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
-    ("call", "error", "message"),
+    ("call", "message"),
     [
-        (lambda: wrapped_error(np.ones((2, 3)), np.ones((3, 3))), ValueError, "same shape, got"),
-        (lambda: wrapped_error([1.0, 2.0], [0.0, 0.0]), ValueError, "among the 2 numbers"),
-        (
-            lambda: estimation_errors([1.0], [0.0], units=["px"], names=["x"]),
-            ValueError,
-            "must be of",
-        ),
-        (lambda: pose_errors(driven(5), of="guess"), ValueError, "'estimate' or 'measurement'"),
-        (lambda: pose_errors(driven(5)), ValueError, r"with estimate_state=\.\.\."),
-        (lambda: pose_errors(driven(5), of="measurement"), ValueError, "with measure=True"),
-        (lambda: pose_errors([driven(5), driven(6)]), ValueError, r"got lengths \[5, 6\]"),
-        (lambda: pose_errors([]), TypeError, "a sequence of them"),
-        (lambda: pose_consistency(driven(5)), ValueError, r"estimate_state=\.\.\."),
-        (lambda: pose_consistency("run"), TypeError, "must be a Trace"),
-        (lambda: pose_consistency(5), TypeError, "must be a Trace or a sequence of them, got 5"),
-        (lambda: parameter_convergence(driven(5)), ValueError, "estimate_parameters=True"),
-        (lambda: parameter_bounds(driven(5), sigma=1.0), ValueError, "must be 3 numbers"),
+        (lambda: wrapped_error(np.ones((2, 3)), np.ones((3, 3))), "same shape"),
+        (lambda: wrapped_error([1.0, 2.0], [0.0, 0.0]), "angles"),
+        (lambda: estimation_errors([1.0], [0.0], units=["px"], names=["x"]), "shape"),
+        (lambda: pose_errors(driven(5), of="guess"), "of"),
+        (lambda: pose_errors(driven(5)), "estimate_state"),
+        (lambda: pose_errors(driven(5), of="measurement"), "measure=True"),
+        (lambda: pose_errors([driven(5), driven(6)]), r"\[5, 6\]"),
+        (lambda: pose_consistency(driven(5)), "estimate_state"),
+        (lambda: parameter_convergence(driven(5)), "estimate_parameters"),
+        (lambda: parameter_bounds(driven(5), sigma=(1.0, 1.0)), "sigma"),
     ],
 )
-def test_wrong_input_is_refused(call, error, message):
-    with pytest.raises(error, match=message):
+def test_what_does_not_fit_or_was_not_recorded_is_refused(call, message):
+    with pytest.raises(ValueError, match=message):
         call()
 
 
 # chi-square
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 6])
-@pytest.mark.parametrize("runs", [1, 20, 5000])
-def test_the_band_is_that_of_the_gamma_distribution(n, runs):
-    for level in (0.5, 0.95, 0.999):
-        expected = 2 * special.gammaincinv(n * runs / 2, [(1 - level) / 2, (1 + level) / 2])
-        band = chi_square_band(n, runs=runs, level=level)
-        np.testing.assert_allclose(band, expected / runs, rtol=1e-9)
+def chi_square_band(n, runs=1, level=0.95):
+    """The band of the mean of so many values with n degrees of freedom."""
+    return 2 * special.gammaincinv(n * runs / 2, [(1 - level) / 2, (1 + level) / 2]) / runs
 
 
-def test_the_band_of_a_table():
-    # Bar-Shalom et al., 5.4.2: 50 runs of 2 degrees of freedom, [1.5, 2.6]; one run, [0.05, 7.38]
+def test_the_band_is_that_of_the_gamma_distribution():
+    for n, runs, level in ((1, 1, 0.5), (2, 50, 0.95), (6, 5000, 0.999)):
+        report = nees_consistency(np.ones((runs, 1, n)), np.eye(n), level=level)
+        np.testing.assert_allclose(report.band[0], chi_square_band(n, runs, level), rtol=1e-9)
+    # Bar-Shalom et al., 5.4.2: 50 runs of 2 degrees of freedom, [1.5, 2.6]
     np.testing.assert_allclose(chi_square_band(2, runs=50), [1.484, 2.591], atol=1e-3)
-    np.testing.assert_allclose(chi_square_band(2), [0.0506, 7.378], atol=1e-3)
-    band = chi_square_band(3, runs=[1, 0, 4])
-    assert band.shape == (3, 2)
-    assert np.isnan(band[1]).all()
-    assert band[2, 1] < band[0, 1]
-
-
-@pytest.mark.parametrize("arguments", [{"n": 0}, {"n": 2, "runs": -1}, {"n": 2, "level": 1.0}])
-def test_a_band_needs_sensible_numbers(arguments):
-    with pytest.raises(ValueError, match="must"):
-        chi_square_band(**arguments)
+    for level in (0.0, 1.0):
+        with pytest.raises(ValueError, match="level"):
+            nees_consistency(np.ones((1, 1, 1)), np.eye(1), level=level)
 
 
 # NEES and NIS
@@ -211,23 +186,48 @@ def test_nees_of_very_different_units_is_that_of_a_plain_solve():
     np.testing.assert_allclose(nees(np.einsum("kij,kj->ki", root, w), P), (w**2).sum(1), rtol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("P", "message"),
-    [
+def test_a_wrong_covariance_is_named_with_its_step():
+    for P, message in (
         ([[1.0, 2.0], [2.0, 1.0]], "positive definite"),
         ([[1.0, 0.0], [0.0, 0.0]], "positive definite"),
-        ([[-1.0, 0.0], [0.0, 1.0]], "positive definite"),
         ([[1.0, 0.5], [0.0, 1.0]], "symmetric"),
         ([[np.inf, 0.0], [0.0, 1.0]], "finite"),
-    ],
-)
-def test_a_wrong_covariance_is_named_with_its_step(P, message):
-    covariances = np.tile(np.eye(2), (4, 1, 1))
-    covariances[2] = P
-    with pytest.raises(ValueError, match=rf"covariance\[2\] must be {message}"):
-        nees(np.zeros((4, 2)), covariances)
-    with pytest.raises(ValueError, match=r"S must be of shape \(4, 2, 2\) or \(2, 2\)"):
+    ):
+        covariances = np.tile(np.eye(2), (4, 1, 1))
+        covariances[2] = P
+        with pytest.raises(ValueError, match=rf"covariance\[2\] must be {message}"):
+            nees(np.zeros((4, 2)), covariances)
+    with pytest.raises(ValueError, match=r"\bS\b.*shape"):
         nis(np.zeros((4, 2)), np.eye(3))
+
+
+def test_arrays_that_are_no_numbers_or_do_not_fit_together_are_named():
+    errors = np.ones((10, 3))
+    for call, name in (
+        (lambda bad: nees(bad, np.eye(3)), "error"),
+        (lambda bad: nis(bad, np.eye(3)), "innovation"),
+        (whiteness, "innovation"),
+        (lambda bad: estimation_errors(errors, bad), "truth"),
+        (lambda bad: cramer_rao_bound(bad, 1.0), "phi"),
+    ):
+        for bad in ([["a"] * 3] * 10, [[1, 2], [3]], np.ones((10, 3), complex)):
+            with pytest.raises((TypeError, ValueError), match=rf"\b{name}"):
+                call(bad)
+    with pytest.raises(ValueError, match=r"\bS\b"):
+        nis_consistency(errors, np.tile(np.eye(3), (5, 1, 1)))
+    with pytest.raises(ValueError, match="covariance"):
+        nees(np.ones((2, 10, 3)), np.tile(np.eye(3), (2, 1, 1)))
+    with pytest.raises(ValueError, match="estimate"):
+        estimation_errors(np.ones((0, 3)), np.ones((0, 3)))
+    # None in an array is not known
+    assert np.isnan(nees([[None, 1, 2], [0, 0, 0]], np.eye(3))).tolist() == [True, False]
+
+
+def test_the_matrices_of_a_bound_must_fit_together():
+    matrices = dict.fromkeys(("F", "H", "Q", "R", "P0"), np.eye(3))
+    for name in matrices:
+        with pytest.raises(ValueError, match="must be of shape"):
+            posterior_cramer_rao_bound(**matrices | {name: 1.0}, seen=[True] * 4)
 
 
 def test_the_band_is_wider_where_fewer_runs_are_known():
@@ -240,8 +240,6 @@ def test_the_band_is_wider_where_fewer_runs_are_known():
     np.testing.assert_allclose(report.band[1], special.gammaincinv(2, [0.025, 0.975]))
     assert report.unknown == 4
     assert report.inside == 1.0
-    assert str(report).startswith("NEES of 3 runs of 4 steps: consistent\n")
-    assert "values not known         4" in str(report)
 
 
 def test_shares_and_mean_by_hand():
@@ -261,23 +259,20 @@ def test_a_filter_that_runs_away_is_optimistic():
     assert report.above == 1.0
     assert report.verdict == "optimistic"
     report = nees_consistency(np.full((20, 5, 1), 1e200), [[1.0]])
-    assert "mean NEES                inf" in str(report)
     assert json.loads(report.to_json())["mean"] is None
 
 
-@pytest.mark.parametrize(
-    "call", [lambda e: nees(e, np.eye(2)), lambda e: wrapped_error(e, e, angles=())]
-)
-def test_what_is_infinite_is_refused_not_taken_for_unseen(call):
-    with pytest.raises(ValueError, match="must be finite, or NaN"):
-        call(np.array([[1.0, np.inf]]))
+def test_what_is_infinite_is_refused_not_taken_for_unseen():
+    error = np.array([[1.0, np.inf]])
+    for call in (lambda: nees(error, np.eye(2)), lambda: wrapped_error(error, error, angles=())):
+        with pytest.raises(ValueError, match="finite"):
+            call()
 
 
 def test_nothing_known_is_said():
     report = nees_consistency(np.full((5, 3), NAN), np.eye(3))
     assert report.verdict == "not known"
-    assert str(report).startswith("NEES of 1 run of 5 steps: not known\n")
-    assert "no step has both an error and a covariance" in str(report)
+    assert report.remarks
     assert json.loads(report.to_json())["mean"] is None
 
 
@@ -417,10 +412,10 @@ def test_an_innovation_whose_numbers_depend_on_each_other_is_whitened_first():
     assert special.kolmogorov(np.sqrt(n) * D) > 0.001
 
 
-@pytest.mark.parametrize("values", [np.zeros((50, 1)), np.full((50, 1), NAN), np.ones((1, 1))])
-def test_whiteness_needs_values(values):
-    with pytest.raises(ValueError, match="must have known values, not all 0"):
-        whiteness(values)
+def test_whiteness_needs_values():
+    for values in (np.zeros((50, 1)), np.full((50, 1), NAN), np.ones((1, 1))):
+        with pytest.raises(ValueError, match="innovation"):
+            whiteness(values)
 
 
 def test_a_short_record_has_no_whiteness():
@@ -561,9 +556,9 @@ def test_the_posterior_bound_of_a_linear_system_is_the_kalman_covariance():
     np.testing.assert_array_equal(each, bounds)
 
 
-def test_a_posterior_bound_without_any_noise_is_refused_in_words():
+def test_a_posterior_bound_without_any_noise_is_refused():
     none = np.zeros((1, 1))
-    with pytest.raises(ValueError, match=r"R must be such that .* inverse .* got \[\[0.0\]\]"):
+    with pytest.raises(ValueError, match=r"\bR must"):
         posterior_cramer_rao_bound(
             np.eye(1), np.eye(1), Q=none, R=none, P0=none, seen=np.ones(3, dtype=bool)
         )
@@ -618,9 +613,9 @@ def test_steps_without_a_measurement_do_not_count():
 
 def test_a_bound_across_a_bounce_is_refused():
     trace = trace_of(np.zeros((4, 3)), boundary="bounce", bounced=[0, 0, 1, 0])
-    with pytest.raises(ValueError, match=r"no bounce, .* got one at step 2"):
+    with pytest.raises(ValueError, match=r"bounce.* step 2"):
         pose_bounds(trace, Q=np.eye(3), R=np.eye(3), P0=np.eye(3))
-    with pytest.raises(ValueError, match=r"P0 must be of shape \(6, 6\), got \(2, 2\)"):
+    with pytest.raises(ValueError, match="P0"):
         pose_bounds(trace[2:], Q=np.eye(3), R=np.eye(3), P0=np.eye(2))
     with pytest.raises(NotRecordedError, match="no pose_true"):
         pose_bounds(trace_of(np.full((3, 3), NAN)), Q=np.eye(3), R=np.eye(3), P0=np.eye(3))
@@ -659,11 +654,11 @@ def test_errors_of_traces_have_the_claim():
     np.testing.assert_allclose(report.rmse, [2, 2, 0.1], rtol=0.05)
 
 
-def test_a_consistency_report_reads_well():
+def test_a_consistency_report_as_text_and_as_data():
     report = pose_consistency(list(estimated(20, reported_sd=0.25)))
-    lines = str(report).splitlines()
-    assert lines[0] == "NEES of 20 runs of 100 steps: optimistic"
-    assert lines[6].split() == ["steps", "below", "it", "0", "%"]
-    assert "NEES of 20 runs of 100 steps: optimistic</b></p>" in report._repr_html_()
-    assert "the filter is too sure" in report.remarks[0]
+    assert report.heading == "NEES of 20 runs of 100 steps: optimistic"
+    assert report.heading in str(report)
+    assert report.heading in report._repr_html_()
+    assert ["steps", "below", "it", "0", "%"] in [line.split() for line in str(report).splitlines()]
+    assert "too sure" in report.remarks[0]
     assert json.loads(report.to_json())["verdict"] == "optimistic"

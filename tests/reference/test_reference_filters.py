@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import robsim
-import robsim.reference as reference
 from robsim.reference import (
     ConstantVelocityKalmanFilter,
     ExtendedKalmanFilter,
@@ -134,10 +133,9 @@ def test_on_a_linear_model_it_is_the_plain_kalman_filter(kind, rng):
         np.testing.assert_allclose(covariances[:, axis, axis], variance, rtol=1e-10)
 
 
-@pytest.mark.parametrize("kappa", [0, 1, 7.5])
-def test_how_far_out_the_points_are_changes_nothing_there(kappa, rng):
+def test_how_far_out_the_points_are_changes_nothing_there(rng):
     z, u = linear_problem(rng)
-    poses = [filtered(UnscentedKalmanFilter(LINEAR, kappa=k), z, u)[0] for k in (0, kappa)]
+    poses = [filtered(UnscentedKalmanFilter(LINEAR, kappa=k), z, u)[0] for k in (0, 7.5)]
     np.testing.assert_allclose(*poses, rtol=0, atol=1e-9)
 
 
@@ -201,10 +199,9 @@ def test_many_states_move_as_each_of_them(rng):
     np.testing.assert_array_equal(RobotMotion().move(states, u), each)
 
 
-@pytest.mark.parametrize("model", [robsim.RobotModel(), LINEAR], ids=["robot", "linear"])
-def test_the_jacobian_is_what_finite_differences_say(model, rng):
-    motion = RobotMotion(model)
-    for _ in range(10):
+def test_the_jacobian_is_what_finite_differences_say(rng):
+    for model in (robsim.RobotModel(), LINEAR):
+        motion = RobotMotion(model)
         state, u = rng.normal(0, (50, 50, 2, 10, 10, 1)), rng.uniform(-1, 1, 2)
         # (f(x + h) - f(x - h)) / 2h
         steps = 1e-4 * np.eye(6)
@@ -215,11 +212,9 @@ def test_the_jacobian_is_what_finite_differences_say(model, rng):
 def test_the_model_is_that_of_the_run():
     quick = robsim.RobotModel(robsim.RobotParameters(dt=0.1))
     filtered(ExtendedKalmanFilter(quick), np.zeros((3, 3)), dt=0.1)
-    with pytest.raises(
-        ValueError, match=r"step.dt must be a multiple of the model's dt, 0.2 s, got 0.1"
-    ):
+    with pytest.raises(ValueError, match=r"step\.dt"):
         filtered(ExtendedKalmanFilter(), np.zeros((3, 3)), dt=0.1)
-    with pytest.raises(ValueError, match=r"a multiple of the model.s dt, 0.2 s, got 0.27"):
+    with pytest.raises(ValueError, match=r"step\.dt"):
         filtered(ParticleFilter(), np.zeros((3, 3)), dt=0.27)
 
 
@@ -274,7 +269,7 @@ def share_in_band(kind, rng, steps=100, **assumed):
     "kind", [*ON_THE_MODEL[:2], pytest.param(ParticleFilter, marks=pytest.mark.slow)]
 )
 def test_the_covariance_is_honest(kind, rng):
-    assert share_in_band(kind, rng) >= 0.8
+    assert share_in_band(kind, rng, 40 if kind is ParticleFilter else 100) >= 0.8
 
 
 @pytest.mark.long
@@ -282,9 +277,9 @@ def test_the_covariance_is_honest(kind, rng):
     ("noise", "factor"),
     [
         ("process_sigma", 1 / 4),
+        ("process_sigma", 4),
+        ("measurement_sigma", 1 / 4),
         ("measurement_sigma", 4),
-        pytest.param("process_sigma", 4, marks=pytest.mark.slow),
-        pytest.param("measurement_sigma", 1 / 4, marks=pytest.mark.slow),
     ],
 )
 def test_a_wrong_noise_is_seen_in_the_covariance(noise, factor, rng):
@@ -358,7 +353,6 @@ def with_covariance(kind, Q):
     [
         (POSE_NOISE, lambda: ExtendedKalmanFilter(process_sigma=POSE_NOISE.sigma, **R)),
         (POSE_NOISE, lambda: UnscentedKalmanFilter(process_sigma=POSE_NOISE.sigma, **R)),
-        (CORRELATED, lambda: with_covariance(ExtendedKalmanFilter, CORRELATED.Q)),
         (CORRELATED, lambda: with_covariance(UnscentedKalmanFilter, CORRELATED.Q)),
         (OnWheels.noise, lambda: OnWheels(**R)),
     ],
@@ -374,15 +368,6 @@ def test_without_process_noise_it_is_wrong_in_a_world_that_has_some(rng):
     report = in_world_with(POSE_NOISE, rng, lambda: ExtendedKalmanFilter(process_sigma=(0, 0, 0)))
     assert report.verdict == "optimistic"
     assert report.mean > 30
-
-
-def test_without_disturbances_dead_reckoning_is_exact():
-    trace = robsim.Simulation(boundary="unlimited", control=robsim.DriveAround(), seed=1).run(100)
-    model, pose_1 = robsim.RobotModel(), trace.pose_true[0]
-    pose_2 = pose_1
-    for u, pose in zip(trace.u, trace.pose_true[1:], strict=False):
-        pose_1, pose_2 = model.predict(pose_1, pose_2, u), pose_1
-        np.testing.assert_array_equal(pose_1, pose)
 
 
 # --- not seen
@@ -418,16 +403,17 @@ def test_unseen_the_robot_is_driven_on_by_its_inputs(kind, rng):
     assert np.hypot(*(poses - truth)[-1, :2]) < 5
 
 
-@pytest.mark.parametrize("kind", ALL)
-def test_before_it_sees_the_robot_it_says_what_the_prior_is(kind):
-    estimate_state = kind(prior=PRIOR)
-    for k in range(3):
-        estimate = estimate_state(step_of(k, u=(1, 1)))
-        np.testing.assert_allclose(estimate.pose, PRIOR.pose)
-        np.testing.assert_allclose(np.diag(estimate.covariance), np.square(PRIOR.pose_sigma))
-    estimate = kind()(step_of(0, (100, 1100, -3.0)))
-    np.testing.assert_allclose(estimate.pose, (100, 1100, -3.0), atol=0.05)
-    assert np.sqrt(np.diag(estimate.covariance)) == pytest.approx([0.3, 0.3, 0.05], rel=0.1)
+def test_before_it_sees_the_robot_it_says_what_the_prior_is():
+    for kind in ALL:
+        estimate_state = kind(prior=PRIOR)
+        for k in range(3):
+            estimate = estimate_state(step_of(k, u=(1, 1)))
+            np.testing.assert_allclose(estimate.pose, PRIOR.pose)
+            np.testing.assert_allclose(np.diag(estimate.covariance), np.square(PRIOR.pose_sigma))
+        estimate = kind()(step_of(0, (100, 1100, -3.0)))
+        np.testing.assert_allclose(estimate.pose, (100, 1100, -3.0), atol=0.05)
+        sigma = np.sqrt(np.diag(estimate.covariance))
+        assert sigma == pytest.approx([0.3, 0.3, 0.05], rel=0.1)
 
 
 # --- headings
@@ -623,38 +609,22 @@ def test_it_gets_over_a_wall():
 # --- wrong options
 
 
-@pytest.mark.parametrize(
-    ("kind", "options", "words"),
-    [
-        (ExtendedKalmanFilter, {"process_sigma": 0.1}, "process_sigma must be 3 numbers"),
-        (ExtendedKalmanFilter, {"process_sigma": (0.1, 0.1, -1)}, "process_sigma must be .* -1"),
-        *(
-            (
-                kind,
-                {"process_sigma": robsim.WheelNoise(0.02).sigma},
-                r"WheelNoise .* noise.Q\(model",
-            )
-            for kind in (ExtendedKalmanFilter, UnscentedKalmanFilter, ParticleFilter)
-        ),
-        (UnscentedKalmanFilter, {"kappa": -3}, "kappa must .* at least 0, got -3"),
-        (ParticleFilter, {"n_particles": 5}, "n_particles must lie within 1000"),
-        (ParticleFilter, {"measurement_sigma": (1, 1)}, "measurement_sigma must be 3 numbers"),
-        (
-            ConstantVelocityKalmanFilter,
-            {"acceleration_sigma": "abc"},
-            "acceleration_sigma must be a number",
-        ),
-        (ConstantVelocityKalmanFilter, {"measurement_sigma": (0, 1, 1)}, "above 0, got 0"),
-        (Prior, {"pose": (1, 2)}, "pose must be 3 numbers, for x, y and the heading"),
-        (Prior, {"velocity_sigma": (1, 2, np.nan)}, "velocity_sigma must be .* got nan"),
-        (ExtendedKalmanFilter, {"model": LINEAR.theta}, "model must be a RobotModel, got array"),
-        (ParticleFilter, {"seed": -1}, "seed must be at least 0, got -1"),
-        (ExtendedKalmanFilter, {"prior": (600, 600, 0)}, "prior must be a Prior, got"),
-    ],
-)
-def test_wrong_options_are_named(kind, options, words):
-    with pytest.raises((TypeError, ValueError), match=words):
-        kind(**options)
+def test_options_beyond_their_limits_are_named():
+    for kind in ON_THE_MODEL:
+        with pytest.raises(ValueError, match=r"WheelNoise .*noise\.Q"):
+            kind(process_sigma=robsim.WheelNoise(0.02).sigma)
+    for kind, name, wrong in (
+        (ExtendedKalmanFilter, "process_sigma", (0.1, 0.1, -1)),
+        (UnscentedKalmanFilter, "kappa", -0.01),
+        (ParticleFilter, "n_particles", 999),
+        (ParticleFilter, "measurement_sigma", (1, 1)),
+        (ConstantVelocityKalmanFilter, "measurement_sigma", (0, 1, 1)),
+        (Prior, "pose", (1, 2)),
+        (ParticleFilter, "seed", -1),
+    ):
+        with pytest.raises(ValueError, match=name):
+            kind(**{name: wrong})
+    assert ParticleFilter(n_particles=1000).effective_sample_size == pytest.approx(1000)
 
 
 # --- a package that a course can leave out
@@ -681,12 +651,6 @@ def test_nothing_else_needs_it():
     assert run.returncode == 0, run.stderr
 
 
-def test_everything_in_all_is_there():
-    assert sorted(reference.__all__) == reference.__all__
-    for name in reference.__all__:
-        assert getattr(reference, name).__doc__
-
-
 def test_two_simulations_in_turn_cannot_share_a_filter():
     shared = ConstantVelocityKalmanFilter()
     options = {"measure": lambda step: None, "estimate_state": shared}
@@ -694,9 +658,7 @@ def test_two_simulations_in_turn_cannot_share_a_filter():
     one.step()
     other.step()
     one.step()
-    with pytest.raises(
-        RuntimeError, match=r"step 1 came twice: create a filter for each simulation"
-    ):
+    with pytest.raises(RuntimeError, match="step 1 came twice"):
         other.step()
 
 
@@ -718,17 +680,6 @@ def test_a_collapsed_cloud_is_drawn_anew_all_the_same():
 
 
 @pytest.mark.parametrize("kind", ALL)
-def test_a_filter_says_where_it_is(kind):
-    model = () if kind is ConstantVelocityKalmanFilter else (robsim.RobotModel(),)
-    options = {"seed": 1} if kind is ParticleFilter else {}
-    filter_ = kind(*model, prior=PRIOR, **options)
-    text = repr(filter_)
-    assert text.startswith(f"<{kind.__name__}: (")
-    assert "standard deviations" in text
-    assert len(text) < 120
-
-
-@pytest.mark.parametrize("kind", ALL)
 def test_a_measurement_without_a_covariance_has_the_usual_one(kind):
     estimate_state = kind(prior=PRIOR)
     usual = estimate_state.R
@@ -739,13 +690,12 @@ def test_a_measurement_without_a_covariance_has_the_usual_one(kind):
     estimate_state(step_of(2, robsim.Measurement((1, 2, 0.1), covariance=1e-4 * np.eye(3))))
     estimate_state.reset()
     np.testing.assert_array_equal(estimate_state.R, usual)
-    with pytest.raises(ValueError, match="R must be 3 x 3 finite numbers"):
+    with pytest.raises(ValueError, match="R must"):
         estimate_state.R = np.eye(2)
 
 
-@pytest.mark.parametrize("kind", ALL)
-def test_a_measurement_may_be_said_to_be_exact(kind):
-    estimate_state = kind(prior=PRIOR)
+def test_a_measurement_may_be_said_to_be_exact():
     exact = robsim.Measurement((1, 2, 0.1), covariance=np.zeros((3, 3)))
-    estimate = estimate_state(step_of(0, exact))
-    np.testing.assert_allclose(estimate.pose, exact.pose, atol=1e-3)
+    for kind in ALL:
+        estimate = kind(prior=PRIOR)(step_of(0, exact))
+        np.testing.assert_allclose(estimate.pose, exact.pose, atol=1e-3)
