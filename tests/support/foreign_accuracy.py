@@ -119,28 +119,20 @@ def row(errors):
     """The columns of a way in the table."""
     place, heading = errors.rms()
     counts = f"{np.sum(~errors.found):4d} {np.sum(errors.false):4d}"
-    nees = f" {errors.nees:6.2f}" if np.isfinite(errors.nees) else 7 * " "
-    return f"{place:7.3f} {heading:7.3f} {counts}{nees}".replace("nan", "  -")
-
-
-def heading_of(ways):
-    columns = f"{'px':>7} {'deg':>7} miss fals {'NEES/3':>6}"
-    above = " | ".join(f"{way:{len(columns)}}" for way in ways)
-    return f"{'':42} {above}\n{'':42} {' | '.join(columns for _ in ways)}"
+    return f"{place:7.3f} {heading:7.3f} {counts} {errors.nees:6.2f}".replace("nan", "  -")
 
 
 def report(names, count, ways):
     """Print a table for each view; return the cases in which the fit is worse than the count."""
     failed = []
+    columns = " | ".join(f"{way:>7} px     deg miss fals NEES/3"[:33] for way in ways)
     for of_view, view in VIEWS.items():
-        print(f"\nmarkers {of_view} wide, {count} frames a case\n{heading_of(ways)}")
+        print(f"\nmarkers {of_view} wide, {count} frames a case\n{'':42} {columns}")
         for name in names:
             found = compared(name, view, count, ways)
-            reasons = worse(found["fitted"], found["counted"]) if "fitted" in ways else []
-            if reasons:
-                failed.append(f"{name}, markers of {of_view}: {', '.join(reasons)}")
-            mark = f"  worse: {', '.join(reasons)}" if reasons else ""
-            print(f"{name:42} {' | '.join(row(one) for one in found.values())}{mark}", flush=True)
+            if reasons := ", ".join(worse(found["fitted"], found["counted"])):
+                failed.append(f"{name}, markers of {of_view}: {reasons}")
+            print(f"{name:42} {' | '.join(row(one) for one in found.values())} {reasons}")
     return failed
 
 
@@ -149,10 +141,8 @@ def main(arguments=None):
     parser.add_argument("--frames", type=int, default=80, help="of a case")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES), metavar="CASE")
     parser.add_argument("--hsv", action="store_true", help="an HSV threshold beside them")
-    parser.add_argument("--no-fit", action="store_true", help="only what the blobs say")
     given = parser.parse_args(arguments)
-    asked = {"counted": True, "fitted": not given.no_fit, "hsv": given.hsv}
-    ways = {name: way for name, way in WAYS.items() if asked[name]}
+    ways = {name: way for name, way in WAYS.items() if name != "hsv" or given.hsv}
     failed = report(given.cases, given.frames, ways)
     if failed:
         print("\nThe fit is worse than the count in:", *failed, sep="\n  ")

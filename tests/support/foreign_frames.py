@@ -127,6 +127,7 @@ class Case:
     tilted: bool = False  # the camera looks at the floor at an angle
     hidden: float = 0.0  # of the red marker's width
     hidden_by: tuple = GREY
+    floor: tuple = FLOOR
     defined_size: float = 1.0  # of the markers in the definition, of their true one
     defined_distance: float = 1.0
     blur: float = 0.0  # standard deviation
@@ -154,12 +155,20 @@ CASES = {
     "gradient .3-1.2": Case(gradient=(0.3, 1.2)),
     "gradient .2-1.0": Case(gradient=(0.2, 1.0)),
     **{f"exposure {e}": Case(exposure=e) for e in (0.15, 0.2, 0.3, 0.35, 0.5, 1.5, 2, 3)},
-    "exposure 0.5, Gaussian 5 %": Case(exposure=0.5, gaussian=5),
-    "exposure 0.6, Gaussian 40 %": Case(exposure=0.6, gaussian=40),
+    **{
+        f"exposure {e}, Gaussian {p} %": Case(exposure=e, gaussian=p)
+        for e, p in ((0.15, 2), (0.3, 5), (0.3, 10), (0.5, 5), (0.6, 40))
+    },
     "faded": Case(colors=FADED),
+    "faded, exposure 0.5": Case(colors=FADED, exposure=0.5),
+    "faded, Gaussian 5 %": Case(colors=FADED, gaussian=5),
     "faded, Gaussian 10 %": Case(colors=FADED, gaussian=10),
     "reddish": Case(cast=(1.3, 1, 0.8)),
     "bluish": Case(cast=(0.85, 1, 1.4)),
+    "yellow": Case(cast=(1.4, 1, 0.5)),
+    "blue at 0.3": Case(exposure=0.3, cast=(0.6, 1, 1.3)),
+    "wooden floor at 0.3": Case(exposure=0.3, floor=(185.0, 140.0, 95.0)),
+    "green floor at 0.3": Case(exposure=0.3, floor=(110.0, 160.0, 100.0)),
     "shadow's edge": Case(shadow=True),
     "shadow's edge, Gaussian 10 %": Case(shadow=True, gaussian=10),
     "hidden 10 %, grey": Case(hidden=0.1),
@@ -276,14 +285,14 @@ def _stretched(coarse, factor):
     return coarse
 
 
-def floor(view, rng):
+def floor(view, rng, color=FLOOR):
     """The floor at a random place of its texture."""
     size = max(960, *view.resolution)
     right, down = (
         (np.arange(count) - shift) % size
         for count, shift in zip(view.resolution, rng.integers(0, size, 2)[::-1], strict=True)
     )
-    return _texture(size)[down[:, None], right]
+    return _texture(size)[down[:, None], right] * np.divide(color, FLOOR)
 
 
 def _markers(case, polygons):
@@ -337,7 +346,7 @@ def light(case, view, pose, rng):
 
 def picture(case, view, pose, rng):
     """A picture of the robot at a pose, or of an empty floor (pose None)."""
-    levels = floor(view, rng)
+    levels = floor(view, rng, case.floor)
     if pose is not None:
         paint_robot(levels, case, view, pose)
     levels = levels * light(case, view, pose, rng) * np.array(case.cast)
@@ -351,6 +360,13 @@ def frames_of(case, view, count, seed, *, empty=False):
         rng = np.random.default_rng((seed, *view.resolution, index, empty))
         pose = None if empty else view.pose_in_view(rng, case.robot, case.tilted)
         yield robsim.Frame(picture(case, view, pose, rng), plane_map=plane_map), pose
+
+
+def frame_at(case, pose, size, seed=0):
+    """A frame of a camera above an area of 600 x 600 px; pose None: no robot."""
+    view = View(size, size[0] / 600)
+    image = picture(case, view, pose, np.random.default_rng(seed))
+    return robsim.Frame(image, plane_map=view.plane_map(case.tilted))
 
 
 def frames(name, view, count):

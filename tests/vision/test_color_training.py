@@ -1,15 +1,12 @@
 """Colours trained on regions of images."""
 
-import re
-
 import numpy as np
 import pytest
 
 import robsim
-from robsim import ColorClass, _core, load_colors
-from robsim._core import color_histograms
-from robsim.imaging._shading import darkened
-from robsim.vision import rgb_to_yuv
+from refusals import refuses
+from robsim import ColorClass, load_colors
+from robsim.vision import color_histograms, rgb_to_yuv
 from scenes import poses_within, renderer
 
 CHANNELS = ("y", "u", "v")
@@ -26,6 +23,11 @@ def same(colors, others):
 
 def plain(rgb, size=20):
     return np.full((size, size, 3), rgb, np.uint8)
+
+
+def darkened(image):
+    """As in the shadow."""
+    return (image * 0.8).astype(np.uint8)
 
 
 def single(y, u, v):
@@ -79,25 +81,14 @@ def test_a_blobs_box_is_a_region():
     assert color_histograms(scene(), blob.bounding_box).sum() == 3 * 24**2
 
 
-@pytest.mark.parametrize(
-    "region",
-    [
+def test_regions_lie_within_the_image():
+    assert color_histograms(plain(RED), (0, 0, 19, 19)).sum() == 1200
+    for region in (
         *((-1, 0, 5, 5), (0, -1, 5, 5), (0, 0, 20, 5), (0, 0, 5, 20), (6, 0, 5, 5), (0, 6, 5, 5)),
-        *((0, 0, 2**31 - 1, 5), (0, 0, 5, 2**31 - 1), (-(2**31), 0, 5, 5), (2**31 - 1,) * 4),
-    ],
-)
-def test_regions_lie_within_the_image(region):
-    with pytest.raises(ValueError, match=r"region must be .* within the image of 20 x 20 px, got"):
-        color_histograms(plain(RED), region)
-
-
-@pytest.mark.parametrize(
-    "region", [None, 5, "0,0,5,5", (1, 2, 3), (1, 2, 3, 4, 5), (0, 0, 5.5, 5), (0, 0, 5, 2**31)]
-)
-def test_regions_are_four_ints(region):
-    for call in (color_histograms, lambda i, r: ColorClass.from_region(i, r, name="red")):
-        with pytest.raises(TypeError, match=r"region must be \(left, top, right, bottom\)"):
-            call(plain(RED), region)
+        *((0, 0, 2**31 - 1, 5), (-(2**31), 0, 5, 5), (1, 2, 3), (0, 0, 5, 2**31)),
+    ):
+        refuses("region", color_histograms, plain(RED), region)
+        refuses("region", ColorClass.from_region, plain(RED), region, name="red")
 
 
 # --- the ranges
@@ -113,19 +104,16 @@ def test_red_and_blue_by_hand():
     assert ranges(blue) == [(0, 255), (154, 255), (0, 147)]
 
 
-@pytest.mark.parametrize(
-    ("uv", "margin", "expected"),
-    [
+def test_chroma_ranges():
+    for uv, margin, expected in (
         *(((102, 208), 0, [(0, 102), (208, 255)]), ((102, 208), 255, [(0, 255), (154, 255)])),
         # a pale colour keeps half of what it has
         *(((128, 150), 50, [(78, 178), (139, 255)]), ((106, 128), 50, [(0, 117), (78, 178)])),
         # as far on both sides: V counts
-        (((90, 90)), 50, [(0, 140), (0, 109)]),
-    ],
-)
-def test_chroma_ranges(uv, margin, expected):
-    color = ColorClass.from_histograms(single(80, *uv), name="any", margin=margin)
-    assert ranges(color)[1:] == expected
+        ((90, 90), 50, [(0, 140), (0, 109)]),
+    ):
+        color = ColorClass.from_histograms(single(80, *uv), name="any", margin=margin)
+        assert ranges(color)[1:] == expected
 
 
 def test_percentiles_leave_out_so_many_pixels():
@@ -137,18 +125,17 @@ def test_percentiles_leave_out_so_many_pixels():
         assert color.v == (lowest, 255), percentile
 
 
-@pytest.mark.parametrize("percentile", [0, 0.1, 5, 10, 25, 33.3, 49.99])
-def test_percentiles_leave_out_no_more(percentile, rng):
-    counts = rng.integers(0, 5, 256) * (rng.random(256) < 0.2)
-    color = ColorClass.from_histograms(
-        np.stack((counts, counts, counts)), name="x", percentile=percentile, margin=0, limit_y=True
-    )
-    lower, upper = color.y
-    outside = percentile / 100 * counts.sum()
-    assert counts[:lower].sum() <= outside + 1e-9
-    assert counts[upper + 1 :].sum() <= outside + 1e-9
-    assert lower == 0 or counts[: lower + 1].sum() > outside - 1e-9
-    assert upper == 255 or counts[upper:].sum() > outside - 1e-9
+def test_percentiles_leave_out_no_more(rng):
+    for percentile in (0, 0.1, 10, 33.3, 49.99):
+        counts = rng.integers(0, 5, 256) * (rng.random(256) < 0.2)
+        lower, upper = ColorClass.from_histograms(
+            np.stack(3 * [counts]), name="x", percentile=percentile, margin=0, limit_y=True
+        ).y
+        outside = percentile / 100 * counts.sum()
+        assert counts[:lower].sum() <= outside + 1e-9
+        assert counts[upper + 1 :].sum() <= outside + 1e-9
+        assert lower == 0 or counts[: lower + 1].sum() > outside - 1e-9
+        assert upper == 255 or counts[upper:].sum() > outside - 1e-9
 
 
 def test_brightness_is_limited_if_asked_for():
@@ -161,26 +148,20 @@ def test_brightness_is_limited_if_asked_for():
 
 
 def test_a_region_without_a_colour_is_refused():
-    with pytest.raises(ValueError, match=r"hardly any colour: U 126\.\.126 and V 129\.\.129"):
+    with pytest.raises(ValueError, match=r"U 126\.\.126 and V 129\.\.129"):
         ColorClass.from_region(plain((150, 148, 146)), (0, 0, 19, 19), name="red")
-    weakest = single(80, 128, 144)
-    assert ColorClass.from_histograms(weakest, name="red").v == (136, 255)
-    with pytest.raises(ValueError, match="hardly any colour"):
-        ColorClass.from_histograms(single(80, 128, 143), name="red")
 
 
-@pytest.mark.parametrize(
-    ("luma", "weakest"),
-    [(80, 16), (64, 16), (40, 10), (20, 6), (0, 6)],  # a quarter of the luma, 6 to 16 levels
-)
-def test_in_dim_light_a_colour_may_be_as_weak_as_all_are(luma, weakest):
-    color = ColorClass.from_histograms(single(luma, 128, 128 + weakest), name="red")
-    assert color.v == (128 + weakest // 2, 255)
-    with pytest.raises(ValueError, match="hardly any colour"):
-        ColorClass.from_histograms(single(luma, 128, 128 + weakest - 1), name="red")
+def test_in_dim_light_a_colour_may_be_as_weak_as_all_are():
+    # a quarter of the luma, 6 to 16 levels
+    for luma, weakest in ((80, 16), (64, 16), (40, 10), (20, 6), (0, 6)):
+        color = ColorClass.from_histograms(single(luma, 128, 128 + weakest), name="red")
+        assert color.v == (128 + weakest // 2, 255)
+        with pytest.raises(ValueError, match="hardly any colour"):
+            ColorClass.from_histograms(single(luma, 128, 128 + weakest - 1), name="red")
 
 
-@pytest.mark.parametrize("exposure", [0.15, 0.2, 0.3])
+@pytest.mark.parametrize("exposure", [0.15, 0.3])
 def test_what_is_trained_in_dim_light_is_found_there(rng, exposure):
     draw, markers = renderer(resolution=(600, 600)), robsim.load_robot("lab").marker_layout()
     plane_map = robsim.imaging.PlaneMap.scaled((600, 600), (1200, 1200))
@@ -193,7 +174,7 @@ def test_what_is_trained_in_dim_light_is_found_there(rng, exposure):
         u, v = plane_map.to_pixel(np.add((600, 600), place)).astype(int)
         box = (u - 3, v - 3, u + 3, v + 3)
         classes.append(ColorClass.from_region(picture((600, 600, 0)), box, name=name))
-    for pose in poses_within(rng, 15):
+    for pose in poses_within(rng, 8):
         frame = robsim.Frame(picture(pose), plane_map=plane_map)
         blobs = robsim.find_blobs(frame, classes, markers=markers)
         found = robsim.locate(blobs, markers, plane_map)
@@ -212,31 +193,22 @@ def test_histograms_of_several_pictures_add_up():
     same([one], [ColorClass.from_region(light, box, name="red")])
 
 
-@pytest.mark.parametrize(
-    ("option", "value"),
-    [
-        *(("percentile", value) for value in (-1, 50, np.nan, np.inf, None, "5")),
-        *(("margin", value) for value in (-1, 256, 1.5, None, 2**40)),
-        ("name", ""),
-    ],
-)
-def test_wrong_options(option, value):
-    options = {"name": "red"} | {option: value}
-    with pytest.raises((TypeError, ValueError), match=option):
-        ColorClass.from_region(plain(RED), (0, 0, 9, 9), **options)
-
-
-@pytest.mark.parametrize(
-    "histograms",
-    [
-        *(None, 5, "x", np.zeros((3, 255)), np.zeros((256, 3)), np.zeros(256), np.zeros((3, 256))),
-        *(np.full((3, 256), value) for value in (-1, 0.5, np.nan, np.inf, 1e300)),
-    ],
-    ids=lambda value: re.sub(r"\s+", " ", repr(value))[:30],
-)
-def test_wrong_histograms(histograms):
-    with pytest.raises((TypeError, ValueError), match="histograms must"):
-        ColorClass.from_histograms(histograms, name="red")
+def test_wrong_options_and_histograms():
+    for option, values in {"percentile": (-0.1, 50, np.nan), "margin": (-1, 256)}.items():
+        for value in values:
+            refuses(
+                option,
+                ColorClass.from_region,
+                plain(RED),
+                (0, 0, 9, 9),
+                name="red",
+                **{option: value},
+            )
+    for histograms in (
+        *(np.zeros((3, 255)), np.zeros((256, 3)), np.zeros((3, 256))),
+        *(np.full((3, 256), value) for value in (-1, 0.5, np.inf, 1e300)),
+    ):
+        refuses("histograms", ColorClass.from_histograms, histograms, name="red")
 
 
 def test_widened():
@@ -245,11 +217,9 @@ def test_widened():
     same([color.widened(-10)], [ColorClass("red", y=(20, 255), u=(0, 140), v=(170, 190))])
     same([color.widened(0)], [color])
     same([color.widened(255)], [ColorClass("red")])
-    with pytest.raises(ValueError, match=r"v of colour class 'red' .* got \[181, 179\]"):
-        color.widened(-21)
-    for margin in (-256, 256, 2**31 - 1, -(2**31)):
-        with pytest.raises(ValueError, match=r"margin must lie within -255\.\.255"):
-            color.widened(margin)
+    refuses("v", color.widened, -21)
+    for margin in (-256, 256):
+        refuses("margin", color.widened, margin)
 
 
 # --- what trained colours find
@@ -260,8 +230,8 @@ def test_trained_in_light_they_find_the_markers_in_shadow_and_noise(light):
     image = scene()
     colors = [ColorClass.from_region(image, box, name=name) for name, box in REGIONS.items()]
     shown = darkened(image) if light == "shadow" else image
-    for noise in ("none", "uniform", "gaussian"):
-        noisy = _core.VisualNoise(noise, 40).add(shown, 1)
+    for noise in (None, robsim.UniformNoise(40), robsim.GaussianNoise(40)):
+        noisy = shown if noise is None else noise.add(shown, 1)
         blobs = robsim.find_blobs(noisy, colors, minimum_area=60, smoothing=7)
         for name, (left, top, *_) in REGIONS.items():
             (blob,) = blobs[name]

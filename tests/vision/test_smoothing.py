@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 
 import robsim
+from sizes import thorough
 
 
-@pytest.mark.parametrize("window", [0, 2, 4, 17, -3])
-def test_other_windows_are_refused(window):
-    image = np.zeros((20, 20, 3), np.uint8)
-    with pytest.raises(ValueError, match="smoothing must be"):
-        robsim.find_blobs(image, robsim.load_colors(), smoothing=window)
-    with pytest.raises(ValueError, match="smoothing must"):
-        robsim.Simulation(smoothing=window).run(1)
+def test_other_windows_are_refused():
+    for window in (0, 2, 17, -3):
+        with pytest.raises(ValueError, match="smoothing"):
+            robsim.Simulation(smoothing=window).run(1)
 
 
 # share of frames in which the robot is found; rms of the place (px) and the heading (degrees)
@@ -32,7 +30,6 @@ def check_the_default_measurement(noise, camera, *, steps, seed):
         seed=seed,
     )
     tracking = sim.run(steps).tracking()
-    print(f"{noise}, camera {camera}, seed {seed}: {tracking}")
     share, rmse_xy, rmse_heading_deg = ASKED[camera]
     assert tracking.seen >= share * steps
     assert tracking.false_poses == 0
@@ -44,15 +41,8 @@ def check_the_default_measurement(noise, camera, *, steps, seed):
 @pytest.mark.parametrize("noise", [robsim.UniformNoise(40), robsim.GaussianNoise(40)])
 @pytest.mark.parametrize("camera", ASKED)
 def test_the_robot_is_found_in_noise_of_40_percent(noise, camera):
-    check_the_default_measurement(noise, camera, steps=150, seed=4)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("noise", [robsim.UniformNoise(40), robsim.GaussianNoise(40)])
-@pytest.mark.parametrize("camera", ASKED)
-def test_the_robot_is_found_in_1000_frames_of_40_percent(noise, camera):
     # Of 1000 frames, a share of 0.5 % is known to 0.2 %.
-    check_the_default_measurement(noise, camera, steps=1000, seed=11)
+    check_the_default_measurement(noise, camera, steps=thorough(1000, 150), seed=11)
 
 
 @pytest.mark.long
@@ -60,8 +50,8 @@ def test_the_robot_is_found_in_1000_frames_of_40_percent(noise, camera):
 def test_other_robots_are_found_in_strong_noise(name):
     options = {"headings": None, "noise": robsim.GaussianNoise(30)}
     sim = robsim.Simulation(robot=name, measure=True, seed=5, **options)
-    tracking = sim.run(40).tracking()
-    assert (tracking.seen, tracking.false_poses) == (40, 0)
+    tracking = sim.run(20).tracking()
+    assert (tracking.seen, tracking.false_poses) == (20, 0)
 
 
 def options_of(sim):
@@ -84,17 +74,17 @@ def test_what_is_looked_for_comes_from_the_robot():
     assert options_of(robsim.Simulation(markers=bare, measure=True)) == (12, 64, 1)
 
 
-@pytest.mark.parametrize("size", [(1, 40), (40, 1), (1, 1)])
-def test_images_of_one_row_or_column(size):
+def test_images_of_one_row_or_column():
     # Too small for the markers, whose window then depends on the noise between neighbours.
-    image = np.zeros((*size, 3), np.uint8)
-    image[..., 0] = 255
     markers = robsim.vision.MarkerLayout.from_positions(
         {"right": (0, 2), "left": (0, -2)}, areas={"right": 4, "left": 4}
     )
-    found = robsim.find_blobs(image, robsim.load_colors(), markers=markers)
-    assert [blob.area for blob in found["red"]] == [image.shape[0] * image.shape[1]]
-    assert found["blue"] == []
+    for size in ((1, 40), (40, 1), (1, 1)):
+        image = np.zeros((*size, 3), np.uint8)
+        image[..., 0] = 255
+        found = robsim.find_blobs(image, robsim.load_colors(), markers=markers)
+        assert [blob.area for blob in found["red"]] == [image.shape[0] * image.shape[1]]
+        assert found["blue"] == []
 
 
 def test_find_blobs_takes_them_from_a_locator_too():

@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 import robsim
-from light import LIGHTS, MARKERS, Light
+from foreign_frames import CASES, Case, frame_at, layout_of
+from refusals import refuses
 from robsim import ColorClass
 from robsim.vision import detect, surrounding_chroma, train_color, train_markers
 
 RED, FLOOR = (198, 36, 40), (150, 148, 146)
 BOX = (40, 30, 59, 49)
 SIZE = (300, 300)
+MARKERS = layout_of(Case())
 POSE = (300.0, 300.0, 0.5)
 
 
@@ -40,38 +42,34 @@ def marker_boxes(frame, pose=POSE):
 # --- what counts as a colour
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     "name",
     [
-        *("exposure 0.15", "exposure 0.2", "faded", "faded, exposure .5", "faded, Gaussian 10 %"),
-        *("exposure .15, Gaussian 2 %", "exposure .3, Gaussian 10 %", "wooden floor at .3"),
+        *("exposure 0.15", "faded", "faded, exposure 0.5", "faded, Gaussian 10 %"),
+        *("exposure 0.15, Gaussian 2 %", "exposure 0.3, Gaussian 10 %", "wooden floor at 0.3"),
     ],
 )
 def test_weak_colours_that_stand_out_of_the_noise_are_trained_and_found(name):
     size = (600, 600)  # px, markers of 21 px
-    frame = LIGHTS[name].frame(POSE, size, 1, 99)
+    frame = frame_at(CASES[name], POSE, size)
     classes = [
         ColorClass.from_region(frame, box_at(frame, MARKERS.positions[role], half=6), name=color)
         for role, color in MARKERS.colors.items()
     ]
-    for i, pose in enumerate(((150.0, 400.0, 1.0), (480.0, 200.0, -2.0))):
-        seen = LIGHTS[name].frame(pose, size, 1, i)
+    for pose in ((150.0, 400.0, 1.0), (480.0, 200.0, -2.0)):
+        seen = frame_at(CASES[name], pose, size)
         blobs = robsim.find_blobs(seen, classes, markers=MARKERS)
         measurement = detect(blobs, MARKERS, plane_map=seen.plane_map).measurement
         assert measurement is not None
         assert np.hypot(*(measurement.pose[:2] - pose[:2])) < 1
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(
-    "name", ["exposure 0.2", "exposure 1", "faded, Gaussian 10 %", "cast 1.4, 1, 0.5"]
-)
-@pytest.mark.parametrize("place", [(20, 0), (0, 41), (90, 0)], ids=["body", "wheel", "floor"])
-def test_what_is_grey_in_this_light_is_refused(name, place):
-    frame = LIGHTS[name].frame(POSE, (600, 600), 1, 99)
-    with pytest.raises(ValueError, match=r"hardly any colour: .* levels off grey, and"):
-        ColorClass.from_region(frame, box_at(frame, place), name="red")
+@pytest.mark.parametrize("name", ["exposure 0.2", "clean", "faded, Gaussian 10 %", "yellow"])
+def test_what_is_grey_in_this_light_is_refused(name):
+    frame = frame_at(CASES[name], POSE, (600, 600))
+    for place in ((20, 0), (0, 46), (90, 0)):  # body, wheel, floor
+        with pytest.raises(ValueError, match="hardly any colour"):
+            ColorClass.from_region(frame, box_at(frame, place), name="red")
 
 
 def test_a_class_of_a_weak_colour_keeps_out_what_is_around_it():
@@ -104,9 +102,8 @@ def test_histograms_may_come_with_what_is_around():
     weaker = robsim.vision.color_histograms(picture((180, 130, 128)), BOX)
     quiet = ColorClass.from_histograms(weaker, name="red", around=[(126, 129), (1, 1)])
     assert quiet.v[0] > 129
-    for wrong in ([(126, 300), (1, 1)], [(126, 129), (1, -1)], [1, 2], "x", [(np.nan, 1), (1, 1)]):
-        with pytest.raises((TypeError, ValueError), match="around must be"):
-            ColorClass.from_histograms(weaker, name="red", around=wrong)
+    for wrong in ([(126, 300), (1, 1)], [(126, 129), (1, -1)], [1, 2]):
+        refuses("around", ColorClass.from_histograms, weaker, name="red", around=wrong)
 
 
 # --- several images
@@ -145,8 +142,6 @@ def test_drift_shows_level_chroma_and_margin():
     assert trained.shares.tolist() == [1, 1]
     assert (trained.drift, trained.least_margin) == (40, 20)
     assert trained.is_at_risk
-    assert trained.verdict == "the drift eats the margin"
-    assert "in frame 1 it is only 20 within the limits" in str(trained)
     rows = trained.to_dict()["levels"]
     assert rows["frame 1"] == {"y": 42, "u": 115, "v": 168, "margin": 20, "share": 1}
 
@@ -154,7 +149,6 @@ def test_drift_shows_level_chroma_and_margin():
 def test_little_drift_leaves_the_margin():
     trained = train_color([picture(), picture(light=0.95)], [BOX] * 2, name="red")
     assert not trained.is_at_risk
-    assert trained.verdict == "the margin outlasts the drift"
     assert not trained.remarks
 
 
@@ -165,30 +159,25 @@ def test_a_long_table_shows_the_worst_frame():
     (table,) = trained.tables
     assert len(table.rows) <= 21
     assert any(row.title == "frame 33" for row in table.rows)
-    assert f"the table shows {len(table.rows)} of 50 frames" in trained.remarks[-1]
+    assert f"{len(table.rows)} of 50" in trained.remarks[-1]
 
 
 def test_a_grey_region_is_named():
     with pytest.raises(ValueError, match="hardly any colour") as caught:
         train_color([picture(), picture(FLOOR)], [BOX] * 2, name="red")
-    assert caught.value.__notes__ == ["in region 2 of 2"]
+    assert "2 of 2" in caught.value.__notes__[0]
 
 
-@pytest.mark.parametrize(
-    ("images", "regions", "sentence"),
-    [
-        (5, BOX, "images must be images, or a list of them, got 5"),
-        ([], BOX, "images must have at least one image, got none"),
-        (picture(), [], "regions must have at least one region, got none"),
-        (picture(), "a", "regions must be "),
-        ([picture()] * 2, [BOX] * 3, "regions must be one for each of the 2 images, got 3"),
-        ([picture()] * 2, BOX, "regions must be one for each of the 2 images, got 1"),
-        (picture(), (0, 0, 500, 500), "within the image of 120 x 100 px"),
-    ],
-)
-def test_wrong_images_and_regions(images, regions, sentence):
-    with pytest.raises((TypeError, ValueError), match=sentence):
-        train_color(images, regions, name="red")
+def test_wrong_images_and_regions():
+    for images, regions, words in (
+        ([], BOX, "images"),
+        (picture(), [], "regions"),
+        ([picture()] * 2, [BOX] * 3, "regions.*2 images, got 3"),
+        ([picture()] * 2, BOX, "regions.*2 images, got 1"),
+        (picture(), (0, 0, 500, 500), "120 x 100 px"),
+    ):
+        with pytest.raises((TypeError, ValueError), match=words):
+            train_color(images, regions, name="red")
 
 
 # --- a recording
@@ -198,12 +187,11 @@ def drive(lights):
     """Frames of a robot on its way from left to right, one in each light."""
     for k, light in enumerate(lights):
         pose = (100.0 + 400 * k / len(lights), 300.0, 0.3 * k)
-        yield light.frame(pose, SIZE, 2, k)
+        yield frame_at(light, pose, SIZE)
 
 
-@pytest.mark.long
 def test_both_markers_are_trained_wherever_the_robot_drives():
-    lights = [Light(e) for e in (1, 0.7, 0.4, 0.2)]
+    lights = [Case(exposure=e) for e in (1, 0.7, 0.4, 0.2)]
     red, blue = train_markers(drive(lights), MARKERS)
     assert (red.color.name, blue.color.name) == ("red", "blue")
     for one in (red, blue):
@@ -217,9 +205,9 @@ def test_both_markers_are_trained_wherever_the_robot_drives():
 
 
 def test_colours_that_robsim_does_not_know_are_trained_from_regions_in_the_first_frame():
-    green, yellow = (40, 150, 50), (200, 180, 30)
-    lights = [Light(e, markers=(green, yellow)) for e in (1, 0.8)]
-    with pytest.raises(ValueError, match="frames must show red, got none that does: in frame 0"):
+    green, yellow = (40.0, 150.0, 50.0), (200.0, 180.0, 30.0)
+    lights = [Case(exposure=e, colors=(green, yellow)) for e in (1, 0.8)]
+    with pytest.raises(ValueError, match=r"frames.*red"):
         train_markers(drive(lights), MARKERS)
     first = next(drive(lights))
     boxes = marker_boxes(first, (100.0, 300.0, 0.0))
@@ -229,7 +217,7 @@ def test_colours_that_robsim_does_not_know_are_trained_from_regions_in_the_first
 
 
 def test_frames_without_the_robot_are_counted():
-    frames = [*drive([Light(), Light(0.8)]), Light().frame(None, SIZE, 2, 9)]
+    frames = [*drive([Case(), Case(exposure=0.8)]), frame_at(Case(), None, SIZE)]
     red, _ = train_markers([frames[0], frames[2], frames[1]], MARKERS)
     assert red.frames.tolist() == [0, 2]
     assert red.missed == 1
@@ -237,37 +225,19 @@ def test_frames_without_the_robot_are_counted():
 
 
 def test_observations_of_a_session_are_frames_too():
-    frames = [robsim.Observation(frame) for frame in drive([Light(), Light(0.8)])]
+    frames = [robsim.Observation(frame) for frame in drive([Case(), Case(exposure=0.8)])]
     red, _ = train_markers([*frames, robsim.Observation()], MARKERS)
     assert len(red.frames) == 2
 
 
-@pytest.mark.parametrize(
-    ("frames", "options", "sentence"),
-    [
-        (5, {}, "frames must be frames, such as a Recording, got 5"),
-        ([5], {}, "frames must be frames, such as a Recording, got one of 5"),
-        ([], {}, "frames must have at least one frame|frames must show red"),
-        ([picture()], {"colors": 5}, "colors must be"),
-        (
-            [picture()],
-            {"colors": [ColorClass("red")]},
-            "colors must have red and blue, got no blue",
-        ),
-        ([picture()], {"regions": BOX}, "regions must be a dict with 'red' and 'blue'"),
-        ([picture()], {"regions": {"red": BOX}}, "regions must be those of 'red' and 'blue'"),
-        (
-            [picture()],
-            {"regions": {"red": BOX, "blue": BOX}, "colors": robsim.load_colors()},
-            "colors and regions must not both be given",
-        ),
-    ],
-)
-def test_wrong_recordings(frames, options, sentence):
-    with pytest.raises((TypeError, ValueError), match=sentence):
-        train_markers(frames, MARKERS, **options)
-
-
-def test_markers_must_be_a_layout():
-    with pytest.raises(TypeError, match="markers must be a MarkerLayout, got 'lab'"):
-        train_markers([picture()], "lab")
+def test_wrong_recordings():
+    boxes = {"red": BOX, "blue": BOX}
+    for frames, options, words in (
+        ([5], {}, "frames"),
+        ([], {}, "frames"),
+        ([picture()], {"colors": [ColorClass("red")]}, "colors.*blue"),
+        ([picture()], {"regions": {"red": BOX}}, "regions.*'red' and 'blue'"),
+        ([picture()], {"regions": boxes, "colors": robsim.load_colors()}, "colors and regions"),
+    ):
+        with pytest.raises((TypeError, ValueError), match=words):
+            train_markers(frames, MARKERS, **options)
