@@ -10,8 +10,6 @@ import robsim
 from campaign_code import Faster, Inline, failing_in_some, final, steady
 from robsim.campaigns import campaign
 
-pytestmark = pytest.mark.long
-
 SCENARIO = robsim.Scenario(
     area=(300, 300),
     start="random",
@@ -28,7 +26,7 @@ def run(**options):
         SCENARIO,
         vary=VARY,
         metrics=["tracking", "parameters", final, failing_in_some],
-        runs=12,
+        runs=6,
         steps=10,
         seed=3,
         progress=False,
@@ -41,18 +39,21 @@ def serial():
     return run()
 
 
+@pytest.mark.long
 @pytest.mark.threads
 def test_threads_give_the_same_bytes(serial):
     assert run(executor="threads").checksum == serial.checksum
 
 
-def test_processes_give_the_same_bytes(serial):
+def test_two_processes_give_the_same_bytes(serial):
+    """The way of a campaign from end to end, in the tests that run at each change."""
     result = run(executor=2)
     assert result.checksum == serial.checksum
     assert result["error"].tolist() == serial["error"].tolist()
     assert result["line"].tolist() == serial["line"].tolist()
 
 
+@pytest.mark.long
 def test_any_executor_is_used_as_it_is_and_stays_open(serial):
     with ThreadPoolExecutor(3) as pool:
         assert run(executor=pool).checksum == serial.checksum
@@ -66,6 +67,7 @@ def test_somebody_elses_processes_give_the_same_bytes(serial):
         assert run(executor=pool).checksum == serial.checksum
 
 
+@pytest.mark.long
 def test_the_order_of_completion_does_not_matter(serial):
     class Backwards(Inline):
         """Gives the rows of each chunk in another order."""
@@ -78,16 +80,18 @@ def test_the_order_of_completion_does_not_matter(serial):
     np.testing.assert_array_equal(result["run"], serial["run"])
 
 
+@pytest.mark.long
 def test_code_that_cannot_be_sent_is_named_before_the_first_run():
     def inside():
         return steady
 
-    with pytest.raises(TypeError, match=r"vary: control 'mine' cannot be sent.*in a module"):
+    with pytest.raises(TypeError, match="control 'mine'"):
         campaign(vary={"control": {"mine": inside}}, metrics=[final], runs=2, steps=2, executor=1)
-    with pytest.raises(TypeError, match=r"metrics: 'x' cannot be sent"):
+    with pytest.raises(TypeError, match="metrics: 'x'"):
         campaign(metrics={"x": lambda trace: 0}, runs=2, steps=2, executor=1)
 
 
+@pytest.mark.long
 def test_an_executor_that_fails_says_how_to_go_on(tmp_path):
     class Broken(Inline):
         n = 0

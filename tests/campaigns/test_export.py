@@ -84,7 +84,7 @@ def test_parquet_has_all_rows_with_their_types(result, tmp_path):
 
 def test_parquet_without_pyarrow_says_what_to_install(result, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(ImportError, match="Parquet files need pyarrow: pip install pyarrow"):
+    with pytest.raises(ImportError, match="pip install pyarrow"):
         result.to_parquet(tmp_path / "rows.parquet")
     assert not list(tmp_path.iterdir())
 

@@ -1,5 +1,6 @@
 """Processes that die: nothing is lost, nothing is done twice, and only the guilty run fails."""
 
+import contextlib
 import os
 import random
 import signal
@@ -16,6 +17,8 @@ import pytest
 import robsim
 from campaign_code import deadly, final, run_of, slow_with_pid
 from robsim.campaigns import campaign
+from sizes import thorough
+from waiting import wait_for
 
 pytestmark = pytest.mark.slow
 
@@ -57,17 +60,21 @@ def is_alive(pid):
     return not status.exists() or status.read_text().rpartition(")")[2].split()[0] != "Z"
 
 
-@pytest.mark.timeout(300)
-def test_processes_killed_at_random_moments_lose_and_double_nothing(folder, tmp_path):
-    done, rng = threading.Event(), random.Random(1)
-    killed = []
+def test_processes_killed_at_random_moments_lose_and_double_nothing(folder):
+    n_kills, runs = thorough(10, 3), thorough(1000, 150)
+    done, rng, killed = threading.Event(), random.Random(1), []
+
+    def worker():
+        alive = (pid for pid in pids(folder) if pid not in killed and is_alive(pid))
+        return done.is_set() or next((pid for pid in alive if pid != os.getpid()), None)
 
     def kill():
-        while not done.wait(rng.uniform(1.0, 3.0)):
-            alive = [pid for pid in pids(folder) if pid != os.getpid() and is_alive(pid)]
-            if alive:
-                killed.append(rng.choice(alive))
-                os.kill(killed[-1], signal.SIGKILL)
+        while len(killed) < n_kills and (pid := wait_for(worker)) is not True:
+            done.wait(rng.uniform(0, 0.3))
+            killed.append(pid)
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        (folder / "go").touch()
 
     killer = threading.Thread(target=kill)
     killer.start()
@@ -75,21 +82,22 @@ def test_processes_killed_at_random_moments_lose_and_double_nothing(folder, tmp_
         result = campaign(
             SCENARIO,
             metrics=[slow_with_pid, final],
-            runs=1000,
+            runs=runs,
             executor=2,
-            store=tmp_path / "store.sqlite",
+            store=folder / "store.sqlite",
             **OPTIONS,
         )
     finally:
         done.set()
         killer.join()
     assert killed
-    assert not result.failed.any()
-    assert result["slow_with_pid"].tolist() == list(range(1000))
-    assert (
-        result["final_x"].tolist()
-        == campaign(SCENARIO, metrics=[final], runs=1000, **OPTIONS)["final_x"].tolist()
-    )
+    # A run that is in hand at two of the kills is taken for their cause.
+    failed = np.flatnonzero(result.failed)
+    assert len(failed) <= n_kills // 2
+    assert all(result["error"][run].startswith("WorkerDied") for run in failed)
+    serial = campaign(SCENARIO, metrics=[final], runs=runs, **OPTIONS)
+    for name, expected in (("slow_with_pid", np.arange(runs)), ("final_x", serial["final_x"])):
+        np.testing.assert_array_equal(np.delete(result[name], failed), np.delete(expected, failed))
 
 
 PROGRAM = """
@@ -124,15 +132,13 @@ def begun(folder):
         text=True,
         start_new_session=True,
     )
-    while len(pids(folder)) < 2:
-        assert parent.poll() is None, parent.stderr.read()
-        time.sleep(0.05)
+    wait_for(lambda: len(pids(folder)) == 2 or parent.poll() is not None)
+    assert parent.poll() is None, parent.stderr.read()
     return parent, pids(folder)
 
 
 def wait_until_gone(processes):
-    while any(map(is_alive, processes)):
-        time.sleep(0.05)
+    wait_for(lambda: not any(map(is_alive, processes)))
 
 
 def test_processes_end_with_their_parent_and_leave_nothing(folder, monkeypatch):
@@ -151,7 +157,7 @@ def test_ctrl_c_ends_all_and_says_how_to_go_on(folder):
     _, errors = parent.communicate()
     wait_until_gone(processes)
     assert errors.count("Traceback") == 1
-    assert errors.rstrip().endswith("with store=FILE the same call goes on with the rest")
+    assert "store=FILE" in errors.splitlines()[-1]
 
 
 KILLED = """
@@ -163,42 +169,34 @@ from robsim.campaigns import campaign
 if __name__ == "__main__":
     scenario = robsim.Scenario(area=(300, 300), start="random")
     metrics = [slow_with_pid, final]
-    options = {"runs": 400, "steps": 5, "seed": 1, "executor": 2, "progress": False}
+    options = {"runs": 100, "steps": 5, "seed": 1, "executor": 2, "progress": False}
     print(campaign(scenario, metrics=metrics, store=sys.argv[1], **options).checksum)
 """
 
 
-@pytest.mark.timeout(300)
 def test_a_program_killed_at_random_moments_comes_to_its_end(folder):
     (folder / "program.py").write_text(KILLED)
-    rng, rows, n_killed = random.Random(2), 0, 0
-    while True:
-        program = subprocess.Popen(
-            [sys.executable, folder / "program.py", folder / "store.sqlite"],
-            env=environment(),
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        try:
-            printed, _ = program.communicate(timeout=rng.uniform(1.5, 4.0) + n_killed)
-            break
-        except subprocess.TimeoutExpired:
+    (folder / "go").touch()
+    command = [sys.executable, folder / "program.py", folder / "store.sqlite"]
+    rng, rows, n_kills = random.Random(2), 0, thorough(6, 2)
+    for n in range(n_kills + 1):
+        before = len(pids(folder))
+        program = subprocess.Popen(command, env=environment(), stdout=subprocess.PIPE, text=True)
+        if n < n_kills:
+            wait_for(lambda n=before, run=program: len(pids(folder)) > n or run.poll() is not None)
+            time.sleep(rng.uniform(0, 0.3))
             program.kill()
-            program.communicate()
-            n_killed += 1
-        if (folder / "store.sqlite").exists():
-            with sqlite3.connect(folder / "store.sqlite") as database:
-                count = "SELECT count(*) FROM sqlite_master WHERE name = 'runs'"
-                if database.execute(count).fetchone()[0]:
-                    (now,) = database.execute("SELECT count(*) FROM runs").fetchone()
-                    assert rows <= now <= 400
-                    rows = now
-            database.close()
+        printed, _ = program.communicate()
+        with contextlib.closing(sqlite3.connect(folder / "store.sqlite")) as database:
+            exists = "SELECT count(*) FROM sqlite_master WHERE name = 'runs'"
+            if database.execute(exists).fetchone()[0]:
+                (now,) = database.execute("SELECT count(*) FROM runs").fetchone()
+                assert rows <= now <= 100
+                rows = now
     assert program.returncode == 0
-    assert n_killed
     scenario = robsim.Scenario(area=(300, 300), start="random")
     metrics = {"slow_with_pid": run_of, "final": final}
-    serial = campaign(scenario, metrics=metrics, runs=400, **OPTIONS)
+    serial = campaign(scenario, metrics=metrics, runs=100, **OPTIONS)
     assert printed.strip() == serial.checksum
 
 
@@ -216,10 +214,10 @@ def test_processes_that_cannot_begin_are_told(folder):
         check=False,
     )
     assert ended.returncode == 1
-    assert "the worker processes end as soon as they begin" in ended.stderr
+    assert "as soon as they begin" in ended.stderr
 
 
 def test_the_error_of_a_deadly_run_is_raised_without_doing_it_here(folder):
     (folder / "killed").touch()
-    with pytest.raises(RuntimeError, match="in run 33 of the case the scenario: WorkerDied"):
+    with pytest.raises(RuntimeError, match=r"run 33 .*WorkerDied"):
         campaign(SCENARIO, metrics=[deadly], runs=35, executor=1, on_error="raise", **OPTIONS)

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from waiting import wait_for
+
 
 def final(trace):
     """Where the robot is at the end."""
@@ -64,9 +66,12 @@ def deadly(trace):
 
 
 def slow_with_pid(trace):
-    """Leave a file with the number of the process, and take a while."""
-    Path(os.environ["ROBSIM_TEST_FOLDER"], f"{os.getpid()}.pid").touch()
+    """Leave a file with the number of the process, and take a while; run 70 waits for "go"."""
+    folder = Path(os.environ["ROBSIM_TEST_FOLDER"])
+    (folder / f"{os.getpid()}.pid").touch()
     time.sleep(0.02)
+    if run_of(trace) == 70:
+        wait_for((folder / "go").exists)
     return run_of(trace)
 
 
