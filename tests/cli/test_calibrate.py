@@ -1,6 +1,7 @@
 """The commands ``robsim calibrate``, and those that take a calibration."""
 
 import json
+import re
 import sys
 import time
 from dataclasses import replace
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from photographed_sheets import LAID, OBLIQUE, VIEWS, Shot, board_pictures, floor_picture
+from photographed_sheets import LAID, OBLIQUE, VIEWS, board_pictures, floor_picture
 from python_cameras import EndlessCamera
 from robsim.calibration import Chessboard
 from robsim.calibration._taking import BoardTaker
@@ -48,9 +49,9 @@ def refused(*arguments):
     return result.stderr
 
 
-def lens_file(size=OBLIQUE.size):
+def lens_file():
     lens = Intrinsics(OBLIQUE.matrix, distortion=OBLIQUE.distortion)
-    save_calibration("camera.toml", Calibration(size=size, intrinsics=lens))
+    save_calibration("camera.toml", Calibration(size=OBLIQUE.size, intrinsics=lens))
 
 
 def marks_file(count=9):
@@ -88,111 +89,94 @@ def test_check_tells_by_how_far_sheets_lie_elsewhere():
     x, y, z = OBLIQUE.place
     save_image("later.png", floor_picture(replace(OBLIQUE, place=(x + 60, y, z))))
     for file, least, most in (("floor.png", 0, 0.05), ("later.png", 8, 20)):
-        said = calibrate("check", file, "--out", "grid.png").output.splitlines()
-        shifts = [float(line.split()[3]) for line in said if line.startswith("floor sheet ")]
+        said = calibrate("check", file, "--out", "grid.png").output
+        shifts = [float(shift) for shift in re.findall(r"^floor sheet \d+\D+(\S+)", said, re.M)]
         assert len(shifts) == len({number // 6 for number in made.marks}) >= 4
         assert least <= min(shifts) <= max(shifts) <= most, said
-        assert any("was the camera moved" in line for line in said) == (file == "later.png")
+        assert ("moved" in said) == (file == "later.png")
     save_image("bare.png", np.full((480, 640, 3), 90, np.uint8))
-    said = calibrate("check", "bare.png", "--out", "grid.png").output
-    assert "no floor sheet is in the picture" in said
+    assert "no floor sheet" in calibrate("check", "bare.png", "--out", "grid.png").stdout
 
 
 def test_marks_and_the_grid_need_no_opencv(monkeypatch):
     save_image("floor.png", np.full((480, 640, 3), 90, np.uint8))
-    seen = {0: (30.0, 40.0)}
     monkeypatch.setitem(sys.modules, "cv2", None)
     corners = ("--pixels", "9,9 630,9 630,470 9,470", "--positions", "0,0 2000,0 2000,1600 0,1600")
-    result = calibrate("floor", "floor.png", *corners, *AREA)
-    assert result.exit_code == 0, result.output
-    assert "floor sheets are not kept in mind: " in result.stderr
-    save_calibration("camera.toml", replace(load_calibration("camera.toml"), marks=seen))
-    result = calibrate("check", "floor.png", "--out", "grid.png")
-    assert result.exit_code == 0, result.output
-    assert "floor sheets were not looked for: " in result.stderr
-    assert "written: grid.png" in result.output
+    assert calibrate("floor", "floor.png", *corners, *AREA).exit_code == 0
+    marks = {0: (30.0, 40.0)}
+    save_calibration("camera.toml", replace(load_calibration("camera.toml"), marks=marks))
+    assert calibrate("check", "floor.png", "--out", "grid.png").exit_code == 0
+    assert Path("grid.png").is_file()
 
 
-def test_what_is_missing_or_wrong_is_said():
+def test_what_is_missing_or_wrong_is_named():
     lens_file()
     marks_file(3)
     save_image("grey.png", np.full((480, 640, 3), 90, np.uint8))
-    floor = ("floor", "--calibration", "camera.toml", *AREA)
-    assert "4 marks or more, got 3" in refused(*floor, "--marks", "marks.csv")
-    assert "--area and --scale are missing" in refused("floor", "x.png")
-    assert "error: --scale is missing" in refused("floor", "x.png", "--area", "9x9")
-    raised = ("--marker-height", "80mm")
-    assert "--marker-height needs a lens" in refused("floor", "x.png", *AREA, *raised)
-    assert "--scale: " in refused("floor", "x.png", "--area", "9x9", "--scale", "0")
-    assert "2.5?" in refused("floor", "x.png", "--scale", "2,5")
-    assert "25?" in refused("lens", "x.png", "--square", "25mm")
-    assert "--calibration must be a file that ends in .toml" in refused(
-        "floor", "x.png", *AREA, "--calibration", "board.pdf"
-    )
-    assert "give a picture of floor sheets" in refused(*floor)
-    assert "--marker-height must be a length" in refused(*floor, "--marker-height", "high")
-    assert "--place must be a sheet" in refused(*floor, "grey.png", "--place", "one")
-    assert "belong together" in refused(*floor, "--pixels", "1,2 3,4 5,6 7,8")
-    Path("bad.csv").write_text("a,1,2,3\n")
-    assert "mark 1 must be name, u, v, x, y" in refused(*floor, "--marks", "bad.csv")
     Path("bad.csv").write_text("a,1,2,3,4\nb,nan,2,3,4\n")
-    assert "bad.csv: mark 2 must be" in refused(*floor, "--marks", "bad.csv")
-    Path("bad.csv").write_text("name,u,v,x,y\n")
-    assert "bad.csv has no marks" in refused(*floor, "--marks", "bad.csv")
-    assert "--out must be a file that ends in .pdf" in refused("sheet", "--out", "sheet.png")
-    assert "there is no folder nowhere" in refused("sheet", "--out", "nowhere/sheet.pdf")
-    assert "there is no folder nowhere" in refused("lens", "x.png", "--out", "nowhere/a.toml")
-    assert "did you mean 'charuco'" in refused("sheet", "--kind", "charco", "--out", "a.pdf")
-    assert "a floor sheet has --mark" in refused(
-        "sheet", "--kind", "floor", "--board", "9x6", "--out", "a.pdf"
-    )
-    assert "give --kind floor" in refused("sheet", "--number", "2", "--out", "a.pdf")
-    assert "--number must lie" in refused(
-        "sheet", "--kind", "floor", "--number", "17", "--out", "a.pdf"
-    )
-    assert "--board must be columns x rows" in refused("lens", "x.png", "--board", "9")
-    assert "either pictures, or --camera" in refused("lens")
+    Path("empty.csv").write_text("name,u,v,x,y\n")
+    floor = ("floor", "--calibration", "camera.toml", *AREA)
+    sheet = ("sheet", "--out", "a.pdf")
+    for named, arguments in {
+        "got 3": (*floor, "--marks", "marks.csv"),
+        "--area and --scale": ("floor", "x.png"),
+        "--marker-height needs a lens": ("floor", "x.png", *AREA, "--marker-height", "80mm"),
+        "--scale": ("floor", "x.png", "--area", "9x9", "--scale", "0"),
+        "--square": ("lens", "x.png", "--square", "25mm"),
+        "--calibration": ("floor", "x.png", *AREA, "--calibration", "board.pdf"),
+        "picture": floor,
+        "--marker-height must": (*floor, "--marker-height", "high"),
+        "--place": (*floor, "grey.png", "--place", "one"),
+        "--positions": (*floor, "--pixels", "1,2 3,4 5,6 7,8"),
+        "bad.csv: mark 2": (*floor, "--marks", "bad.csv"),
+        "empty.csv": (*floor, "--marks", "empty.csv"),
+        "--out": ("sheet", "--out", "sheet.png"),
+        "nowhere": ("lens", "x.png", "--out", "nowhere/a.toml"),
+        "charuco": (*sheet, "--kind", "charco"),
+        "--mark": (*sheet, "--kind", "floor", "--board", "9x6"),
+        "--kind floor": (*sheet, "--number", "2"),
+        "--number": (*sheet, "--kind", "floor", "--number", "17"),
+        "--board": ("lens", "x.png", "--board", "9"),
+        "--camera": ("lens",),
+    }.items():
+        assert named in refused(*arguments), arguments
+
+
+@pytest.fixture
+def floor_file():
+    """A calibration of a lens and a floor, camera.toml."""
+    lens_file()
+    marks_file()
+    calibrate("floor", "--marks", "marks.csv", "--calibration", "camera.toml", *AREA)
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("floor_file")
 def test_a_new_lens_says_that_the_floor_of_the_old_one_goes():
-    lens_file()
-    marks_file()
-    calibrate("floor", "--marks", "marks.csv", "--calibration", "camera.toml", *AREA)
     for number, picture in enumerate(board_pictures(BOARD, VIEWS[:4])):
         save_image(f"{number}.png", picture)
     lens = ("lens", *(f"{number}.png" for number in range(4)))
-    assert "camera.toml had a floor" in calibrate(*lens).stderr
+    assert "had a floor" in calibrate(*lens).stderr
     assert "had a floor" not in calibrate(*lens).stderr
 
 
-def test_a_calibration_of_other_frames_is_refused_by_track():
-    lens_file()
-    marks_file()
-    calibrate("floor", "--marks", "marks.csv", "--calibration", "camera.toml", *AREA)
-    save_image("frames-0.png", np.full((480, 320, 3), 90, np.uint8))
+@pytest.mark.usefixtures("floor_file")
+def test_a_calibration_of_other_frames_is_refused():
     Path("frames").mkdir()
-    Path("frames-0.png").rename("frames/0.png")
-    result = CliRunner().invoke(app, ["track", "frames", "--calibration", "camera.toml"])
-    assert result.exit_code == 2
-    assert "320 x 480 px" in result.stderr
-    assert "640 x 480 px" in result.stderr
-    result = CliRunner().invoke(
-        app, ["live", "--camera", "frames", "--fps", "5", "--calibration", "camera.toml"]
-    )
-    assert result.exit_code == 2
-    assert "320 x 480 px" in result.stderr
+    save_image("frames/0.png", np.full((480, 320, 3), 90, np.uint8))
+    for words in (("track", "frames"), ("live", "--camera", "frames", "--fps", "5")):
+        result = CliRunner().invoke(app, [*words, "--calibration", "camera.toml"])
+        assert result.exit_code == 2
+        assert "320 x 480" in result.stderr
 
 
+@pytest.mark.usefixtures("floor_file")
 def test_what_was_calibrated_is_told_in_mm():
-    lens_file()
-    marks_file()
-    calibrate("floor", "--marks", "marks.csv", "--calibration", "camera.toml", *AREA)
     Path("frames").mkdir()
     save_image("frames/0.png", np.full((480, 640, 3), 90, np.uint8))
     track = ("track", "frames", "--calibration", "camera.toml", "--no-video", "--unit", "mm")
     result = CliRunner().invoke(app, [*track, "--scale", "3"])
-    assert "--scale and --calibration both say how long a px is: give one" in result.stderr
+    assert re.search("--scale.*--calibration", result.stderr)
     result = CliRunner().invoke(app, track)
     assert result.exit_code == 0, result.output
     info = Trace.load("robsim-track/trace.npz").info
@@ -212,15 +196,11 @@ def test_a_board_is_taken_when_it_stands_still_somewhere_new():
 
 @pytest.mark.slow
 def test_from_pictures_to_a_floor(tmp_path):
-    """Lens, tilt of 30 degrees, markers 80 px high: below 0.3 px over the whole floor."""
-    sharp = {"size": (1280, 960), "focal": 1120.0, "centre": (654.5, 464.5)}
-    camera = replace(OBLIQUE, **sharp)
-    views = [*VIEWS, *((1 - a, 1 - d, 1.1 * z, -y, x) for a, d, z, x, y in VIEWS)]
+    """Lens, tilt of 30 degrees, markers 80 px high: below 0.4 px over the whole floor."""
     (tmp_path / "board").mkdir()
-    boards = board_pictures(BOARD, views, replace(Shot(), **sharp), farther=1.3)
-    for number, image in enumerate(boards):
+    for number, image in enumerate(board_pictures(BOARD, VIEWS, farther=1.3)):
         save_image(tmp_path / f"board/{number}.png", image)
-    save_image("floor.png", floor_picture(camera))
+    save_image("floor.png", floor_picture(OBLIQUE))
     result = calibrate("lens", "board", "--json")
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["rms"] < 0.2
@@ -231,12 +211,12 @@ def test_from_pictures_to_a_floor(tmp_path):
     assert result.exit_code == 0, result.output
     grid = np.stack(np.meshgrid(np.linspace(-1000, 1000, 21), np.linspace(-800, 800, 17)), -1)
     points = np.column_stack([grid.reshape(-1, 2), np.full(grid[..., 0].size, 160.0)])
-    pixels = camera.pixels(points)
-    seen = ((pixels >= 0) & (pixels < camera.size)).all(axis=1)
+    pixels = OBLIQUE.pixels(points)
+    seen = ((pixels >= 0) & (pixels < OBLIQUE.size)).all(axis=1)
     assert seen.mean() > 0.8
     found = load_calibration("camera.toml").plane_map.to_world(pixels[seen])
     errors = found - (points[seen, :2] + (1000, 800)) / 2
-    assert np.sqrt((errors**2).sum(axis=1).mean()) < 0.3
+    assert np.sqrt((errors**2).sum(axis=1).mean()) < 0.4
 
 
 @pytest.mark.slow

@@ -13,13 +13,7 @@ import robsim
 from robsim import ColorClass, load_colors
 from robsim.cli import app
 from robsim.imaging import load_image
-from robsim.vision._color_files import (
-    SHIPPED_COLORS,
-    colors_of_text,
-    colors_to_toml,
-    save_colors,
-)
-from robsim.vision._color_score import score_color
+from robsim.vision import colors_to_toml, save_colors, score_color
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("user_folder", "_here")]
 
@@ -41,19 +35,17 @@ def colors(*arguments):
 
 def done(*arguments):
     result = colors(*arguments)
-    assert result.exit_code == 0, result.output
-    assert result.stderr == ""
+    assert (result.exit_code, result.stderr) == (0, "")
     return result.stdout
 
 
 def refused(*arguments):
-    """The sentence of a command that ends with status 2."""
+    """What a command says that ends with status 2."""
     result = colors(*arguments)
     assert result.exit_code == 2, result.output
     assert isinstance(result.exception, SystemExit)
     assert result.stdout == ""
-    assert result.stderr.startswith("error: ")
-    return result.stderr.removeprefix("error: ").strip()
+    return result.stderr
 
 
 def rows(text):
@@ -69,23 +61,18 @@ def picture(name, *, rgb=RED, light=1.0):
     return Path(name)
 
 
-# --- frame
-
-
 def test_frame_says_where_the_markers_are():
-    lines = done("frame", "--robot", "lab", "--at", "300,400", "--heading", "45").splitlines()
-    assert lines[0] == "frame of the robot lab written to frame.png"
+    _, *lines = done("frame", "--robot", "lab", "--at", "300,400", "--heading", "45").splitlines()
     image = load_image("frame.png")
     assert image.shape == (1200, 1200, 3)
     blobs = robsim.find_blobs(image, load_colors())
-    for line, name in zip(lines[1:], ("red", "blue"), strict=True):
-        *marker, text = re.fullmatch(r"  (\w+) marker \((\w+)\): --region (\S+)", line).groups()
-        assert marker == [{"red": "right", "blue": "left"}[name], name]
-        left, top, right, bottom = map(int, text.split(","))
+    masks = robsim.vision.classify(image, load_colors())
+    for line, marker, name in zip(lines, ("right", "left"), ("red", "blue"), strict=True):
+        assert f"{marker} marker ({name})" in line
+        left, top, right, bottom = map(int, line.split()[-1].split(","))
         (blob,) = blobs[name]
         assert abs(blob.centroid - ((left + right) / 2, (top + bottom) / 2)).max() < 1
-        mask = robsim.vision.classify(image, load_colors())[name]
-        assert mask[top : bottom + 1, left : right + 1].all()
+        assert masks[name][top : bottom + 1, left : right + 1].all()
 
 
 def test_frame_in_noise():
@@ -101,78 +88,55 @@ def test_frame_of_a_robot_whose_markers_are_not_plain():
     left, top, right, bottom = map(int, lines[2].split()[-1].split(","))
     red = robsim.vision.classify(load_image("frame.png"), load_colors())["red"]
     assert red[top : bottom + 1, left : right + 1].mean() > 0.8
-    assert lines[1] == "  front marker (blue): see the image"
+    assert "--region" not in lines[1]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (("--robot", "none"), "no robot 'none'"),
-        (("--at", "5"), "--at must be one point"),
-        (("--at", "-500,0"), "--at must lie within the image"),
-        (("--noise", "white"), "--noise must be a noise such as gaussian:10"),
-        (("--heading", "nan"), "--heading must be finite (degrees)"),
-        (("frame.xyz",), "xyz"),
-    ],
-)
-def test_frame_refuses(arguments, sentence):
-    assert sentence in refused("frame", *arguments)
+def test_frame_refuses():
+    for named, arguments in [
+        ("none", ("--robot", "none")),
+        ("--at", ("--at", "5")),
+        ("--at", ("--at", "-500,0")),
+        ("--noise", ("--noise", "white")),
+        ("--heading", ("--heading", "nan")),
+        ("xyz", ("frame.xyz",)),
+    ]:
+        assert named in refused("frame", *arguments)
 
 
-# --- list
-
-
-def test_list():
+def test_list_shows_the_limits_of_each_colour():
     text = done("list")
-    table = rows(text)
-    assert [name for name, _ in table][:1] == ["colour"]
-    names = [line.split()[0] for line in text.splitlines() if line.strip()]
-    assert names[0] == "colour"
-    assert {"red", "blue"} <= set(names)
     for color in load_colors():
-        line = next(line for line in text.splitlines() if line.strip().startswith(color.name))
-        assert "any" in line
-        assert f"{color.u[0]} .. {color.u[1]}" in line
-        assert f"{color.v[0]} .. {color.v[1]}" in line
-    assert str(SHIPPED_COLORS) in text
-
-
-def test_list_a_file():
+        (line,) = (line for line in text.splitlines() if line.split()[:1] == [color.name])
+        for low, high in (color.u, color.v):
+            assert f"{low} .. {high}" in line
     save_colors("mine.toml", [ColorClass("green [dark]", y=(0, 90)), ColorClass("x")])
     text = done("list", "mine.toml")
     assert "green [dark]   0 .. 90   any" in text
     assert "from mine.toml" in text
     assert "none.toml" in refused("list", "none.toml")
     Path("bad.toml").write_text("[red]\nu = [1]")
-    assert "colour file bad.toml: u of [red] must be [lower, upper]" in refused("list", "bad.toml")
-
-
-# --- train
+    assert "bad.toml: u of [red]" in refused("list", "bad.toml")
 
 
 def test_train_prints_what_it_finds():
     picture("a.png")
-    text = done("train", "a.png", "--region", "30,40,49,59", "--name", "red")
+    train = ("train", "a.png", "--region", "30,40,49,59", "--name", "red")
     color = ColorClass.from_region(load_image("a.png"), REGION, name="red")
-    assert text == colors_to_toml(color) + "\n"
+    assert done(*train) == colors_to_toml(color) + "\n"
     assert [path.name for path in Path().iterdir()] == ["a.png"]
-    wide = done("train", "a.png", "--region", "30,40,49,59", "--name", "red", "--margin", 0)
-    assert "v = [208, 255]" in wide
-    limited = done("train", "a.png", "--region", "30,40,49,59", "--name", "red", "--limit-y")
-    assert "y = [32, 136]" in limited
+    assert "v = [208, 255]" in done(*train, "--margin", 0)
+    assert "y = [32, 136]" in done(*train, "--limit-y")
 
 
 def test_train_writes_a_file_and_a_figure():
     picture("a.png")
     picture("b.png", rgb=BLUE)
     region = "--region", "30,40,49,59"
-    text = done(
-        "train", "a.png", *region, "--name", "red", "--to", "x/c.toml", "--figure", "y/h.png"
-    )
-    assert text.splitlines()[-2:] == ["written to x/c.toml", "histograms in y/h.png"]
+    to = "--to", "x/c.toml"
+    done("train", "a.png", *region, "--name", "red", *to, "--figure", "y/h.png")
     with Image.open("y/h.png") as figure:
         assert min(figure.size) > 200
-    done("train", "b.png", *region, "--name", "blue", "--to", "x/c.toml")
+    done("train", "b.png", *region, "--name", "blue", *to)
     red, blue = load_colors("x/c.toml")
     assert (red.name, blue.name) == ("red", "blue")
     blobs = robsim.find_blobs(load_image("b.png"), [red, blue])
@@ -194,52 +158,41 @@ def test_train_on_several_pictures():
     assert once == done("train", "light.png", *region, "--name", "red")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (("a.png", "--region", "0,0,9,9"), "the region has hardly any colour"),
-        (("a.png", "--region", "0,0,9"), "--region must be left,top,right,bottom in px, such as"),
-        (("a.png", "--region", "30 40 49 59"), "--region must be left,top,right,bottom"),
-        (("a.png", "--region", "-5,0,9,9"), "--region must be left,top,right,bottom"),
-        (("a.png", "--region", "0,0,9," + "9" * 5000), "--region must be"),
-        (("a.png", "--region", "30,40,49,100"), "--region must be (left, top, right"),
-        (("a.png", "--region", "30,40,49,100"), "within the image of 120 x 100 px, got (30, 40, "),
-        (("a.png", "a.png", "--region", "30,40,49,59"), "once for each of the 2 images"),
-        (("none.png", "--region", "30,40,49,59"), "none.png"),
-        (("c.toml", "--region", "30,40,49,59"), "c.toml is not in an image format"),
-        (("a.png", "--region", "30,40,49,59", "--margin", "-1"), "margin must lie within 0..255"),
-        (("a.png", "--region", "30,40,49,59", "--figure", "h.xyz"), "xyz"),
-        (("a.png", "--region", "30,40,49,59", "--to", "bad.toml"), "bad.toml is not a TOML file"),
-        (("a.png", "--region", "30,40,49,59", "--to", "a.png/c.toml"), "a.png is a file, not a f"),
-    ],
-)  # fmt: skip
-def test_train_refuses_and_writes_nothing(arguments, sentence):
+def test_train_refuses_and_writes_nothing():
     picture("a.png")
     save_colors("c.toml", ColorClass("green"))
     Path("bad.toml").write_text("oops")
     before = sorted((path.name, path.read_bytes()) for path in Path().iterdir())
-    where = () if "--to" in arguments else ("--to", "c.toml")
-    assert sentence in refused("train", *arguments, "--name", "red", *where)
-    assert sorted((path.name, path.read_bytes()) for path in Path().iterdir()) == before
+    for named, arguments in [
+        ("region", ("a.png", "--region", "0,0,9,9")),
+        ("--region", ("a.png", "--region", "0,0,9")),
+        ("--region", ("a.png", "--region", "0,0,9," + "9" * 5000)),
+        ("120 x 100 px", ("a.png", "--region", "30,40,49,100")),
+        ("2 images", ("a.png", "a.png", "--region", "30,40,49,59")),
+        ("none.png", ("none.png", "--region", "30,40,49,59")),
+        ("c.toml", ("c.toml", "--region", "30,40,49,59")),
+        ("margin", ("a.png", "--region", "30,40,49,59", "--margin", "-1")),
+        ("xyz", ("a.png", "--region", "30,40,49,59", "--figure", "h.xyz")),
+        ("bad.toml", ("a.png", "--region", "30,40,49,59", "--to", "bad.toml")),
+        ("a.png", ("a.png", "--region", "30,40,49,59", "--to", "a.png/c.toml")),
+    ]:
+        where = () if "--to" in arguments else ("--to", "c.toml")
+        assert named in refused("train", *arguments, "--name", "red", *where)
+        assert sorted((path.name, path.read_bytes()) for path in Path().iterdir()) == before
 
 
 def test_a_file_that_cannot_be_written_is_refused_before_a_recording_is_read():
     Path("recording").mkdir()
     Path("recording/0.png").write_text("this would be said when it is read")
-    sentence = refused("train", "recording", "--area", "120x100", "--to", "recording")
-    assert sentence == "recording is a folder, not a file: give a name in it"
-
-
-# --- test
+    said = refused("train", "recording", "--area", "120x100", "--to", "recording")
+    assert "recording is a folder" in said
 
 
 def test_test_counts_blobs_and_paints():
     picture("a.png")
-    text = done("test", "a.png", "--smoothing", 1, "--out", "seen/a.png")
-    table = rows(text)
+    table = rows(done("test", "a.png", "--smoothing", 1, "--out", "seen/a.png"))
     assert table["a.png", "red"] == ["400", "1", "400 px", "(39.5, 49.5)"]
     assert table["a.png", "blue"] == ["0", "0"]
-    assert text.splitlines()[-1] == "colours painted, written to seen/a.png"
     painted = load_image("seen/a.png")
     assert painted.shape == (100, 120, 3)
     assert painted[50, 40].tolist() == [255, 0, 0]
@@ -276,54 +229,28 @@ def test_test_scores_a_colour():
     score = score_color(load_image("a.png"), weak, [REGION])
     text = done(*arguments)
     assert str(score) in text
-    assert f"proposed:\n{colors_to_toml(score.proposed)}" in text
+    assert colors_to_toml(score.proposed) in text
     result = json.loads(done(*arguments, "--json"))
     assert result["scores"] == [json.loads(json.dumps(score.to_dict()))]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (("none.png",), "none.png"),
-        (("a.png", "--colors", "none.toml"), "none.toml"),
-        (("a.png", "--smoothing", "4"), "smoothing must"),
-        (("a.png", "--region", "30,40,49,59"), "--region must begin with one of the colours, red,"),
-        (("a.png", "--region", "green=30,40,49,59"), "--region must begin with one of the colours"),
-        (("a.png", "--region", "red=1,2"), "--region must be left,top,right,bottom"),
-        (("a.png", "--region", "red=90,90,120,99"), "region must be (left, top, right, bottom) wi"),
-        (("a.png", "a.png", "--region", "red=30,40,49,59"), "--region goes with one image, got "),
-        (("a.png", "--out", "a.png"), "--out a.png would overwrite a.png"),
-        (("a.png", "b/a.png", "--out", "seen"), "the images must have different names"),
-        (("a.png", "b/c.png", "--out", "b"), "would overwrite b/c.png"),
-        (("a.png", "--out", "seen.xyz"), "xyz"),
-    ],
-)  # fmt: skip
-def test_test_refuses(arguments, sentence):
+def test_test_refuses():
     Path("b").mkdir()
     for name in ("a.png", "b/a.png", "b/c.png"):
         picture(name)
-    assert sentence in refused("test", *arguments)
-
-
-# --- help
-@pytest.mark.slow
-def test_the_examples_of_the_help_work_one_after_the_other():
-    for command in ("frame", "train", "list", "test"):
-        text = done(command, "--help")
-        assert max(map(len, text.splitlines())) <= 80
-        example = re.search(r"Example: robsim colors (.+)", text, flags=re.DOTALL)[1].split()
-        assert example[0] == command
-        done(*example)
-    assert [color.name for color in load_colors("colors.toml")] == ["red"]
-    assert Path("seen.png").is_file()
-
-
-def test_help_names_all_commands():
-    text = done("--help")
-    assert all(f" {command} " in text for command in ("frame", "list", "train", "test"))
-
-
-# --- train on a recording
+    for named, arguments in [
+        ("none.png", ("none.png",)),
+        ("none.toml", ("a.png", "--colors", "none.toml")),
+        ("smoothing", ("a.png", "--smoothing", "4")),
+        ("--region", ("a.png", "--region", "green=30,40,49,59")),
+        ("region", ("a.png", "--region", "red=90,90,120,99")),
+        ("--region", ("a.png", "a.png", "--region", "red=30,40,49,59")),
+        ("overwrite a.png", ("a.png", "--out", "a.png")),
+        ("names", ("a.png", "b/a.png", "--out", "seen")),
+        ("overwrite b/c.png", ("a.png", "b/c.png", "--out", "b")),
+        ("xyz", ("a.png", "--out", "seen.xyz")),
+    ]:
+        assert named in refused("test", *arguments)
 
 
 def recording(folder, exposures=(1, 0.6, 0.3)):
@@ -343,9 +270,9 @@ def test_train_on_a_recording():
     text = done("train", "run", "--robot", "lab", "--to", "c.toml")
     red, blue = load_colors("c.toml")
     assert (red.name, blue.name) == ("red", "blue")
-    printed = text[: text.index("written to")]
-    assert colors_of_text(printed) == (red, blue)  # the drift is in comments
-    assert text.count("# Training of a colour: the drift eats the margin") == 2
+    # What is printed is a file of colours; of the drift it says in comments.
+    Path("printed.toml").write_text(text[: text.index("written to")])
+    assert [*load_colors("printed.toml")] == [red, blue]
     assert len(re.findall(r"#\s+frame 2 ", text)) == 2
     for k in range(3):
         blobs = robsim.find_blobs(load_image(f"run/{k}.png"), [red, blue], minimum_area=60)
@@ -358,8 +285,8 @@ def test_train_on_a_recording_from_regions_in_its_first_frame():
     boxes = [str(_box_of("run/0.png", name)) for name in ("red", "blue")]
     regions = [f"--region={name}={box}" for name, box in zip(("red", "blue"), boxes, strict=True)]
     assert "[blue]" in done("train", "run", "--robot", "lab", *regions)
-    assert "red and for blue" in refused("train", "run", "--robot", "lab", regions[0])
-    assert "such as red=578" in refused("train", "run", "--robot", "lab", "--region", boxes[0])
+    assert "blue" in refused("train", "run", "--robot", "lab", regions[0])
+    assert "red=" in refused("train", "run", "--robot", "lab", "--region", boxes[0])
 
 
 def _box_of(file, name):
@@ -368,26 +295,22 @@ def _box_of(file, name):
     return f"{u - 5},{v - 5},{u + 5},{v + 5}"
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (("a.png",), "--name must be given with images, and a --region for each"),
-        (("run", "run"), "--name must be given with images"),
-        (("run", "--limit-y"), "--limit-y goes with images and their --name"),
-        (("run", "--figure", "h.png"), "--figure goes with images"),
-        (("none",), "there is no file or folder none"),
-        (("a.png", "--name", "red"), "--region must be given once for each of the 1 images"),
-        (("a.png", "--name", "red", "--robot", "lab"), "--robot goes with a recording"),
-        (("run", "--robot", "none"), "no robot 'none'"),
-        (("floor", "--robot", "lab"), "must show red, got none that does: in frame 0"),
-    ],
-)
-def test_train_on_a_recording_refuses(arguments, sentence):
+def test_train_on_a_recording_refuses():
     picture("a.png")
     save_picture("run/0.png", np.full((100, 100, 3), 150, np.uint8))
     save_picture("floor/0.png", np.full((100, 100, 3), 150, np.uint8))
-    assert sentence in refused("train", *arguments, "--to", "c.toml")
-    assert not Path("c.toml").exists()
+    for named, arguments in [
+        ("--name", ("a.png",)),
+        ("--name", ("run", "run")),
+        ("--limit-y", ("run", "--limit-y")),
+        ("--figure", ("run", "--figure", "h.png")),
+        ("none", ("none",)),
+        ("--region", ("a.png", "--name", "red")),
+        ("--robot", ("a.png", "--name", "red", "--robot", "lab")),
+        ("frame 0", ("floor", "--robot", "lab")),
+    ]:
+        assert named in refused("train", *arguments, "--to", "c.toml")
+        assert not Path("c.toml").exists()
 
 
 def test_train_on_a_session():
@@ -395,5 +318,4 @@ def test_train_on_a_session():
     frames = [robsim.Frame(sim.frame.image, t=0.2 * k) for k, sim in enumerate(sims)]
     robsim.Experiment(frames, robot="lab", record="monday").run()
     assert "[blue]" in done("train", "monday", "--robot", "lab")
-    sentence = "--area is known of a session"
-    assert sentence in refused("train", "monday", "--robot", "lab", "--area", "600x600")
+    assert "--area" in refused("train", "monday", "--robot", "lab", "--area", "600x600")

@@ -1,8 +1,11 @@
 """The commands new, run and track, as a student types them."""
 
 import json
+import re
 import shutil
+import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,20 +14,18 @@ import robsim
 from commands import cli, command
 from disks import full_disk
 from robsim.cli import main
+from robsim.imaging import save_image
 
 pytestmark = pytest.mark.long
 
 
 @pytest.fixture(scope="module")
 def first_run(tmp_path_factory):
-    """Return a folder with untouched callbacks, and a first run of them in a process of its own."""
+    """A folder with untouched callbacks, and a first run of them in a process of its own."""
     desk = tmp_path_factory.mktemp("desk")
     assert command("new", "mine", cwd=desk).exit_code == 0
     run = cli("run", "mine", "--steps", "12", "--measure", "--seed", "1", cwd=desk)
     assert run.returncode == 0, run.stderr
-    assert "Tracking" in run.stdout
-    assert "12 (100 %)" in run.stdout
-    assert "written to robsim-run: camera.jpg, traces.png, trace.npz" in run.stdout
     return desk, run
 
 
@@ -40,7 +41,6 @@ def mine(desk, tmp_path):
     return tmp_path / "mine"
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_an_untouched_folder_and_none_give_the_same_trace(desk):
     run = command(
@@ -55,16 +55,14 @@ def test_an_untouched_folder_and_none_give_the_same_trace(desk):
         np.testing.assert_array_equal(one[name], other[name])
 
 
-def test_new_tells_what_comes_next(tmp_path):
-    said = command("new", "my work", cwd=tmp_path).stdout
-    assert "robsim gui 'my work'\n" in said
-    assert "robsim run 'my work'\n" in said
+def test_new_quotes_a_folder_with_a_space(tmp_path):
+    assert "robsim run 'my work'\n" in command("new", "my work", cwd=tmp_path).stdout
 
 
 def test_new_does_not_overwrite(desk):
     run = command("new", "mine", cwd=desk)
     assert run.exit_code == 2
-    assert "mine has define_model.py" in run.stderr
+    assert "define_model.py" in run.stderr
 
 
 def test_a_syntax_error_names_file_and_line_and_leaves_the_last_results_alone(mine):
@@ -72,23 +70,19 @@ def test_a_syntax_error_names_file_and_line_and_leaves_the_last_results_alone(mi
     (mine / "control.py").write_text("def control(step):\n    return (0.1, 0.2\n")
     run = command("run", "mine", "--steps", "5", cwd=mine.parent)
     assert run.exit_code == 1
-    assert "while loading mine/control.py" in run.stderr
-    assert "line 2" in run.stderr
-    assert "SyntaxError" in run.stderr
+    for words in ("mine/control.py", "line 2", "SyntaxError"):
+        assert words in run.stderr
     assert "Traceback" not in run.stderr
     assert {file: file.read_bytes() for file in (mine.parent / "robsim-run").iterdir()} == before
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_an_exception_names_the_line_and_the_steps_before_are_kept(mine):
-    (mine / "control.py").write_text(
-        "def control(step):\n    return 1 / (4 - step.k), 0.0\n", encoding="utf-8"
-    )
+    (mine / "control.py").write_text("def control(step):\n    return 1 / (4 - step.k), 0.0\n")
     run = command("run", "mine", "--steps", "9", cwd=mine.parent)
     assert run.exit_code == 1
-    assert "in the callback control at step 4" in run.stderr
-    assert 'control.py", line 2, in control' in run.stderr
-    assert "ZeroDivisionError" in run.stderr
+    for words in ("control at step 4", 'control.py", line 2', "ZeroDivisionError"):
+        assert words in run.stderr
     assert "simulation.py" not in run.stderr
     assert len(robsim.Trace.load(mine.parent / "robsim-run" / "cut-short.npz")) == 4
 
@@ -98,99 +92,85 @@ def test_a_wrong_return_and_a_hanging_callback(mine):
     (mine / "control.py").write_text("def control(step):\n    return 'left'\n")
     run = command("run", "mine", "--steps", "5", cwd=mine.parent)
     assert run.exit_code == 1
-    assert "in the callback control at step 0" in run.stderr
+    assert "control at step 0" in run.stderr
     (mine / "control.py").write_text("def control(step):\n    while True:\n        pass\n")
     run = command("run", "mine", "--steps", "5", "--time-limit", "0.3", cwd=mine.parent)
     assert run.exit_code == 1
-    assert "longer than --time-limit = 0.3 s" in run.stderr
+    assert "--time-limit" in run.stderr
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("dance",), "No such command 'dance'"),
-        (("demo", "--steps", "20"), "--steps must be at least 50"),
-        (("demo", "--seed", "-1"), "--seed must be at least 0"),
-        (("demo", "--steps", "many"), "it must be a whole number, got 'many'"),
-        (("run", "none"), "no folder none: robsim new none creates it"),
-        (
-            ("run", "--resolution", "large"),
-            "--resolution must be a size such as 640x480, got 'large'",
-        ),
-        (("run", "--noise", "loud"), "--noise must be a noise such as gaussian:10"),
-        (("run", "--noise", "gausian:4"), "got 'gausian:4'; did you mean 'gaussian'?"),
-        (("run", "--noise", "gaussian:-4"), "--noise: percent must be finite and at least 0"),
-        (("run", "--control", "dance"), "--control must be one of spin, drive-around, "),
-        (("run", "--control", "go-to-pont:3,4"), "; did you mean 'go-to-point'?"),
-        (("run", "--control", "spin:3,4"), "--control spin takes no points, got 'spin:3,4'"),
-        (
-            ("run", "--control", "go-to-point"),
-            "--control must be go-to-point: and one point X,Y such as",
-        ),
-        (
-            ("run", "--control", "follow-path:3"),
-            "must be follow-path: and one or more points",
-        ),
-        (("run", "--control", "go-to-point:inf,3"), "--control: x must be finite (px), got inf"),
-        (("run", "--start", "300,300"), "--start must be x,y,heading in px, px and degrees"),
-        (("run", "--start", "a,300,nan"), "--start must be x,y,heading in px, px and degrees"),
-        (("run", "--start", "-3,300,0"), "--start must lie within the area of 1200 x 1200 px"),
-        (("run", "--steps", "-1"), "--steps must lie within 0.."),
-        (("run", "--seed", "-1"), "--seed must be at least 0"),
-        (("run", "--headings", "999"), "--headings must lie within 1..360"),
-        (("run", "--smoothing", "99"), "--smoothing must lie within 1..15"),
-        (("run", "--time-limit", "-1"), "--time-limit must be finite and above 0"),
-        (("run", "--area", "5x5"), "--area must lie within 16..16384 px"),
-        (("run", "--scenario", "no.toml"), "no.toml: No such file or directory"),
-        (
-            ("run", "--noise", "uniform"),
-            "--noise must be a noise such as gaussian:10 or uniform:10",
-        ),
-        (("run", "--dropout", "much"), "--dropout must be a probability such as 0.2, or 0.2:5"),
-        (("run", "--headings", "some"), "--headings must be a number such as 36, or continuous"),
-        (("run", "--robot", "nobody"), "no robot 'nobody'"),
-        (("run", "--dropout", "2"), "probability must lie within 0..1"),
-        (("run", "--boundary", "fence"), "boundary must be one of"),
-        (("run", "--steps", "99999999", "--video", "run.xyz"), "run.xyz: the name of a video must"),
-        (("run", "--steps", "99999999", "--record", "a/run.mkv"), "there is no folder a"),
-        (
-            ("run", "--steps", "99999999", "--record", "a.mkv", "--video", "./a.mkv"),
-            "--video and --record must be two files",
-        ),
-        (("run", "--steps", "99999999", "--out", sys.executable), "is a file, not a folder"),
-        (("track", ".", "--out", "."), "--out . would overwrite .: give another folder"),
-        (("track", "none.mp4"), "there is no file or folder none.mp4"),
-        (("track", ".", "--pixels", "1,2 3,4"), "--pixels and --positions belong together"),
-        (
-            ("track", ".", "--pixels", "1,2", "--positions", "1,2"),
-            "--pixels must be at least four points",
-        ),
-        (("track", "."), "there are no images in the folder"),
-        (("run", "--unit", "inch"), "--unit must be one of 'px', 'mm', 'cm', 'm', got 'inch'"),
-        (("run", "--unit", "mm"), "--unit mm needs --scale MM, how long a px of the work area is"),
-        (("track", ".", "--unit", "mm"), "in mm, or a --calibration that says it"),
-        (("run", "--scale", "2"), "--scale is for lengths in mm, cm or m: add --unit mm"),
-        (("run", "--unit", "mm", "--scale", "0"), "--scale must lie within 0.001..10000 (mm)"),
-    ],
-)
-def test_a_wrong_call_says_what_is_wrong(arguments, message, tmp_path, monkeypatch):
+def test_a_wrong_call_says_what_is_wrong(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    run = command(*arguments)
-    assert run.exit_code == 2
-    assert isinstance(run.exception, SystemExit)
-    assert message in run.stderr.replace("\n", " ")
-    assert not list(tmp_path.iterdir())
+    for named, arguments in [
+        ("dance", ("dance",)),
+        ("--steps", ("demo", "--steps", "20")),
+        ("--seed", ("demo", "--seed", "-1")),
+        ("--steps", ("demo", "--steps", "many")),
+        ("none", ("run", "none")),
+        ("--resolution", ("run", "--resolution", "large")),
+        ("gaussian", ("run", "--noise", "gausian:4")),
+        ("--noise", ("run", "--noise", "gaussian:-4")),
+        ("--noise", ("run", "--noise", "uniform")),
+        ("--control", ("run", "--control", "dance")),
+        ("--control", ("run", "--control", "spin:3,4")),
+        ("--control", ("run", "--control", "go-to-point")),
+        ("follow-path", ("run", "--control", "follow-path:3")),
+        ("--control", ("run", "--control", "go-to-point:inf,3")),
+        ("quotes", ("run", "--control", "follow-path:9,3", "8,3")),
+        ("--start", ("run", "--start", "300,300")),
+        ("--start", ("run", "--start", "a,300,nan")),
+        ("--start", ("run", "--start", "-3,300,0")),
+        ("--steps", ("run", "--steps", "-1")),
+        ("--steps", ("run", "--steps", "5.5")),
+        ("--seed", ("run", "--seed", "-1")),
+        ("--headings", ("run", "--headings", "361")),
+        ("--headings", ("run", "--headings", "some")),
+        ("--smoothing", ("run", "--smoothing", "99")),
+        ("--time-limit", ("run", "--time-limit", "-1")),
+        ("--area", ("run", "--area", "5x5")),
+        ("no.toml", ("run", "--scenario", "no.toml")),
+        ("--dropout", ("run", "--dropout", "much")),
+        ("probability", ("run", "--dropout", "2")),
+        ("nobody", ("run", "--robot", "nobody")),
+        ("boundary", ("run", "--boundary", "fence")),
+        ("run.xyz", ("run", "--steps", "99999999", "--video", "run.xyz")),
+        ("folder a", ("run", "--steps", "99999999", "--record", "a/run.mkv")),
+        ("--video", ("run", "--steps", "99999999", "--record", "a.mkv", "--video", "./a.mkv")),
+        (sys.executable, ("run", "--steps", "99999999", "--out", sys.executable)),
+        ("--out", ("track", ".", "--out", ".")),
+        ("none.mp4", ("track", "none.mp4")),
+        ("robsim.Experiment", ("track", "rtsp://camera")),
+        ("--pixels and --positions", ("track", ".", "--pixels", "1,2 3,4")),
+        ("four", ("track", ".", "--pixels", "1,2", "--positions", "1,2")),
+        ("no images", ("track", ".")),
+        ("--unit", ("run", "--unit", "inch")),
+        ("--scale", ("run", "--unit", "mm")),
+        ("--calibration", ("track", ".", "--unit", "mm")),
+        ("--unit", ("run", "--scale", "2")),
+        ("--scale", ("run", "--unit", "mm", "--scale", "0")),
+        ("--rounds", ("bench", "--camera", "--rounds", "0")),
+    ]:
+        run = command(*arguments)
+        assert run.exit_code == 2, arguments
+        assert isinstance(run.exception, SystemExit)
+        assert named in run.stderr, arguments
+        assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.usefixtures("undrawn")  # those of the demo are drawn
-def test_a_run_with_estimates_writes_their_figures(tmp_path):
-    run = command(
-        "run", "--steps", "30", "--estimate-parameters", "--boundary", "unlimited", cwd=tmp_path
-    )
-    assert run.exit_code == 0, run.stderr
-    names = {file.name for file in (tmp_path / "robsim-run").iterdir()}
+def test_a_run_with_estimates_writes_their_figures_and_removes_those_of_another(tmp_path):
+    run = ("run", "--steps", "30", "--boundary", "unlimited")
+    assert command(*run, "--estimate-parameters", cwd=tmp_path).exit_code == 0
+    out = tmp_path / "robsim-run"
+    names = {file.name for file in out.iterdir()}
     assert names == {"camera.jpg", "traces.png", "parameters.png", "batch.png", "trace.npz"}
-    assert "Batch estimate from truth" in run.stdout
+    (out / "mine.txt").write_text("mine")
+    again = command(*run[:-2], cwd=tmp_path)
+    assert "replaced" in again.stderr
+    names = {file.name for file in out.iterdir()}
+    assert names == {"camera.jpg", "traces.png", "trace.npz", "mine.txt"}
+    command("run", "--steps", "0", cwd=tmp_path)
+    assert len(robsim.Trace.load(out / "trace.npz")) == 30  # no steps replace no earlier run
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -200,13 +180,39 @@ def test_the_results_have_the_unit_that_was_asked_for(tmp_path):
         *("--estimate-parameters", "--json"),
         cwd=tmp_path,
     )
-    assert run.exit_code == 0, run.stderr
     numbers = json.loads(run.stdout)
     assert numbers["batch_estimate"]["parameters"]["b1X"]["true"] == pytest.approx(0.2083333 / 5)
     trace = robsim.Trace.load(tmp_path / "robsim-run" / "trace.npz")
     assert (trace.info.unit, trace.info.mm_per_px) == ("cm", 2)
     assert numbers["tracking"]["rmse_xy"] == trace.tracking().rmse_xy < 0.2  # 1 px
     np.testing.assert_allclose(trace.pose_true[0, :2], (120, 120))
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_scenario_is_run_and_options_change_it(tmp_path):
+    scenario = robsim.Scenario(
+        measure=True,
+        control=robsim.DriveAround(),
+        resolution=(240, 240),
+        headings=None,
+        noise=robsim.GaussianNoise(5),
+        process_noise=robsim.WheelNoise(0.05),
+        seed=3,
+    )
+    scenario.save(tmp_path / "noisy.toml")
+    changed = scenario.replace(noise=robsim.UniformNoise(3), headings=36, seed=4)
+    options = ("--noise", "uniform:3", "--headings", "36", "--seed", "4")
+    for more, expected in {(): scenario, options: changed}.items():
+        run = command("run", "--scenario", "noisy.toml", "--steps", "6", *more, cwd=tmp_path)
+        assert run.exit_code == 0, run.stderr
+        trace = robsim.Trace.load(tmp_path / "robsim-run" / "trace.npz")
+        assert robsim.Scenario.of(trace) == expected
+        again = robsim.Simulation(expected).run(6)
+        np.testing.assert_array_equal(again.pose_measured, trace.pose_measured)
+    (tmp_path / "wrong.toml").write_text("format = 1\nnoize = 3\n")
+    run = command("run", "--scenario", "wrong.toml", cwd=tmp_path)
+    assert run.exit_code == 2
+    assert "noize" in run.stderr
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -222,7 +228,6 @@ def test_a_recorded_run_is_tracked_from_its_file_as_it_was(tmp_path):
     run = command("track", "run.mkv", "--area", "1200x1200", cwd=tmp_path)
     assert run.exit_code == 0, run.stderr
     assert "8 (100 %)\n" in run.stdout
-    assert "the true poses are not known" in run.stdout
     one, other = (
         robsim.Trace.load(tmp_path / folder / "trace.npz")
         for folder in ("robsim-run", "robsim-track")
@@ -232,124 +237,90 @@ def test_a_recorded_run_is_tracked_from_its_file_as_it_was(tmp_path):
     assert len(list(recording)) == 8
 
 
+@pytest.fixture
+def frames(tmp_path):
+    """A folder, and what is to be seen in it."""
+    (tmp_path / "frames").mkdir()
+    return tmp_path / "frames", robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
+
+
+def tracked(folder, *options):
+    """Track the images of a folder; return what is said, and the trace."""
+    words = ("track", folder.name, "--area", "1200x1200", "--no-video", *options)
+    run = command(*words, cwd=folder.parent)
+    return run, robsim.Trace.load(folder.parent / "robsim-track/trace.npz")
+
+
 @pytest.mark.usefixtures("undrawn")
-def test_why_some_frames_are_without_a_detection(tmp_path):
-    frames = tmp_path / "frames"
-    frames.mkdir()
-    image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
+def test_why_some_frames_are_without_a_detection(frames):
+    folder, image = frames
     for k in range(6):
-        robsim.imaging.save_image(frames / f"{k}.png", image // 100 if k in (1, 2, 4) else image)
-    robsim.imaging.save_image(frames / "5.png", np.where(image[..., 2:] > 150, 90, image))
-    run = command("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
-    assert "2 (33.3 %)" in run.stdout
-    assert (
-        "no detection in 4 of 6 steps: in 3, first in step 1, the picture is dark: mean level 1 "
-        "of 255. No robot was detected: more light, a longer exposure, or colours trained in this "
-        "light; in 1: no blue blob"
-    ) in run.stderr
+        save_image(folder / f"{k}.png", image // 100 if k in (1, 2, 4) else image)
+    save_image(folder / "5.png", np.where(image[..., 2:] > 150, 90, image))
+    run, trace = tracked(folder)
+    assert trace.seen.tolist() == [True, False, False, True, False, False]
+    assert re.search("4 of 6 steps.* 3, first in step 1.* dark.* 1: no blue blob", run.stderr)
 
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.filterwarnings("always")
-def test_bgr_frames_are_told(tmp_path, monkeypatch, capsys):
-    frames = tmp_path / "frames"
-    frames.mkdir()
-    image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
-    robsim.imaging.save_image(frames / "0.png", np.ascontiguousarray(image[..., ::-1]))
-    monkeypatch.chdir(tmp_path)
+def test_bgr_frames_are_told(frames, monkeypatch, capsys):
+    folder, image = frames
+    save_image(folder / "0.png", np.ascontiguousarray(image[..., ::-1]))
+    monkeypatch.chdir(folder.parent)
     monkeypatch.setattr(sys, "argv", ["robsim", "track", "frames", "--area", "1200x1200"])
     with pytest.raises(SystemExit, match="0"):
         main()
-    said = capsys.readouterr().err
-    assert "warning: the robot lab is seen only if red and blue are exchanged" in said
+    assert "exchanged" in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_more_than_four_points_say_how_well_they_fit(tmp_path):
-    frames = tmp_path / "frames"
-    frames.mkdir()
-    image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
-    robsim.imaging.save_image(frames / "0.png", image)
-    points = "0,0 399,0 399,399 0,399 200,200"
-    places = "1,1 1198,1 1198,1198 1,1198 602,601"
-    run = command(
-        *("track", "frames", "--pixels", points, "--positions", places, "--no-video"),
-        *("--area", "1200x1200"),
-        cwd=tmp_path,
-    )
-    assert "the 5 points fit within 0.7 px of the work area (number 5), rms" in run.stderr
-    assert "1 (100 %)" in run.stdout
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(tmp_path):
-    sim = robsim.Simulation(resolution=(400, 400), seed=1)
-    (tmp_path / "frames").mkdir()
-    for k in range(12):
-        image = sim.step().frame.image
-        robsim.imaging.save_image(
-            tmp_path / "frames" / f"frame{k}.png", image if k < 10 else image[:300]
-        )
-    run = command("track", "frames", "--area", "1200x1200", "--no-video", cwd=tmp_path)
-    assert run.exit_code == 2
-    assert "frame10.png is 400 x 300 px, the frames before it 400 x 400" in run.stderr
-    assert "the 10 frames before the error are tracked" in run.stderr
-    trace = robsim.Trace.load(tmp_path / "robsim-track" / "trace.npz")
-    assert len(trace) == 10
+def test_more_than_four_points_say_how_well_they_fit(frames):
+    folder, image = frames
+    save_image(folder / "0.png", image)
+    points = ("--pixels", "0,0 399,0 399,399 0,399 200,200")
+    run, trace = tracked(folder, *points, "--positions", "1,1 1198,1 1198,1198 1,1198 602,601")
+    assert "within 0.7 px" in run.stderr
     assert trace.seen.all()
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_without_opencv_images_are_tracked_all_the_same(tmp_path, monkeypatch):
-    frame = robsim.Simulation(resolution=(400, 400), seed=1).frame
-    (tmp_path / "frames").mkdir()
-    robsim.imaging.save_image(tmp_path / "frames" / "frame0.png", frame.image)
+def test_a_folder_of_images_whose_size_changes_keeps_what_was_tracked(frames):
+    folder, image = frames
+    for k in range(12):
+        save_image(folder / f"frame{k}.png", image if k < 10 else image[:300])
+    run, trace = tracked(folder)
+    assert run.exit_code == 2
+    assert "frame10.png" in run.stderr
+    assert trace.seen.tolist() == [True] * 10
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_without_opencv_images_are_tracked_all_the_same(frames, monkeypatch):
+    folder, image = frames
+    save_image(folder / "frame0.png", image)
     monkeypatch.setitem(sys.modules, "cv2", None)  # importing it raises ImportError
-    run = command("track", "frames", "--area", "1200x1200", cwd=tmp_path)
+    run, trace = tracked(folder, "--video", "--json")
     assert run.exit_code == 0, run.stderr
-    assert (
-        "no tracked.mp4: writing a video needs OpenCV: pip install opencv-python-headless"
-        in run.stderr
-    )
-    assert len(robsim.Trace.load(tmp_path / "robsim-track" / "trace.npz")) == 1
+    assert "OpenCV" in run.stderr
+    assert len(trace) == 1
+    # What is not known of a recording is null.
+    assert json.loads(run.stdout)["tracking"]["rmse_xy"] is None
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_figures_of_another_run_do_not_stay(tmp_path):
-    (tmp_path / "robsim-run").mkdir()
-    (tmp_path / "robsim-run" / "parameters.png").write_text("old")
-    (tmp_path / "robsim-run" / "mine.txt").write_text("mine")
-    assert command("run", "--steps", "3", cwd=tmp_path).exit_code == 0
-    names = {file.name for file in (tmp_path / "robsim-run").iterdir()}
-    assert names == {"camera.jpg", "traces.png", "trace.npz", "mine.txt"}
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_a_controller_that_needs_a_point(tmp_path):
+def test_controllers_take_points_and_a_start_in_degrees(tmp_path):
     arguments = ("--control", "go-to-point:700,600", "--start", "600,600,0", "--seed", "0")
     command("run", "--steps", "60", *arguments, cwd=tmp_path)
     trace = robsim.Trace.load(tmp_path / "robsim-run" / "trace.npz")
     assert trace.seen.all()
     assert trace.pose_true[-1, 0] > 680
     scenario = robsim.Scenario.of(trace)
-    assert scenario.start == (600, 600, 0)
-    assert scenario.seed == 0
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_a_path_and_a_start_in_degrees(tmp_path):
+    assert (scenario.start, scenario.seed) == ((600, 600, 0), 0)
     path = ("--control", "follow-path:300,400 300,500", "--start", "300,300,450")
     command("run", "--steps", "2", *path, cwd=tmp_path)
     trace = robsim.Trace.load(tmp_path / "robsim-run" / "trace.npz")
     np.testing.assert_allclose(trace.pose_true[0], (300, 300, np.pi / 2))
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_a_second_run_says_that_it_replaces_the_first(tmp_path):
-    remark = "the earlier run in robsim-run is replaced; --out gives another folder"
-    assert remark not in command("run", "--steps", "2", cwd=tmp_path).stderr
-    assert remark in command("run", "--steps", "3", cwd=tmp_path).stderr
-    assert len(robsim.Trace.load(tmp_path / "robsim-run" / "trace.npz")) == 3
 
 
 def test_a_log_has_no_progress_bar(first_run):
@@ -358,17 +329,37 @@ def test_a_log_has_no_progress_bar(first_run):
     assert "\r" not in run.stderr
 
 
-def test_a_disk_that_is_full_is_told_by_the_name_of_the_file(tmp_path):
-    def said(*arguments, kilobytes):
+def test_a_disk_that_is_full_is_told_by_the_name_of_the_file(tmp_path, monkeypatch):
+    monkeypatch.setenv("ROBSIM_DATA", "data")
+    for file, kilobytes, *arguments in [
+        ("robsim-run/trace.npz", 0, "run", "--steps", "5"),
+        ("robsim-run/camera.jpg", 8, "run", "--steps", "5"),
+        ("frame.png", 8, "colors", "frame"),
+        ("robot-lab.png", 8, "robots", "show", "lab"),
+        ("mine/define_model.py", 0, "new", "mine"),
+        ("data/robots/mine", 8, "robots", "add", "mine", "lab"),
+    ]:
         with full_disk(kilobytes * 1024):
-            return command(*arguments, cwd=tmp_path).stderr
-
-    data = {"robsim-run/trace.npz": 0, "robsim-run/camera.jpg": 8}
-    for file, kilobytes in data.items():
-        assert f"error: {file}: File too large" in said("run", "--steps", "5", kilobytes=kilobytes)
-    assert "error: frame.png: File" in said("colors", "frame", kilobytes=8)
-    assert "error: robot-lab.png: File" in said("robots", "show", "lab", kilobytes=8)
+            run = command(*arguments, cwd=tmp_path)
+        assert run.exit_code == 2
+        assert f"error: {file}: File too large" in run.stderr
     assert not list(tmp_path.rglob(".*"))
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+def test_an_output_that_cannot_be_written():
+    with open("/dev/full", "w") as full:
+        words = [sys.executable, "-m", "robsim", "colors", "list"]
+        run = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert run.returncode == 2
+    assert "No space left on device" in run.stderr
+
+
+def test_a_terminal_without_the_sign_for_degrees(monkeypatch):
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    run = cli("robots", "list")
+    assert run.returncode == 0, run.stderr
+    assert "90?, faces up" in run.stdout
 
 
 def test_a_command_that_is_stopped_says_so(monkeypatch):
@@ -376,9 +367,7 @@ def test_a_command_that_is_stopped_says_so(monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("robsim.bench.run_bench", stopped)
-    run = command("bench")
-    assert run.stderr == "stopped\n"
-    assert run.exit_code == 130
+    assert command("bench").exit_code == 130
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -394,14 +383,4 @@ def test_a_callback_that_ends_the_program_keeps_the_steps(mine):
 def test_what_was_not_asked_for_is_not_in_json(tmp_path):
     run = command("run", "--steps", "2", "--out", "out", "--json", cwd=tmp_path)
     assert json.loads(run.stdout) == {}
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_unknown_numbers_are_null_in_json(tmp_path):
-    frame = robsim.Simulation(resolution=(400, 400), seed=1).frame
-    robsim.imaging.save_image(tmp_path / "frame0.png", frame.image)
-    run = command(
-        "track", ".", "--area", "1200x1200", "--out", "out", "--no-video", "--json", cwd=tmp_path
-    )
-    assert json.loads(run.stdout)["tracking"]["rmse_xy"] is None
-    assert "NaN" not in run.stdout
+    assert "--measure" in run.stderr

@@ -42,11 +42,8 @@ def seen(monkeypatch):
 
 def test_without_a_folder_there_is_something_to_play_with(seen):
     run = command("gui", "--seed", "1")
-    assert run.exit_code == 0
-    assert run.stderr == ""
-    address, rest = re.fullmatch(ADDRESS + "(.*)", run.stdout, re.DOTALL).group(1, 4)
-    assert rest == "Ctrl-C ends it\nits last page was closed: ended\n"
-    assert len(address.split("/")[3]) == 24
+    assert (run.exit_code, run.stderr) == (0, "")
+    assert len(re.match(ADDRESS, run.stdout)[3]) == 24
     columns = seen.view.record.columns()
     assert {"pose_measured", "parameters"} <= set(columns)
     assert seen.view.driver.speed == 5
@@ -81,7 +78,11 @@ def test_what_was_saved_is_played_back(seen, tmp_path):
         assert seen.view.record.n_steps == steps
     refused = command("gui", "trace.npz", "--seed", "1", cwd=tmp_path)
     assert refused.exit_code == 2
-    assert "trace.npz is what has been recorded: --seed cannot change it" in refused.stderr
+    assert "--seed" in refused.stderr
+    trace[2:].save(tmp_path / "late.npz")
+    trace[:0].save(tmp_path / "none.npz")
+    for name in ("late.npz", "none.npz"):
+        assert command("gui", name, cwd=tmp_path).exit_code == 2
 
 
 def test_the_options_of_a_run(seen, tmp_path):
@@ -98,67 +99,55 @@ def test_the_options_of_a_run(seen, tmp_path):
     assert seen.view.runner.scenario == simulation.scenario
 
 
-@pytest.mark.slow
 def test_ctrl_c_is_a_good_end(seen):
     seen.is_interrupted = True
-    run = command("gui")
-    assert (run.exit_code, run.stderr) == (0, "ended\n")
+    assert command("gui").exit_code == 0
 
 
 def test_no_browser(seen, monkeypatch):
     seen.has_browser = False
-    assert command("gui").stderr == "no browser could be started: open this address in one\n"
+    assert "no browser" in command("gui").stderr
     monkeypatch.setenv("SSH_CONNECTION", "10.0.0.1 5 10.0.0.2 22")
     run = command("gui", "--no-browser")
     port = re.match(ADDRESS, run.stdout)[2]
     assert f"ssh -N -L {port}:127.0.0.1:{port} " in run.stderr
-    assert "browser could" not in run.stderr
+    assert "no browser" not in run.stderr
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("nowhere",), "no folder nowhere: robsim new nowhere creates it"),
-        (("nowhere.mkv",), "there is no file or folder nowhere.mkv"),
-        (("--speed", "0"), "--speed must be above 0, or max, got 0"),
-        (("--speed", "inf"), "--speed must be above 0, or max, got inf"),
-        (("--speed", "fast"), "--speed must be a number such as 2, or max, got 'fast'"),
-        (("--port", "70000"), "--port must lie within 0..65535, got 70000"),
-        (("--noise", "salt"), "--noise must be a noise such as gaussian:10"),
-        (("--control", "dance"), "--control must be one of spin, drive-around"),
-        (("--robot", "nobody"), "nobody"),
-        (("--scenario", "nowhere.toml"), "nowhere.toml"),
-    ],
-)
-def test_a_mistake_is_told_before_anything_opens(arguments, message, tmp_path):
-    run = command("gui", *arguments, cwd=tmp_path)
-    assert (run.exit_code, run.stdout) == (2, "")
-    assert message in run.stderr
+def test_a_mistake_is_told_before_anything_opens(tmp_path):
+    new_folder(tmp_path / "mine")
+    for named, arguments in {
+        "nowhere": ("nowhere",),
+        "nowhere.mkv": ("nowhere.mkv",),
+        "mine/control.py": ("mine/control.py",),  # a single callback is not its folder
+        "--speed": ("--speed", "0"),
+        "max": ("--speed", "fast"),
+        "--port": ("--port", "70000"),
+        "--noise": ("--noise", "salt"),
+        "--control": ("--control", "dance"),
+        "nobody": ("--robot", "nobody"),
+        "nowhere.toml": ("--scenario", "nowhere.toml"),
+        "'prak'": ("--task", "prak"),
+        "--task": ("--task", "park", "--scenario", "a.toml"),
+        "--train": ("--task", "park", "--train"),
+        "--robots and --train": ("--robots", "--train"),
+        "--robot is not": ("--calibrate", "--robot", "lab"),
+        "--calibration": ("--calibration", "mine.toml"),
+        # Where nothing runs.
+        "--seed": ("--train", "--seed", "1"),
+        "--noise is": ("--train", "--noise", "gaussian:10"),
+        "--speed is": ("--train", "--speed", "2"),
+    }.items():
+        run = command("gui", *arguments, cwd=tmp_path)
+        assert (run.exit_code, run.stdout) == (2, ""), arguments
+        assert named in run.stderr, arguments
 
 
 def test_a_file_with_a_mistake_is_shown_with_its_line(tmp_path):
     (tmp_path / "control.py").write_text("def control(step):\n    return 0 0\n")
     run = command("gui", str(tmp_path))
     assert run.exit_code == 1
-    assert "control.py" in run.stderr
-    assert "line 2" in run.stderr
-
-
-def test_a_single_callback_is_not_its_folder(tmp_path):
-    new_folder(tmp_path / "mine")
-    run = command("gui", "mine/control.py", cwd=tmp_path)
-    assert run.exit_code == 2
-    assert run.stderr == "error: mine/control.py is a single file: give its folder, mine\n"
-
-
-def test_a_record_that_cannot_be_played_back(tmp_path):
-    trace = robsim.Simulation(area=(300, 300), seed=1).run(4)
-    trace[2:].save(tmp_path / "late.npz")
-    trace[:0].save(tmp_path / "none.npz")
-    for name, why in {"late": "it begins with step 2, not 0", "none": "it has no steps"}.items():
-        run = command("gui", f"{name}.npz", cwd=tmp_path)
-        assert run.exit_code == 2
-        assert run.stderr == f"error: the trace cannot be shown: {why}\n"
+    assert re.search(r"control\.py.*line 2", run.stderr, re.DOTALL)
 
 
 def test_a_port_that_is_in_use():
@@ -166,9 +155,7 @@ def test_a_port_that_is_in_use():
         port = taken.getsockname()[1]
         run = command("gui", "--port", str(port))
     assert run.exit_code == 2
-    assert run.stderr == (
-        f"error: port {port} cannot be used: another program has it; 0 = any that is free\n"
-    )
+    assert f"port {port}" in run.stderr
 
 
 @pytest.fixture
@@ -190,7 +177,6 @@ def process():
 @pytest.mark.parametrize("ends_by", ["page", "signal"])
 def test_it_ends_with_its_last_page_or_by_a_signal(process, ends_by):
     _, port, secret = re.match(ADDRESS, process.stdout.readline()).groups()
-    assert process.stdout.readline() == "Ctrl-C ends it\n"
     with greeted(SimpleNamespace(port=int(port), secret=secret)) as client:
         client.say(type="press", button="start")
         while client.hear("frame")[0]["k"] < 3:
@@ -198,10 +184,8 @@ def test_it_ends_with_its_last_page_or_by_a_signal(process, ends_by):
         if ends_by == "signal":
             process.send_signal(signal.SIGINT)
             assert client.is_closed()
-    said, complaints = process.communicate(timeout=30)
+    process.communicate(timeout=300)
     assert process.returncode == 0
-    closed = "its last page was closed: ended\n"
-    assert (said, complaints) == ((closed, "") if ends_by == "page" else ("", "ended\n"))
 
 
 def test_colours_are_trained_on_a_picture_and_on_the_robot(seen, tmp_path, monkeypatch):
@@ -225,47 +209,26 @@ def test_colours_are_trained_on_a_picture_and_on_the_robot(seen, tmp_path, monke
     assert shown == [("colors", "photo.png"), ("colors", "the picture of the robot sheep")]
 
 
-def test_a_robot_is_defined_on_a_picture_and_on_another_robot(seen, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("tool", "given", "kind"),
+    [
+        ("--robots", ("--robot", "sheep"), "robots"),
+        ("--calibrate", ("--calibration", "mine.toml"), "floor"),
+    ],
+)
+def test_a_robot_or_a_floor_is_defined_on_a_picture_and_on_an_example(
+    tool, given, kind, seen, tmp_path, monkeypatch
+):
     save_image(tmp_path / "photo.png", np.full((60, 80, 3), 120, np.uint8))
     shown = []
     monkeypatch.setattr(
         Page, "wait", lambda page, _: shown.append((page.view.kind, page.view.source.title))
     )
-    assert command("gui", "photo.png", "--robots", cwd=tmp_path).exit_code == 0
-    assert command("gui", "--robots", "--robot", "sheep", cwd=tmp_path).exit_code == 0
-    assert shown == [("robots", "photo.png"), ("robots", "sheep")]
-    both = command("gui", "--robots", "--train")
-    assert both.exit_code == 2
-    assert "--robots and --train are two tools: give one of them" in both.stderr
-
-
-def test_a_floor_is_calibrated_on_a_picture_and_on_an_example(seen, tmp_path, monkeypatch):
-    save_image(tmp_path / "photo.png", np.full((60, 80, 3), 120, np.uint8))
-    shown = []
-    monkeypatch.setattr(
-        Page, "wait", lambda page, _: shown.append((page.view.kind, page.view.source.title))
-    )
-    given = ("photo.png", "--calibrate", "--calibration", "mine.toml")
-    assert command("gui", *given, cwd=tmp_path).exit_code == 0
-    assert command("gui", "--calibrate", cwd=tmp_path).exit_code == 0
-    assert shown == [
-        ("floor", "photo.png"),
-        ("floor", "an example: a floor with tiles of 300 mm"),
-    ]
-    for wrong, said in {
-        ("--calibrate", "--robot", "lab"): "--robot is not for --calibrate",
-        ("--calibration", "mine.toml"): "--calibration is for --calibrate: give that, too",
-    }.items():
-        refused = command("gui", *wrong, cwd=tmp_path)
-        assert refused.exit_code == 2
-        assert said in refused.stderr
-
-
-@pytest.mark.parametrize("option", [("--noise", "gaussian:10"), ("--seed", "1"), ("--speed", "2")])
-def test_what_is_for_a_run_is_refused_where_nothing_runs(option):
-    run = command("gui", "--train", *option)
-    assert run.exit_code == 2
-    assert f"{option[0]} is for a run: with --train nothing runs" in run.stderr
+    assert command("gui", "photo.png", tool, cwd=tmp_path).exit_code == 0
+    assert command("gui", tool, *given, cwd=tmp_path).exit_code == 0
+    (first, title), (second, other) = shown
+    assert first == second == kind
+    assert title == "photo.png" != other
 
 
 def test_a_task_has_its_world_and_its_goal(seen, tmp_path):
@@ -277,10 +240,13 @@ def test_a_task_has_its_world_and_its_goal(seen, tmp_path):
     assert runner.scenario.replace(seed=None, control=None) == task.scenario
     assert seen.error is None
     assert np.array_equal(seen.view.goals, task.goals)
-    assert run.stdout.endswith("no scores: 1 of the 150 steps of the task park were run\n")
-    run = command("gui", "--task", "follow")
-    assert run.exit_code == 0, run.stderr
+    assert "1 of the 150 steps" in run.stdout
+    assert command("gui", "--task", "follow").exit_code == 0
     assert seen.view.goals.shape == (3, 2)
+    short = robsim.tasks.Park(steps=3)
+    short.simulation(seed=1).run(3).save(tmp_path / "trace.npz")
+    assert command("gui", "trace.npz", "--task", "park", cwd=tmp_path).exit_code == 0
+    assert np.array_equal(seen.view.goals, short.goals)
 
 
 def test_the_scores_of_a_whole_run_of_a_task_are_told(seen, tmp_path, monkeypatch):
@@ -293,33 +259,8 @@ def test_the_scores_of_a_whole_run_of_a_task_are_told(seen, tmp_path, monkeypatc
         seen.view = page.view
 
     monkeypatch.setattr(Page, "wait", wait)
-    for voltage, told in {
-        0.1: "first 20 steps: time until it stays at the pose",
-        2: "2 V at",
-    }.items():
+    for voltage, told in {0.1: "first 20 steps", 2: "2 V at"}.items():
         (tmp_path / "control.py").write_text(f"def control(step):\n    return {voltage}, 0\n")
         run = command("gui", str(tmp_path), "--task", "park", "--seed", "1")
         assert told in run.stdout, run.stderr
         assert seen.view.record.n_steps == 25
-
-
-def test_a_trace_has_the_goal_of_a_task(seen, tmp_path):
-    task = robsim.tasks.Park(steps=3)
-    task.simulation(seed=1).run(3).save(tmp_path / "trace.npz")
-    run = command("gui", "trace.npz", "--task", "park", cwd=tmp_path)
-    assert (run.exit_code, run.stderr) == (0, "")
-    assert np.array_equal(seen.view.goals, task.goals)
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--task", "prak"], "there is no task 'prak': did you mean 'park'?"),
-        (["--task", "park", "--scenario", "a.toml"], "--task has a scenario of its own"),
-        (["--task", "park", "--train"], "--task is for a run: with --train nothing runs"),
-    ],
-)
-def test_a_task_that_there_is_not_is_told(words, message):
-    run = command("gui", *words)
-    assert run.exit_code == 2
-    assert message in " ".join(run.stderr.split())
