@@ -18,6 +18,8 @@
 namespace robsim {
 namespace {
 
+constexpr double patience = 300;  // s
+
 // A camera of small frames, each of one colour, that tells its number. `script` may throw, wait, or
 // return false for a torn one.
 class ScriptedDevice : public CaptureDevice {
@@ -90,7 +92,7 @@ TEST(Grabber, AReaderGetsTheNewestFrameOnceAndItsTimeStartsAtTheFirst) {
   Stepped camera;
   Grabber grabber(camera.device, {});
   camera.deliver(5);
-  const auto frame = grabber.take(10);
+  const auto frame = grabber.take(patience);
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->index, 4);
   EXPECT_EQ(frame->image.row(3)[5], 4);
@@ -134,14 +136,14 @@ TEST(Grabber, AHeldFrameDoesNotChangeAndThePoolIsBounded) {
   std::vector<Frame> held;
   for (int i = 0; i < 6; ++i) {
     camera.deliver(1);
-    held.push_back(*grabber.take(10));
+    held.push_back(*grabber.take(patience));
   }
   camera.deliver(50);
   for (int i = 0; i < 6; ++i) EXPECT_EQ(held[static_cast<std::size_t>(i)].image.row(15)[47], i);
   std::set<const std::uint8_t*> places;
   for (int i = 0; i < 50; ++i) {
     camera.deliver(1);
-    places.insert(grabber.take(10)->image.row(0));
+    places.insert(grabber.take(patience)->image.row(0));
   }
   EXPECT_LE(places.size(), 4u);
 }
@@ -154,9 +156,9 @@ TEST(Grabber, TheEndComesAfterTheLastFrameAndStays) {
   Grabber grabber(camera.device, {});
   camera.permits.n = 4;
   while (camera.device->n_closed == 0) std::this_thread::yield();
-  EXPECT_EQ(grabber.take(10)->index, 2);
+  EXPECT_EQ(grabber.take(patience)->index, 2);
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(fault_of([&] { grabber.take(10); }), CaptureFault::end);
+    EXPECT_EQ(fault_of([&] { grabber.take(patience); }), CaptureFault::end);
   }
 }
 
@@ -166,7 +168,7 @@ TEST(Grabber, ACameraThatCannotBeOpenedSaysWhyAtOnceThoughItMayReopen) {
   GrabberOptions options;
   options.reopen = true;
   Grabber grabber(device, options);
-  EXPECT_EQ(fault_of([&] { grabber.wait_for_size(10); }), CaptureFault::no_camera);
+  EXPECT_EQ(fault_of([&] { grabber.wait_for_size(patience); }), CaptureFault::no_camera);
 }
 
 TEST(Grabber, AnUnpluggedCameraIsOpenedAgainWhenItIsBack) {
@@ -183,7 +185,7 @@ TEST(Grabber, AnUnpluggedCameraIsOpenedAgainWhenItIsBack) {
   Grabber grabber(device, options);
   std::optional<Frame> frame;
   do {
-    frame = grabber.take(10);
+    frame = grabber.take(patience);
     ASSERT_TRUE(frame);
   } while (frame->index < 5);
   EXPECT_EQ(grabber.counts().reopened, 1);
@@ -196,8 +198,8 @@ TEST(Grabber, WithoutReopeningTheFaultReachesTheReader) {
     return true;
   });
   Grabber grabber(device, {});
-  EXPECT_TRUE(grabber.take(10));
-  EXPECT_EQ(fault_of([&] { grabber.take(10); }), CaptureFault::unplugged);
+  EXPECT_TRUE(grabber.take(patience));
+  EXPECT_EQ(fault_of([&] { grabber.take(patience); }), CaptureFault::unplugged);
 }
 
 TEST(Grabber, TimeOutsAreCountedAndThreeInARowReopen) {
@@ -218,14 +220,14 @@ TEST(Grabber, AFrameOfAnotherSizeEndsIt) {
   GrabberOptions options;
   options.size = {32, 16};
   Grabber grabber(std::make_shared<ScriptedDevice>([](int) { return true; }), options);
-  EXPECT_EQ(fault_of([&] { grabber.take(10); }), CaptureFault::failed);
+  EXPECT_EQ(fault_of([&] { grabber.take(patience); }), CaptureFault::failed);
 }
 
 TEST(Grabber, ACloseWhileAReaderWaitsEndsItsWait) {
   Stepped camera;
   Grabber grabber(camera.device, {});
   std::thread closer([&] { grabber.close(); });
-  EXPECT_THROW(while (true) grabber.take(10), std::invalid_argument);
+  EXPECT_THROW(while (true) grabber.take(patience), std::invalid_argument);
   closer.join();
   EXPECT_THROW(grabber.take(0), std::invalid_argument);
   EXPECT_EQ(camera.device->n_closed, 1);
@@ -261,7 +263,7 @@ TEST(Grabber, ALongStreamBetweenTwoThreadsLosesCountOfNothing) {
   std::int64_t taken = 0;
   const auto read = [&] {
     while (true) {
-      const auto frame = grabber.take(10);
+      const auto frame = grabber.take(patience);
       ASSERT_TRUE(frame);
       EXPECT_GT(frame->index, last);
       EXPECT_NE(frame->index % 7, 0);
