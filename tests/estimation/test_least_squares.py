@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-import robsim
+from robsim.identification import least_squares
 
 pytestmark = pytest.mark.kernels
 
@@ -10,7 +10,7 @@ def test_it_equals_numpy_on_badly_scaled_columns(rng):
     scale = np.array((1, 30, 0.02, 100, 1))
     phi = rng.normal(size=(300, 5)) * scale
     y = rng.normal(size=300)
-    fit = robsim.identification.least_squares(phi, y)
+    fit = least_squares(phi, y)
     theta = np.linalg.lstsq(phi, y, rcond=None)[0]
     # a parameter may be 0 by chance: each is as exact as its column lets it be
     error = np.linalg.norm((fit.theta - theta) * scale)
@@ -24,32 +24,35 @@ def test_what_the_samples_do_not_determine_is_nan(rng):
     phi = rng.normal(size=(50, 4))
     phi[:, 3] = 2 * phi[:, 1]
     theta = np.array([1.0, 2.0, 3.0, 0.5])
-    fit = robsim.identification.least_squares(phi, phi @ theta)
+    fit = least_squares(phi, phi @ theta)
     assert fit.rank == 3
     np.testing.assert_array_equal(np.isnan(fit.theta), [False, True, False, True])
     np.testing.assert_allclose(fit.theta[[0, 2]], [1.0, 3.0], rtol=1e-10)
 
 
 def test_fewer_samples_than_parameters():
-    fit = robsim.identification.least_squares([[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], [3.0, 4.0])
+    fit = least_squares([[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], [3.0, 4.0])
     assert fit.rank == 2
     assert fit.condition == np.inf
     np.testing.assert_array_equal(fit.theta, [3.0, np.nan, np.nan])
 
 
-@pytest.mark.parametrize(
-    ("phi", "y", "name"),
-    [
+def test_bad_samples_are_refused():
+    for phi, y, name in (
         (np.empty((0, 3)), np.empty(0), "phi"),
-        (np.ones((4, 2)), np.ones(3), "y"),
+        (np.ones((2, 0)), np.ones(2), "phi"),
         (np.full((4, 2), np.nan), np.ones(4), "phi"),
+        (np.eye(2) * 1e200, np.ones(2), "phi"),
         (np.ones(4), np.ones(4), "phi"),
+        (np.ones((4, 2)), np.ones(3), "y"),
         (np.ones((4, 2)), [1, 2, 3, np.inf], "y"),
-    ],
-)
-def test_bad_samples_are_refused(phi, y, name):
-    with pytest.raises(ValueError, match=name):
-        robsim.identification.least_squares(phi, y)
+        (np.eye(2), [1e200, 0], "y"),
+        (np.eye(2), [[1], [2]], "y"),
+    ):
+        with pytest.raises(ValueError, match=rf"\b{name}\b"):
+            least_squares(phi, y)
+    fit = least_squares(np.eye(2) * 1e100, [1e100, 1e99])
+    np.testing.assert_allclose(fit.theta, [1, 0.1])
 
 
 def normal_equations(phi, y):
@@ -60,11 +63,11 @@ def normal_equations(phi, y):
     return unit, np.sqrt(variance) * unit
 
 
-@pytest.mark.parametrize("samples", [6, 255, 256, 257, 1000])
+@pytest.mark.parametrize("samples", [6, 255, 256, 257])
 def test_standard_errors_are_those_of_the_normal_equations(rng, samples):
     phi = rng.normal(size=(samples, 4)) * (1, 20, 0.1, 3)
     y = phi @ (1.0, 2.0, 3.0, 4.0) + rng.normal(size=samples)
-    fit = robsim.identification.least_squares(phi, y)
+    fit = least_squares(phi, y)
     unit, errors = normal_equations(phi, y)
     np.testing.assert_allclose(fit.standard_errors_unscaled, unit, rtol=1e-10)
     np.testing.assert_allclose(fit.standard_errors, errors, rtol=1e-10)
@@ -77,19 +80,17 @@ def test_standard_errors_of_what_is_determined_do_not_feel_the_rest(rng):
     full = rng.normal(size=(50, 3))
     y = full @ (1.0, 2.0, 3.0) + 0.1 * rng.normal(size=50)
     phi = np.column_stack([full, 2 * full[:, 1], np.zeros(50)])
-    fit = robsim.identification.least_squares(phi, y)
+    fit = least_squares(phi, y)
     unit, errors = normal_equations(full, y)
     np.testing.assert_allclose(fit.standard_errors_unscaled[[0, 2]], unit[[0, 2]], rtol=1e-10)
     np.testing.assert_allclose(fit.standard_errors[[0, 2]], errors[[0, 2]], rtol=1e-10)
     assert np.isinf(fit.standard_errors[[1, 3, 4]]).all()
     assert np.isinf(fit.standard_errors_unscaled[[1, 3, 4]]).all()
-    assert fit.residual_rms == pytest.approx(
-        robsim.identification.least_squares(full, y).residual_rms, rel=1e-10
-    )
+    assert fit.residual_rms == pytest.approx(least_squares(full, y).residual_rms, rel=1e-10)
 
 
 def test_as_many_samples_as_parameters_say_nothing_of_the_noise(rng):
-    fit = robsim.identification.least_squares(rng.normal(size=(3, 3)), rng.normal(size=3))
+    fit = least_squares(rng.normal(size=(3, 3)), rng.normal(size=3))
     assert np.isnan(fit.standard_errors).all()
     assert np.isfinite(fit.standard_errors_unscaled).all()
     assert fit.residual_rms < 1e-12

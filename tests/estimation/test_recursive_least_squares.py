@@ -2,9 +2,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis.extra import numpy as npst
 
 import robsim
-from robsim import _core
+from sizes import thorough
 
 pytestmark = pytest.mark.kernels
 
@@ -51,7 +53,7 @@ def test_without_forgetting_it_equals_the_ridge_solution_to_the_last_digits(
 @pytest.mark.long
 def test_on_a_drive_it_equals_the_ridge_solution_to_the_last_digits(rng):
     run = robsim.Simulation(control=robsim.DriveAround(), boundary="unlimited", seed=4).run(200)
-    phi, y = _core.regression(run.pose_true, run.u)
+    phi, y = robsim.identification.regression(run.pose_true, run.u)
     y = y + (0.1, 0.1, 0.005) * rng.normal(size=y.shape)
     theta = robsim.RecursiveLeastSquares(5, n_filters=3, initial_covariance=2.0**20).update(phi, y)
     for axis in range(3):
@@ -82,39 +84,60 @@ def test_filters_side_by_side_do_not_see_each_other(rng):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("forgetting", [0.999, 0.99, 0.95])
+@pytest.mark.parametrize("forgetting", [0.999, 0.95])
 def test_the_covariance_stays_symmetric_and_positive_where_the_common_form_diverges(
     rng, forgetting
 ):
     filter_ = robsim.RecursiveLeastSquares(3, forgetting=forgetting)
-    for row in rng.normal(size=(30_000, 3)):
-        estimate = filter_.update(row, row @ (1.0, -2.0, 0.5))
+    phi = rng.normal(size=(30_000, 3))
+    estimate = filter_.update(phi, phi @ (1.0, -2.0, 0.5))[-1]
     np.testing.assert_array_equal(filter_.P, filter_.P.T)
     assert np.linalg.eigvalsh(filter_.P).min() > 0
     np.testing.assert_allclose(estimate, (1.0, -2.0, 0.5), rtol=1e-9)
 
 
-def test_bad_samples_change_nothing(rng):
-    filter_ = robsim.RecursiveLeastSquares(3)
-    filter_.update([1.0, 2.0, 3.0], 4.0)
+def test_bad_samples_change_nothing():
+    filter_ = robsim.RecursiveLeastSquares(2, forgetting=0.9)
+    filter_.update([1.0, 2.0], 3.0)
     before = filter_.theta.copy(), filter_.P.copy()
-    for phi, y in [([1, 2], 3), ([1, 2, 3], np.inf), (None, 1), ([1, 2, 3], "x")]:
-        with pytest.raises((TypeError, ValueError), match=r"phi|y"):
+    for phi, y, name in (
+        ([1], 1, "phi"),
+        ([1, 2, 3], 1, "phi"),
+        ([[[1, 2]]], 1, "phi"),
+        ([np.inf, 1], 1, "phi"),
+        ([1e200, 1e200], 1, "phi"),
+        ([1, 2], [1], "y"),
+        ([1, 2], np.inf, "y"),
+        ([[1, 2]], 1, "y"),
+        ([[1, 2]], [1, 2], "y"),
+        ([[1, 2]], [[1]], "y"),
+        ([[1.0, 2.0], [1.0, np.inf]], [1.0, 2.0], "1e50"),
+    ):
+        with pytest.raises((TypeError, ValueError), match=rf"\b{name}\b"):
             filter_.update(phi, y)
     np.testing.assert_array_equal(filter_.theta, before[0])
     np.testing.assert_array_equal(filter_.P, before[1])
+    assert filter_.n_samples == 1
 
 
-def test_one_bad_sample_among_many_changes_nothing():
-    filter_ = robsim.RecursiveLeastSquares(2)
-    with pytest.raises(ValueError, match="at most 1e50"):
-        filter_.update([[1.0, 2.0], [1.0, np.inf]], [1.0, 2.0])
-    assert filter_.n_samples == 0
-    np.testing.assert_array_equal(filter_.theta, [0, 0])
+@settings(max_examples=60)
+@given(
+    phi=npst.array_shapes(min_dims=0, max_dims=4, max_side=4),
+    y=npst.array_shapes(min_dims=0, max_dims=2, max_side=4),
+)
+def test_update_of_three_filters(phi, y):
+    filters = robsim.RecursiveLeastSquares(2, n_filters=3)
+    fits = phi[-2:] == (3, 2) and len(phi) <= 3
+    if fits and y == phi[:-1]:
+        assert filters.update(np.ones(phi), np.ones(y)).shape == phi
+    else:
+        name = "y" if fits else "phi"
+        with pytest.raises(ValueError, match=rf"\b{name}\b"):
+            filters.update(np.ones(phi), np.ones(y))
+        np.testing.assert_array_equal(filters.theta, np.zeros((3, 2)))
 
 
-@pytest.mark.parametrize("parameters", [1, 3, 5, 7])
-@pytest.mark.parametrize("filters", [1, 3, 6])
+@pytest.mark.parametrize(("parameters", "filters"), [(1, 1), (5, 3), (7, 6)])
 def test_rows_of_samples_are_the_same_as_single_ones(rng, parameters, filters):
     shape = (40, filters, parameters) if filters > 1 else (40, parameters)
     phi, y = rng.normal(size=shape), rng.normal(size=shape[:-1])
@@ -127,22 +150,6 @@ def test_rows_of_samples_are_the_same_as_single_ones(rng, parameters, filters):
         np.testing.assert_array_equal(history[k], one_by_one.update(phi[k], y[k]))
     np.testing.assert_array_equal(together.P, one_by_one.P)
     assert together.update(phi[:0], y[:0]).shape == (0, *shape[1:])
-
-
-def test_every_processor_gives_the_same_bits(rng):
-    phi, y = rng.normal(size=(200, 3, 5)), rng.normal(size=(200, 3))
-    results = []
-    used = _core.cpu_path()
-    try:
-        for path in _core.cpu_paths():
-            _core.force_cpu_path(path)
-            filters = robsim.RecursiveLeastSquares(5, n_filters=3, forgetting=0.98)
-            results.append((filters.update(phi, y), filters.P))
-    finally:
-        _core.force_cpu_path(used)
-    for history, P in results[1:]:
-        np.testing.assert_array_equal(history, results[0][0])
-        np.testing.assert_array_equal(P, results[0][1])
 
 
 def test_a_filter_without_a_sample_holds_and_the_others_go_on(rng):
@@ -180,42 +187,35 @@ def test_reset_goes_back_to_the_start():
     np.testing.assert_array_equal(filter_.P, 10 * np.eye(2))
 
 
-@pytest.mark.parametrize(
-    ("options", "name"),
-    [
-        ({"n_parameters": 0}, "n_parameters"),
-        ({"n_parameters": 2, "n_filters": 0}, "n_filters"),
-        ({"n_parameters": 2, "forgetting": 0.0}, "forgetting"),
-        ({"n_parameters": 2, "forgetting": 1.1}, "forgetting"),
-        ({"n_parameters": 2, "initial_covariance": 0.0}, "initial_covariance"),
-    ],
-)
-def test_options_out_of_range_are_refused(options, name):
-    with pytest.raises(ValueError, match=name):
-        robsim.RecursiveLeastSquares(**options)
-
-
-@pytest.mark.parametrize("value", [5e-324, 1e300, -0.1])
-def test_what_came_is_told_in_digits_that_count(value):
-    with pytest.raises(ValueError, match="forgetting") as caught:
-        robsim.RecursiveLeastSquares(2, initial_covariance=1.0, forgetting=value)
-    assert float(str(caught.value).rpartition("got ")[2]) == pytest.approx(value, rel=1e-9, abs=0)
+def test_options_out_of_range_are_refused():
+    robsim.RecursiveLeastSquares(1000, initial_covariance=1e50, forgetting=1)
+    for name, values in (
+        ("n_parameters", (0, -1, 1001, 1.5)),
+        ("n_filters", (0, -1, 100_001, 2**31)),
+        ("forgetting", (0, -0.0, -1, 1.000001, np.inf)),
+        ("initial_covariance", (0, -1, 1.1e50, np.inf)),
+    ):
+        for value in values:
+            with pytest.raises((TypeError, ValueError), match=rf"\b{name}\b"):
+                robsim.RecursiveLeastSquares(**{"n_parameters": 2} | {name: value})
+    with pytest.raises(ValueError, match=r"n_filters.*101000000"):
+        robsim.RecursiveLeastSquares(1000, n_filters=101)
 
 
 LIMIT = 1e9  # of the covariance, for each parameter
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("forgetting", [1.0, 0.999, 0.99, 0.95])
+@pytest.mark.parametrize("forgetting", [1.0, 0.99, 0.95])
 @pytest.mark.parametrize("excitation", ["rich", "poor", "none"])
 def test_after_very_many_updates_it_is_still_right(rng, forgetting, excitation):
     theta = np.array([1.9, -0.9, 0.2, 0.2, 0.01])
     filter_ = robsim.RecursiveLeastSquares(5, forgetting=forgetting)
     scale = {"rich": (1, 1, 1, 1, 1), "poor": (1, 1e-6, 1, 0, 0), "none": (0, 0, 0, 0, 0)}
     base = np.array((0.0, 1.0, 0.0, 1.0, 1.0))
-    # Where it forgets, 200 000 updates are 200 times its memory, 1/(1 - forgetting), or more.
-    for _ in range(10 if forgetting == 1 else 2):
-        phi = base + rng.normal(size=(100_000, 5)) * scale[excitation]
+    # Where it forgets, 50 000 updates are 500 times its memory, 1/(1 - forgetting), or more.
+    for _ in range(thorough(10, 4) if forgetting == 1 else 2):
+        phi = base + rng.normal(size=(thorough(100_000, 25_000), 5)) * scale[excitation]
         estimate = filter_.update(phi, phi @ theta)[-1]
         P = filter_.P
         assert np.isfinite(estimate).all()
@@ -228,7 +228,7 @@ def test_after_very_many_updates_it_is_still_right(rng, forgetting, excitation):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("forgetting", [0.999, 0.99, 0.95, 0.5])
+@pytest.mark.parametrize("forgetting", [0.99, 0.5])
 @pytest.mark.parametrize("constant", [(600.0, 599.0, 0.5, 0.7, 1.0), (1.0, 1.0, 1.0, 1.0, 1.0)])
 def test_after_a_long_constant_input_a_change_is_followed_as_by_a_new_filter(
     rng, forgetting, constant
@@ -236,8 +236,8 @@ def test_after_a_long_constant_input_a_change_is_followed_as_by_a_new_filter(
     before = np.array([1.9, -0.9, 0.2, 0.2, 0.1])
     after = np.array([1.5, -0.5, 0.4, 0.1, 0.3])
     used = robsim.RecursiveLeastSquares(5, forgetting=forgetting)
-    phi = np.tile(constant, (100_000, 1))
-    held = used.update(phi, phi @ before + 0.1 * rng.normal(size=100_000))
+    phi = np.tile(constant, (thorough(100_000, 30_000), 1))
+    held = used.update(phi, phi @ before + 0.1 * rng.normal(size=len(phi)))
     assert np.abs(held).max() < 10
     assert np.trace(used.P) <= 5 * LIMIT * (1 + 1e-9)
     new = robsim.RecursiveLeastSquares(5, forgetting=forgetting)
@@ -258,20 +258,7 @@ def test_forgetting_without_excitation_stays_finite():
     assert filter_.theta[1] == 0
 
 
-@pytest.mark.parametrize(
-    ("parameters", "filters", "message"),
-    [
-        (1001, 1, r"n_parameters must lie within 1\.\.1000, got 1001"),
-        (2, 100_001, r"n_filters must lie within 1\.\.100000, got 100001"),
-        (1000, 101, r"n_filters \* n_parameters\^2 must be at most 1e8, got 101000000"),
-    ],
-)
-def test_filters_that_no_memory_holds(parameters, filters, message):
-    with pytest.raises(ValueError, match=message):
-        robsim.RecursiveLeastSquares(parameters, n_filters=filters)
-
-
-@pytest.mark.parametrize("forgetting", [1, 0.99, 0.5, 1e-10])
+@pytest.mark.parametrize("forgetting", [1, 0.5, 1e-10])
 def test_stays_finite_for_all_that_it_takes(rng, forgetting):
     """Regressors of any size beside each other, exact fits, any first covariance."""
     sizes = [0, 1e-300, 1e-50, 1, 1e8, 1e50]
@@ -284,9 +271,3 @@ def test_stays_finite_for_all_that_it_takes(rng, forgetting):
             filters.update(signs * rng.choice(sizes, (30, 5)), rng.choice(sizes, 30))
         assert np.isfinite(filters.theta).all()
         assert np.isfinite(filters.P).all()
-
-
-@pytest.mark.parametrize("covariance", [1.1e50, 1e300, 0, -1, np.inf, np.nan])
-def test_a_first_covariance_that_would_overflow(covariance):
-    with pytest.raises(ValueError, match="initial_covariance must be above 0 and at most 1e50"):
-        robsim.RecursiveLeastSquares(5, initial_covariance=covariance)

@@ -88,14 +88,14 @@ def test_many_predictions_are_those_of_single_steps(rng):
     np.testing.assert_array_equal(model.predict(pose_1, pose_2, u), one_by_one)
 
 
-@pytest.mark.parametrize("single", range(3))
-def test_one_row_stands_for_all(single, rng):
+def test_one_row_stands_for_all(rng):
     model = robsim.RobotModel()
-    many = [*rng.uniform(-1, 1, (2, 5, 3)), rng.uniform(-1, 1, (5, 2))]
-    given = [rows[0] if i == single else rows for i, rows in enumerate(many)]
-    many[single] = np.tile(many[single][0], (5, 1))
-    np.testing.assert_array_equal(model.predict(*given), model.predict(*many))
-    np.testing.assert_array_equal(model.jacobian(*given), model.jacobian(*many))
+    for single in range(3):
+        many = [*rng.uniform(-1, 1, (2, 5, 3)), rng.uniform(-1, 1, (5, 2))]
+        given = [rows[0] if i == single else rows for i, rows in enumerate(many)]
+        many[single] = np.tile(many[single][0], (5, 1))
+        np.testing.assert_array_equal(model.predict(*given), model.predict(*many))
+        np.testing.assert_array_equal(model.jacobian(*given), model.jacobian(*many))
 
 
 def test_no_rows_give_none():
@@ -129,13 +129,78 @@ def test_the_jacobian_is_the_derivative_of_the_prediction(rng):
     np.testing.assert_allclose(model.jacobian(*np.split(poses, 2), u), expected, atol=1e-8)
 
 
-@pytest.mark.parametrize(("dt", "steps"), [(0.2, 1), (0.249, 1), (0.16, 1), (0.4, 2), (60, 300)])
-def test_the_steps_in_a_time(dt, steps):
-    assert robsim.RobotModel().steps_in(dt) == steps
+def test_the_steps_in_a_time():
+    model = robsim.RobotModel()
+    for dt, steps in ((0.2, 1), (0.249, 1), (0.16, 1), (0.4, 2), (60, 300)):
+        assert model.steps_in(dt) == steps
+    for dt in (0.0333, 0.1, 0.27, 0, -0.2, np.inf, 1e300):
+        with pytest.raises(ValueError, match=r"\bdt\b"):
+            model.steps_in(dt)
 
 
-def test_a_time_of_no_whole_number_of_steps_is_refused():
-    with pytest.raises(
-        ValueError, match=r"^step.dt must be a multiple of the model's dt, 0.2 s, got 0.0333: "
+# --- limits
+
+THETA = robsim.RobotModel().theta
+
+
+def with_entry(row, column, value):
+    theta = np.array(THETA)
+    theta[row, column] = value
+    return theta
+
+
+def test_parameters_out_of_range_are_refused():
+    tiny = 5e-324
+    for names, values in (
+        ("mass inertia wheel_radius wheel_base dt", (0, -1, np.inf)),
+        ("linear_friction angular_friction", (-tiny, np.inf)),
+        ("motor_gain motor_offset", ((1,), (1, 2, 3), (np.nan, 1), {1, 2})),
     ):
-        robsim.RobotModel().steps_in(0.0333)
+        for name in names.split():
+            for value in values:
+                with pytest.raises((TypeError, ValueError), match=rf"\b{name}\b"):
+                    robsim.RobotParameters(**{name: value})
+    robsim.RobotParameters(linear_friction=0, angular_friction=0)
+
+
+def test_a_model_is_stable():
+    for name, value, entry in (
+        ("linear_friction", 0.0, "a1X"),
+        ("angular_friction", 0.0, "a1P"),
+        ("mass", 1e20, "a1X"),
+        ("dt", 1e308, ""),
+        ("wheel_radius", 5e-324, ""),
+        ("motor_gain", (1e308, 0), ""),
+    ):
+        with pytest.raises(ValueError, match=rf"{entry}.*\b{name}\b"):
+            robsim.RobotModel(robsim.RobotParameters(**{name: value}))
+    for row, axis in enumerate("XYP"):
+        for a1 in (0.0, 2.0, -0.5, 2.5):
+            with pytest.raises(ValueError, match=rf"\ba1{axis}\b"):
+                robsim.RobotModel.from_theta(with_entry(row, 0, a1))
+    for name, theta in (
+        ("a2X", with_entry(0, 1, 50)),
+        ("theta", with_entry(1, 2, np.inf)),
+        ("theta", THETA.T),
+        ("theta", THETA[None]),
+    ):
+        with pytest.raises(ValueError, match=rf"\b{name}\b"):
+            robsim.RobotModel.from_theta(theta)
+    for dt in (0, -1, np.inf):
+        with pytest.raises(ValueError, match=r"\bdt\b"):
+            robsim.RobotModel.from_theta(THETA, dt=dt)
+
+
+def test_poses_and_inputs_of_other_shapes_are_refused():
+    model, pose, u = robsim.RobotModel(), (1, 2, 3), (0, 0)
+    for call in (model.predict, model.jacobian):
+        for wrong in ((1, 2), (1, 2, 3, 4), [[1, 2]], [[[1, 2, 3]]], (np.nan, 0, 0), ()):
+            with pytest.raises(ValueError, match="pose_1"):
+                call(wrong, pose, u)
+            with pytest.raises(ValueError, match="pose_2"):
+                call(pose, wrong, u)
+        for wrong in ((1,), (1, 2, 3), (np.nan, 1), [[[1, 2]]]):
+            with pytest.raises(ValueError, match=r"\bu\b"):
+                call(pose, pose, wrong)
+        with pytest.raises(ValueError, match=r"\bu\b"):
+            call([pose] * 3, pose, [u] * 2)

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim import _core
-from scenes import renderer
+from robsim.simulation import Renderer, Scene
+from scenes import renderer, small_renderer
 
 CENTRE = (600.0, 600.0, 0.0)
 
@@ -33,39 +33,33 @@ def drawn_by_hand(floor, sprite, centre, pose):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("path", _core.cpu_paths())
 @pytest.mark.parametrize("size", [(7, 4), (1, 9), (90, 80)])
-def test_every_pixel_is_what_it_is_by_hand(path, size, rng):
+def test_every_pixel_is_what_it_is_by_hand(size, rng):
     sprite = rng.integers(0, 256, (*size[::-1], 4), dtype=np.uint8)
     sprite[..., 3] = rng.choice([0, 100, 255], size[::-1])
     floor = rng.integers(0, 256, (40, 110, 3), dtype=np.uint8)
     centre = (size[0] * 0.4, size[1] * 0.6)
-    before = _core.cpu_path()
-    try:
-        _core.force_cpu_path(path)
-        scene = _core.Scene(
-            floor=(floor, floor),
-            home=(floor, floor),
-            shadow_left=110,
-            shadow_factor=0.8,
-            sprite=sprite,
-            centre=centre,
-            unit=1,
-            alignment=0,
-            headings=0,
-            area=(110, 40),
-        )
-        draw = _core.Renderer(scene)
-        for heading in (0, np.pi / 2, *rng.uniform(-np.pi, np.pi, 3)):
-            pose = (*rng.uniform((0, 0), (109, 39)), heading)
-            expected = drawn_by_hand(floor, sprite, centre, pose)
-            assert np.abs(draw.render(pose) - expected).max() <= 0.51
-    finally:
-        _core.force_cpu_path(before)
+    scene = Scene(
+        floor=(floor, floor),
+        home=(floor, floor),
+        shadow_left=110,
+        shadow_factor=0.8,
+        sprite=sprite,
+        centre=centre,
+        unit=1,
+        alignment=0,
+        headings=0,
+        area=(110, 40),
+    )
+    draw = Renderer(scene)
+    for heading in (0, np.pi / 2, *rng.uniform(-np.pi, np.pi, 3)):
+        pose = (*rng.uniform((0, 0), (109, 39)), heading)
+        expected = drawn_by_hand(floor, sprite, centre, pose)
+        assert np.abs(draw.render(pose) - expected).max() <= 0.51
 
 
 def test_an_image_that_is_held_is_never_overwritten():
-    draw = renderer()
+    draw = renderer(resolution=(240, 240))
     held, copies = [], []
     for k in range(6):
         held.append(draw.render((300.0 + 20 * k, 400.0, 0.1 * k)))
@@ -77,14 +71,13 @@ def test_an_image_that_is_held_is_never_overwritten():
 
 
 def test_a_buffer_that_nobody_holds_is_used_again():
-    draw = renderer()
+    draw = renderer(resolution=(240, 240))
     addresses = {draw.render((300.0 + k, 400.0, 0.0)).ctypes.data for k in range(20)}
     assert len(addresses) == 1
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("headings", [0, 36])
-@pytest.mark.parametrize("camera", [(1200, 1200), (480, 480), (640, 400)])
+@pytest.mark.parametrize(("headings", "camera"), [(0, (480, 480)), (36, (640, 400))])
 def test_restoring_leaves_no_trace_of_the_robot(headings, camera, rng):
     draw, fresh = (
         renderer(headings=headings, resolution=camera),
@@ -120,9 +113,10 @@ def test_phases_show_the_nearest_heading_at_the_nearest_pixel():
 
 @pytest.mark.long
 def test_a_phase_looks_like_the_continuous_picture_of_its_heading():
-    for heading in np.deg2rad([0, 70, 180, -130]):
-        a = renderer(headings=36).render((600.0, 600.0, heading)).astype(int)
-        b = renderer().render((600.0, 600.0, heading)).astype(int)
+    for heading in np.deg2rad([0, 70, -130]):
+        size = {"area": (300, 300), "resolution": (300, 300)}
+        a = renderer(headings=36, **size).render((150.0, 150.0, heading)).astype(int)
+        b = renderer(**size).render((150.0, 150.0, heading)).astype(int)
         assert np.abs(a - b).max() <= 1
 
 
@@ -158,6 +152,42 @@ def test_far_away_robots_are_not_drawn():
     empty = draw.render((-5000.0, 1e12, 0.0)).copy()
     np.testing.assert_array_equal(draw.render((1e300, -1e300, 1.0)), empty)
     assert (draw.render(CENTRE) != empty).any()
+
+
+@pytest.mark.long
+def test_any_finite_pose_and_view_can_be_drawn(rng):
+    extremes = [0.0, -0.0, 5e-324, 1e308, -1e308, 1e9, *rng.uniform(-1e3, 1e3, 20)]
+    ends = [0, 7, -1, -(2**31), 2**31 - 1]
+    floor = np.full((8, 10, 3), 100, np.uint8)
+    for headings in (0, 4):
+        draw = small_renderer(headings=headings)
+        for _ in range(200):
+            pose, pan = rng.choice(extremes, 3), rng.choice(ends, 2)
+            image = draw.render(pose, tuple(pan.tolist()))
+            assert image.shape == floor.shape
+            if abs(pose[0]) > 100 and not pan.any():
+                np.testing.assert_array_equal(image, floor)
+
+
+def test_what_cannot_be_drawn():
+    image = np.full((8, 10, 3), 100, np.uint8)
+    for name, values in {
+        "floor": ((image,), (image[:4], image), (image.astype(float), image)),
+        "home": ((image, image[:, ::-1]),),
+        "shadow_factor": (-0.01, 1e308),
+        "sprite": (np.zeros((4, 4, 3), np.uint8), np.zeros((0, 4, 4), np.uint8)),
+        "centre": ((np.inf, 1), (1e9, 0), (1, 2, 3)),
+        "unit": (0, -1, 1e9),
+        "alignment": (np.nan,),
+        "headings": (-1, 2**31),
+        "area": ((0, 1), (1, -1), (2**31, 1)),
+    }.items():
+        for value in values:
+            with pytest.raises((TypeError, ValueError), match=rf"\b{name}\b"):
+                small_renderer(**{name: value})
+    for pan in ((1.5, 1), (2**31, 0), (0, -(2**31) - 1)):
+        with pytest.raises((TypeError, ValueError), match=r"\bpan\b"):
+            small_renderer().render((5, 4, 0), pan)
 
 
 def test_the_moved_view_shows_the_floor_again_but_the_square_once():

@@ -50,12 +50,6 @@ def test_a_robot_that_starts_beyond_a_wall_comes_in_without_a_bounce(start):
     assert not trace.bounced.any()
 
 
-def test_into_a_corner():
-    trace = driven((1130.0, 1130.0, np.pi / 4), steps=60)
-    assert trace.bounced.any()
-    assert (trace.pose_true[:, :2] < 1200).all()
-
-
 def test_in_the_unlimited_area_nothing_bounces_and_the_view_follows():
     sim = robsim.Simulation(
         boundary="unlimited", measure=True, control=lambda step: (1.0, 0.98), resolution=(480, 480)
