@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 import traceback
 
 import pytest
@@ -29,7 +28,7 @@ OPTIONS = {
 
 def python(code):
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=False
     )
     return done.returncode, done.stdout, done.stderr
 
@@ -60,12 +59,14 @@ def test_a_forked_process_is_told_that_the_run_is_not_its_own():
         assert not sim.is_running
         assert not sim.stop()
         own = robsim.Simulation(control=robsim.DriveAround(), **OPTIONS)
-        with running(own):  # the number of a thread there is never that of one of the parent's
+        with running(
+            own, 10**9
+        ):  # the number of a thread there is never that of one of the parent's
             assert "another thread is running" in told(lambda: own.last_step)
             assert "when the process was forked" in told(lambda: sim.last_step)
         assert len(own.run(3)) > 3
 
-    with running(sim):
+    with running(sim, 10**9):
         child = os.fork()
         if child == 0:
             code = 1
@@ -101,7 +102,7 @@ def test_a_callback_may_fork_and_both_processes_go_on():
 DAEMON = """
 import threading, time, robsim
 sim = robsim.Simulation(measure=True, area=(300, 300), resolution=(75, 75), {options})
-threading.Thread(target=lambda: sim.run(10**7), daemon=True).start()
+threading.Thread(target=lambda: sim.run(10**9), daemon=True).start()
 while not sim.n_steps:
     time.sleep(0.001)
 """
@@ -111,7 +112,7 @@ while not sim.n_steps:
 @pytest.mark.sanitized
 @pytest.mark.long
 @pytest.mark.skipif(sanitizers.ADDRESS, reason="it takes a thread that Python ends for a fault")
-@pytest.mark.parametrize("options", ["", "control=lambda step: (0, 0)", "time_limit=9"])
+@pytest.mark.parametrize("options", ["", "control=lambda step: (0, 0), time_limit=300"])
 def test_the_end_of_python_during_a_run(options):
     assert python(DAEMON.format(options=options)) == (0, "", "")
 
@@ -122,98 +123,65 @@ def test_the_end_of_python_during_a_run(options):
 def test_the_end_of_python_during_native_work_in_another_thread():
     """Python tears a daemon thread that comes back to it out of its calls: no abort."""
     code = """
-import threading, time
+import threading
 import numpy as np
 import robsim
 frame = robsim.Frame(np.zeros((1500, 1500, 3), np.uint8))
-colors, markers = robsim.load_colors(), robsim.Scenario()._marker_layout
+colors, markers = robsim.load_colors(), robsim.load_robot().marker_layout()
+works = threading.Event()
 def work():
     while True:
         robsim.find_blobs(frame, colors, markers=markers)
+        works.set()
 threading.Thread(target=work, daemon=True).start()
-time.sleep(0.2)
+works.wait()
 """
     assert python(code) == (0, "", "")
+
+
+SIGNALS = """
+import faulthandler, os, signal, tempfile
+import robsim
+
+def run(steps):
+    def control(step):
+        for one in (signal.SIGUSR1, signal.SIGUSR2, signal.SIGURG):
+            os.kill(os.getpid(), one)  # not ours: no reason to end anything
+        return 0, 0
+    robsim.Simulation(control=control, time_limit=300).run(steps)
+
+own = []
+signal.signal(signal.SIGUSR1, lambda *_: own.append(1))
+with tempfile.TemporaryFile() as log:
+    faulthandler.register(signal.SIGUSR2, file=log, all_threads=False)
+    faulthandler.register(signal.SIGURG, file=log, all_threads=False)
+    run(3)
+    os.kill(os.getpid(), signal.SIGURG)
+    os.kill(os.getpid(), signal.SIGUSR2)
+    log.seek(0)
+    print(len(own), log.read().count(b"most recent call first"))
+    faulthandler.unregister(signal.SIGURG)
+
+signal.signal(signal.SIGURG, lambda *_: own.append(2))
+run(3)
+os.kill(os.getpid(), signal.SIGURG)
+print(own.count(2))
+"""
 
 
 @pytest.mark.long
 @pytest.mark.skipif(not hasattr(signal, "SIGURG"), reason="needs signals of Unix")
 def test_a_time_limit_leaves_all_signals_as_they_were():
     """Handlers that were set in C, of which Python knows nothing, too."""
-    code = """
-import faulthandler, os, signal, sys, tempfile
-import robsim
-own = []
-signal.signal(signal.SIGUSR1, lambda *_: own.append("own"))
-log = tempfile.TemporaryFile()
-faulthandler.register(signal.SIGUSR2, file=log, all_threads=False)
-faulthandler.register(signal.SIGURG, file=log, all_threads=False)
-def control(step):
-    os.kill(os.getpid(), signal.SIGUSR1)
-    os.kill(os.getpid(), signal.SIGUSR2)
-    os.kill(os.getpid(), signal.SIGURG)  # not ours: no reason to end anything
-    return 0, 0
-sim = robsim.Simulation(control=control, time_limit=5)
-sim.run(3)
-os.kill(os.getpid(), signal.SIGURG)
-os.kill(os.getpid(), signal.SIGUSR2)
-log.seek(0)
-print(len(own), log.read().count(b"most recent call first"))
-"""
-    assert python(code) == (0, "3 5\n", "")  # while it runs, that of SIGURG waits: 3 + 2
-
-
-@pytest.mark.long
-def test_a_handler_of_python_for_the_same_signal_is_called_meanwhile():
-    if not hasattr(signal, "SIGURG"):
-        pytest.skip("needs signals of Unix")
-    code = """
-import os, signal
-import robsim
-own = []
-signal.signal(signal.SIGURG, lambda *_: own.append(1))
-def control(step):
-    os.kill(os.getpid(), signal.SIGURG)
-    return 0, 0
-robsim.Simulation(control=control, time_limit=5).run(3)
-os.kill(os.getpid(), signal.SIGURG)
-print(len(own))
-"""
-    assert python(code) == (0, "4\n", "")
-
-
-@pytest.mark.long
-def test_ctrl_c_ends_a_native_run_and_keeps_its_trace():
-    code = """
-import signal
-import robsim
-signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a job in the background
-sim = robsim.Simulation(measure=True, area=(300, 300), resolution=(75, 75))
-sim.run(1)
-print("begins", flush=True)
-try:
-    sim.run(10**7)
-except KeyboardInterrupt:
-    print(len(sim.trace) > 1, sim.is_running)
-"""
-    command = [sys.executable, "-c", code]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as process:
-        try:
-            assert process.stdout.readline() == "begins\n"
-            time.sleep(0.3)
-            process.send_signal(signal.SIGINT)
-            assert process.communicate(timeout=60) == ("True False\n", "")
-        finally:
-            process.kill()
+    # While it runs, that of SIGURG waits if it was set in C: 3 + 2. One of Python's does not: 4.
+    assert python(SIGNALS) == (0, "3 5\n4\n", "")
 
 
 @pytest.mark.long
 def test_a_sub_interpreter_is_told_that_it_cannot():
     code = """
 import faulthandler
-faulthandler.dump_traceback_later(30, exit=True)
+faulthandler.dump_traceback_later(250, exit=True)
 try:
     import _interpreters as interpreters
     made = [interpreters.create(kind) for kind in ("isolated", "legacy")]

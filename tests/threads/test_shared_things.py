@@ -11,6 +11,9 @@ from threads import in_thread, running, together
 
 pytestmark = pytest.mark.threads
 
+LONG = 10**9  # steps, more than anybody waits for
+SMALL = {"measure": True, "area": (300, 300), "resolution": (75, 75)}
+
 
 def test_an_estimator_serves_one_run_at_a_time():
     shared = robsim.RecursiveLeastSquares(5, n_filters=3)
@@ -18,17 +21,15 @@ def test_an_estimator_serves_one_run_at_a_time():
         robsim.Simulation(
             init_parameter_estimator=lambda model: shared,
             control=robsim.DriveAround(),
-            measure=True,
-            area=(300, 300),
-            resolution=(75, 75),
             seed=seed,
+            **SMALL,
         )
         for seed in range(2)
     ]
     sims[1].run(3)
     with (
-        running(sims[0]),
-        pytest.raises(RuntimeError, match="simulations that run at a time need an estimator each"),
+        running(sims[0], LONG),
+        pytest.raises(RuntimeError, match="estimator"),
     ):
         sims[1].run(10)
     assert len(sims[1].trace) == 3
@@ -53,9 +54,7 @@ def test_a_refused_run_stops_the_robot():
     sim = robsim.Simulation(
         init_parameter_estimator=lambda model: shared,
         control=robsim.DriveAround(),
-        measure=True,
-        area=(300, 300),
-        resolution=(75, 75),
+        **SMALL,
     )
     sent = []
     frames = [robsim.Frame(np.zeros((64, 64, 3), dtype=np.uint8)) for _ in range(9)]
@@ -70,7 +69,7 @@ def test_a_refused_run_stops_the_robot():
         identify_from="measurement",
     )
     experiment.step()  # and the robot drives
-    with running(sim), pytest.raises(RuntimeError, match="need an estimator each"):
+    with running(sim, LONG), pytest.raises(RuntimeError, match="estimator"):
         experiment.run(2)
     assert (sent[0], *{*sent[1:]}) == ((0.5, 0.5), (0, 0))
 
@@ -82,14 +81,7 @@ def test_a_refused_run_stops_the_robot():
 def test_a_ready_controller_and_a_scene_serve_any_number(control):
     def make(seed):
         noise = robsim.GaussianNoise(10)
-        options = {
-            "measure": True,
-            "area": (300, 300),
-            "resolution": (75, 75),
-            "noise": noise,
-            "headings": 36,
-        }
-        return robsim.Simulation(control=control, seed=seed, **options)
+        return robsim.Simulation(control=control, seed=seed, noise=noise, headings=36, **SMALL)
 
     alone = [make(seed).run(60).pose_measured for seed in range(4)]
     sims = [make(seed) for seed in range(4)]
@@ -98,17 +90,12 @@ def test_a_ready_controller_and_a_scene_serve_any_number(control):
         np.testing.assert_array_equal(sim.trace.pose_measured, expected)
 
 
-@pytest.mark.parametrize(
-    "make", [lambda: robsim.GoToPoint(9, 9), lambda: robsim.FollowPath([(9, 9)])]
-)
-def test_a_controller_with_a_memory_serves_one_run_at_a_time(make):
-    shared = make()
-    first, second = (
-        robsim.Simulation(measure=True, area=(300, 300), resolution=(75, 75), control=shared)
-        for _ in range(2)
-    )
+@pytest.mark.parametrize("kind", [robsim.GoToPoint, robsim.FollowPath])
+def test_a_controller_with_a_memory_serves_one_run_at_a_time(kind):
+    shared = kind(9, 9) if kind is robsim.GoToPoint else kind([(9, 9)])
+    first, second = (robsim.Simulation(control=shared, **SMALL) for _ in range(2))
     second.run(2)
-    with running(first), pytest.raises(RuntimeError, match=f"has this {type(shared).__name__}"):
+    with running(first, LONG), pytest.raises(RuntimeError, match=kind.__name__):
         second.run(2)
     assert len(second.run(2)) == 4
 
@@ -150,7 +137,7 @@ def test_callbacks_in_several_threads():
     """With callbacks the runs take turns; each gives what it gives alone."""
 
     def make(seed):
-        sim = robsim.Simulation(measure=True, area=(300, 300), resolution=(75, 75), seed=seed)
+        sim = robsim.Simulation(seed=seed, **SMALL)
         sim.control = lambda step: (0.2 + 0.001 * sim.rng.random(), 0.1)
         return sim
 
@@ -170,9 +157,7 @@ def test_the_garbage_collector_looks_at_a_run():
             return np.zeros((3, 5))
 
     def make(**options):
-        sim = robsim.Simulation(
-            measure=True, area=(300, 300), resolution=(75, 75), seed=1, **options
-        )
+        sim = robsim.Simulation(seed=1, **SMALL, **options)
         sim.define_model = lambda: sim and robsim.RobotModel()
         return sim
 
@@ -187,7 +172,7 @@ def test_the_garbage_collector_looks_at_a_run():
     gc.freeze()  # what is there from before: it would take too long
     gc.set_threshold(1)
     try:
-        with running(make(control=robsim.DriveAround(), estimate_parameters=True)):
+        with running(make(control=robsim.DriveAround(), estimate_parameters=True), LONG):
             collect()
         with in_thread(lambda: make(control=lambda step: [step.k * 0.0, 0.1]).run(100)):
             collect()

@@ -2,16 +2,18 @@
 
 import copy
 import pickle
-import time
 
 import numpy as np
 import pytest
 
 import robsim
+from sizes import thorough
 from threads import running, together
+from waiting import wait_for
 
 pytestmark = pytest.mark.threads
 
+LONG = 10**9  # steps, more than anybody waits for
 OPTIONS = {
     "measure": True,
     "estimate_parameters": True,
@@ -19,7 +21,6 @@ OPTIONS = {
     "resolution": (75, 75),
     "seed": 1,
 }
-DURATION = 0.03  # s, of trying to do harm
 
 
 def simulation(**options):
@@ -44,25 +45,17 @@ def outcome(look):
 
 
 def outcomes(*looks):
-    end = time.monotonic() + DURATION
-    seen = set()
-    while time.monotonic() < end:
-        seen.update(map(outcome, looks))
-    return seen
+    return {outcome(look) for _ in range(thorough(2000, 100)) for look in looks}
 
 
 def public(thing):
     return [name for name in dir(thing) if not name.startswith("_")]
 
 
-#: What belongs to the whole run, and stands still between two steps at most.
-REFUSED = {"estimator.theta", "last_step", "frame", "missed_detections"}
-
-
 @pytest.mark.long
-@pytest.mark.parametrize(
-    "use",
-    [
+def test_the_estimator_belongs_to_the_run(sim):
+    rls = sim.estimator
+    uses = (
         lambda rls: rls.theta,
         lambda rls: rls.P,
         lambda rls: rls.standard_errors_unscaled,
@@ -74,19 +67,17 @@ REFUSED = {"estimator.theta", "last_step", "frame", "missed_detections"}
         copy.deepcopy,
         pickle.dumps,
         lambda rls: rls == copy.copy(rls),
-    ],
-)
-def test_the_estimator_belongs_to_the_run(sim, use):
-    rls = sim.estimator
-    with running(sim):
-        refused = outcomes(lambda: use(rls), lambda: use(sim.estimator))
-    (words,) = refused
-    assert "a run in another thread has this estimator" in words
-    assert "sim.trace.parameters" in words
-    use(rls)  # afterwards it is anybody's again
+    )
+    with running(sim, LONG):
+        for use in uses:
+            refused = outcomes(lambda use=use: use(rls), lambda use=use: use(sim.estimator))
+            (words,) = refused
+            assert "a run in another thread has this estimator" in words
     again = simulation()
     again.run(sim.n_steps)
     np.testing.assert_array_equal(again.trace.parameters, sim.trace.parameters)
+    for use in uses:
+        use(rls)  # afterwards it is anybody's again
 
 
 def test_all_of_an_estimator_is_thought_of(sim):
@@ -99,7 +90,7 @@ def test_all_of_an_estimator_is_thought_of(sim):
 def test_all_of_a_simulation_can_be_asked_for(sim):
     """Each property gives something, or says why not; none of them disturbs the run."""
     told = {}
-    with running(sim):
+    with running(sim, LONG):
         for name in public(type(sim)):
             if isinstance(getattr(type(sim), name), property):
                 told[name] = outcomes(lambda name=name: getattr(sim, name))
@@ -113,7 +104,7 @@ def test_all_of_a_simulation_can_be_asked_for(sim):
 def test_a_live_plot(sim):
     """A trace that is read during the run is the beginning of that at its end."""
     read = []
-    with running(sim):
+    with running(sim, LONG):
         while len(read) < 50 or len(read[-1]) < 100:
             read.append(sim.trace)
     whole = sim.trace
@@ -124,13 +115,10 @@ def test_a_live_plot(sim):
 
 @pytest.mark.long
 def test_nothing_can_be_changed(sim):
-    def fill(slot):
-        setattr(sim, slot, None)
-
-    with running(sim):
+    with running(sim, LONG):
         for slot in sim.SLOTS:
-            (words,) = outcomes(lambda slot=slot: fill(slot))
-            assert "during a run" in words or "call sim.reset() first" in words
+            (words,) = outcomes(lambda slot=slot: setattr(sim, slot, None))
+            assert "during a run" in words or "sim.reset()" in words
         for option in ("noise", "dropout", "process_noise"):
             (words,) = outcomes(lambda option=option: setattr(sim, option, None))
             assert "another thread is running" in words
@@ -149,20 +137,20 @@ def test_steps_and_frames_that_were_kept(sim):
     last = sim.last_step
 
     def look():
-        for step, before in zip(steps, pixels, strict=True):
-            assert (step.k, step.t) == (steps.index(step), step.k * step.dt)
+        for k, (step, before) in enumerate(zip(steps, pixels, strict=True)):
+            assert (step.k, step.t) == (k, k * step.dt)
             np.testing.assert_array_equal(step.frame.image, before)
             assert step.blobs
             assert step.u.shape == (2,)
         assert last == steps[-1]
         assert last.parameters is not None or last.k < 3
 
-    with running(sim):
+    with running(sim, LONG):
         assert outcomes(look) == {"done"}
 
 
 def test_a_kept_step_can_be_given_back_while_the_next_run_begins():
-    for _ in range(30):
+    for _ in range(thorough(30, 10)):
         sim = simulation()
         sim.run(1)
         kept = [sim.last_step]
@@ -182,25 +170,32 @@ def test_a_run_ends_when_another_thread_says_so():
         before = [sim.n_steps for sim in sims]
 
         def stop(before=before):
-            while any(sim.n_steps == n for sim, n in zip(sims, before, strict=True)):
-                time.sleep(0)
+            for sim, n in zip(sims, before, strict=True):
+                wait_for(lambda sim=sim, n=n: sim.n_steps > n)
             while any(sim.is_running for sim in sims):
                 for sim in sims:
                     sim.stop()
 
-        together(*(lambda sim=sim: sim.run(200_000) for sim in sims), stop)
-        assert all(sim.n_steps < n + 200_000 for sim, n in zip(sims, before, strict=True))
+        together(*(lambda sim=sim: sim.run(LONG) for sim in sims), stop)
+        assert all(n < sim.n_steps < LONG for sim, n in zip(sims, before, strict=True))
 
 
 def test_a_start_in_another_thread_is_seen_whole():
     """What is read while callbacks of the start run is that of before it, or of after."""
-    for _ in range(3):
-        sim = simulation(define_model=lambda: time.sleep(0.01) or robsim.RobotModel())
-        sim.adjust_background = lambda background: time.sleep(0.01) or background
+    sim = simulation()
+    looks = []
 
-        def read(sim=sim):
-            while sim.n_steps == 0:
-                assert np.shape(sim.trace.info.theta_true) == (3, 5)
-                repr(sim)
+    def slowly(result):
+        n = len(looks)
+        wait_for(lambda: len(looks) > n + 3)
+        return result
 
-        together(lambda sim=sim: sim.run(3), read)
+    sim.define_model = lambda: slowly(robsim.RobotModel())
+    sim.adjust_background = slowly
+
+    def read():
+        while sim.n_steps == 0:
+            assert np.shape(sim.trace.info.theta_true) == (3, 5)
+            looks.append(repr(sim))
+
+    together(lambda: sim.run(3), read)
