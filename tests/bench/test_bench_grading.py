@@ -35,10 +35,3 @@ def test_the_table():
     assert re.search(r"1200_clean +1\.000 +0\.900 +0\.90 +-0\.100", text)
     assert re.search(r"a run of one step \(ms\) +21", text)
     assert "isolation: process" in text
-    assert max(map(len, text.splitlines())) <= 100
-
-
-def test_other_benchmarks_are_not_run_with_it(tmp_path):
-    ended = command("bench", "--grading", "--camera", cwd=tmp_path)
-    assert ended.exit_code != 0
-    assert "--camera and --grading are two benchmarks: give one of them" in ended.stderr

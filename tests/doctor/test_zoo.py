@@ -167,7 +167,7 @@ def test_a_gradient_method_is_slow_and_not_ill():
 def test_the_verdicts_do_not_hang_on_the_seed():
     """Other noise, other voltages: no false alarm, and the same faults.
 
-    With all of them, and more seeds: ``./run statistics --only doctor``.
+    With all of them, and more seeds: ``./run study statistics --only doctor``.
     """
     every = thorough(3, 12)
     rows = [row for kind in doctor.ESTIMATORS for row in doctor.trials(kind, every).counted(1)]

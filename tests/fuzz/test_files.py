@@ -106,20 +106,7 @@ def test_traces(whole, scratch, data):
 
 
 ODD = st.sampled_from(
-    (
-        None,
-        -1,
-        0,
-        1e300,
-        "",
-        "<script>alert(1)</script>",
-        "\x1b]0;a\x07",
-        [],
-        {},
-        [[]],
-        "truth",
-        2**70,
-    )
+    [None, -1, 0, 1e300, "", "<script>alert(1)</script>", "\x1b]0;a\x07", [], {}, [[]], 2**70]
 )
 
 
@@ -279,13 +266,17 @@ READERS = {
     "pictures": check_picture,
     "videos": check_video,
 }
-FILES = sorted(file for file in CORPUS.glob("*/*"))
 
 
 def test_the_corpus_is_there():
-    assert {file.parent.name for file in FILES} == set(READERS)
+    assert {file.parent.name for file in CORPUS.glob("*/*")} == set(READERS)
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: f"{file.parent.name}/{file.name}")
-def test_corpus(file, tmp_path):
-    READERS[file.parent.name](Path(shutil.copy(file, tmp_path)))
+@pytest.mark.parametrize("kind", READERS)
+def test_corpus(kind, tmp_path):
+    for file in (CORPUS / kind).glob("*"):
+        try:
+            READERS[kind](Path(shutil.copy(file, tmp_path)))
+        except BaseException as error:
+            error.add_note(f"with {file.name}")
+            raise
