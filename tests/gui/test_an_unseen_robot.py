@@ -7,15 +7,16 @@ import pytest
 from PIL import Image, ImageDraw, ImageFilter
 
 import robsim
+from panel_mouse import ToolMouse
 from robsim import Experiment, Recording
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow
 
-SIZE = (960, 720)
+SIZE = (640, 560)
 ORANGE, GREEN = (240, 120, 20), (30, 150, 60)
 FRONT, BACK = np.array((30, 2)), np.array((-38, 0))  # px from the middle of the body
-FINE = 4  # as large as it becomes, the robot is drawn
+FINE = 2  # as large as it becomes, the robot is drawn
 
 
 def robot():
@@ -68,27 +69,6 @@ class World:
         return np.clip(noisy, 0, 255).astype(np.uint8)
 
 
-class Mouse:
-    """A tool in a tab; places are pixels of its picture."""
-
-    def __init__(self, tool, tab):
-        self.tool, self.tab = tool, tab
-
-    def at(self, point):
-        box = self.tab.locator(".robsim-camera canvas").bounding_box()
-        height, width = self.tool._view.picture.frame.image.shape[:2]
-        scale = min(box["width"] / width, box["height"] / height)
-        margins = (box["width"] - scale * width) / 2, (box["height"] - scale * height) / 2
-        corner = np.array((box["x"], box["y"])) + margins
-        return (corner + scale * (np.array(point) + 0.5)).tolist()
-
-    def drag(self, start, end):
-        self.tab.mouse.move(*self.at(start))
-        self.tab.mouse.down()
-        self.tab.mouse.move(*self.at(end), steps=8)
-        self.tab.mouse.up()
-
-
 def test_from_a_photo_to_a_video_by_the_mouse(open_tool, user_folder, tmp_path):
     world = World(np.random.default_rng(77))
     x, y, heading = place = (420.0, 330.0, 0.7)
@@ -99,7 +79,7 @@ def test_from_a_photo_to_a_video_by_the_mouse(open_tool, user_folder, tmp_path):
     robsim.imaging.save_image(tmp_path / "photo.jpg", world.picture(*place))
 
     with robsim.gui.color_panel(tmp_path / "photo.jpg", file=tmp_path / "mine.toml") as tool:
-        mouse = Mouse(tool, open_tool(tool))
+        mouse = ToolMouse(tool, open_tool(tool))
         for name, middle in (("red", front), ("blue", back)):
             mouse.tab.fill("[name=new_class]", name)
             mouse.tab.keyboard.press("Enter")
@@ -110,7 +90,7 @@ def test_from_a_photo_to_a_video_by_the_mouse(open_tool, user_folder, tmp_path):
         wait_for((tmp_path / "mine.toml").exists)
 
     with robsim.gui.robot_panel(tmp_path / "photo.jpg", colors=tmp_path / "mine.toml") as tool:
-        mouse = Mouse(tool, open_tool(tool))
+        mouse = ToolMouse(tool, open_tool(tool))
         view, tab = tool._view, mouse.tab
         mouse.drag(view._square[:2], (x, y))
         wait_for(lambda: np.allclose(view._square[:2], (x, y), atol=3))
@@ -136,7 +116,7 @@ def test_from_a_photo_to_a_video_by_the_mouse(open_tool, user_folder, tmp_path):
 
     poses = []
     (tmp_path / "video").mkdir()
-    for k in range(40):
+    for k in range(18):
         heading += 0.12 * math.sin(k / 9)
         x, y = x + 6 * math.cos(heading), y + 6 * math.sin(heading)
         poses.append((x, y, heading))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
+from panel_mouse import ToolMouse
 from robsim import ColorClass
 from robsim.vision import load_colors
 from waiting import wait_for
@@ -28,33 +29,18 @@ def image():
     return image
 
 
-@pytest.fixture(params=["light", "dark"])
-def mouse(request, image, open_tool, tmp_path):
+@pytest.fixture
+def mouse(image, open_tool, tmp_path):
     with robsim.gui.color_panel(image, file=tmp_path / "colors.toml") as tool:
-        yield Mouse(tool, open_tool(tool, theme=request.param), image.shape)
+        yield Mouse(tool, open_tool(tool, theme="dark"))
 
 
-class Mouse:
-    """A tool in a tab, as it is used with the mouse."""
-
-    def __init__(self, tool, tab, shape):
-        self.tool, self.tab = tool, tab
-        self.canvas = tab.locator(".robsim-camera canvas")
-        box = self.canvas.bounding_box()
-        height, width = shape[:2]
-        self.scale = min(box["width"] / width, box["height"] / height)
-        self.left = box["x"] + (box["width"] - width * self.scale) / 2
-        self.top = box["y"] + (box["height"] - height * self.scale) / 2
-
-    def at(self, u, v):
-        return self.left + (u + 0.5) * self.scale, self.top + (v + 0.5) * self.scale
+class Mouse(ToolMouse):
+    """The tool in a tab, as it is used with the mouse."""
 
     def mark(self, left, top, right, bottom):
         """Drag a rectangle."""
-        self.tab.mouse.move(*self.at(left, top))
-        self.tab.mouse.down()
-        self.tab.mouse.move(*self.at(right, bottom), steps=6)
-        self.tab.mouse.up()
+        self.drag((left, top), (right, bottom))
 
     @property
     def classes(self):
@@ -84,7 +70,7 @@ def test_the_mask_lies_on_the_picture_until_the_test_is_off(mouse):
     mouse.mark(42, 42, 57, 57)
     wait_for(lambda: "red" in mouse.classes)
     box = mouse.canvas.bounding_box()
-    u, v = mouse.at(50, 50)
+    u, v = mouse.at((50, 50))
     inside = [u - box["x"], v - box["y"]]
     wait_for(lambda: mouse.tab.evaluate(PIXEL, inside)[0] > 235)  # painted red over the red
     mouse.tab.click("[name=tests]")
@@ -128,6 +114,7 @@ def test_the_thresholds_are_edited_as_text(mouse):
     text.fill("[red]\nu = [3, 99]\n")
     text.press("Control+Enter")
     wait_for(lambda: mouse.classes.get("red") == ColorClass("red", u=(3, 99)))
+    wait_for(lambda: "y = [0, 255]" in text.input_value())  # as Python writes it
     text.fill("[red\n")
     text.press("Control+Enter")
     mouse.tab.wait_for_selector(".robsim-toast-error")
@@ -141,7 +128,7 @@ def test_a_region_is_of_its_class_and_comes_again_with_the_page(mouse):
     box = mouse.canvas.bounding_box()
 
     def is_framed():
-        u, v = mouse.at(79.5, 85)  # between the first two columns: the left line is drawn there
+        u, v = mouse.at((79.5, 85))  # between the first two columns: the left line is drawn there
         red, _, blue, _ = mouse.tab.evaluate(PIXEL, [u - box["x"], v - box["y"]])
         return red > blue + 60  # yellow
 
@@ -178,5 +165,5 @@ def test_other_light_and_noise(mouse):
     mouse.mark(42, 42, 57, 57)
     wait_for(lambda: "red" in mouse.classes)
     mouse.tab.click("[name=score]")
-    mouse.tab.wait_for_selector(".robsim-score tr", timeout=30_000)
+    mouse.tab.wait_for_selector(".robsim-score tr")
     assert "%" in mouse.tab.locator(".robsim-score").inner_text()

@@ -31,11 +31,11 @@ PATTERNS = {
 }
 
 
-@pytest.mark.parametrize("name", PATTERNS)
-def test_it_is_found_to_a_tenth_of_a_pixel(name):
-    image = picture(PATTERNS[name])
-    for off in ((0, 0), (5, -4), (-6, 3)):
-        assert snapped(image, tuple(AT + off), 12) == pytest.approx(tuple(AT), abs=0.1)
+def test_it_is_found_to_a_tenth_of_a_pixel():
+    for dark in PATTERNS.values():
+        image = picture(dark)
+        for off in ((0, 0), (5, -4), (-6, 3)):
+            assert snapped(image, tuple(AT + off), 12) == pytest.approx(tuple(AT), abs=0.1)
 
 
 def test_nothing_is_found_on_a_plain_floor_on_an_edge_or_out_of_reach():
@@ -44,9 +44,9 @@ def test_nothing_is_found_on_a_plain_floor_on_an_edge_or_out_of_reach():
     assert snapped(picture(PATTERNS["corner"]), (70, 70), 9) is None
 
 
-@pytest.mark.parametrize("at", [(-500, 20), (0, 0), (99, 99), (1e6, 1e6)])
-def test_the_edges_of_the_picture_do_no_harm(at):
-    snapped(picture(PATTERNS["joint"]), at, 12)
+def test_the_edges_of_the_picture_do_no_harm():
+    for at in ((-500, 20), (0, 0), (99, 99), (1e6, 1e6)):
+        snapped(picture(PATTERNS["joint"]), at, 12)
 
 
 def test_joints_of_the_tiles_of_the_example():

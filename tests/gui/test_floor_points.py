@@ -48,42 +48,36 @@ def test_each_change_is_undone_and_a_drag_is_one(points):
 
 
 def test_what_is_missing_or_wrong_is_said(points):
-    assert points.draft.problems() == [
-        "place 4 points more: 4 are needed, with 6 a wrong one shows"
-    ]
+    (problem,) = points.draft.problems()
+    assert "4 points more" in problem
     for pixel, place in SQUARE:
         points.add(pixel, place)
     assert points.draft.problems() == []
-    points.place(2, (0, 0))
-    assert "points 1 and 2 have the same place on the floor" in points.draft.problems()
-    points.place(2, None)
-    assert "point 2 has no place on the floor yet: give x and y" in points.draft.problems()
-    points.place(3, (1, None))
-    assert "points 2, 3 have no place" in points.draft.problems()[0]
-    points.move(4, (10.2, 10.1))
-    assert "points 1 and 4 lie on each other in the picture" in points.draft.problems()
+    for change, numbers in (
+        (lambda: points.place(2, (0, 0)), "points 1 and 2 have the same place"),
+        (lambda: points.place(2, None), "point 2 has no place"),
+        (lambda: points.place(3, (1, None)), "points 2, 3 have no place"),
+        (lambda: points.move(4, (10.2, 10.1)), "points 1 and 4 lie on each other"),
+    ):
+        change()
+        assert numbers in " ".join(points.draft.problems())
 
 
-@pytest.mark.parametrize(
-    ("act", "said"),
-    [
-        (lambda p: p.add((1, float("nan"))), "pixel must be finite"),
-        (lambda p: p.add((1, 1e9)), "pixel must lie in the picture"),
-        (lambda p: p.add((1, 2), 3), "position must be"),
-        (lambda p: p.add((1, 2), (3, "a")), "position: y must be"),
-        (lambda p: p.move(7, (1, 2)), "there is no point 7"),
-        (lambda p: p.move(True, (1, 2)), "point must be"),
-        (lambda p: p.nudge(1, 3), "by must be"),
-        (lambda p: p.put([(1, 2)], [(1, 2), (3, 4)]), "as many"),
-        (lambda p: p.put([(1, 2)] * (MOST + 1), [(1, 2)] * (MOST + 1)), f"at most {MOST}"),
-        (lambda p: p.adjust(area=(3, 3)), "area must"),
-        (lambda p: p.adjust(mm_per_px=0), "mm_per_px must"),
-        (lambda p: p.adjust(marker_height=-1), "marker_height must"),
-    ],
-)
-def test_what_is_refused_changes_nothing(points, act, said):
+def test_what_is_refused_changes_nothing(points):
     points.add((1, 2))
     before = points.draft
-    with pytest.raises((TypeError, ValueError), match=said):
-        act(points)
-    assert points.draft is before
+    for act, said in (
+        (lambda: points.add((1, float("nan"))), "pixel must"),
+        (lambda: points.add((1, 1e9)), "pixel must"),
+        (lambda: points.add((1, 2), 3), "position must"),
+        (lambda: points.move(7, (1, 2)), "point 7"),
+        (lambda: points.nudge(1, 3), "by must"),
+        (lambda: points.put([(1, 2)], [(1, 2), (3, 4)]), "as many"),
+        (lambda: points.put([(1, 2)] * (MOST + 1), [(1, 2)] * (MOST + 1)), f"at most {MOST}"),
+        (lambda: points.adjust(area=(3, 3)), "area must"),
+        (lambda: points.adjust(mm_per_px=0), "mm_per_px must"),
+        (lambda: points.adjust(marker_height=-1), "marker_height must"),
+    ):
+        with pytest.raises((TypeError, ValueError), match=said):
+            act()
+        assert points.draft is before

@@ -2,6 +2,7 @@
 
 import os
 import threading
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -25,6 +26,8 @@ PLACES = np.array(
     float,
 )
 PIXELS = pixels_of_floor(PLACES)
+MATRIX = [(700, 0, 399.5), (0, 700, 299.5), (0, 0, 1)]
+LENS = Calibration(size=(800, 600), intrinsics=Intrinsics(MATRIX))
 
 
 @pytest.fixture
@@ -85,22 +88,19 @@ def test_a_wrong_point_is_named_at_once(tool, browser):
     assert tool.report.problems == ()
 
 
-@pytest.mark.parametrize(
-    ("places", "said"),
-    [
+def test_what_is_wrong_with_the_points_is_said(tool):
+    for places, said in (
         (PLACES[:3], "place a point more"),
         (np.c_[np.arange(5) * 300, np.arange(5) * 300], "line"),
         (PLACES[:, ::-1], "mirrored"),
-        (np.vstack([PLACES[:4], PLACES[:1]]), "points 1 and 5 have the same place"),
-    ],
-)
-def test_what_is_wrong_with_the_points_is_said(tool, browser, places, said):
-    pixels = pixels_of_floor(places) if said == "line" else PIXELS[: len(places)]
-    tool.put(pixels, places)
-    assert said in " ".join(fitted(tool)["problems"])
-    if "same place" not in said:
-        with pytest.raises(ValueError, match=said):
-            tool.value  # noqa: B018
+        (np.vstack([PLACES[:4], PLACES[:1]]), "points 1 and 5"),
+    ):
+        pixels = pixels_of_floor(places) if said == "line" else PIXELS[: len(places)]
+        tool.put(pixels, places)
+        assert said in " ".join(fitted(tool)["problems"])
+        if "points" not in said:
+            with pytest.raises(ValueError, match=said):
+                tool.value  # noqa: B018
 
 
 def test_a_glass_gets_the_pixels_as_they_are(tool, browser):
@@ -132,7 +132,7 @@ def test_a_grid_of_too_many_places_is_refused_before_corners_are_looked_for(tool
     tool.put(PIXELS, PLACES)
     looked = []
     monkeypatch.setattr(tool._view, "_snapped", lambda *_: looked.append(1))
-    with pytest.raises(ValueError, match="step must be larger: it gives"):
+    with pytest.raises(ValueError, match="step must"):
         tool.fill(24)
     assert looked == []
     with pytest.raises(ValueError, match="no other corner"):
@@ -142,8 +142,7 @@ def test_a_grid_of_too_many_places_is_refused_before_corners_are_looked_for(tool
 
 @pytest.mark.long
 def test_it_is_saved_and_loaded_with_the_lens_that_is_there(tool, tmp_path):
-    matrix = [(700, 0, 399.5), (0, 700, 299.5), (0, 0, 1)]
-    lens = Calibration(size=(800, 600), intrinsics=Intrinsics(matrix, [-0.05, 0, 0, 0, 0]))
+    lens = Calibration(size=(800, 600), intrinsics=Intrinsics(MATRIX, [-0.05, 0, 0, 0, 0]))
     save_calibration(tmp_path / "lens.toml", lens)
     tool.put(PIXELS, PLACES)
     with pytest.raises(ValueError, match="has a lens"):
@@ -169,18 +168,12 @@ def test_it_is_saved_and_loaded_with_the_lens_that_is_there(tool, tmp_path):
         )
 
 
-LENS = Calibration(
-    size=(800, 600), intrinsics=Intrinsics([(700, 0, 399.5), (0, 700, 299.5), (0, 0, 1)])
-)
-
-
 def test_a_file_that_is_no_calibration_is_not_overwritten(tool, browser, tmp_path):
     tool.put(PIXELS, PLACES)
     for name, content in (("colors.toml", "format = 1\n"), ("notes.toml", "to do")):
         (tmp_path / name).write_text(content)
         browser.say("save", file=name)
-        said = f"{name} is no calibration: save under another name"
-        assert said in browser.take("note", level="error")[0]["text"]
+        assert f"{name} is no calibration" in browser.take("note", level="error")[0]["text"]
         assert (tmp_path / name).read_text() == content
     assert tool._view.file.name == "example.toml"
 
@@ -201,7 +194,7 @@ def test_a_calibration_that_was_not_read_is_not_overwritten(tool, tmp_path):
     floor = tool.value
     save_calibration("camera.toml", floor)
     with robsim.gui.floor_panel(tiled_floor(), calibration=LENS) as other:
-        with pytest.raises(ValueError, match=r"camera.toml is there already, and was not read"):
+        with pytest.raises(ValueError, match=r"camera.toml is there already"):
             other.save()
         with pytest.raises(ValueError, match="there already"):
             tool.save("camera.toml")
@@ -254,27 +247,28 @@ def test_that_a_floor_is_dropped_from_a_file_is_said(tool):
         assert "written" in browser.take("note", level="info")[0]["text"]  # there is none any more
 
 
-@pytest.mark.parametrize(
-    ("kind", "fields", "said"),
-    [
-        ("cut", {"point": 9}, "there is no point 9"),
-        ("choose", {"point": 9}, "there is no point 9"),
-        ("set", {"name": "colour", "value": 3}, "no such setting"),
+def test_what_is_wrong_is_said_in_place_and_changes_nothing(tool):
+    before = tool._view.points.draft
+    for kind, fields, said in (
+        ("cut", {"point": 9}, "point 9"),
+        ("choose", {"point": 9}, "point 9"),
+        ("set", {"name": "colour", "value": 3}, "setting"),
         ("set", {"name": "width", "value": 3.5}, "area must"),
         ("set", {"name": "mark", "value": 1}, "mark must"),
-        ("by", {"name": "hand"}, "by must be one of"),
-        ("fill", {"step": 300}, "place 4 points more"),
-        ("sheet", {"number": 3, "x": 1, "y": 2}, "no sheet 3"),
+        ("by", {"name": "hand"}, "by must"),
+        ("fill", {"step": 300}, "4 points more"),
+        ("sheet", {"number": 3, "x": 1, "y": 2}, "sheet 3"),
         ("load", {"file": "none.toml"}, "none.toml"),
-        ("save", {"file": "a.toml"}, "place 4 points more"),
-        ("magnify", {"at": [1, 2], "half": -1, "glass": 0}, "half of the message magnify"),
-    ],
-)
-def test_what_is_wrong_is_said_in_place_and_changes_nothing(tool, browser, kind, fields, said):
-    before = tool._view.points.draft
-    browser.say(kind, **fields)
-    assert said in browser.take("note", level="error")[0]["text"]
+        ("save", {"file": "a.toml"}, "4 points more"),
+        ("magnify", {"at": [1, 2], "half": -1, "glass": 0}, "half of"),
+    ):
+        browser = FakeBrowser(tool._view, 200)  # a line is not told of too many at once
+        browser.say(kind, **fields)
+        assert said in browser.take("note", level="error")[0]["text"]
     assert tool._view.points.draft is before
+    for wrong in ({"what": 3}, {"calibration": "none.toml"}, {"file": 3}):
+        with pytest.raises((TypeError, ValueError, OSError), match=r"what|none\.toml|file"):
+            robsim.gui.floor_panel(**wrong)
 
 
 def test_a_live_picture_is_calibrated_while_it_goes_on(tmp_path, monkeypatch):
@@ -294,8 +288,7 @@ def test_a_live_picture_is_calibrated_while_it_goes_on(tmp_path, monkeypatch):
 
 
 def test_a_calibration_of_another_size_is_said_and_can_be_forgotten(tool, browser):
-    matrix = [(700, 0, 399.5), (0, 700, 299.5), (0, 0, 1)]
-    save_calibration("small.toml", Calibration(size=(640, 480), intrinsics=Intrinsics(matrix)))
+    save_calibration("small.toml", Calibration(size=(640, 480), intrinsics=LENS.intrinsics))
     tool.put(PIXELS, PLACES)
     browser.say("load", file="small.toml")
     settled(tool._view)
@@ -344,13 +337,13 @@ def test_a_mark_that_is_measured_while_sheets_are_found_counts_for_them(tool, br
 
     def find(image, mark):
         begun.set()
-        assert goes_on.wait(20)
+        assert goes_on.wait(300)
         positions = np.concatenate([*FloorSheet(1, mark).corners().values()])
         return {1: Corners(positions, positions + 200)}
 
     monkeypatch.setattr("robsim.gui._tools.floor.sheets.find_sheets", find)
     browser.say("sheets")
-    assert begun.wait(20)
+    assert begun.wait(300)
     browser.say("set", name="mark", value=100)
     browser.take("state", sheets={"mark": 100, "found": []})
     goes_on.set()
@@ -361,27 +354,13 @@ def test_a_mark_that_is_measured_while_sheets_are_found_counts_for_them(tool, br
     np.testing.assert_allclose(seen.corners[1].positions, expected)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"what": 3}, "what must be a Camera"),
-        ({"calibration": 3}, "calibration must be"),
-        ({"calibration": "none.toml"}, "none.toml"),
-        ({"file": 3}, "file must be"),
-    ],
-)
-def test_what_is_wrong_is_refused_by_its_name(arguments, said):
-    with pytest.raises((TypeError, ValueError, OSError), match=said):
-        robsim.gui.floor_panel(**arguments)
-
-
 @pytest.fixture(scope="module")
 def boards():
     """Pictures of a board, through a lens that distorts."""
     pytest.importorskip("cv2")
     from photographed_sheets import board_pictures
 
-    return list(board_pictures(Chessboard(9, 6)))
+    return list(islice(board_pictures(Chessboard(9, 6)), 5))
 
 
 @pytest.mark.long
@@ -408,8 +387,7 @@ def test_a_lens_is_calibrated_by_pictures_of_a_board(boards, tmp_path, monkeypat
         assert "bottom right" in told["empty"]
         browser.say("drop", picture=0)
         browser.say("take_all")
-        assert "no board in frame 8" in browser.take("note", level="error")[0]["text"]
-        wait_for(lambda: lens.report is not None and not lens.is_busy)
+        assert "no board in frame 5" in browser.take("note", level="error")[0]["text"]
         wait_for(lambda: lens.report is not None and len(lens.report.pictures) == len(boards))
         assert lens.report.rms < 0.3
         browser.say("use_lens")
@@ -419,31 +397,24 @@ def test_a_lens_is_calibrated_by_pictures_of_a_board(boards, tmp_path, monkeypat
         assert tool.save().name == "camera.toml"
         assert load_calibration("camera.toml").floor is None
         browser.say("board", pattern="charuco", columns=8, rows=5, square=30)
-        assert "remove the 8 pictures first" in browser.take("note", level="error")[0]["text"]
-        assert len(lens.taken) == 8
+        assert "remove the 5 pictures first" in browser.take("note", level="error")[0]["text"]
+        assert len(lens.taken) == 5
         browser.say("drop", picture=None)
         browser.say("board", pattern="charuco", columns=8, rows=5, square=30)
         told, _ = browser.take("board", pattern="charuco")
         assert told["pictures"] == []
-        for change, said in (
-            ({"pattern": "paper"}, "pattern must be"),
-            ({"columns": 1}, "columns must"),
-        ):
-            given = {"pattern": "charuco", "columns": 8, "rows": 5, "square": 30} | change
-            browser.say("board", **given)
-            assert said in browser.take("note", level="error")[0]["text"]
+        browser.say("board", pattern="charuco", columns=1, rows=5, square=30)
+        assert "columns must" in browser.take("note", level="error")[0]["text"]
         browser.say("watch", on=True)
         assert "not live" in browser.take("note", level="error")[0]["text"]
 
 
 @pytest.mark.long
-def test_a_lens_by_methods(boards, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "film").mkdir()
+def test_a_lens_by_methods(boards, tmp_path):
     for number, image in enumerate([*boards[:4], np.full_like(boards[0], 150)]):
-        save_image(tmp_path / "film" / f"{number}.png", image)
-    with robsim.gui.floor_panel("film") as tool:
-        with pytest.raises(ValueError, match="take 4 pictures more"):
+        save_image(tmp_path / f"{number}.png", image)
+    with robsim.gui.floor_panel(tmp_path, file=tmp_path / "camera.toml") as tool:
+        with pytest.raises(ValueError, match="4 pictures more"):
             tool.calibrate_lens()
         for k in range(4):
             tool.look(k)
@@ -483,7 +454,7 @@ class Boards:
 
         def find(board, image):
             self.begun.set()
-            assert self.goes_on.wait(20)
+            assert self.goes_on.wait(300)
             self.count += 1
             grid = np.mgrid[:6, :9].reshape(2, -1).T[:, ::-1].astype(float)
             pixels = 20 * grid + 10 + 5 * self.count
@@ -548,7 +519,7 @@ def test_with_another_side_of_a_square_the_pictures_stay(tool, browser, fakes):
     fakes.begun.clear()
     fakes.goes_on.clear()
     browser.say("take")
-    assert fakes.begun.wait(20)
+    assert fakes.begun.wait(300)
     browser.say("board", pattern="chessboard", columns=9, rows=6, square=26.5)
     told, _ = browser.take("board", square=26.5)
     assert len(told["pictures"]) == 1
@@ -582,7 +553,7 @@ def test_more_pictures_than_enough_are_refused(tool, browser, fakes):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("count", [40, 41, 79, 81])
+@pytest.mark.parametrize("count", [40, 41, 81])
 def test_pictures_of_a_whole_film_are_taken(tool, fakes, monkeypatch, count):
     lens, looked = tool._view.lens, []
     source = tool._view.source

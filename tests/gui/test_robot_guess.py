@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim._base.geometry.polygons import mask
+from drawn_robots import covered
 from robsim.gui._tools.robots.guess import guess_marker, guess_outline
 from robsim.vision import load_colors
 
@@ -12,16 +12,9 @@ from robsim.vision import load_colors
 def picture(name, noise=None):
     """A robot on the floor, cut out of a frame, its pose, and what takes its points there."""
     robot = robsim.load_robot(name)
-    sim = robsim.Simulation(
-        robot=robot,
-        start=(300, 300, 0.6),
-        headings=None,
-        seed=2,
-        noise=noise,
-        measure=True,
-    )
-    frame = sim.step().frame
     pose = np.array((300, 300, 0.6))
+    options = {"area": (600, 600), "headings": None, "seed": 2, "noise": noise}
+    frame = robsim.Simulation(robot=robot, start=tuple(pose), **options).step().frame
     half = int(robot.radius * 1.5)
     cut = frame.image[300 - half : 300 + half, 300 - half : 300 + half]
     return robot, np.ascontiguousarray(cut), pose - (300 - half, 300 - half, 0)
@@ -33,18 +26,18 @@ def placed(robot, polygon, pose):
     return np.column_stack([pose[0] + c * forward - s * right, pose[1] + s * forward + c * right])
 
 
-def overlap(one, other, shape):
-    height, width = shape[:2]
-    one, other = mask(one, width, height), mask(other, width, height)
+def overlap(one, other, image):
+    one, other = covered(one, image), covered(other, image)
     return (one & other).sum() / (one | other).sum()
 
 
-@pytest.mark.parametrize("noise", [None, robsim.GaussianNoise(10)])
-@pytest.mark.parametrize("name", ["lab", "robot2"])
+@pytest.mark.parametrize(
+    ("name", "noise"), [("lab", None), ("robot2", None), ("lab", robsim.GaussianNoise(10))]
+)
 def test_the_outline_is_about_that_of_the_robot(name, noise):
     robot, image, pose = picture(name, noise)
     found = guess_outline(image)
-    assert overlap(found, placed(robot, robot.outline, pose), image.shape) > 0.75
+    assert overlap(found, placed(robot, robot.outline, pose), image) > 0.75
 
 
 def test_the_markers_are_those_of_the_robot():
@@ -52,7 +45,7 @@ def test_the_markers_are_those_of_the_robot():
     outline = guess_outline(image)
     for role, color in robot.marker_colors.items():
         found = guess_marker(image, outline, color, load_colors())
-        assert overlap(found, placed(robot, robot.markers[role], pose), image.shape) > 0.6
+        assert overlap(found, placed(robot, robot.markers[role], pose), image) > 0.6
 
 
 def test_a_bare_floor_has_no_robot():

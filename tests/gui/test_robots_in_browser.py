@@ -4,41 +4,11 @@ import numpy as np
 import pytest
 
 import robsim
+from panel_mouse import ToolMouse
 from robsim.robots import load_robot
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow
-
-
-class Mouse:
-    """A tool in a tab, as it is used with the mouse."""
-
-    def __init__(self, tool, tab):
-        self.tool, self.tab = tool, tab
-        self.drawing = tool._view.drawing
-        self.canvas = tab.locator(".robsim-camera canvas")
-        wait_for(lambda: tool._view.picture is not None)
-        height, width = tool._view.picture.frame.image.shape[:2]
-        box = self.canvas.bounding_box()
-        self.scale = min(box["width"] / width, box["height"] / height)
-        self.left = box["x"] + (box["width"] - width * self.scale) / 2
-        self.top = box["y"] + (box["height"] - height * self.scale) / 2
-
-    def at(self, point):
-        return (
-            self.left + (point[0] + 0.5) * self.scale,
-            self.top + (point[1] + 0.5) * self.scale,
-        )
-
-    def drag(self, start, end):
-        self.tab.mouse.move(*self.at(start))
-        self.tab.mouse.down()
-        self.tab.mouse.move(*self.at(end), steps=5)
-        self.tab.mouse.up()
-
-    def choose(self, part):
-        self.tab.click(f".robsim-segments [value={part}]")
-        wait_for(lambda: self.tool._view._part == part)
 
 
 def test_markers_are_called_by_role_and_colour(open_tool, user_folder):
@@ -55,26 +25,25 @@ def test_markers_are_called_by_role_and_colour(open_tool, user_folder):
         wait_for(lambda: names.all_text_contents() == expected)
 
 
-@pytest.fixture(params=["light", "dark"])
-def mouse(request, open_tool, user_folder):
+@pytest.fixture
+def mouse(open_tool, user_folder):
     with robsim.gui.robot_panel(robot="lab") as tool:
-        yield Mouse(tool, open_tool(tool, theme=request.param))
+        mouse = ToolMouse(tool, open_tool(tool))
+        mouse.drawing = tool._view.drawing
+        yield mouse
 
 
 def test_corners_are_dragged_put_on_edges_and_removed(mouse):
     before = mouse.drawing.sketch.markers["red"]
-    mouse.choose("red")
+    mouse.choose_part("red")
     corner = before[0]
     mouse.drag(corner, corner + np.array((12, -9)))
-    wait_for(
-        lambda: np.allclose(
-            mouse.drawing.sketch.markers["red"][0], corner + np.array((12, -9)), atol=1.5
-        )
-    )
+    moved = corner + np.array((12, -9))
+    wait_for(lambda: np.allclose(mouse.drawing.sketch.markers["red"][0], moved, atol=1.5))
     mouse.tab.keyboard.press("Control+z")
     wait_for(lambda: np.array_equal(mouse.drawing.sketch.markers["red"], before))
     middle = before.mean(axis=0)
-    mouse.tab.mouse.click(*mouse.at(middle))
+    mouse.click(middle)
     wait_for(lambda: len(mouse.drawing.sketch.markers["red"]) == len(before) + 1)
     mouse.tab.keyboard.press("Delete")
     wait_for(lambda: len(mouse.drawing.sketch.markers["red"]) == len(before))
@@ -132,7 +101,7 @@ def test_two_points_of_known_distance_give_the_size(mouse):
     tab.wait_for_selector("text=Click two points")
     n_corners = len(drawing.sketch.outline)
     for point in ((100, 100), (100, 340)):
-        tab.mouse.click(*mouse.at(point))
+        mouse.click(point)
     tab.wait_for_selector("[name=ruler_length]:visible")
     tab.fill("[name=ruler_length]", "60")
     tab.keyboard.press("Enter")
@@ -146,8 +115,10 @@ def test_two_points_of_known_distance_give_the_size(mouse):
 
 
 def test_a_frame_of_a_recording_is_chosen_and_captured(open_tool, user_folder, tmp_path):
-    for k in range(4):
-        frame = robsim.Simulation(robot="lab", start=(300 + 150 * k, 500, 0), seed=k).step().frame
+    for k in range(3):
+        start = (100 + 100 * k, 200, 0)
+        sim = robsim.Simulation(robot="lab", area=(400, 400), start=start, seed=k)
+        frame = sim.step().frame
         robsim.imaging.save_image(tmp_path / f"{k}.png", frame.image)
     with robsim.gui.robot_panel(tmp_path, robot="sheep") as tool:
         tab = open_tool(tool)
@@ -163,7 +134,7 @@ def test_a_frame_of_a_recording_is_chosen_and_captured(open_tool, user_folder, t
 def test_a_square_of_a_simulation_is_captured(open_tool, user_folder):
     sim = robsim.Simulation(robot="lab", start=(400, 500, 0.6), headings=None, seed=2)
     with robsim.gui.robot_panel(sim, robot="sheep") as tool:
-        mouse = Mouse(tool, open_tool(tool))
+        mouse = ToolMouse(tool, open_tool(tool, theme="dark"))
         u, v, side = tool._view._square
         mouse.drag((u, v), (400, 500))
         wait_for(lambda: np.allclose(tool._view._square[:2], (400, 500), atol=2))

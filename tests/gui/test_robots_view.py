@@ -6,10 +6,7 @@ import pytest
 import robsim
 from browsers import FakeBrowser, settled
 from python_cameras import EndlessCamera
-from robsim.gui._tools.pictures import CameraPictures
-from robsim.gui._tools.robots.view import RobotsView
 from robsim.robots import load_robot
-from robsim.vision import load_colors
 from waiting import wait_for
 
 pytestmark = pytest.mark.long
@@ -17,9 +14,8 @@ pytestmark = pytest.mark.long
 
 @pytest.fixture
 def view(user_folder):
-    view = RobotsView(None, load_robot("lab"), load_colors())
-    yield view
-    view.close()
+    with robsim.gui.robot_panel(robot="lab") as tool:
+        yield tool._view
 
 
 @pytest.fixture
@@ -89,9 +85,9 @@ def test_another_robot_is_loaded_and_saved_under_a_new_name(view, browser):
     assert view._state()["name"] == "mine"
 
 
-@pytest.mark.parametrize(
-    ("kind", "fields", "said"),
-    [
+def test_what_is_wrong_is_said_and_changes_nothing(view, browser):
+    before = view.drawing.sketch
+    for kind, fields, said in (
         ("load", {"name": "nobody"}, "nobody"),
         ("part", {"name": "green"}, "part must be one of outline, red, blue"),
         ("move", {"corner": 99, "at": [1, 2], "goes_on": False}, "corner"),
@@ -100,20 +96,20 @@ def test_another_robot_is_loaded_and_saved_under_a_new_name(view, browser):
         ("save", {"name": "a/b", "overwrite": False}, "name"),
         ("scale", {"one": [1, 1], "other": [1, 1], "distance": 3}, "a pixel apart"),
         ("resize", {"size": -3}, "size"),
-    ],
-)
-def test_what_is_wrong_is_said_and_changes_nothing(view, browser, kind, fields, said):
-    before = view.drawing.sketch
-    browser.say(kind, **fields)
-    assert said in browser.take("note", level="error")[0]["text"]
+    ):
+        browser.say(kind, **fields)
+        assert said in browser.take("note", level="error")[0]["text"]
     assert view.drawing.sketch is before
 
 
 def test_a_robot_is_captured_from_a_camera(user_folder):
     sim = robsim.Simulation(robot="lab", start=(400, 500, 0.6), headings=None, seed=2)
     frame = sim.step().frame
-    with robsim.Camera(EndlessCamera(np.array(frame.image), 100)) as camera:
-        view = RobotsView(CameraPictures(camera), load_robot("sheep"), load_colors())
+    with (
+        robsim.Camera(EndlessCamera(np.array(frame.image))) as camera,
+        robsim.gui.robot_panel(camera, robot="sheep") as tool,
+    ):
+        view = tool._view
         browser = FakeBrowser(view, 200)
         browser.take("frame")
         assert view._state()["mode"] == "capture"
@@ -130,7 +126,6 @@ def test_a_robot_is_captured_from_a_camera(user_folder):
         assert not state["can_undo"]
         browser.say("resume")
         wait_for(lambda: view._state()["mode"] == "capture")
-        view.close()
 
 
 def test_reset_goes_back_to_how_it_began_and_can_be_undone(user_folder):

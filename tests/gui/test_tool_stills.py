@@ -64,14 +64,10 @@ def robot_still(tool):
 
 
 def test_corners_are_drawn_where_they_are(robot_tool):
-    assert not is_near(
-        robot_still(robot_tool).at(robot_tool.value.markers["right"][0]), RED_INK, 20
-    )
+    corner = robot_tool.value.markers["right"][0]
+    moved = np.add(corner, (0, 14))
+    assert not is_near(robot_still(robot_tool).at(corner), RED_INK, 20)
     robot_tool.message("part", name="red")
-    corner, moved = (
-        robot_tool.value.markers["right"][0],
-        robot_tool.value.markers["right"][0] + (0, 14),
-    )
     assert is_near(robot_still(robot_tool).at(corner), RED_INK, 20)
     robot_tool.message("move", corner=0, at=moved.tolist(), goes_on=False)
     still = robot_still(robot_tool)

@@ -4,37 +4,23 @@ import numpy as np
 import pytest
 
 import robsim
+from panel_mouse import ToolMouse
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow
 
 
-class Fingers:
+class Fingers(ToolMouse):
     """A tool in a tab, on a screen that is touched."""
 
     def __init__(self, tool, open_tool):
-        self.tab = open_tool(tool, size=(820, 1180), has_touch=True)
+        super().__init__(tool, open_tool(tool, size=(820, 1180), has_touch=True))
         self.talk = self.tab.context.new_cdp_session(self.tab)
-        self.tool = tool
-        self.measure()
-
-    def measure(self):
-        """Find the picture, which has moved if the page was scrolled."""
-        canvas = self.tab.locator(".robsim-camera canvas")
-        canvas.scroll_into_view_if_needed()
-        height, width = self.tool._view.picture.frame.image.shape[:2]
-        self.box = canvas.bounding_box()
-        self.scale = min(self.box["width"] / width, self.box["height"] / height)
-        self.left = self.box["x"] + (self.box["width"] - width * self.scale) / 2
-        self.top = self.box["y"] + (self.box["height"] - height * self.scale) / 2
-
-    def at(self, point):
-        u, v = point
-        return self.left + (u + 0.5) * self.scale, self.top + (v + 0.5) * self.scale
+        self.canvas.scroll_into_view_if_needed()
 
     def touch(self, kind, *points):
         places = [
-            dict(zip("xy", map(float, self.at(p)), strict=True), id=i) for i, p in enumerate(points)
+            dict(zip("xy", self.at(point), strict=True), id=i) for i, point in enumerate(points)
         ]
         self.talk.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": places})
 
@@ -59,13 +45,11 @@ def test_a_finger_drags_a_corner_and_taps_new_ones(robots):
     drawing = tool._view.drawing
     fingers.tab.click(".robsim-segments [value=red]")
     fingers.tab.wait_for_selector("[value=red][aria-checked=true]")
-    fingers.measure()
+    fingers.canvas.scroll_into_view_if_needed()
     before = drawing.sketch.markers["red"]
     # Fingers are thick: it begins a little beside the corner.
     fingers.drag(before[0] + (8, 6), before[0] + (30, -20))
-    wait_for(
-        lambda: np.abs(drawing.sketch.markers["red"] - before).max() > 15
-    )  # of the nearest one
+    wait_for(lambda: np.abs(drawing.sketch.markers["red"] - before).max() > 15)
     fingers.tap(before.mean(axis=0))
     wait_for(lambda: len(drawing.sketch.markers["red"]) == len(before) + 1)
 

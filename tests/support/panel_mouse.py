@@ -32,6 +32,46 @@ def number(text):
     return float(re.match(r"[-\d.e]+", text.replace("\u2212", "-")).group())
 
 
+class ToolMouse:
+    """A tool in a tab, as it is used with the mouse; places are pixels of its picture."""
+
+    def __init__(self, tool, tab):
+        self.tool, self.tab = tool, tab
+        self.canvas = tab.locator(".robsim-camera > canvas").first
+        wait_for(lambda: tool._view.picture is not None)
+
+    def _measured(self):
+        """Return where the picture begins on the screen, and its scale."""
+        height, width = self.tool._view.picture.frame.image.shape[:2]
+        box = self.canvas.bounding_box()
+        scale = min(box["width"] / width, box["height"] / height)
+        margins = (box["width"] - scale * width) / 2, (box["height"] - scale * height) / 2
+        return np.array((box["x"], box["y"])) + margins, scale
+
+    @property
+    def scale(self):
+        return self._measured()[1]
+
+    def at(self, point):
+        """Return the place on the screen of a pixel."""
+        corner, scale = self._measured()
+        return (corner + scale * (np.array(point, float) + 0.5)).tolist()
+
+    def click(self, point):
+        self.tab.mouse.click(*self.at(point))
+
+    def drag(self, start, end):
+        self.tab.mouse.move(*self.at(start))
+        self.tab.mouse.down()
+        self.tab.mouse.move(*self.at(end), steps=5)
+        self.tab.mouse.up()
+
+    def choose_part(self, part):
+        """Choose what of a robot is drawn."""
+        self.tab.click(f".robsim-segments [value={part}]")
+        wait_for(lambda: self.tool._view._part == part)
+
+
 class Mouse:
     """A panel that `open_panel` has opened."""
 
@@ -58,7 +98,7 @@ class Mouse:
         if self.tab.get_attribute("main", "data-state") != "running":
             self.press("start")
         upto = self.n_steps + steps
-        wait_for(lambda: self.n_steps >= upto, 30)
+        wait_for(lambda: self.n_steps >= upto)
         self.pause()
 
     def choose(self, group, choice):
