@@ -24,7 +24,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="./run study mutants", description=__doc__)
     parser.add_argument("--seed", type=int, default=36, help="of the draw")
     parser.add_argument("--faults", type=int, default=15, help="drawn of each of four groups")
-    parser.add_argument("--lines", type=Path, help="JSON: lines that some tests ran, by file")
+    parser.add_argument(
+        "--lines", type=Path, nargs="+", default=[], help="JSON reports of coverage.py and gcovr"
+    )
     parser.add_argument("--before", type=Path, help="another tree, whose tests are tried as well")
     parser.add_argument("--tests", type=Path, default=ROOT, help="the tree of the tests")
     parser.add_argument("--out", type=Path, default=ROOT / "build/mutants/faults.json")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import random
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from mutants import in_cpp, in_python
@@ -17,7 +17,25 @@ _LEFT_OUT = ("/solutions/", "/templates/", "/bench/", "windows", "_neon")
 _LANGUAGES = {"python": ("*.py", in_python.faults_in), "cpp": ("*.cpp", in_cpp.faults_in)}
 
 
-def drawn(root: Path, seed: int, count: int, lines: Path | None) -> Iterator[tuple[str, Fault]]:
+def ran_lines(reports: Iterable[Path]) -> dict[str, set[int]]:
+    """Return the lines that ran, by file, of JSON reports of coverage.py and of gcovr."""
+    ran: dict[str, set[int]] = {}
+    for report in reports:
+        files = json.loads(report.read_text())["files"]
+        if isinstance(files, dict):  # of coverage.py
+            for file, one in files.items():
+                within = f"python/robsim/{file.rpartition('/robsim/')[2]}"
+                ran.setdefault(within, set()).update(one["executed_lines"])
+        else:
+            for one in files:
+                lines = (line["line_number"] for line in one["lines"] if line["count"])
+                ran.setdefault(one["file"], set()).update(lines)
+    return ran
+
+
+def drawn(
+    root: Path, seed: int, count: int, reports: Iterable[Path]
+) -> Iterator[tuple[str, Fault]]:
     """Yield the faults by name, then drawn ones without end, each with the group that it is of.
 
     Parameters
@@ -28,12 +46,12 @@ def drawn(root: Path, seed: int, count: int, lines: Path | None) -> Iterator[tup
         What the draw comes from.
     count : int
         How many places each group gets at most.
-    lines : path, optional
-        A JSON file with lines that some tests ran, by file: half of the faults lie in these.
+    reports : iterable of path
+        What some tests ran, as for `ran_lines`: half of the faults lie there.
     """
     for fault in named_faults(root):
         yield "by name", fault
-    ran = json.loads(lines.read_text()) if lines else {}
+    ran = ran_lines(reports)
     draw = random.Random(seed)
     for language, (pattern, faults_in) in _LANGUAGES.items():
         folder = root / ("python/robsim" if language == "python" else "cpp")
