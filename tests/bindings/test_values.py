@@ -159,19 +159,6 @@ def test_another_process_reads_a_pickle():
     assert run.stdout.decode().strip() == repr(VALUES)
 
 
-def test_a_layout_of_positions():
-    layout = MarkerLayout.from_positions(
-        {"right": (1, 4), "left": [3, 2.5]}, areas={"right": 5}, maximum_blobs=6
-    )
-    assert layout.positions["right"].tolist() == [1, 4]
-    assert layout.positions["left"].tolist() == [3, 2.5]
-    assert (layout.areas["right"], layout.maximum_blobs) == (5, 6)
-    assert np.isnan(layout.areas["left"])
-    assert MarkerLayout.from_positions(
-        {"right": (-14, 21.5), "left": (-14, -21.5)}
-    ) == MarkerLayout(43, 14)
-
-
 def updated(filters, rng):
     filters.update(rng.normal(size=(40, 3, 5)), rng.normal(size=(40, 3)))
     return filters

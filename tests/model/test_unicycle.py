@@ -55,17 +55,6 @@ def test_native_and_called_from_python_give_the_same():
     np.testing.assert_array_equal(native.pose_true, called.pose_true)
 
 
-def test_it_bounces_off_walls():
-    sim = robsim.Simulation(
-        evaluate_model=robsim.Unicycle(), control=lambda step: (1.0, 0.98), seed=3
-    )
-    trace = sim.run(300)
-    assert trace.bounced.any()
-    radius = sim.robot.radius
-    assert (trace.pose_true[:, :2] >= radius - 1e-6).all()
-    assert (trace.pose_true[:, :2] <= 1199 - radius + 1e-6).all()
-
-
 def test_the_wrong_model_shows_in_the_identification():
     trace = {
         model: robsim.Simulation(

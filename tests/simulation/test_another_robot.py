@@ -76,22 +76,19 @@ def test_between_two_stages_the_step_goes_on_with_the_old_one():
     np.testing.assert_array_equal(picture(sim, 3), picture(other, 3))
 
 
-def test_before_the_first_step_it_is_the_robot_of_the_run():
-    sim = simulation()
-    sim.robot = "sheep"
-    assert sim.run(5).info.changed == ()
+def test_before_the_first_step_and_before_a_reset_it_is_the_robot_of_the_run():
     expected = simulation(robot="sheep").run(5).pose_measured
-    np.testing.assert_array_equal(sim.trace.pose_measured, expected)
-
-
-def test_after_a_reset_the_whole_run_is_of_the_new_one():
     sim = simulation()
-    sim.run(5)
-    sim.robot = "sheep"
-    sim.reset()
-    expected = simulation(robot="sheep").run(5).pose_measured
-    np.testing.assert_array_equal(sim.run(5).pose_measured, expected)
-    assert sim.trace.info.changed == ()
+    for robot in ("robot2", "sheep"):
+        sim.robot = robot
+        sim.reset()
+    for _ in range(2):
+        trace = sim.run(5)
+        assert trace.info.changed == ()
+        np.testing.assert_array_equal(trace.pose_measured, expected)
+        sim.robot = "lab"
+        sim.robot = "sheep"
+        sim.reset()
 
 
 def test_other_colours_are_looked_for_from_the_next_step_on():

@@ -234,21 +234,3 @@ def test_process_noise_changes_between_steps_from_a_callback_too():
     errors = prediction_errors(sim.run(20), sim.model)
     np.testing.assert_allclose(errors[:9], 0, atol=1e-9)
     assert np.abs(errors[9:, 0]).min() > 1e-4
-
-
-def test_without_disturbance_dead_reckoning_is_exact_and_with_it_is_not():
-    def error(process_noise):
-        sim = Simulation(
-            process_noise=process_noise,
-            boundary="unlimited",
-            control=robsim.DriveAround(),
-            seed=1,
-        )
-        trace = sim.run(100)
-        poses = [trace.pose_true[0], trace.pose_true[0]]
-        for u in trace.u[:-1]:
-            poses.append(sim.model.predict(poses[-1], poses[-2], u))
-        return np.abs(np.array(poses[1:]) - trace.pose_true)[:, :2].max()
-
-    assert error(None) < 1e-9
-    assert error(PoseNoise.from_sigma(0.5, 0.5, 0.005)) > 10

@@ -59,14 +59,14 @@ def test_the_frame_of_a_recorded_step_is_the_one_that_was(boundary):
         measure=True,
         seed=6,
     )
-    frames = [sim.step().frame for _ in range(150)]
-    for k in (0, 149, 3, 77, 76, 140):
+    frames = [sim.step().frame for _ in range(50)]
+    for k in (0, 49, 3, 27, 26, 40):
         again = sim.render_step(k)
         assert (again.index, again.t) == (frames[k].index, frames[k].t)
         np.testing.assert_array_equal(again.image, frames[k].image)
         np.testing.assert_array_equal(again.plane_map.matrix, frames[k].plane_map.matrix)
-    for k in (-1, 150):
-        with pytest.raises(IndexError, match=r"0\.\.149"):
+    for k in (-1, 50):
+        with pytest.raises(IndexError, match=r"0\.\.49"):
             sim.render_step(k)
 
 

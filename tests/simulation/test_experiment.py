@@ -182,11 +182,12 @@ def timed(frames, times):
 
 def test_the_frames_own_times_are_those_of_the_steps_and_of_the_trace(run, tmp_path):
     seen = []
-    sim = robsim.Experiment(
-        timed(run[0], (0.1, 0.8, 1.5, 2.5)),
-        estimate_state=lambda step: seen.append((step.t, step.dt)) or estimate,
-    )
-    estimate = robsim.Estimate((0, 0, 0), np.eye(3))
+
+    def estimate_state(step):
+        seen.append((step.t, step.dt))
+        return robsim.Estimate((0, 0, 0), np.eye(3))
+
+    sim = robsim.Experiment(timed(run[0], (0.1, 0.8, 1.5, 2.5)), estimate_state=estimate_state)
     trace = sim.run()
     np.testing.assert_allclose(seen, [(0.1, 0.2), (0.8, 0.7), (1.5, 0.7), (2.5, 1.0)])
     np.testing.assert_array_equal(trace.t, [0.1, 0.8, 1.5, 2.5])
@@ -194,6 +195,11 @@ def test_the_frames_own_times_are_those_of_the_steps_and_of_the_trace(run, tmp_p
     trace.save(tmp_path / "trace.npz")
     np.testing.assert_array_equal(robsim.Trace.load(tmp_path / "trace.npz").t, trace.t)
     assert trace.to_pandas()["t"].tolist() == trace.t.tolist()
+    # Those that are dt apart are so to the last digit.
+    seen.clear()
+    frames = timed(run[0], [0.2 * k for k in range(8)])
+    robsim.Experiment(frames, estimate_state=estimate_state).run()
+    assert [dt for _, dt in seen] == [0.2] * 8
 
 
 def test_times_that_are_in_no_order_are_refused_and_the_steps_before_are_kept(run):
@@ -226,16 +232,6 @@ def test_frames_that_come_only_once_cannot_be_reset(run):
     assert len(sim.trace) == 3
 
 
-def test_frames_that_are_dt_apart_are_so_to_the_last_digit(run):
-    seen = []
-    sim = robsim.Experiment(
-        timed(run[0], [0.2 * k for k in range(8)]),
-        estimate_state=lambda step: seen.append(step.dt) or robsim.Estimate((0, 0, 0), np.eye(3)),
-    )
-    sim.run()
-    assert seen == [0.2] * 8
-
-
 def test_a_step_without_a_frame_is_not_measured(run):
     frames, simulated = run
     seen = []
@@ -262,18 +258,6 @@ def test_a_step_without_a_frame_is_not_measured(run):
     np.testing.assert_array_equal(trace.pose_measured[3], simulated.pose_measured[3])
     for centroids in trace.blobs.values():
         np.testing.assert_array_equal(np.isnan(centroids).all(axis=(1, 2)), [0, 1, 1, 0])
-
-
-def test_a_time_that_is_observed_stands_before_that_of_the_frame(run):
-    frame = timed(run[0], (7.0,))[0]
-    observed = [robsim.Observation(frame, t=0.1), robsim.Observation(t=0.3), frame]
-    seen = []
-    sim = robsim.Experiment(
-        observed,
-        estimate_state=lambda step: seen.append(step.t) or robsim.Estimate((0, 0, 0), np.eye(3)),
-    )
-    np.testing.assert_array_equal(sim.run().t, [0.1, 0.3, 7.0])
-    assert seen == [0.1, 0.3, 7.0]
 
 
 def test_frames_of_another_size_are_refused_and_the_run_goes_on_behind_them(run):
@@ -303,12 +287,15 @@ def test_frames_of_another_size_than_the_area_without_a_map_are_told_once(run):
 
 def test_a_part_of_the_frames_has_times(run):
     untimed, late = timed(run[0], (None, 0.7))
-    np.testing.assert_allclose(robsim.Experiment([untimed] * 3).run().t, [0, 0.2, 0.4])
-    np.testing.assert_allclose(robsim.Experiment([untimed, late]).run().t, [0, 0.7])
-    # A step without a frame needs none.
-    trace = robsim.Experiment([None, late, None, robsim.Observation(t=1.1)]).run()
-    np.testing.assert_allclose(trace.t, [0, 0.7, 0.9, 1.1])
-    sim = robsim.Experiment([late, robsim.Observation(untimed), robsim.Observation(untimed, t=0.9)])
+    observe = robsim.Observation
+    for frames, times in (
+        ([untimed] * 3, [0, 0.2, 0.4]),
+        ([untimed, late], [0, 0.7]),
+        ([None, late, None, observe(t=1.1)], [0, 0.7, 0.9, 1.1]),  # no frame needs no time
+        ([observe(late, t=0.1), observe(t=0.3), late], [0.1, 0.3, 0.7]),
+    ):
+        np.testing.assert_allclose(robsim.Experiment(frames).run().t, times)
+    sim = robsim.Experiment([late, observe(untimed), observe(untimed, t=0.9)])
     with pytest.raises(ValueError, match="step 1 has none"):
         sim.run()
     np.testing.assert_allclose(sim.run().t, [0.7, 0.9])

@@ -1,15 +1,9 @@
 """What others may do to a run from outside, and bring to it."""
 
-import multiprocessing
-import struct
-import threading
-from multiprocessing.shared_memory import SharedMemory
-
 import numpy as np
 import pytest
 
 import robsim
-from remote_half import PATIENCE, pixels_in, seen_in
 from threads import in_thread
 from waiting import wait_for
 
@@ -34,33 +28,13 @@ KINDS = {
 of_all_kinds = pytest.mark.parametrize("options", KINDS.values(), ids=KINDS)
 
 
-class Background:
-    """A run in a thread of its own."""
-
-    def __init__(self, sim):
-        self.sim = sim
-        self.thread = threading.Thread(target=sim.run, args=(LONG,))
-
-    def __enter__(self):
-        self.thread.start()
-        wait_for(lambda: self.sim.n_steps > 3)
-        return self.sim
-
-    def __exit__(self, *error):
-        while self.thread.is_alive():
-            self.sim.stop()
-            self.thread.join(0.01)
-
-
 @of_all_kinds
 def test_any_thread_can_stop_a_run(options):
     sim = simulation(**options)
-    background = Background(sim)
-    with background:
+    with in_thread(lambda: sim.run(LONG)):
+        wait_for(lambda: sim.n_steps > 3)
         assert sim.is_running
         assert sim.stop()
-        background.thread.join(PATIENCE)
-        assert not background.thread.is_alive()
     assert not sim.is_running
     done = sim.n_steps
     assert len(sim.trace) == done > 3
@@ -121,31 +95,6 @@ def test_stage_by_stage_gives_the_same_bytes_as_a_run(on):
     assert mixed.step_stage() == names[1]
     mixed.run(8 - mixed.n_steps)
     assert equal_groups(mixed.trace, expected)
-
-
-@pytest.mark.long
-@of_all_kinds
-def test_other_threads_may_read_what_is_recorded(options):
-    sim = simulation(**options, noise=robsim.UniformNoise(1))
-    seen, traces = set(), []
-    with Background(sim):
-        last = 0
-        for _ in range(16):
-            seen.add(sim.stage)
-            assert sim.is_running
-            wait_for(lambda last=last: sim.n_steps > last)
-            last = sim.n_steps
-            trace = sim.trace
-            assert len(trace) >= last
-            assert np.isfinite(trace.pose_true).all()
-            assert np.isfinite(trace.u).all()
-            traces.append(trace)
-            with pytest.raises(RuntimeError, match="another thread"):
-                _ = sim.last_step.frame
-    assert seen <= set(STAGES)
-    final = sim.trace
-    for trace in traces[::4]:
-        assert equal_groups(trace, final[: len(trace)])
 
 
 def test_the_stage_that_runs_is_known_while_it_runs():
@@ -250,37 +199,6 @@ def test_samples_that_are_brought_give_the_same_parameters():
     assert np.isfinite(again.parameters[-1]).all()
 
 
-def test_without_samples_from_outside_nothing_is_known_of_the_truth():
-    seen = []
-    sim = robsim.Experiment(
-        [robsim.Observation(measurement=(k, 2 * k, 0)) for k in range(6)],
-        identify_from="truth",
-        control=lambda step: seen.append(step.sample) or (0, 0),
-    )
-    sim.run()
-    assert seen == [None] * 6
-
-
-def test_the_newest_frame_can_be_written_into_memory_of_others(tmp_path):
-    out = pixels_in(tmp_path / "pixels", (300, 300), "w+")
-    frames, written = [], []
-
-    def control(step):
-        frame = sim.render_step(step.k, out=out)
-        assert np.shares_memory(frame.image, out)
-        assert (frame.index, frame.t) == (step.k, step.t)
-        written.append(out.tobytes())
-        if step.k:
-            assert sim.render_step(step.k - 1).image.tobytes() == frames[-1]
-        frames.append(step.frame.image.tobytes())
-        return 0.5, 0.4
-
-    sim = simulation(noise=robsim.GaussianNoise(20), control=control)
-    sim.run(6)
-    assert written == frames
-    assert len(set(frames)) == 6
-
-
 def test_memory_of_another_size_than_the_frames_is_refused():
     sim = simulation()
     sim.run(1)
@@ -289,27 +207,3 @@ def test_memory_of_another_size_than_the_frames_is_refused():
         with pytest.raises(ValueError, match=r"\bout\b.*300 x 300 px"):
             sim.render_step(0, out=out)
         assert (out == 7).all()
-
-
-@pytest.mark.long
-def test_another_process_sees_a_frame_in_shared_memory():
-    memory = SharedMemory(create=True, size=300 * 300 * 3)
-    sim = simulation(noise=robsim.GaussianNoise(5))
-    frame = sim.step().frame
-    sim.render_step(0, out=np.ndarray((300, 300, 3), np.uint8, memory.buf))
-    context = multiprocessing.get_context("spawn")
-    replies, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=seen_in, args=(memory.name, (300, 300), theirs))
-    try:
-        process.start()
-        theirs.close()
-        assert replies.poll(PATIENCE)
-        assert replies.recv_bytes() == frame.image.tobytes()
-        red = robsim.find_blobs(frame, robsim.load_colors())["red"][0]
-        assert struct.unpack("=2d", replies.recv_bytes()) == tuple(red.centroid)
-    finally:
-        replies.close()
-        process.join(PATIENCE)
-        memory.close()
-        memory.unlink()
-    assert process.exitcode == 0

@@ -65,12 +65,6 @@ def test_the_inputs_of_a_controller_in_python_are_replayed():
         Scenario.of(trace[3:])
 
 
-def test_other_callbacks_are_named():
-    trace = Simulation(NOISY, measure=lambda step: None).run(3)
-    with pytest.warns(UserWarning, match=r"\bmeasure\b"):
-        Scenario.of(trace)
-
-
 def test_a_trace_of_an_experiment_has_no_scenario():
     frames = [Simulation(NOISY).step().frame]
     with pytest.raises(NotRecordedError) as caught:

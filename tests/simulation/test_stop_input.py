@@ -2,6 +2,7 @@
 
 import _thread
 import atexit
+import contextlib
 import gc
 import math
 import os
@@ -76,35 +77,36 @@ def estimate(step):
     return robsim.Estimate((0, 0, 0), np.eye(3))
 
 
+def control(step):
+    return input_of(step.k)
+
+
 RESULTS = {
     "estimate_parameters": lambda step: None,
     "measure": lambda step: None,
     "estimate_state": estimate,
-    "control": lambda step: input_of(step.k),
+    "control": control,
 }
 
 
 def experiment(robot, frames=6, **options):
     if isinstance(frames, int):
         frames = [frame(k) for k in range(frames)]
-    given = {"measure": False, "identify_from": "truth", "control": RESULTS["control"]} | options
+    given = {"measure": False, "identify_from": "truth", "control": control} | options
     return robsim.Experiment(frames, send=robot, **given)
 
 
-class Once:
-    """Does something the first time that a step comes."""
+def failing_once(act, then, k=3):
+    """A callback that does something else the first time that a step comes."""
+    steps = [k]
 
-    def __init__(self, act, then=lambda step: None, k=3):
-        self.act = act
-        self.then = then
-        self.k = k
-        self.is_done = False
+    def callback(step):
+        if [step.k] == steps:
+            steps.clear()
+            act()
+        return then(step)
 
-    def __call__(self, step):
-        if step.k == self.k and not self.is_done:
-            self.is_done = True
-            self.act()
-        return self.then(step)
+    return callback
 
 
 def fail():
@@ -146,13 +148,6 @@ def test_an_input_is_sent_the_moment_that_it_is_decided(frame_timeout):
     assert not trace.interrupted.any()
 
 
-@pytest.mark.parametrize("steps", [None, 4, 6])
-def test_an_ordinary_end_stops_the_robot(steps):
-    robot = Robot()
-    experiment(robot).run(steps)
-    assert robot.sent == [*map(input_of, range(steps or 6)), STOP]
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("slot", "act", "error"),
@@ -165,7 +160,7 @@ def test_an_ordinary_end_stops_the_robot(steps):
 )
 def test_what_a_stage_raises_stops_the_robot(slot, act, error):
     robot = Robot()
-    sim = experiment(robot, **{slot: Once(act, RESULTS[slot])})
+    sim = experiment(robot, **{slot: failing_once(act, RESULTS[slot])})
     with pytest.raises(error) as raised:
         sim.run()
     assert f"in the callback {slot} at step 3" in raised.value.__notes__
@@ -181,7 +176,7 @@ def test_what_a_stage_raises_stops_the_robot(slot, act, error):
 
 def test_an_exceeded_time_limit_stops_the_robot():
     robot = Robot()
-    sim = experiment(robot, control=Once(dawdle, RESULTS["control"], k=1), time_limit=0.2)
+    sim = experiment(robot, control=failing_once(dawdle, control, k=1), time_limit=0.2)
     with pytest.raises(TimeoutError, match="time_limit"):
         sim.run()
     assert robot.sent == [input_of(0), STOP]
@@ -205,25 +200,21 @@ def test_nothing_is_stopped_that_was_not_sent_anything():
     assert robot.calls == 0
 
 
-class Frames:
-    """Frames of which one fails the first time."""
+def frames_that_fail(failing, error):
+    """Six frames; before one of them an iterator that can go on raises an error."""
+    numbers = iter([*range(failing), None, *range(failing, 6)])
 
-    def __init__(self, failing, error):
-        self.k = 0
-        self.failing = failing
-        self.error = error
+    class Frames:
+        def __iter__(self):
+            return self
 
-    def __iter__(self):
-        return self
+        def __next__(self):
+            k = next(numbers)
+            if k is None:
+                raise error
+            return frame(k)
 
-    def __next__(self):
-        if self.k == 6:
-            raise StopIteration
-        if self.k == self.failing:
-            self.failing = None
-            raise self.error
-        self.k += 1
-        return frame(self.k - 1)
+    return Frames()
 
 
 @pytest.mark.parametrize(
@@ -232,7 +223,7 @@ class Frames:
 )
 def test_what_the_source_raises_stops_the_robot(frame_timeout, error):
     robot = Robot()
-    sim = experiment(robot, Frames(3, error), frame_timeout=frame_timeout)
+    sim = experiment(robot, frames_that_fail(3, error), frame_timeout=frame_timeout)
     with pytest.raises(type(error)) as raised:
         sim.run()
     assert raised.value is error
@@ -276,7 +267,7 @@ def test_an_input_that_cannot_be_sent_stops_the_robot():
     np.testing.assert_array_equal(sim.trace.interrupted, [0, 0, 0, 0, 1])
 
 
-def test_a_robot_that_cannot_be_stopped_either_is_told():
+def test_a_robot_that_cannot_be_stopped_is_told():
     robot = Robot(failing=range(3, 100))
     sim = experiment(robot)
     with pytest.raises(OSError, match="the cable") as raised:
@@ -289,22 +280,14 @@ def test_a_robot_that_cannot_be_stopped_either_is_told():
     with pytest.raises(OSError, match="still loose"), sim:
         pass
     robot.failing = []
-    with sim:
-        pass
-    assert robot.sent[-1] == STOP
-
-
-def test_a_stop_that_fails_at_the_end_of_a_run_is_an_error():
-    robot = Robot(failing=range(6, 10))
-    sim = experiment(robot)
-    with pytest.raises(OSError, match="the cable") as raised:
-        sim.run()
-    (note,) = raised.value.__notes__
-    assert note.startswith("in send, when")
-    assert len(sim.trace) == 6
     with sim:  # tries again
         pass
     assert robot.sent[-1] == STOP
+    sim = experiment(Robot(failing=range(6, 10)))
+    with pytest.raises(OSError, match="the cable") as raised:
+        sim.run()
+    assert [note[:13] for note in raised.value.__notes__] == ["in send, when"]
+    assert len(sim.trace) == 6
 
 
 def test_the_stop_input_is_sent_twice_and_again_where_it_fails():
@@ -324,7 +307,7 @@ def test_the_stop_input_is_sent_in_spite_of_ctrl_c():
     assert robot.sent[-1] == STOP
     robot = Robot(failing=[4], error=KeyboardInterrupt())
     with pytest.raises(ZeroDivisionError) as raised:
-        experiment(robot, control=Once(fail, RESULTS["control"])).run()
+        experiment(robot, control=failing_once(fail, control)).run()
     assert robot.sent[-1] == STOP
     assert raised.value.__notes__ == ["in the callback control at step 3"]
 
@@ -395,9 +378,7 @@ def test_whatever_else_ends_a_series_of_steps_stops_the_robot(tmp_path):
 
 
 def test_after_a_stop_the_last_input_is_the_stop_input():
-    robot = Robot()
-    seen = []
-    control = RESULTS["control"]
+    robot, seen = Robot(), []
     sim = experiment(robot, control=lambda step: seen.append(tuple(step.last_u)) or control(step))
     sim.run(2)
     trace = sim.run()
@@ -405,9 +386,6 @@ def test_after_a_stop_the_last_input_is_the_stop_input():
     np.testing.assert_array_equal(trace.interrupted, [0, 0, 1, 0, 0, 0])
     # What was sent is recorded, the stop is not an input of a step.
     np.testing.assert_array_equal(trace.u, [input_of(k) for k in range(6)])
-
-
-def test_another_stop_input():
     robot = Robot()
     sim = experiment(robot, stop_input=(-0.1, 0.2))
     sim.run(2)
@@ -416,8 +394,11 @@ def test_another_stop_input():
 
 
 def test_no_stop_input():
+    for stop_input in ((math.nan, 0), (0, math.inf), (1,)):
+        with pytest.raises(ValueError, match="stop_input"):
+            robsim.Experiment([], send=print, stop_input=stop_input)
     robot = Robot()
-    with experiment(robot, stop_input=None, control=Once(fail, RESULTS["control"])) as sim:
+    with experiment(robot, stop_input=None, control=failing_once(fail, control)) as sim:
         with pytest.raises(ZeroDivisionError):
             sim.run()
         trace = sim.run()
@@ -531,19 +512,30 @@ def test_a_frame_that_does_not_come_stops_the_robot_and_then_says_so(monkeypatch
     stalled.check_that_nothing_is_lost()
 
 
-def test_another_thread_can_stop_a_run_that_waits_for_a_frame(monkeypatch):
+@pytest.mark.parametrize(
+    ("wait", "end", "comes_to"),
+    [
+        ("run", lambda sim: sim.stop(), contextlib.nullcontext()),
+        ("step_stage", lambda sim: sim.stop(), pytest.raises(RuntimeError, match="stop")),
+        ("run", lambda sim: _thread.interrupt_main(), pytest.raises(KeyboardInterrupt)),
+    ],
+)
+def test_the_wait_for_a_frame_can_be_ended(monkeypatch, wait, end, comes_to):
     stalled = Stalled(monkeypatch)
+    if wait == "step_stage":
+        for _ in range(3):
+            stalled.sim.step()
     answers = []
 
-    def stop():
+    def end_it():
         wait_for(stalled.is_waiting)
-        answers.append(stalled.sim.stop())
+        answers.append(end(stalled.sim))
 
-    with in_thread(stop):
-        assert len(stalled.sim.run()) == 3
-    assert answers == [True]
-    stalled.check_stopped()
+    with in_thread(end_it), comes_to:
+        getattr(stalled.sim, wait)()
+    assert answers[0] in (True, None)
     assert not stalled.sim.stop()
+    stalled.check_stopped()
     stalled.check_that_nothing_is_lost()
 
 
@@ -576,34 +568,6 @@ def test_a_callback_that_stops_its_stage_stops_the_robot_behind_it():
     assert robot.sent == [input_of(0), STOP]
 
 
-def test_another_thread_can_stop_a_stage_that_waits_for_a_frame(monkeypatch):
-    stalled = Stalled(monkeypatch)
-    for _ in range(3):
-        stalled.sim.step()
-
-    def stop():
-        wait_for(stalled.is_waiting)
-        stalled.sim.stop()
-
-    with in_thread(stop), pytest.raises(RuntimeError, match=r"stop\(\) was called"):
-        stalled.sim.step_stage()
-    stalled.check_stopped()
-    stalled.check_that_nothing_is_lost()
-
-
-def test_ctrl_c_ends_the_wait_for_a_frame(monkeypatch):
-    stalled = Stalled(monkeypatch)
-
-    def press():
-        wait_for(stalled.is_waiting)
-        _thread.interrupt_main()
-
-    with in_thread(press), pytest.raises(KeyboardInterrupt):
-        stalled.sim.run()
-    stalled.check_stopped()
-    stalled.check_that_nothing_is_lost()
-
-
 @pytest.mark.parametrize("frame_timeout", [LONG, math.inf])
 def test_the_end_of_a_block_stops_a_run_in_another_thread(monkeypatch, frame_timeout):
     stalled = Stalled(monkeypatch, frame_timeout)
@@ -617,14 +581,14 @@ def test_the_end_of_a_block_stops_a_run_in_another_thread(monkeypatch, frame_tim
 def test_a_callback_that_stops_the_run_ends_it_after_the_step():
     robot = Robot()
     sim = experiment(robot)
-    sim.estimate_state = Once(lambda: sim.stop(), estimate)
+    sim.estimate_state = failing_once(lambda: sim.stop(), estimate)
     assert len(sim.run()) == 4
     assert robot.sent == [*map(input_of, range(4)), STOP]
     assert len(sim.run()) == 6
     # The same in a step, which would leave the robot driving otherwise.
     sim.reset()
     robot.sent.clear()
-    sim.estimate_state = Once(lambda: sim.stop(), estimate)
+    sim.estimate_state = failing_once(lambda: sim.stop(), estimate)
     for _ in range(4):
         assert not robot.sent or robot.drives
         sim.step()
@@ -649,12 +613,6 @@ def test_a_second_run_is_refused_and_the_first_one_goes_on(frame_timeout):
     assert robot.sent == [*map(input_of, range(6)), STOP]
 
 
-def test_a_stop_input_that_stops_nothing_is_refused():
-    for stop_input in ((math.nan, 0), (0, math.inf), (1,)):
-        with pytest.raises(ValueError, match="stop_input"):
-            robsim.Experiment([], send=print, stop_input=stop_input)
-
-
 def test_a_reset_that_is_refused_stops_the_robot_all_the_same():
     robot = Robot()
     sim = experiment(robot, map(frame, range(5)))
@@ -665,19 +623,14 @@ def test_a_reset_that_is_refused_stops_the_robot_all_the_same():
     assert not robot.drives
 
 
-class Busy:
-    """Frames that say when they came, and a controller that takes too long in step 1, once."""
+class Live:
+    """Frames that say when they came, and a robot that says when it is stopped."""
 
-    def __init__(self, dawdle, frame_timeout):
+    def __init__(self, frame_timeout):
         self.robot = Robot()
-        self.stopped_while_busy = threading.Event()
+        self.stopped = threading.Event()
         self.epoch = time.monotonic()
-        self.sim = experiment(
-            self.heard,
-            self.frames(),
-            control=Once(lambda: dawdle(self), RESULTS["control"], k=1),
-            frame_timeout=frame_timeout,
-        )
+        self.sim = experiment(self.heard, self.frames(), frame_timeout=frame_timeout)
 
     def frames(self):
         for k in range(20):
@@ -687,22 +640,23 @@ class Busy:
     def heard(self, u):
         self.robot(u)
         if not self.robot.drives:
-            self.stopped_while_busy.set()
+            self.stopped.set()
 
 
 @pytest.mark.long
 @pytest.mark.threads
 def test_a_watchdog_stops_the_robot_while_a_callback_takes_too_long():
     # On a machine that stands still for a second the robot would be stopped sooner.
-    busy = Busy(lambda busy: busy.stopped_while_busy.wait(LONG), frame_timeout=1)
+    live = Live(frame_timeout=1)
+    live.sim.control = failing_once(lambda: live.stopped.wait(LONG), control, k=1)
     with pytest.raises(TimeoutError, match=r"frame_timeout = 1 s of the arrival"):
-        busy.sim.run()
-    assert busy.stopped_while_busy.is_set()
+        live.sim.run()
+    assert live.stopped.is_set()
     # The input of a callback that was late is not sent.
-    assert busy.robot.sent == [input_of(0), STOP]
+    assert live.robot.sent == [input_of(0), STOP]
     # The next run takes a new frame: that of the step that was broken off is out of date.
-    trace = busy.sim.run(2)
-    assert busy.robot.sent[2:] == [input_of(2), input_of(3), STOP]
+    trace = live.sim.run(2)
+    assert live.robot.sent[2:] == [input_of(2), input_of(3), STOP]
     assert np.isnan(trace.u[1]).all()
     np.testing.assert_array_equal(np.flatnonzero(trace.interrupted), [2])
 
@@ -710,32 +664,32 @@ def test_a_watchdog_stops_the_robot_while_a_callback_takes_too_long():
 @pytest.mark.long
 @pytest.mark.threads
 def test_a_watchdog_stops_the_robot_after_a_step():
-    busy = Busy(lambda busy: None, frame_timeout=0.2)
-    busy.sim.step()
-    assert busy.robot.sent[0] == input_of(0)
-    assert busy.stopped_while_busy.wait(LONG)
-    busy.sim.step()
-    assert busy.robot.sent[:3] == [input_of(0), STOP, input_of(1)]
-    np.testing.assert_array_equal(busy.sim.trace.interrupted, [False, True])
+    live = Live(frame_timeout=0.2)
+    live.sim.step()
+    assert live.robot.sent[0] == input_of(0)
+    assert live.stopped.wait(LONG)
+    live.sim.step()
+    assert live.robot.sent[:3] == [input_of(0), STOP, input_of(1)]
+    np.testing.assert_array_equal(live.sim.trace.interrupted, [False, True])
 
 
 def test_the_trace_says_when_a_frame_arrived_and_when_its_input_went_out():
-    busy = Busy(lambda busy: None, frame_timeout=LONG)
-    trace = busy.sim.run(5)
+    live = Live(frame_timeout=LONG)
+    trace = live.sim.run(5)
     assert (trace.t <= trace.t_arrival).all()
     assert (trace.t_arrival <= trace.t_sent).all()
     assert (trace.t_sent[:-1] <= trace.t[1:]).all()
-    assert trace.t_sent[-1] <= time.monotonic() - busy.epoch
+    assert trace.t_sent[-1] <= time.monotonic() - live.epoch
 
 
 @pytest.mark.threads
 def test_an_experiment_that_is_dropped_stops_its_robot():
-    busy = Busy(lambda busy: None, frame_timeout=LONG)
-    busy.sim.step()
-    assert busy.robot.drives
-    busy.sim = None
+    live = Live(frame_timeout=LONG)
+    live.sim.step()
+    assert live.robot.drives
+    live.sim = None
     gc.collect()
-    assert not busy.robot.drives
+    assert not live.robot.drives
 
 
 END = """

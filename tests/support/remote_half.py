@@ -7,7 +7,6 @@ processes map.
 import math
 import multiprocessing
 import struct
-from multiprocessing.shared_memory import SharedMemory
 
 import numpy as np
 
@@ -144,15 +143,3 @@ class RemoteHalf:
         self.requests.close()
         self.replies.close()
         self.process.join(PATIENCE)
-
-
-def seen_in(name, resolution, replies):
-    """A process: say what a frame in shared memory shows."""
-    memory = SharedMemory(name)
-    shape = (resolution[1], resolution[0], 3)
-    frame = robsim.Frame(memory.buf[: math.prod(shape)].cast("B", shape), copy=False)
-    blobs = robsim.find_blobs(frame, robsim.load_colors())
-    replies.send_bytes(frame.image.tobytes())
-    replies.send_bytes(struct.pack("=2d", *blobs["red"][0].centroid))
-    del frame
-    memory.close()

@@ -120,17 +120,6 @@ def test_a_phase_looks_like_the_continuous_picture_of_its_heading():
         assert np.abs(a - b).max() <= 1
 
 
-@pytest.mark.long
-def test_half_a_pixel_is_the_mean_of_two_places():
-    draw = renderer()
-    left, middle, right = (
-        draw.render((300.0 + dx, 800.0, 0.3)).astype(float) for dx in (0.0, 0.5, 1.0)
-    )
-    robot = np.s_[760:840, 260:340]
-    assert np.abs(left - right)[robot].max() > 50
-    assert np.abs((left + right) / 2 - middle)[robot].mean() < 3
-
-
 def test_the_shadow_falls_on_the_robot_too():
     plain = np.full((1200, 1200, 3), 200, np.uint8)
     draw = renderer(background=plain, adjust_background=lambda background: background)

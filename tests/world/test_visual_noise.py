@@ -80,15 +80,6 @@ def test_what_lies_beyond_five_standard_deviations():
     assert found == pytest.approx(expected, abs=4 * math.sqrt(expected))
 
 
-def test_clipped_shares_at_40_percent():
-    noisy = added("gaussian", 40, value=200) + 200
-    sigma = 102.0
-    white = 0.5 * math.erfc((255 - 0.5 - 200) / (sigma * math.sqrt(2)))
-    black = 0.5 * math.erfc((200 - 0.5) / (sigma * math.sqrt(2)))
-    assert (noisy == 255).mean() == pytest.approx(white, abs=0.003)
-    assert (noisy == 0).mean() == pytest.approx(black, abs=0.003)
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_pixels_channels_frames_and_seeds_are_independent(kind):
     noise = added(kind, 10).astype(float)
