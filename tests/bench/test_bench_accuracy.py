@@ -13,9 +13,9 @@ from robsim.bench._accuracy import run
 from robsim.bench._accuracy.apriltag import AprilTag
 from robsim.bench._accuracy.blobs import BlobMethods
 from robsim.bench._accuracy.result import METHODS, AccuracyCase, AccuracyResult, Errors, errors_of
-from robsim.imaging import Frame, PlaneMap
+from robsim.imaging import Frame
 from robsim.plotting._charts.accuracy import plot_accuracy
-from robsim.vision import MarkerLayout, find_blobs
+from robsim.vision import find_blobs
 
 cv2 = pytest.importorskip("cv2")
 
@@ -128,12 +128,6 @@ def test_the_figure():
     assert "over 10 % missed or false" in [t.get_text() for t in figure.legends[0].texts]
 
 
-def test_the_figure_of_clean_frames_alone():
-    result = made()
-    figure = plot_accuracy(AccuracyResult(frames=20, cases=result.cases[:1]))
-    assert [panel.get_title() for panel in figure.axes] == ["no noise"]
-
-
 def test_the_tag_is_found_where_it_lies():
     tag = AprilTag(cv2, 1060.0)
     for pose in ((500.2, 600.7, 0.4), (301.6, 222.3, -2.9), (800.9, 411.1, 1.2)):
@@ -172,20 +166,6 @@ def test_the_ways_by_blobs(lab):
     none = {"red": [], "blue": []}
     assert methods.counted(nothing, none) is methods.weighted(nothing, none) is None
     assert methods.opencv(nothing) is None
-
-
-def test_a_weighted_centroid_is_that_of_a_blurred_disc():
-    """On a blurred disc the weights leave a hundredth of a pixel."""
-    centre = np.array((30.37, 29.81))
-    v, u = np.mgrid[:60, :60]
-    covered = np.clip(9.5 - np.hypot(u - centre[0], v - centre[1]), 0, 1)[..., np.newaxis]
-    image = np.rint(60 + covered * (np.array((200, 30, 35)) - 60)).astype(np.uint8)
-    colors = robsim.load_colors()
-    methods = BlobMethods(cv2, colors, MarkerLayout(10, 0), 3)
-    (blob, *_) = find_blobs(image, colors)["red"]
-    frame = Frame(image, plane_map=PlaneMap())
-    weighted = methods._weighted(frame, blob)
-    assert np.hypot(*(weighted.centroid - centre)) < 0.02
 
 
 @pytest.mark.long

@@ -11,8 +11,7 @@ from robsim.bench._campaign.dask_tasks import TaskCost
 from robsim.bench._campaign.parent import ParentCost, parent_cost
 from robsim.bench._campaign.result import CampaignBench
 from robsim.bench._campaign.scaling import scaling_of
-from robsim.campaigns._engines.chunks import SECONDS, Chunks, size_for
-from robsim.campaigns._engines.executors import SECONDS_OF_WORKER, seconds_of_chunk
+from robsim.campaigns._engines.chunks import Chunks
 from robsim.campaigns._runs import Row
 from sizes import thorough
 
@@ -85,13 +84,6 @@ def test_the_costs_of_the_calling_process_are_measured():
     found = parent_cost(200)
     assert found.submit > 0
     assert min(found) >= 0
-
-
-def test_chunks_take_a_time_but_have_not_too_many_runs():
-    assert size_for(SECONDS / 10.5) == 10
-    assert (size_for(0), size_for(60)) == (500, 1)
-    assert size_for(1, seconds_of_chunk(1000)) == 1000 * SECONDS_OF_WORKER
-    assert seconds_of_chunk(2) == SECONDS
 
 
 def test_chunks_are_longer_while_enough_is_left_for_all():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from campaign_code import Faster, failing_in_some, final, kalman, run_of, steady
+from campaign_code import Faster, failing_in_some, final, run_of, steady
 from robsim.campaigns import campaign
 
 SCENARIO = robsim.Scenario(
@@ -195,33 +195,6 @@ def test_cases_of_a_group_are_averaged_run_by_run():
     np.testing.assert_allclose(summary.mean[:, 0], table.mean(axis=1))
     np.testing.assert_allclose(summary.sd[1, 0], table[1].std(ddof=1))
     np.testing.assert_allclose(summary.difference[1, 0], (table[1] - table[0]).mean())
-
-
-@pytest.mark.long
-def test_the_errors_of_a_kalman_filter_are_those_of_theory():
-    """The mean squared error of the filter of a random walk is P of the Riccati equation."""
-    result = campaign(
-        robsim.Scenario(
-            area=(300, 300),
-            boundary="unlimited",
-            process_noise=robsim.PoseNoise(np.diag((1.0, 0, 0))),
-        ),
-        vary={"evaluate_model": {"random walk": lambda world: world.pose_1}},
-        metrics=[kalman],
-        runs=1000,
-        steps=30,
-        seed=1,
-        progress=False,
-    )
-    # P = (P + q) r / (P + q + r), q = 1, r = 4
-    P = (-1 + np.sqrt(1 + 16)) / 2
-    assert result["kalman_P"][0] == pytest.approx(P, rel=1e-5)
-    summary = result.summary()
-    for name, theory in {"kalman_squared_error": P, "kalman_nees": 1.0}.items():
-        column = summary.metrics.index(name)
-        # 4 standard errors; the variance of a squared error of a Gaussian is 2 P^2
-        assert summary.mean[0, column] == pytest.approx(theory, abs=4 * theory * np.sqrt(2 / 1000))
-        assert summary.sd[0, column] == pytest.approx(np.sqrt(2) * theory, rel=0.25)
 
 
 # The argument, and what the message must have.

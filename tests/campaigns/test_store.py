@@ -14,7 +14,6 @@ import robsim
 from campaign_code import Faster, final, run_of, steady
 from disks import full_disk
 from robsim.campaigns import campaign
-from robsim.campaigns._store import Store
 
 PAGE = 4096  # bytes, in SQLite
 
@@ -229,28 +228,6 @@ def test_where_the_file_system_allows_no_wal_there_is_a_journal(store, monkeypat
     monkeypatch.undo()
     assert run(store, metrics=[metric]).checksum == expected
     assert [file.name for file in store.parent.iterdir()] == ["store.sqlite"]
-
-
-def test_an_empty_file_is_begun(store):
-    store.touch()
-    assert run(store).checksum == run().checksum
-
-
-@pytest.mark.long
-def test_a_full_disk_leaves_what_is_there(store, monkeypatch):
-    class Small(Store):
-        def _open(self):
-            super()._open()
-            pages = self._database.execute("PRAGMA page_count").fetchone()[0]
-            self._database.execute(f"PRAGMA max_page_count = {pages + 3}")
-
-    monkeypatch.setattr("robsim.campaigns._campaign.Store", Small)
-    with pytest.raises(OSError, match=r"store\.sqlite: database or disk is full") as caught:
-        run(store, runs=500)
-    assert any("the same call goes on" in note for note in caught.value.__notes__)
-    monkeypatch.undo()
-    assert rows_in(store)
-    assert run(store, runs=500).checksum == run(runs=500).checksum
 
 
 @pytest.mark.long

@@ -80,24 +80,6 @@ def test_a_constant_difference_is_decided():
     assert report.more_runs[1, 0] == 0
 
 
-def test_intervals_of_95_percent_hold_the_mean_in_95_percent_of_campaigns(rng):
-    trials = rng.normal(0, 1, (1, 10, 4000))
-    report = summary_of(
-        trials, by=(), groups=["all"], metrics=[f"m{i}" for i in range(4000)], level=0.95, failed=0
-    )
-    share = np.mean(np.abs(report.mean) <= report.half_width)
-    assert share == pytest.approx(0.95, abs=0.015)  # 4 standard deviations
-
-
-def test_a_long_label_of_the_first_group_does_not_widen_every_table():
-    values = np.array([[[1.0], [2]], [[2], [4]]])
-    names = {"by": ("noise",), "metrics": ("error",), "level": 0.95, "failed": 0}
-    assert "minus EKF" in str(summary_of(values, groups=["EKF", "UKF"], **names))
-    long = str(summary_of(values, groups=["GaussianNoise(percent=2), lab", "b"], **names))
-    assert "minus the first" in long
-    assert long.count("GaussianNoise") == 1
-
-
 def test_without_numbers_nothing_is_said_about_differences():
     report = summary_of(
         np.empty((2, 3, 0)), by=("noise",), groups=["a", "b"], metrics=(), level=0.95, failed=6

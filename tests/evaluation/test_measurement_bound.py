@@ -197,23 +197,6 @@ def test_a_camera_that_is_turned_tells_the_same():
     np.testing.assert_allclose(bounds[0], bounds[1], rtol=1e-3)
 
 
-def test_a_frame_with_noise_tells_nearly_the_same():
-    frame, robot = shown(480, POSES[0])
-    noise = robsim.GaussianNoise(10)
-    noisy = Frame(noise.add(frame.image, 1), plane_map=frame.plane_map)
-    bounds = [measurement_bound(one, POSES[0], robot, noise=noise) for one in (frame, noisy)]
-    assert bounds[1].rmse_xy == pytest.approx(bounds[0].rmse_xy, rel=0.06)
-
-
-def test_the_report():
-    bound = measurement_bound(*_at(480, POSES[0]), noise=robsim.GaussianNoise(10))
-    assert bound.title == "Least error of a measured pose"
-    values = bound.to_dict()
-    assert values["rmse_xy"] == pytest.approx(np.sqrt(np.trace(bound.covariance[:2, :2])))
-    assert values["units"] == {"rmse_xy": "px", "rmse_heading_deg": "deg"}
-    np.testing.assert_allclose(bound.covariance, bound.covariance.T)
-
-
 def test_what_shows_no_markers_or_has_no_area_is_named():
     frame, robot = shown(480, POSES[0])
     good = {"frame": frame, "pose": POSES[0], "robot": robot, "noise": None}

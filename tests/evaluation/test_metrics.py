@@ -276,68 +276,7 @@ def test_nothing_known_is_said():
     assert json.loads(report.to_json())["mean"] is None
 
 
-def test_white_noise_lies_in_the_band_as_often_as_the_band_says():
-    rng = np.random.default_rng(11)
-    L = np.array([[2.0, 0.0], [0.7, 0.5]])
-    innovation = rng.normal(size=(20_000, 2)) @ L.T
-    report = nis_consistency(innovation, L @ L.T)
-    # 4 standard deviations of a fraction of 95 % in 20 000 trials
-    assert abs(report.inside - 0.95) < 4 * np.sqrt(0.95 * 0.05 / 20_000)
-    assert abs(report.above - 0.025) < 4 * np.sqrt(0.025 / 20_000)
-    assert report.verdict == "consistent"
-    assert report.whiteness.is_white
-
-
 # a linear filter, right and wrong
-
-
-def test_the_nees_of_single_runs_of_a_right_filter_lies_in_the_band():
-    errors, P, _, _ = filtered(400, 200, rng=np.random.default_rng(1))
-    (low, high), values = chi_square_band(2), nees(errors, P)
-    fractions = np.mean((values >= low) & (values <= high), axis=1)
-    assert (fractions >= 0.8).sum() >= 399
-    assert abs(fractions.mean() - 0.95) < 0.005
-    for error, fraction in zip(errors[:20], fractions, strict=False):
-        report = nees_consistency(error, P)
-        assert report.inside == pytest.approx(fraction)
-        assert report.verdict == ("consistent" if fraction >= 0.8 else "optimistic")
-
-
-def test_the_mean_nees_in_time_would_fail_right_filters():
-    errors, P, _, _ = filtered(400, 200, rng=np.random.default_rng(2))
-    low, high = chi_square_band(2, runs=200)
-    means = nees(errors, P).mean(axis=1)
-    assert 0.25 < np.mean((means < low) | (means > high)) < 0.5
-
-
-def test_the_mean_nis_fails_five_percent():
-    _, _, innovations, S = filtered(400, 200, rng=np.random.default_rng(3))
-    (low, high), means = chi_square_band(1, runs=200), nis(innovations, S).mean(axis=1)
-    is_right = (means >= low) & (means <= high)
-    # 3.2 standard deviations of a fraction of 5 % in 400 trials
-    assert abs(np.mean(~is_right) - 0.05) < 0.035
-    for one, expected in zip(innovations[:20], is_right, strict=False):
-        assert (nis_consistency(one, S).verdict == "consistent") == expected
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("q", "r", "verdict"),
-    [
-        (1, 1, "consistent"),
-        (4, 1, "conservative"),
-        (1, 4, "conservative"),
-        (0.25, 1, "optimistic"),
-        (1, 0.25, "optimistic"),
-    ],
-)
-def test_a_wrong_q_or_r_is_called(q, r, verdict):
-    errors, P, innovations, S = filtered(100, 200, q=q, r=r, rng=np.random.default_rng(4))
-    for runs in np.split(np.arange(100), 5):
-        report = nees_consistency(errors[runs], P)
-        assert report.verdict == verdict, str(report)
-        assert verdict in str(report)
-    assert nis_consistency(innovations, S).verdict == verdict
 
 
 def test_one_run_cannot_show_a_cautious_filter_and_says_so():
@@ -382,14 +321,6 @@ def test_no_pair_is_made_with_a_step_that_was_not_seen():
     # nor across the runs
     runs = whiteness(np.ones((3, 2, 1)), lags=1)
     np.testing.assert_array_equal(runs.pairs, [[3]])
-
-
-def test_white_innovations_pass_in_95_percent():
-    rng = np.random.default_rng(8)
-    results = [whiteness(rng.normal(size=(200, 2)), lags=10) for _ in range(400)]
-    # 4 standard deviations of a fraction of 5 % in 400 trials
-    assert abs(np.mean([not result.is_white for result in results]) - 0.05) < 0.044
-    assert abs(np.mean([result.fraction_outside for result in results]) - 0.05) < 0.01
 
 
 def test_what_is_not_white_is_called():
@@ -517,12 +448,6 @@ def test_parameter_bounds_of_a_drive():
     assert (np.diff(bounds[50:], axis=0) <= 1e-9 * bounds[50:-1]).all()
 
 
-def test_a_spin_does_not_excite_x_and_y():
-    trace = robsim.Simulation(boundary="unlimited", seed=1).run(100)
-    bounds = parameter_bounds(trace, sigma=(0.1, 0.1, 0.005))
-    assert np.isinf(bounds[-1, :2, 2:4]).all()
-
-
 def test_samples_across_a_bounce_say_nothing():
     control = robsim.DriveAround(low=0.5, high=1.5, hold=3)
     trace = robsim.Simulation(control=control, seed=1).run(300)
@@ -548,14 +473,6 @@ def information_form(seen):
         yield np.linalg.inv(J)
 
 
-def test_the_posterior_bound_of_a_linear_system_is_the_kalman_covariance():
-    _, P, _, _ = filtered(1, 200, rng=np.random.default_rng(0))
-    bounds = posterior_cramer_rao_bound(F, H, Q=Q, R=R, P0=P0, seen=np.ones(200, dtype=bool))
-    np.testing.assert_allclose(bounds, P, rtol=1e-10)
-    each = posterior_cramer_rao_bound(np.tile(F, (199, 1, 1)), H, Q=Q, R=R, P0=P0)
-    np.testing.assert_array_equal(each, bounds)
-
-
 def test_a_posterior_bound_without_any_noise_is_refused():
     none = np.zeros((1, 1))
     with pytest.raises(ValueError, match=r"\bR must"):
@@ -569,6 +486,8 @@ def test_the_posterior_bound_agrees_with_the_form_of_the_paper():
     seen[0] = False
     bounds = posterior_cramer_rao_bound(F, H, Q=Q, R=R, P0=P0, seen=seen)
     np.testing.assert_allclose(bounds, list(information_form(seen)), rtol=1e-10)
+    each = posterior_cramer_rao_bound(np.tile(F, (79, 1, 1)), H, Q=Q, R=R, P0=P0, seen=seen)
+    np.testing.assert_array_equal(each, bounds)
 
 
 def test_the_derivative_of_the_robot_model_in_the_bound():

@@ -31,21 +31,6 @@ def test_batch_and_online_on_true_data_of_a_drive():
     assert offset < 1e-6
 
 
-def test_across_many_full_turns_of_the_heading():
-    trace = robsim.Simulation(
-        boundary="unlimited",
-        estimate_parameters=True,
-        control=lambda step: (0.9 + 0.3 * np.sin(step.k), 0.2 + 0.3 * np.sin(0.37 * step.k)),
-    ).run(800)
-    turns = np.unwrap(trace.pose_true[:, 2])[-1] / (2 * np.pi)
-    assert turns > 10
-    report = robsim.batch_estimate(trace)
-    for estimate, limits in ((report.batch, (1e-6, 1e-9)), (report.online, (1e-4, 1e-6))):
-        relative, offset = deviations(estimate, report.theta_true)
-        assert relative < limits[0]
-        assert offset < limits[1]
-
-
 def bounced(**options):
     options = {"boundary": "bounce", "seed": 1, "estimate_parameters": True, **options}
     control = robsim.DriveAround(low=0.5, high=1.5, hold=3)

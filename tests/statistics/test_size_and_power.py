@@ -46,9 +46,7 @@ def test_a_verdict_without_power_is_found(monkeypatch):
 
 
 def row(hits, trials, promised):
-    one = Row(
-        verdict="NEES", hypothesis="right", record="1 run", answer="rejected", promised=promised
-    )
+    one = Row("NEES", "right", "1 run", "rejected", promised)
     return one.counted([True] * hits + [False] * (trials - hits))
 
 

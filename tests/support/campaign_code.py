@@ -7,8 +7,6 @@ import time
 from concurrent.futures import Executor, Future
 from pathlib import Path
 
-import numpy as np
-
 from waiting import wait_for
 
 
@@ -73,24 +71,6 @@ def slow_with_pid(trace):
     if run_of(trace) == 70:
         wait_for((folder / "go").exists)
     return run_of(trace)
-
-
-def kalman(trace):
-    """Errors of the Kalman filter of x, a random walk that is measured with noise of variance 4."""
-    seed = np.random.SeedSequence(**trace.info.seed)
-    rng = np.random.default_rng(
-        np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, 99))
-    )
-    x = trace.pose_true[:, 0]
-    q, r = 1.0, 4.0
-    z = x + rng.normal(0, np.sqrt(r), len(x))
-    estimate, P = z[0], r
-    for value in z[1:]:
-        P += q
-        K = P / (P + r)
-        estimate, P = estimate + K * (value - estimate), (1 - K) * P
-    error = estimate - x[-1]
-    return {"squared_error": error**2, "nees": error**2 / P, "P": P}
 
 
 class Inline(Executor):

@@ -9,31 +9,15 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Row:
-    """How often one answer was given under one hypothesis.
+    """How often one answer to a record was given where the hypothesis is true, and should be."""
 
-    Parameters
-    ----------
-    verdict : str
-        The verdict that is tested: ``"NEES"``.
-    hypothesis : str
-        What is true: ``"right"``, or which fault, and how large.
-    record : str
-        The data of one trial: ``"20 runs of 100 steps"``.
-    answer : str
-        The answer that is counted: ``"rejected"``.
-    promised : tuple of two floats
-        The rate that the documentation promises, from and to.
-    trials, hits : int
-        Number of trials, and of those with this answer.
-    """
-
-    verdict: str
-    hypothesis: str
-    record: str
-    answer: str
-    promised: tuple[float, float]
+    verdict: str  # that is tested: "NEES"
+    hypothesis: str  # what is true: "right", or which fault, and how large
+    record: str  # the data of one trial: "20 runs of 100 steps"
+    answer: str  # that is counted: "rejected"
+    promised: tuple[float, float]  # rates, from and to
     trials: int = 0
     hits: int = 0
 

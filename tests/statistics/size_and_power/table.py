@@ -32,19 +32,9 @@ def measured(
 ) -> list[Row]:
     """Return the rows of some families.
 
-    Parameters
-    ----------
-    trials : int
-        Number of trials; of slow ones a share of them.
-    names : sequence of str
-        The families.
-    seed : int
-        What the seeds of the trials come from; that of a table that has been looked at should not
-        be used again.
-    executor : int, optional
-        Number of processes. Default: this one.
-    keep : Path, optional
-        A folder where the trials are kept, so that the next call with it goes on from there.
+    Of trials that are slow a share is made, in so many processes as `executor` says; they are kept
+    in a folder, so that the next call goes on from there. The seed is what all seeds come from:
+    that of a table that has been looked at should not be used again.
     """
     if keep:
         keep.mkdir(parents=True, exist_ok=True)

@@ -20,36 +20,20 @@ def one_each(numbers: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
 
 @dataclass(frozen=True, kw_only=True)
 class Trials:
-    """A campaign, and what is counted of it.
+    """A campaign, and what is counted of it."""
 
-    Attributes
-    ----------
-    name : str
-        Its name within the family.
-    rows : mapping of (str, str) to Row
-        What is promised, by the label of the case, "" if there is but one, and by answer.
-    metric : callable
-        ``metric(trace) -> {answer: whether it was given}``, or what `answers` makes them of.
-    answers : callable
-        ``answers(numbers) -> {answer: array}`` of the numbers of all runs of a case, for each
-        trial whether the answer was given.
-    scenario, vary, steps
-        Those of the campaign. Default: one step, of which nothing but the seed is used.
-    runs : int
-        Number of runs that make a trial.
-    share : float
-        Which share of the trials is made, since they are slow.
-    """
-
-    name: str
+    name: str  # within the family
+    # What is promised, by the label of the case, "" if there is but one, and by answer.
     rows: Mapping[tuple[str, str], Row]
+    # {answer: whether it was given} in a run, or what `answers` makes them of.
     metric: Callable[[robsim.Trace], Mapping[str, float]]
+    # {answer: for each trial whether it was given} of the numbers of all runs of a case.
     answers: Callable[[Mapping[str, np.ndarray]], Mapping[str, np.ndarray]] = one_each
     scenario: robsim.Scenario = field(default_factory=robsim.Scenario)
     vary: Mapping[str, Any] = field(default_factory=dict)
-    steps: int = 1
-    runs: int = 1
-    share: float = 1.0
+    steps: int = 1  # of which nothing but the seed is used unless there are more
+    runs: int = 1  # that make a trial
+    share: float = 1.0  # of the trials that is made, since they are slow
 
     def counted(
         self, trials: int, *, seed: int = 0, executor: int | None = None, keep: Path | None = None

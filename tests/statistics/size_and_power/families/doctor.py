@@ -98,13 +98,10 @@ def _answers(numbers, kind, every):
 
 
 def _row(kind, fault, number):
-    return Row(
-        verdict=f"doctor, {kind}",
-        hypothesis=fault.removeprefix(_REMARK) or "right",
-        record=f"{number} estimator{'s' if number > 1 else ''}",
-        answer="named" if fault else "ill",
-        promised=(0.95, 1) if fault else (0, 0.01),
-    )
+    promised = (0.95, 1) if fault else (0, 0.01)
+    record = f"{number} estimator{'s' if number > 1 else ''}"
+    hypothesis = fault.removeprefix(_REMARK) or "right"
+    return Row(f"doctor, {kind}", hypothesis, record, "named" if fault else "ill", promised)
 
 
 def trials(kind, every=1):

@@ -38,15 +38,11 @@ def _within_of_camera(trace):
 
 
 def _interval(errors, times, promised):
+    answer, record = f"b1X within {times} x 1.96 of them", f"1 run of {_STEPS} steps"
+    verdicts = {method: f"standard error, {method.replace('_', ' ')}" for method in _METHODS}
     return {
-        ("", method): Row(
-            verdict=f"standard error, {method.replace('_', ' ')}",
-            hypothesis=f"errors {errors}",
-            record=f"1 run of {_STEPS} steps",
-            answer=f"b1X within {times} x 1.96 of them",
-            promised=promised,
-        )
-        for method in _METHODS
+        ("", method): Row(verdict, f"errors {errors}", record, answer, promised)
+        for method, verdict in verdicts.items()
     }
 
 
@@ -61,13 +57,7 @@ def _convergence(trace):
 
 def _by_control(verdict, steps, answers):
     return {
-        (control, answer): Row(
-            verdict=verdict,
-            hypothesis=control,
-            record=f"1 run of {steps} steps",
-            answer=answer,
-            promised=promised,
-        )
+        (control, answer): Row(verdict, control, f"1 run of {steps} steps", answer, promised)
         for control, (answer, promised) in answers.items()
     }
 

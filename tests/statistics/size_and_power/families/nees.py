@@ -40,13 +40,8 @@ def _verdicts(trace):
 
 def _row(case, answer, promised):
     runs, q, r = case
-    return Row(
-        verdict="NEES",
-        hypothesis=factors(q, r),
-        record=f"{runs} run{'s' if runs > 1 else ''} of {STEPS} steps",
-        answer=answer,
-        promised=promised,
-    )
+    record = f"{runs} run{'s' if runs > 1 else ''} of {STEPS} steps"
+    return Row("NEES", factors(q, r), record, answer, promised)
 
 
 TRIALS = (

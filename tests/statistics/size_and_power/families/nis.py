@@ -33,13 +33,7 @@ def _verdicts(trace):
 
 def _row(case, answer, promised):
     steps, q, r = case
-    return Row(
-        verdict="NIS",
-        hypothesis=factors(q, r),
-        record=f"1 run of {steps} steps",
-        answer=answer,
-        promised=promised,
-    )
+    return Row("NIS", factors(q, r), f"1 run of {steps} steps", answer, promised)
 
 
 TRIALS = (

@@ -44,14 +44,8 @@ TRIALS = (
         },
         metric=_notices,
         rows={
-            (control, frames): Row(
-                verdict="drives backwards",
-                hypothesis=f"{control}, {frames}",
-                record=f"{_STEPS} steps",
-                answer="given",
-                promised=promised,
-            )
-            for (control, frames), promised in _PROMISED.items()
+            key: Row("drives backwards", ", ".join(key), f"{_STEPS} steps", "given", promised)
+            for key, promised in _PROMISED.items()
         },
         steps=_STEPS,
         share=0.3,

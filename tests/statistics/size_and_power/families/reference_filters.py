@@ -51,11 +51,8 @@ TRIALS = (
         answers=_rejected,
         rows={
             (name, "rejected"): Row(
-                verdict="pose_consistency of the EKF",
-                hypothesis=name,
-                record=f"{_RUNS} runs of {_STEPS} steps",
-                answer="rejected",
-                promised=promised,
+                *("pose_consistency of the EKF", name, f"{_RUNS} runs of {_STEPS} steps"),
+                *("rejected", promised),
             )
             for name, (_, _, promised) in _CASES.items()
         },

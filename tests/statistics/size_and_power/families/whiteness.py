@@ -18,13 +18,7 @@ def _record(shape):
 
 
 def _row(hypothesis, record, promised, answer="not white"):
-    return Row(
-        verdict="whiteness",
-        hypothesis=hypothesis,
-        record=record,
-        answer=answer,
-        promised=promised,
-    )
+    return Row("whiteness", hypothesis, record, answer, promised)
 
 
 def _verdicts(trace):
