@@ -1,7 +1,6 @@
 """Frames at known poses, through every way in which they can come."""
 
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ import posed_frames
 import robsim
 from mjpeg_server import MjpegServer, jpeg
 from posed_frames import AREA, POSES, SIZE, difference, true_difference
-from python_cameras import SteppedCamera
+from python_cameras import PATIENT, SteppedCamera
 from robsim.capture import EndOfStream
 
 pytestmark = [pytest.mark.threads, pytest.mark.long]
@@ -37,42 +36,38 @@ def video(tmp_path):
     return file
 
 
-def played(source, **options):
-    with robsim.Camera(source, area=AREA, **options) as camera:
-        assert camera.size == SIZE
-        assert camera.area == AREA
-        return list(camera), camera
+def played(source, dt, **options):
+    """Play frames in real time: a machine that is busy may drop some, and never the last."""
+    with robsim.Camera(source, area=AREA, **PATIENT | options) as camera:
+        assert (camera.size, camera.area) == (SIZE, AREA)
+        assert camera.dt == pytest.approx(dt)
+        frames = list(camera)
+    assert frames[-1].index == 3
+    for frame in frames:
+        assert frame.t == pytest.approx(dt * frame.index, abs=1e-9)
+        assert frame.t_arrival >= frame.t
+        assert difference(frame, frame.index) == (0, 0)
+    assert camera.counts.delivered == len(frames)
+    assert camera.counts.grabbed == len(POSES)
+    return frames, camera
 
 
 def test_a_folder_is_played_at_the_rate_that_is_given(folder):
-    frames, camera = played(folder, fps=20)
-    assert [frame.index for frame in frames] == [0, 1, 2, 3]
-    np.testing.assert_allclose([frame.t for frame in frames], np.arange(4) / 20, atol=1e-9)
-    assert camera.dt == 1 / 20
-    for k, frame in enumerate(frames):
-        assert difference(frame, k) == (0, 0)
-        assert true_difference(frame, k) < 1.5
-        assert frame.t_arrival >= frame.t
-    with pytest.raises(ValueError, match="camera is closed"):
+    frames, camera = played(folder, 1 / 20, fps=20)
+    assert all(true_difference(frame, frame.index) < 1.5 for frame in frames)
+    with pytest.raises(ValueError, match="closed"):
         camera.read()
 
 
 def test_a_video_without_loss_is_played_at_its_own_rate(video):
-    begun = time.monotonic()
-    frames, camera = played(video)
-    assert time.monotonic() - begun >= 3 / 25
-    assert camera.dt == pytest.approx(1 / 25)
-    for frame in frames:
-        assert difference(frame, frame.index) == (0, 0)
-    assert camera.counts.delivered == len(frames)
-    assert camera.counts.grabbed == len(POSES)
+    played(video, 1 / 25)
 
 
 def test_the_end_of_a_file_is_an_error_of_read_and_none_of_a_loop(folder):
-    with robsim.Camera(folder, fps=1000) as camera:
+    with robsim.Camera(folder, fps=1000, **PATIENT) as camera:
         for _ in camera:
             pass
-        with pytest.raises(EndOfStream, match="is over"):
+        with pytest.raises(EndOfStream, match="over"):
             camera.read()
 
 
@@ -92,10 +87,10 @@ def test_mjpeg_over_http(back_end, has_length):
 
     with (
         MjpegServer(parts) as server,
-        robsim.Camera(server.url, back_end=back_end, area=AREA, open_timeout=60) as camera,
+        robsim.Camera(server.url, back_end=back_end, area=AREA, **PATIENT) as camera,
     ):
         for _ in range(6):
-            frame = camera.read(10)
+            frame = camera.read()
             off, turned = difference(frame, frame.index % 4)
             assert off < _LOSSY
             assert turned < 0.01
@@ -104,42 +99,38 @@ def test_mjpeg_over_http(back_end, has_length):
 
 @pytest.mark.parametrize("bgr", [False, True])
 def test_a_camera_in_python(bgr):
-    source = SteppedCamera(images(), bgr)
-    source.permits.release()
-    with robsim.Camera(source, area=AREA) as camera:
+    source = SteppedCamera(images(), bgr, permits=1)
+    with robsim.Camera(source, area=AREA, **PATIENT) as camera:
         for k in range(4):
-            frame = camera.read(10)
+            frame = camera.read()
             assert (frame.index, difference(frame, k)) == (k, (0, 0))
             source.permits.release()
         with pytest.raises(EndOfStream, match="over"):
-            camera.read(10)
+            camera.read()
     assert source.calls == ["open", "close"]
 
 
 def test_a_plane_map_replaces_that_of_the_area():
-    source = SteppedCamera(images())
-    source.permits.release()
     plane_map = robsim.imaging.PlaneMap.scaled(SIZE, (1200, 960))
-    with robsim.Camera(source, area=AREA, plane_map=plane_map) as camera:
-        frame = camera.read(10)
-    assert frame.plane_map == plane_map
+    source = SteppedCamera(images(), permits=1)
+    with robsim.Camera(source, area=AREA, plane_map=plane_map, **PATIENT) as camera:
+        assert camera.read().plane_map == plane_map
 
 
 def test_each_nth_frame():
-    source = SteppedCamera(images() * 3)
-    source.permits.release()
-    with robsim.Camera(source, every=4, fps=30) as camera:
+    source = SteppedCamera(images() * 3, permits=1)
+    with robsim.Camera(source, every=4, fps=30, **PATIENT) as camera:
         assert camera.dt == pytest.approx(4 / 30)
         source.permits.release(8)
-        seen = [camera.read(10).index]
+        seen = [camera.read().index]
         while seen[-1] < 8:
-            seen.append(camera.read(10).index)
+            seen.append(camera.read().index)
     assert set(seen) <= {0, 4, 8}
 
 
 def test_an_experiment_takes_it(folder):
-    with robsim.Camera(folder, fps=20, area=AREA) as camera:
+    with robsim.Camera(folder, fps=20, area=AREA, **PATIENT) as camera:
         trace = robsim.Experiment(camera, seed=1).run()
-    assert trace.t == pytest.approx(np.arange(len(trace)) / 20)
-    for pose, true in zip(trace.pose_measured, POSES, strict=True):
+    for t, pose in zip(trace.t, trace.pose_measured, strict=True):
+        true = POSES[round(20 * t)]
         assert np.hypot(*(pose[:2] - true[:2])) < 1.5

@@ -37,7 +37,7 @@ class MjpegServer:
                 outer.requests.append(self.headers)
                 with contextlib.suppress(OSError):  # the reader may go at any time
                     if is_mute:
-                        outer.released.wait(30)
+                        outer.released.wait(300)
                     elif answer is not None:
                         self.wfile.write(answer)
                     else:
@@ -68,5 +68,5 @@ class MjpegServer:
     def __exit__(self, *_):
         self.released.set()
         self._server.shutdown()
-        self._thread.join(30)
+        self._thread.join(300)
         self._server.server_close()

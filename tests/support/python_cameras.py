@@ -5,13 +5,16 @@ import threading
 from robsim import _core
 from robsim.capture import EndOfStream
 
+#: s; for a camera whose frames come for sure, however busy the machine is.
+PATIENT = {"open_timeout": 300, "frame_timeout": 300}
+
 
 def read_on(camera):
     """Return the frames of a camera, and the error that ends them."""
     frames = []
     try:
         while True:
-            frames.append(camera.read(10))
+            frames.append(camera.read(300))
     except Exception as error:
         return frames, error
 
@@ -19,10 +22,10 @@ def read_on(camera):
 class SteppedCamera:
     """Delivers an image for each permit, in either order of colours."""
 
-    def __init__(self, images, bgr=False):
+    def __init__(self, images, bgr=False, permits=0):
         self.images = iter(images)
         self.bgr = bgr
-        self.permits = threading.Semaphore(0)
+        self.permits = threading.Semaphore(permits)
         self.calls = []
 
     def _open_device(self):
@@ -47,12 +50,13 @@ class SteppedCamera:
 
 
 class EndlessCamera:
-    """Delivers small images as fast as it can, or waits for ever."""
+    """Delivers small images as fast as it can; where it `hangs`, when `goes_on` is set."""
 
     def __init__(self, image, count=None):
         self.image = image
         self.left = count
         self.hangs = threading.Event()
+        self.is_hanging = threading.Event()
         self.goes_on = threading.Event()
 
     def _open_device(self):
@@ -63,7 +67,8 @@ class EndlessCamera:
 
     def read(self):
         if self.hangs.is_set():
-            self.goes_on.wait(60)
+            self.is_hanging.set()
+            self.goes_on.wait(300)
         if self.left is not None:
             if self.left == 0:
                 raise EndOfStream("over")
