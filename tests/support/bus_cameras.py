@@ -1,28 +1,17 @@
 """Labs on the virtual FireWire bus, and whether what comes from it is right."""
 
-import time
-
 import numpy as np
 
 import robsim
-from sanitizers import THREAD
 
 LARGE = (640, 480)
-SIZE = (320, 240) if THREAD else LARGE  # it takes ten times as long
+SIZE = (320, 240)
 
 
 def new_lab(size=SIZE, fps=30):
     """Return a lab whose robot is in the middle of its floor."""
     scenario = robsim.Scenario(seed=3, area=size, resolution=size)
     return robsim.live.SimulatedLab(scenario, fps=fps)
-
-
-def wait_until(condition, seconds=10):
-    """Wait for something that must come."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it has not come"
-        time.sleep(0.01)
 
 
 def true_pose(lab, frame):

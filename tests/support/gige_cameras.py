@@ -5,16 +5,18 @@ import fcntl
 import os
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
 
 import robsim
 from needs import needs_extension
+from python_cameras import PATIENT
 from robsim import _core
+from robsim.capture import NoCameraError
 from robsim.live import GigeServer, SimulatedLab
 from robsim.motors import UdpMotors
+from waiting import wait_for
 
 ADDRESS = "127.0.0.1"
 URL = f"gige://{ADDRESS}"
@@ -41,10 +43,21 @@ def served(scenario=SCENARIO, *, fps=FPS, **options):
         yield server
 
 
-def camera_of(server, **options):
+def opened(url=URL, **options):
+    """Open a camera; on a busy machine a server may not answer in the time that it has."""
+
+    def attempt():
+        try:
+            return robsim.Camera(url, **PATIENT | options)
+        except NoCameraError:
+            return None
+
+    return wait_for(attempt)
+
+
+def camera_of(server, query="", **options):
     """Return the camera that a server serves, as users open it."""
-    url = server.url + options.pop("query", "")
-    return robsim.Camera(url, area=server.lab.area, **options)
+    return opened(server.url + query, area=server.lab.area, **options)
 
 
 def driven(server, camera, count):
@@ -52,7 +65,7 @@ def driven(server, camera, count):
     frames = []
     with UdpMotors(server.lab.address) as motors:
         while len(frames) < count:
-            frames.append(camera.read())
+            frames.append(camera.read(300))
             motors(DRIVE)
     return frames
 
@@ -95,9 +108,8 @@ def measured(frame, scenario=SCENARIO):
 @contextlib.contextmanager
 def program(*command, until=None):
     """Run a program beside, until it has written a text; it is killed at the end."""
-    process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, bufsize=1
-    )
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    process = subprocess.Popen(command, text=True, bufsize=1, **pipes)
     try:
         if until is not None:
             for line in process.stdout:
@@ -108,13 +120,12 @@ def program(*command, until=None):
         yield process
     finally:
         process.kill()
+        process.stdin.close()
         process.stdout.close()
         process.wait()
 
 
-def wait_for_camera(seconds=10):
+def wait_for_camera():
     """Wait until a camera answers on loopback."""
-    extension = needs_extension("gige")
-    end = time.monotonic() + seconds
-    while not any(one["address"] == ADDRESS for one in extension.find_cameras(0.05)):
-        assert time.monotonic() < end, "no camera answers"
+    find = needs_extension("gige").find_cameras
+    wait_for(lambda: any(one["address"] == ADDRESS for one in find(0.05)))

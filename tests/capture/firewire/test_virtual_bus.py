@@ -15,7 +15,7 @@ import robsim
 from needs import needs_extension
 from robsim import _core
 
-pytestmark = [pytest.mark.slow, pytest.mark.sanitized, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.slow, pytest.mark.sanitized]
 
 CASES = sorted(Path(__file__).with_name("on_the_bus").glob("case_*.py"))
 LIBRARY = Path(_core.__file__).parent / "preloaded" / "virtual_bus.so"

@@ -9,3 +9,9 @@ def _alone():
     needs_extension("gige")
     with gige_cameras.alone():
         yield
+
+
+@pytest.fixture
+def server(_alone):
+    with gige_cameras.served() as server:
+        yield server

@@ -5,8 +5,8 @@ import os
 
 import pytest
 
-from bus_cameras import wait_until
 from robsim.live import VirtualBus, VirtualCamera
+from waiting import wait_for
 
 VENDOR = "robsim virtual bus"
 
@@ -25,7 +25,7 @@ class OnTheBus:
 
         self.bus = VirtualBus(cameras, **options)
         os.environ["ROBSIM_VIRTUAL_BUS"] = self.bus.environment["ROBSIM_VIRTUAL_BUS"]
-        wait_until(lambda: len(_firewire.cameras()) == len(cameras))
+        wait_for(lambda: len(_firewire.cameras()) == len(cameras))
         assert all(vendor == VENDOR for _, vendor, _ in _firewire.cameras())
 
     def close(self):
