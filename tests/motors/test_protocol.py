@@ -115,9 +115,9 @@ def test_a_locale_with_a_decimal_comma_changes_nothing():
         locale.setlocale(locale.LC_ALL, before)
 
 
-@pytest.mark.parametrize("u1", [1000, -1000, 1e300])
-def test_what_fits_into_no_line_is_refused(u1):
-    with pytest.raises(ValueError, match=r"u1 must lie within -999\.9999\.\.999\.9999 V, got"):
-        to_line("u", 1, (u1, 0), 300)
+def test_what_fits_into_no_line_is_refused():
+    for u1 in (1000, -1000, 1e300):
+        with pytest.raises(ValueError, match=r"u1 .*999\.9999"):
+            to_line("u", 1, (u1, 0), 300)
     with pytest.raises(ValueError, match="finite"):
         to_line("u", 1, (np.nan, 0), 300)

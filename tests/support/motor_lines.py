@@ -34,7 +34,7 @@ class Sender:
     def __init__(self, port):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.connect(("127.0.0.1", port))
-        self.socket.settimeout(20)
+        self.socket.settimeout(300)
 
     def send(self, *texts):
         for text in texts:
