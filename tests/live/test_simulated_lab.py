@@ -4,18 +4,20 @@ import gc
 import os
 import sys
 import threading
-import time
 import traceback
 import weakref
+from contextlib import suppress
 
 import numpy as np
 import pytest
 
 import robsim
 import sanitizers
+from python_cameras import PATIENT, read_on
 from robsim.capture import CameraBusyError, CaptureError, FrameTimeoutError, UnpluggedError
 from robsim.live import CameraFaults, Lens, SimulatedLab
 from robsim.motors import MotorReceiver, UdpMotors
+from waiting import wait_for
 
 SCENARIO = robsim.Scenario(
     area=(1200, 900), resolution=(320, 240), headings=None, start=(400, 420, 0.4), seed=3
@@ -33,10 +35,8 @@ def lab_of(scenario=SCENARIO, **options):
     return SimulatedLab(scenario, **({"fps": 100} | options))
 
 
-def until(condition):
-    """Wait for what must come; a test that waits in vain ends by the time limit of all tests."""
-    while not condition():
-        time.sleep(0.002)
+def camera_of(lab, **options):
+    return robsim.Camera(lab, **PATIENT | options)
 
 
 def measured(frame, scenario=SCENARIO):
@@ -47,22 +47,21 @@ def measured(frame, scenario=SCENARIO):
 
 def driven_frames(lab, count):
     """Return frames of a robot that drives a curve."""
-    with robsim.Camera(lab) as camera:
+    with camera_of(lab) as camera:
         return drive(lab, camera, count)
 
 
 def drive(lab, camera, count):
     frames = []
-    with UdpMotors(lab.address) as motors:
+    with UdpMotors(lab.address, ttl=60) as motors:
         while len(frames) < count:
             frames.append(camera.read())
             motors(DRIVE)
     return frames
 
 
-def read_on(camera):
-    for _ in range(1000):
-        camera.read()
+def has_driven(lab):
+    return np.isclose(lab.truth.last_u, DRIVE).all(axis=1).any()
 
 
 def tick_of(lab, frame):
@@ -70,14 +69,14 @@ def tick_of(lab, frame):
 
 
 def errors_of(lab, frames):
-    """Return how far the measured poses are off the true ones (px), and the last true one."""
+    """Return how far the measured poses are off the true ones (px)."""
     truth = lab.truth
     off = [measured(frame)[:2] - truth.pose_of(frame)[:2] for frame in frames]
     return np.hypot(*np.transpose(off))
 
 
 @pytest.mark.long
-def test_frames_are_those_of_the_true_poses():
+def test_frames_are_those_of_the_true_poses_and_these_those_of_the_model():
     with lab_of() as lab:
         frames = driven_frames(lab, 25)
         truth = lab.truth
@@ -89,15 +88,8 @@ def test_frames_are_those_of_the_true_poses():
         assert np.array_equal(frame.image, renderer.render(truth.pose_of(frame)))
         assert frame.t_arrival >= frame.t
         assert frame.plane_map == lab.plane_map
-
-
-@pytest.mark.long
-def test_the_robot_moves_as_its_model_says_by_the_inputs_that_it_received():
-    with lab_of() as lab:
-        driven_frames(lab, 25)
-        truth = lab.truth
     assert (truth.last_u[0] == 0).all()
-    assert np.allclose(truth.last_u[20:25], DRIVE)
+    assert has_driven(lab)
     for k in range(2, len(truth)):
         predicted = lab.true_model.predict(truth.pose[k - 1], truth.pose[k - 2], truth.last_u[k])
         assert np.array_equal(truth.pose[k], predicted)
@@ -106,12 +98,11 @@ def test_the_robot_moves_as_its_model_says_by_the_inputs_that_it_received():
 
 @pytest.mark.long
 def test_an_oblique_camera_is_as_exact_as_one_from_above():
-    for start in ((600, 450, 0.3), (250, 200, 2.0), (950, 700, -1.0)):
+    for start in ((600, 450, 0.3), (250, 200, 2.0)):
         scenario = LARGE.replace(start=start)
         with lab_of(scenario) as above, lab_of(scenario, plane_map=OBLIQUE) as oblique:
-            errors = [errors_of(lab, driven_frames(lab, 10)) for lab in (above, oblique)]
-        assert max(errors[0]) < 0.5, start
-        assert max(errors[1]) < 0.5, start
+            errors = [errors_of(lab, driven_frames(lab, 5)) for lab in (above, oblique)]
+        assert np.max(errors) < 0.5, start
 
 
 @pytest.mark.long
@@ -119,7 +110,7 @@ def test_a_lens_moves_the_robot_by_what_it_predicts():
     lens = Lens(-0.04, 0.005)
     for start in ((250, 200, 2.0), (950, 700, -1.0)):
         with lab_of(LARGE.replace(start=start), lens=lens) as lab:
-            frame = driven_frames(lab, 5)[-1]
+            frame = driven_frames(lab, 3)[-1]
             pose = lab.truth.pose_of(frame)
         shown = lens.distorted(lab.plane_map.to_pixel(pose[:2]), lab.size)
         predicted = lab.plane_map.to_world(shown)
@@ -134,26 +125,24 @@ def test_a_lens_leads_back():
     pixels = np.array([(0.0, 0.0), (639.0, 479.0), (320.0, 100.0)])
     lens = Lens(0.1, -0.02)
     assert np.allclose(lens.distorted(lens.ideal(pixels, (640, 480)), (640, 480)), pixels)
-    with pytest.raises(ValueError, match="k1 and k2 must keep the order"):
+    with pytest.raises(ValueError, match="k1"):
         Lens(-0.3).ideal(pixels, (640, 480))
 
 
 @pytest.mark.long
 def test_faults_are_counted_and_never_wrong():
     faults = CameraFaults(dropped=0.2, repeated=0.2, torn=0.2, late=0.2, late_by=0.015)
-    with lab_of(faults=faults) as lab, robsim.Camera(lab) as camera:
+    with lab_of(faults=faults) as lab, camera_of(lab) as camera:
         frames = drive(lab, camera, 50)
         truth, counts = lab.truth, camera.counts
     renderer = robsim.simulation.Renderer(lab._world.scene)
-    shown = [truth.shown[truth.tick_of(frame)] for frame in frames]
-    repeats = 0
-    for frame, tick in zip(frames, shown, strict=True):
-        assert np.array_equal(frame.image, renderer.render(truth.pose[tick]))
-        repeats += tick < truth.tick_of(frame)
-    assert repeats > 0  # a repeated frame shows where the robot was, and nothing says so
+    ticks = [truth.tick_of(frame) for frame in frames]
+    for frame, tick in zip(frames, ticks, strict=True):
+        assert np.array_equal(frame.image, renderer.render(truth.pose[truth.shown[tick]]))
+    # A repeated frame shows where the robot was, and nothing says so.
+    assert (truth.shown[ticks] < ticks).any()
     assert counts.torn > 0
     assert counts.delivered == 50
-    ticks = [truth.tick_of(frame) for frame in frames]
     assert ticks == sorted(set(ticks))
     assert ticks[-1] + 1 > 50 + counts.torn  # some were dropped
 
@@ -164,61 +153,64 @@ def test_faults_are_counted_and_never_wrong():
 )
 def test_the_seed_says_which_frames_are_dropped(seed, dropped):
     scenario = SCENARIO.replace(seed=seed)
-    with lab_of(scenario, faults=CameraFaults(dropped=0.3)) as lab, robsim.Camera(lab) as camera:
+    with lab_of(scenario, faults=CameraFaults(dropped=0.3)) as lab, camera_of(lab) as camera:
         while tick_of(lab, frame := camera.read()) < 20:
             assert tick_of(lab, frame) not in dropped
         assert not dropped & set(np.flatnonzero(lab.truth.shown >= 0))
 
 
 @pytest.mark.long
-def test_a_stalled_camera_times_out_and_comes_back():
-    with lab_of() as lab, robsim.Camera(lab, frame_timeout=0.05) as camera:
-        before = tick_of(lab, camera.read())
-        lab.stall(0.4)
-        with pytest.raises(FrameTimeoutError):
-            read_on(camera)
-        frame = camera.read(60)
-        assert tick_of(lab, frame) > before + 30
-        assert camera.counts.timeouts > 0
+def test_the_world_goes_on_while_the_camera_is_stalled():
+    with lab_of() as lab, camera_of(lab, frame_timeout=0.05) as camera:
+        before = tick_of(lab, camera.read(300))
+        lab.stall(300)
+        wait_for(lambda: camera.counts.timeouts and len(lab.truth) > before + 30)
+        with suppress(FrameTimeoutError):
+            while True:
+                camera.read(0.05)
+        lab.stall(0)
+        assert tick_of(lab, camera.read(300)) > before + 30
 
 
 @pytest.mark.long
 def test_the_world_goes_on_while_the_camera_is_unplugged():
     with lab_of() as lab:
-        with robsim.Camera(lab) as camera:
+        with camera_of(lab) as camera:
             before = tick_of(lab, camera.read())
             lab.unplug()
-            with pytest.raises(UnpluggedError):
-                read_on(camera)
-        with pytest.raises(CaptureError, match="plug it in"):
+            assert isinstance(read_on(camera)[1], UnpluggedError)
+        with pytest.raises(CaptureError, match="plug"):
             robsim.Camera(lab)
-        until(lambda: len(lab.truth) > before + 30)
+        wait_for(lambda: len(lab.truth) > before + 30)
         lab.plug_in()
-        with robsim.Camera(lab) as camera:
+        with camera_of(lab) as camera:
             frame = camera.read()
             assert tick_of(lab, frame) > before + 29
-            assert np.array_equal(
-                frame.image,
-                robsim.simulation.Renderer(lab._world.scene).render(lab.truth.pose_of(frame)),
-            )
+            rendered = robsim.simulation.Renderer(lab._world.scene).render(lab.truth.pose_of(frame))
+            assert np.array_equal(frame.image, rendered)
 
 
 @pytest.mark.long
 def test_a_camera_that_reopens_finds_it_again():
-    unplugged = CameraFaults(unplug=(0.05, 0.3))
-    with (
-        lab_of(faults=unplugged) as lab,
-        robsim.Camera(lab, reopen=True, frame_timeout=60) as camera,
-    ):
-        until(lambda: camera.counts.reopened)
-        while (tick := tick_of(lab, camera.read())) < 5:
+    # It is unplugged by itself after five frames, and for longer than any test lasts.
+    with lab_of(faults=CameraFaults(unplug=(0.05, 3600))) as lab, camera_of(lab) as camera:
+        frames, error = read_on(camera)
+        assert isinstance(error, UnpluggedError)
+        assert tick_of(lab, frames[-1]) < 5
+    with lab_of() as lab, camera_of(lab, reopen=True) as camera:
+        before = tick_of(lab, camera.read())
+        lab.unplug()
+        wait_for(lambda: len(lab.truth) > before + 30)
+        lab.plug_in()
+        wait_for(lambda: camera.counts.reopened)
+        while (tick := tick_of(lab, camera.read())) <= before + 5:
             pass
-        assert tick >= 35
+        assert tick >= before + 30
 
 
 @pytest.mark.long
 def test_delay_comes_between_exposure_and_arrival():
-    with lab_of(camera_delay=0.1) as lab, robsim.Camera(lab) as camera:
+    with lab_of(camera_delay=0.1) as lab, camera_of(lab) as camera:
         for _ in range(5):
             frame = camera.read()
             assert frame.t_arrival - frame.t >= 0.1 - 1e-9
@@ -228,8 +220,8 @@ def test_delay_comes_between_exposure_and_arrival():
 def test_noise_and_exposure_change_the_pixels_after_the_optics():
     noisy = SCENARIO.replace(noise=robsim.GaussianNoise(5))
     faults = CameraFaults(drift=0.5, drift_period=0.4)
-    with lab_of(noisy, faults=faults) as lab, robsim.Camera(lab) as camera:
-        frames = [camera.read() for _ in range(30)]
+    with lab_of(noisy, faults=faults) as lab, camera_of(lab) as camera:
+        frames = [camera.read() for _ in range(25)]
         truth = lab.truth
     clean = robsim.simulation.Renderer(lab._world.scene)
     for frame in frames:
@@ -244,39 +236,28 @@ def test_noise_and_exposure_change_the_pixels_after_the_optics():
 
 
 @pytest.mark.long
-def test_two_labs_at_once_have_robots_of_their_own():
-    with (
-        lab_of() as lab,
-        lab_of() as other,
-        robsim.Camera(lab) as camera,
-        robsim.Camera(other) as second,
-    ):
+def test_two_labs_at_once_have_a_robot_and_a_camera_each():
+    with lab_of() as lab, lab_of() as other, camera_of(lab) as camera, camera_of(other) as second:
+        with pytest.raises(CameraBusyError):
+            robsim.Camera(lab)
         drive(lab, camera, 20)
         second.read()
         assert lab.address != other.address
         assert (other.truth.last_u == 0).all()
-        assert np.allclose(lab.truth.last_u[15:20], DRIVE)
-
-
-def test_there_is_one_camera():
-    with lab_of() as lab, robsim.Camera(lab) as camera:
-        with pytest.raises(CameraBusyError):
-            robsim.Camera(lab)
-        camera.read()
+        assert has_driven(lab)
 
 
 @pytest.mark.long
 def test_an_experiment_drives_the_robot():
-    with lab_of() as lab, robsim.Camera(lab) as camera, UdpMotors(lab.address) as motors:
-        experiment = robsim.Experiment(
+    with lab_of() as lab, camera_of(lab) as camera, UdpMotors(lab.address) as motors:
+        trace = robsim.Experiment(
             camera,
             send=motors,
             measure=True,
             control=lambda step: DRIVE,
             seed=1,
-            frame_timeout=60,
-        )
-        trace = experiment.run(40)
+            frame_timeout=300,
+        ).run(40)
         truth = lab.truth
     renderer = robsim.simulation.Renderer(lab._world.scene)
     frames = [
@@ -290,10 +271,9 @@ def test_an_experiment_drives_the_robot():
 
 def test_a_lab_ends_for_good():
     lab = lab_of()
-    camera = robsim.Camera(lab)
+    camera = camera_of(lab)
     lab.close()
-    with pytest.raises(CaptureError, match="closed"):
-        read_on(camera)
+    assert "closed" in str(read_on(camera)[1])
     camera.close()
     with pytest.raises(CaptureError, match="closed"):
         robsim.Camera(lab)
@@ -309,13 +289,13 @@ def test_no_thread_outlives_it():
 
     before = threads()
     lab = lab_of()
-    with robsim.Camera(lab):
+    with camera_of(lab):
         assert len(threads() - before) >= 3
     reference = weakref.ref(lab)
     del lab
     gc.collect()
     assert reference() is None
-    until(lambda: threads() <= before)
+    wait_for(lambda: threads() <= before)
 
 
 @pytest.mark.long
@@ -331,10 +311,10 @@ def test_a_forked_process_is_told_that_the_lab_is_another_s():
             with pytest.raises(RuntimeError, match="made in another process"):
                 use()
         lab.close()
-        with lab_of() as own, robsim.Camera(own) as camera:
+        with lab_of() as own, camera_of(own) as camera:
             camera.read()
 
-    with lab_of() as lab, robsim.Camera(lab) as camera:
+    with lab_of() as lab, camera_of(lab) as camera:
         child = os.fork()
         if child == 0:
             code = 1
@@ -354,7 +334,7 @@ def test_a_forked_process_is_told_that_the_lab_is_another_s():
 def test_reader_motors_and_commands_at_once():
     faults = CameraFaults(dropped=0.1, repeated=0.1, torn=0.1, late=0.1, late_by=0.02)
     is_over = threading.Event()
-    with lab_of(faults=faults) as lab, robsim.Camera(lab, frame_timeout=60) as camera:
+    with lab_of(faults=faults) as lab, camera_of(lab) as camera:
 
         def send():
             with UdpMotors(lab.address) as motors:
@@ -379,29 +359,27 @@ def test_reader_motors_and_commands_at_once():
     assert ticks == sorted(set(ticks))
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"scenario": SCENARIO.replace(camera_delay=1)}, "give camera_delay in s"),
-        ({"scenario": SCENARIO.replace(motor_delay=1)}, "motor line has delays of its own"),
-        ({"scenario": SCENARIO.replace(boundary="unlimited")}, "boundary='bounce'"),
+def test_what_cannot_be_is_refused():
+    nowhere = robsim.imaging.PlaneMap([[1, 0, 9000], [0, 1, 0], [0, 0, 1]])
+    for options, word in (
+        ({"scenario": SCENARIO.replace(camera_delay=1)}, "camera_delay"),
+        ({"scenario": SCENARIO.replace(motor_delay=1)}, "motor_delay"),
+        ({"scenario": SCENARIO.replace(boundary="unlimited")}, "boundary"),
         ({"scenario": SCENARIO.replace(model=robsim.RobotModel())}, "fps=5"),
-        ({"fps": 0}, "fps must lie within"),
-        ({"camera_delay": -1}, "camera_delay must"),
-        ({"lens": Lens(-0.5)}, "k1 and k2 must keep"),
-        (
-            {"lens": Lens(-0.1), "plane_map": robsim.imaging.PlaneMap(OBLIQUE.matrix, LENS)},
-            "lens must not be given, as plane_map has intrinsics",
-        ),
-        (
-            {"plane_map": robsim.imaging.PlaneMap([[1, 0, 9000], [0, 1, 0], [0, 0, 1]])},
-            "plane_map must show some of the work area",
-        ),
-    ],
-)
-def test_what_cannot_be_is_refused(options, message):
-    with pytest.raises(ValueError, match=message):
-        lab_of(**options)
+        ({"fps": 0}, "fps"),
+        ({"camera_delay": -1}, "camera_delay"),
+        ({"lens": Lens(-0.5)}, "k1"),
+        ({"lens": Lens(-0.1), "plane_map": robsim.imaging.PlaneMap(OBLIQUE.matrix, LENS)}, "lens"),
+        ({"plane_map": nowhere}, "plane_map"),
+    ):
+        with pytest.raises(ValueError, match=word):
+            lab_of(**options)
+    for faults in (
+        *({"late": 1.1}, {"torn": -1}, {"stall": (1, -1)}, {"drift_period": 0}),
+        *({"late_by": np.nan}, {"unplug": (-1, 1)}),
+    ):
+        with pytest.raises(ValueError, match=next(iter(faults))):
+            CameraFaults(**faults)
 
 
 def test_a_model_with_the_lab_s_sample_time_is_taken():
@@ -418,19 +396,3 @@ def test_a_receiver_of_ones_own_is_used():
         assert lab.receiver is receiver
         assert str(receiver.port) in lab.address
     assert receiver.is_closed
-
-
-@pytest.mark.parametrize(
-    "faults",
-    [{"late": 1.1}, {"torn": -1}, {"stall": (1, -1)}, {"drift_period": 0}, {"late_by": np.nan}],
-)
-def test_impossible_faults_are_refused(faults):
-    with pytest.raises(ValueError, match=next(iter(faults))):
-        CameraFaults(**faults)
-
-
-def test_faults_of_wrong_types_are_refused():
-    with pytest.raises(TypeError, match=r"stall must be \(start, duration\) in s"):
-        CameraFaults(stall=3)
-    with pytest.raises(TypeError, match="torn"):
-        CameraFaults(torn="often")

@@ -11,6 +11,7 @@ from PIL import Image
 from robsim.sessions import Session
 from robsim.sessions import _matroska as matroska
 from sessions import record
+from sizes import thorough
 
 pytest.importorskip("cv2")
 
@@ -37,10 +38,13 @@ def refused(folder, match):
     assert len(str(caught.value)) < 600
 
 
-def edit(file, old, new):
+def check_damages(file, damages):
+    """Each damage of a file, alone, is refused in the name of what is wrong."""
     text = file.read_bytes()
-    assert old in text
-    file.write_bytes(text.replace(old, new, 1))
+    for old, new, words in damages:
+        assert old in text
+        file.write_bytes(text.replace(old, new, 1))
+        refused(file.parent, rf"{file.name}.*{words}")
 
 
 EYE = b"[[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
@@ -51,83 +55,67 @@ def _with_lens(intrinsics):
     return b"dt = 0.2\nplane_map = {matrix = %s, intrinsics = %s}" % (EYE, intrinsics)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "match"),
-    [
-        (b"format = 2", b"format = 3", "format must be 1 or 2, got 3"),
-        (b"format = 2", b"format = ", "is not a TOML file"),
-        (b"[300, 300]", b"[300, 1e400]", "area must be"),
-        (b"[300, 300]", b"[300, 99999999999]", "area must lie within"),
-        (b"[300, 300]", b'"' + 100_000 * b"x" + b'"', "area must be"),
-        (b"dt = 0.2", b"dt = nan", "dt must be"),
-        (b"dt = 0.2", b"dt = -1", "dt must be"),
-        (b"dt = 0.2", b"dt = true", "dt must be"),
-        (b"dt = 0.2", b"dt = 0.2\nplane_map = [[1, 2, 3], [2, 4, 6], [0, 0, 0]]", "inverse"),
-        (b"dt = 0.2", b"dt = 0.2\nplane_map = [[1, 2], [3]]", "plane_map must be"),
-        (b"dt = 0.2", _with_lens(b"4"), r"plane_map\.intrinsics must be a table, got 4"),
-        (b"dt = 0.2", _with_lens(b"{}"), r"plane_map\.intrinsics\.matrix must be an array"),
-        (
-            b"dt = 0.2",
-            _with_lens(b"{matrix = %s}" % EYE),
-            r"intrinsics\.distortion must be an array",
-        ),
-        (
-            b"dt = 0.2",
-            _with_lens(b"{matrix = %s, distortion = [nan, 0, 0, 0, 0]}" % EYE),
-            r"plane_map\.intrinsics\.distortion must be 5 finite",
-        ),
-        (
-            b"dt = 0.2",
-            _with_lens(b"{matrix = [[0, 0, 0], [0, 1, 0], [0, 0, 1]], distortion = %s}" % FIVE),
-            "plane_map: matrix must have focal lengths above 0",
-        ),
-        (b"dt = 0.2", b"dt = 0.2\nplane_map = {}", r"plane_map\.matrix must be"),
-        (b"dt = 0.2", b"dt = 0.2\ncolors = [{name = 'red'}]", "colors must have y"),
-        (b"dt = 0.2", b"dt = 0.2\ncolors = [{name=1, y=2, u=3, v=4}]", "colors: "),
-        (b"dt = 0.2", b"dt = 0.2\nmodel = {dt = 1, theta = [[inf]]}", "model.theta must be"),
-        (
-            b"dt = 0.2",
-            b"dt = 0.2\nmarkers = {right.position = [0, 1], left.position = [0, 1]}",
-            "markers: ",
-        ),
-        (b"dt = 0.2", b"dt = 0.2\nmarkers = 4", "markers must be a table"),
-        (b'robot = "lab"', b"robot = 7", "robot must be a text"),
-        (b"started = 2", b"started = 1 # ", "started must be a time"),
-    ],
-)
-def test_a_damaged_set_up_is_named(folder, old, new, match):
-    edit(folder / "setup.toml", old, new)
-    refused(folder, rf"setup.toml.*{match}")
+def test_a_damaged_set_up_is_named(folder):
+    no_focal_length = b"{matrix = [[0, 0, 0], [0, 1, 0], [0, 0, 1]], distortion = %s}" % FIVE
+    nan = b"{matrix = %s, distortion = [nan, 0, 0, 0, 0]}" % EYE
+    added = (
+        (_with_lens(b"4"), r"plane_map\.intrinsics"),
+        (_with_lens(b"{}"), r"plane_map\.intrinsics\.matrix"),
+        (_with_lens(b"{matrix = %s}" % EYE), r"intrinsics\.distortion"),
+        (_with_lens(nan), r"intrinsics\.distortion .*finite"),
+        (_with_lens(no_focal_length), "plane_map: matrix .*focal"),
+        (b"dt = 0.2\nplane_map = [[1, 2, 3], [2, 4, 6], [0, 0, 0]]", "inverse"),
+        (b"dt = 0.2\nplane_map = [[1, 2], [3]]", "plane_map"),
+        (b"dt = 0.2\nplane_map = {}", r"plane_map\.matrix"),
+        (b"dt = 0.2\ncolors = [{name = 'red'}]", "colors"),
+        (b"dt = 0.2\ncolors = [{name=1, y=2, u=3, v=4}]", "colors: "),
+        (b"dt = 0.2\nmodel = {dt = 1, theta = [[inf]]}", "model.theta"),
+        (b"dt = 0.2\nmarkers = {right.position = [0, 1], left.position = [0, 1]}", "markers: "),
+        (b"dt = 0.2\nmarkers = 4", "markers"),
+        *((b"dt = " + value, "dt") for value in (b"nan", b"-1", b"true")),
+    )
+    check_damages(
+        folder / "setup.toml",
+        [
+            (b"format = 2", b"format = 3", "format .*3"),
+            (b"format = 2", b"format = ", "TOML"),
+            (b"[300, 300]", b"[300, 1e400]", "area"),
+            (b"[300, 300]", b"[300, 99999999999]", "area"),
+            (b"[300, 300]", b'"' + 100_000 * b"x" + b'"', "area"),
+            *((b"dt = 0.2", new, words) for new, words in added),
+            (b'robot = "lab"', b"robot = 7", "robot"),
+            (b"started = 2", b"started = 1 # ", "started"),
+        ],
+    )
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "match"),
-    [
-        (b"k,t,", b"t,k,", "is not the time base"),
-        (b"\n2,100.4,", b"\n3,100.4,", "line 4: step 3 follows step 1"),
-        (b"\n2,100.4,", b"\n-2,100.4,", "line 4: k must be a whole number"),
-        (b"\n2,100.4,", b"\n" + 30 * b"2" + b",100.4,", "line 4: k must be a whole number"),
-        (b"\n2,100.4,", b"\n2,,", "line 4: a step must have a time"),
-        (b"\n2,100.4,", b"\n2,nan,", "line 4: t must be a finite number"),
-        (b"\n2,100.4,", b"\n2,1e400,", "line 4: t must be a finite number"),
-        (b"\n2,100.4,", b"\n2,1e300,", "line 4: t must be at most"),
-        (b"\n2,100.4,", b"\n2,100.4,,", "line 4: there must be 18 columns, got 19"),
-        (b"\n2,100.4,", b"\n\n2,100.4,", "line 4: there must be 18 columns, got 0"),
-        (b"\n2,100.4,", b"\n\xff2,100.4,", "line 4: "),
-        (b"\n2,100.4,", b"\n" + 10_000 * b"2" + b",", "line 4: a line must have"),
-        (b",0,,2,,2,", b",2,,2,,2,", "line 4: interrupted must be 0 or 1"),
-        (b",0,,2,,2,", b",0,,0,,2,", "video_frame of step 2 must be 2, got 0"),
-        (b",0,,2,,2,", b",0,,99,,2,", "video_frame of step 2 must be 2, got 99"),
-        (b",0,,2,,2,", b",0,,2,,2,1 2 3", "line 4: plane_map must be 9 numbers"),
-        (b",0,,2,,2,", b",0,,2,,2,1 0 0 0 1 0 0 0 1 5 5", "must be 9 numbers, or 18 with a lens"),
-        (b",0,,2,,2,", b",0,,2,,2,1 0 0 0 1 0 0 0 1 0 5 1 1 0 0 0 0 0", "line 4: .*focal lengths"),
-        (b",0,,2,,2,", b",0,,2,,2,1 0 0 0 1 0 0 0 1 5 5 1 1 0 x 0 0 0", "line 4: plane_map must"),
-        (b",0,,2,,2,", b",0,,2,,2,0 0 0 0 0 0 0 0 0", "line 4: .*inverse"),
-    ],
-)
-def test_a_damaged_line_is_named(folder, old, new, match):
-    edit(folder / "steps.csv", old, new)
-    refused(folder, rf"steps.csv.*{match}")
+def test_a_damaged_line_is_named(folder):
+    row, end = b"\n2,100.4,", b",0,,2,,2,"
+    check_damages(
+        folder / "steps.csv",
+        [
+            (b"k,t,", b"t,k,", ""),
+            (row, b"\n3,100.4,", "line 4: step 3 follows step 1"),
+            (row, b"\n-2,100.4,", r"line 4: k\b"),
+            (row, b"\n" + 30 * b"2" + b",100.4,", r"line 4: k\b"),
+            (row, b"\n2,,", "line 4: a step must have a time"),
+            (row, b"\n2,nan,", r"line 4: t\b"),
+            (row, b"\n2,1e400,", r"line 4: t\b"),
+            (row, b"\n2,1e300,", r"line 4: t\b"),
+            (row, b"\n2,100.4,,", "line 4: .*18 .*19"),
+            (row, b"\n\n2,100.4,", "line 4: .*18 .*0"),
+            (row, b"\n\xff2,100.4,", "line 4: "),
+            (row, b"\n" + 10_000 * b"2" + b",", "line 4: "),
+            (end, b",2,,2,,2,", "line 4: interrupted"),
+            (end, b",0,,0,,2,", "video_frame of step 2 must be 2, got 0"),
+            (end, b",0,,99,,2,", "video_frame of step 2 must be 2, got 99"),
+            (end, end + b"1 2 3", "line 4: plane_map"),
+            (end, end + b"1 0 0 0 1 0 0 0 1 5 5", "9 numbers, or 18"),
+            (end, end + b"1 0 0 0 1 0 0 0 1 0 5 1 1 0 0 0 0 0", "line 4: .*focal"),
+            (end, end + b"1 0 0 0 1 0 0 0 1 5 5 1 1 0 x 0 0 0", "line 4: plane_map"),
+            (end, end + b"0 0 0 0 0 0 0 0 0", "line 4: .*inverse"),
+        ],
+    )
 
 
 def test_a_torn_last_line_is_ignored_and_told(folder):
@@ -136,9 +124,10 @@ def test_a_torn_last_line_is_ignored_and_told(folder):
     session = Session(folder)
     assert session.count == 5
     assert not session.is_complete
-    assert "steps.csv has 5 of 6 steps" in session.problems
-    assert "the last line of steps.csv is torn: it is ignored" in session.problems
-    assert "1 frames at the end have no row: they are ignored" in session.problems
+    said = " ".join(session.problems)
+    assert "5 of 6 steps" in said
+    assert "torn" in said
+    assert "1 frames at the end" in said
 
 
 def test_a_video_that_is_cut_off_leaves_steps_without_a_frame(folder):
@@ -149,7 +138,7 @@ def test_a_video_that_is_cut_off_leaves_steps_without_a_frame(folder):
         assert sum(o.frame is not None for o in session) in frames
         assert any("of 6 frames: the last steps have none" in p for p in session.problems)
     video.unlink()
-    assert Session(folder).problems == ("there is no frames.mkv: no step has a frame",)
+    assert "frames.mkv" in Session(folder).problems[0]
     assert len(Session(folder).trace) == 6
 
 
@@ -170,20 +159,19 @@ def png(width, height):
     return stream.getvalue()
 
 
-@pytest.mark.parametrize(
-    ("pictures", "match"),
-    [
-        ([png(16, 16), b"no picture"], "frame 1 of .*frames.mkv is damaged"),
-        ([png(16, 16), png(17, 16)], "frame 1 .* 17 x 16 px, unlike the first"),
-        ([png(16, 16)[:-40]], "frame 0 .* is damaged"),
+def test_a_damaged_picture_is_named(folder):
+    whole = png(16, 16)
+    # A picture that claims to be huge is not unpacked.
+    huge = whole.replace(struct.pack(">II", 16, 16), struct.pack(">II", 30000, 30000))
+    for pictures, words in (
+        ([whole, b"no picture"], "frame 1 of .*frames.mkv is damaged"),
+        ([whole, png(17, 16)], "frame 1 .* 17 x 16 px"),
+        ([whole[:-40]], "frame 0 .* is damaged"),
         ([b"GIF89a" + bytes(100)], "frame 0 .* is damaged"),
-        # A picture that claims to be huge is not unpacked.
-        ([png(16, 16).replace(struct.pack(">II", 16, 16), struct.pack(">II", 30000, 30000))], "0"),
-    ],
-)
-def test_a_damaged_picture_is_named(folder, pictures, match):
-    (folder / "frames.mkv").write_bytes(video_of(pictures))
-    refused(folder, match)
+        ([huge], "0"),
+    ):
+        (folder / "frames.mkv").write_bytes(video_of(pictures))
+        refused(folder, words)
 
 
 @pytest.mark.long
@@ -191,7 +179,7 @@ def test_a_damaged_picture_is_named(folder, pictures, match):
 def test_any_damage_is_told_or_harmless(folder, rng):
     files = {name: (folder / name).read_bytes() for name in ("setup.toml", "steps.csv", "end.toml")}
     files["frames.mkv"] = video_of([png(16, 16)] * 6)
-    for _ in range(150):
+    for _ in range(thorough(150, 80)):
         for name, content in files.items():
             (folder / name).write_bytes(content)
         name = str(rng.choice(list(files)))
@@ -209,9 +197,7 @@ def test_any_damage_is_told_or_harmless(folder, rng):
 
 
 def test_a_folder_without_a_session_is_told(tmp_path):
-    with pytest.raises(FileNotFoundError, match=r"has no session: no file setup\.toml"):
+    with pytest.raises(FileNotFoundError, match=r"setup\.toml"):
         Session(tmp_path)
-    with pytest.raises(FileNotFoundError, match="there is no folder"):
+    with pytest.raises(FileNotFoundError, match="no folder"):
         Session(tmp_path / "none")
-    with pytest.raises(TypeError, match="folder must be a path, got 3"):
-        Session(3)

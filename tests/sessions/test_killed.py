@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 import sanitizers
+from sizes import thorough
 
 pytest.importorskip("cv2")
 
 SUPPORT = Path(__file__).parents[1] / "support"
 COMPILER = shutil.which("cc") or shutil.which("gcc")
-needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 
 pytestmark = pytest.mark.long
 
@@ -30,16 +30,10 @@ def run_program(name, *arguments, **environment):
 
 
 @pytest.mark.slow
-@needs_fork
-def test_a_killed_run_loses_at_most_its_last_second(tmp_path):
-    assert "3 killed" in run_program("killed_sessions.py", tmp_path, 1, 3)
-
-
-@pytest.mark.slow
-@needs_fork
-def test_many_killed_runs_lose_at_most_their_last_second(tmp_path, rng):
-    seed = int(rng.integers(2**31))
-    assert "50 killed" in run_program("killed_sessions.py", tmp_path, seed, 50)
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_killed_runs_lose_at_most_their_last_second(tmp_path, rng):
+    seed, count = int(rng.integers(2**31)), thorough(50, 10)
+    assert "killed" in run_program("killed_sessions.py", tmp_path, seed, count)
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,8 @@
 """Runs that are killed at random moments while they are recorded.
 
 A program of its own: ``python killed_sessions.py FOLDER SEED COUNT``. It prints how many were
-killed, or raises an AssertionError if one of them lost more than its last second.
+killed, at least COUNT and one that was long enough to tell, or raises an AssertionError if one of
+them lost more than its last second.
 """
 
 import os
@@ -16,8 +17,9 @@ import numpy as np
 import sessions
 from robsim.imaging._opencv import load_opencv
 from robsim.sessions import Session
+from waiting import wait_for
 
-AT_ONCE = 10
+AT_ONCE = 5
 LOST_AT_MOST = 1.0  # s
 
 
@@ -67,13 +69,11 @@ def main(parent, seed, count):
     rng = np.random.default_rng(int(seed))
     load_opencv("what all children need")
     sessions.driven()
-    must = 0
-    for first in range(0, int(count), AT_ONCE):
-        numbers = range(first, min(first + AT_ONCE, int(count)))
-        folders = [Path(parent, f"run {number}") for number in numbers]
+    n_killed = must = 0
+    while n_killed < int(count) or must == 0:
+        folders = [Path(parent, f"run {n_killed + i}") for i in range(AT_ONCE)]
         children = [start(folder, i % 2 == 1) for i, folder in enumerate(folders)]
-        while not all(log_of(folder).stat().st_size for folder in folders):
-            time.sleep(0.01)
+        wait_for(lambda folders=folders: all(log_of(folder).stat().st_size for folder in folders))
         begin, killed = time.monotonic(), {}
         moments = sorted(zip(rng.uniform(0.3, 1.8, len(children)), children, folders, strict=True))
         for moment, child, folder in moments:
@@ -83,8 +83,8 @@ def main(parent, seed, count):
             _, status = os.waitpid(child, 0)
             assert os.WIFSIGNALED(status)
         must += sum(check(folder, moment) for folder, moment in killed.items())
-    print(f"{count} killed, {must} steps had to be there")
-    assert must > 0 or int(count) < AT_ONCE, "no run was long enough to tell"
+        n_killed += AT_ONCE
+    print(f"{n_killed} killed, {must} steps had to be there")
 
 
 if __name__ == "__main__":

@@ -15,8 +15,9 @@ from pathlib import Path
 import faults
 import sessions
 from robsim.sessions import Session
+from sizes import thorough
 
-STEPS = 3
+STEPS = 2
 
 
 def record(folder):
@@ -91,7 +92,9 @@ def main(parent, kind):
     if kind == "kills":
         count = kill_each(folder)
     else:
-        count = sum(fail_each(folder, error) for error in (errno.ENOSPC, errno.EIO))
+        count = sum(
+            fail_each(folder, e) for e in thorough((errno.ENOSPC, errno.EIO), (errno.ENOSPC,))
+        )
     assert count > 2 * STEPS
     print(f"{kind}: {count}")
 
