@@ -208,6 +208,7 @@ def test_an_experiment_takes_the_robot_half_of_a_folder(tmp_path):
     source = robsim.Simulation(resolution=(240, 240))
     frames = [source.step().frame for _ in range(3)]
     sent = []
-    trace = robsim.Experiment.from_folder(tmp_path, frames=frames, send=sent.append).run()
+    options = {"frames": frames, "send": sent.append, "frame_timeout": 300}
+    trace = robsim.Experiment.from_folder(tmp_path, **options).run()
     assert trace.seen.all()
     np.testing.assert_array_equal(sent, [(0.5, 0.25)] * 3 + [(0, 0)] * 2)

@@ -47,6 +47,7 @@ def with_motors():
     motors.sim = robsim.Experiment(
         [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 4,
         send=motors,
+        frame_timeout=300,
         control=robsim.Spin(),
         area=(64, 64),
     )
@@ -64,7 +65,9 @@ class Motors:
 
 def experiment():
     frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 4
-    return robsim.Experiment(frames, send=lambda u: None, control=robsim.Spin(), area=(64, 64))
+    return robsim.Experiment(
+        frames, send=lambda u: None, frame_timeout=300, control=robsim.Spin(), area=(64, 64)
+    )
 
 
 @pytest.mark.long

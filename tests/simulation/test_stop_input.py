@@ -92,8 +92,8 @@ RESULTS = {
 def experiment(robot, frames=6, **options):
     if isinstance(frames, int):
         frames = [frame(k) for k in range(frames)]
-    given = {"measure": False, "identify_from": "truth", "control": control} | options
-    return robsim.Experiment(frames, send=robot, **given)
+    given = {"measure": False, "identify_from": "truth", "control": control}
+    return robsim.Experiment(frames, send=robot, **given | {"frame_timeout": LONG} | options)
 
 
 def failing_once(act, then, k=3):
@@ -360,7 +360,8 @@ def test_whatever_else_ends_a_series_of_steps_stops_the_robot(tmp_path):
     (tmp_path / "control.py").write_text("def control(step):\n    return 1, 1\n")
     robot = Robot()
     frames = [frame(k) for k in range(6)]
-    sim = robsim.Experiment.from_folder(tmp_path, frames=frames, send=robot, measure=False)
+    options = {"send": robot, "measure": False, "frame_timeout": LONG}
+    sim = robsim.Experiment.from_folder(tmp_path, frames=frames, **options)
     sim.step()
     assert robot.drives
     (tmp_path / "control.py").write_text("def control(step)\n    return 100, 100\n")
@@ -449,10 +450,13 @@ def test_a_pause_after_a_stop_may_have_any_length():
     np.testing.assert_allclose(dt, [0.2, 0.2, 0.2, 3.2, 0.2])
 
 
-def blocking(arrivals):
-    """Yield what a queue brings; None ends it."""
-    while (arrived := arrivals.get()) is not None:
-        yield arrived
+class Arrivals(queue.SimpleQueue):
+    """Frames that come when they are put; None ends them."""
+
+    dt = None
+
+    def __iter__(self):
+        return iter(self.get, None)
 
 
 class Stalled:
@@ -462,15 +466,16 @@ class Stalled:
     minute later than the one before.
     """
 
-    def __init__(self, monkeypatch, frame_timeout=LONG):
+    def __init__(self, monkeypatch, frame_timeout=LONG, dt=None):
         self.robot = Robot()
-        self.arrivals = queue.SimpleQueue()
+        self.arrivals = Arrivals()
+        self.arrivals.dt = dt
         self.time_runs = False
         self.now = 0.0
         self.looks = 0
         for k in range(3):
             self.arrivals.put(frame(k))
-        self.sim = experiment(self.robot, blocking(self.arrivals), frame_timeout=frame_timeout)
+        self.sim = experiment(self.robot, self.arrivals, frame_timeout=frame_timeout)
         monkeypatch.setattr("robsim.simulation._outside.frame_source.time", self)
 
     def monotonic(self):
@@ -510,6 +515,16 @@ def test_a_frame_that_does_not_come_stops_the_robot_and_then_says_so(monkeypatch
         stalled.looks = 0
         stalled.check_stopped()
     stalled.check_that_nothing_is_lost()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("dt", "timeout"), [(None, 1), (0.2, 0.6), (0.02, 0.1)])
+def test_how_long_a_frame_is_waited_for_by_default(monkeypatch, dt, timeout):
+    stalled = Stalled(monkeypatch, frame_timeout=None, dt=dt)
+    stalled.time_runs = True
+    with pytest.raises(TimeoutError, match=f"frame_timeout = {timeout} s"):
+        stalled.sim.run()
+    stalled.arrivals.put(None)
 
 
 @pytest.mark.parametrize(
@@ -697,7 +712,7 @@ import numpy as np, robsim
 frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8)) for k in range(3)]
 send = lambda u: print(*u, flush=True)
 experiment = robsim.Experiment(frames, send=send, control=lambda step: (1, 2), area=(64, 64),
-                               measure=None, frame_timeout=60)
+                               measure=None, frame_timeout=300)
 experiment.step()
 """
 

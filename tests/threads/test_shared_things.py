@@ -62,6 +62,7 @@ def test_a_refused_run_stops_the_robot():
         frames,
         area=(64, 64),
         send=lambda u: sent.append(tuple(u)),
+        frame_timeout=300,
         stop_input=(0, 0),
         control=lambda step: (0.5, 0.5),
         measure=lambda step: (1, 1, 0),
