@@ -138,6 +138,7 @@ def test_the_command_writes_an_example_but_not_over_a_file(tmp_path):
     assert "mine.toml exists" in again.stderr
 
 
+@pytest.mark.long
 def test_the_command_says_what_is_wrong(tmp_path):
     for words in ((), ("a.toml", "--example", "b.toml"), ("nothing.toml",)):
         ended = command("campaign", *words, cwd=tmp_path)

@@ -1,5 +1,4 @@
 import runpy
-import subprocess
 import sys
 import time
 from functools import partial
@@ -525,41 +524,7 @@ def test_a_report_as_text_html_and_data():
     with pytest.raises(AssertionError) as caught:
         report.raise_for_problems()
     assert str(caught.value) == str(report)
-
-
-GRADING = """
-import numpy as np
-import robsim
-from robsim.doctor import check_estimator
-
-
-def make():
-    def estimate(step):
-        return robsim.Estimate(step.measurement.pose, np.zeros((3, 3)))
-
-    return estimate
-
-
-def test_plain():
-    assert check_estimator(make)
-
-
-def test_thorough():
-    check_estimator(make).raise_for_problems()
-"""
-
-
-def test_a_grader_sees_the_sentences(tmp_path):
-    (tmp_path / "test_grading.py").write_text(GRADING)
-    run = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path)],
-        capture_output=True, text=True, check=False, cwd=tmp_path,
-    )  # fmt: skip
-    plain, thorough = run.stdout.split("_ test_thorough _")
-    assert "assert <its covariance has the variance 0 for x" in plain
-    assert "1. its covariance has the variance 0 for x" in thorough
-    assert "2. step.measurement is None" in thorough
-    assert "> return robsim.Estimate(step.measurement.pose, np.zeros((3, 3)))" in thorough
+    assert "it is late" in repr(report)  # what `assert report` shows in a test of a grader
 
 
 ESTIMATE_STATE = """

@@ -6,10 +6,8 @@ import textwrap
 import numpy as np
 import pytest
 
-import robsim
 from commands import command
 from robsim.doctor import TaskReport, check_folder
-from robsim.doctor._callbacks.scenes import Setting
 from robsim.tasks import TASKS, EstimateState, Identify, Measure, Park
 from sizes import thorough
 
@@ -197,16 +195,6 @@ def test_what_cannot_be_is_refused(tmp_path):
         check_folder(folder, task=Park)
     with pytest.raises(ValueError, match=r"measure\.py"):
         check_folder(folder, task="measure")
-
-
-def test_a_setting_is_that_of_the_task():
-    setting = Setting.of(Park().scenario)
-    assert (setting.robot.name, setting.area, setting.resolution) == ("lab", (640, 640), (320, 320))
-    assert setting.noise.percent == Park().noise
-    scene = setting.turned("stands", (300, 900), [0.5])
-    assert scene.poses.tolist() == [[160, 480, 0.5]]
-    assert Setting.of(robsim.Scenario(noise=None)).noise == Setting.usual().noise
-    assert (Setting.of(Measure().scenario).place((600, 600))) == (600, 600)
 
 
 @pytest.mark.slow

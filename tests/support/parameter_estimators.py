@@ -84,21 +84,6 @@ class Batch:
         return self.theta
 
 
-class NormalEquations:
-    """The sums of phi phi' and phi y, in scaled columns."""
-
-    scale = np.array((100.0, 100, 1, 1, 1))
-
-    def __init__(self):
-        self.A, self.b = np.tile(1e-9 * np.eye(5), (3, 1, 1)), np.zeros((3, 5))
-
-    def update(self, phi, y):
-        f = phi / self.scale
-        self.A = self.A + f[:, :, None] * f[:, None]
-        self.b = self.b + f * y[:, None]
-        return np.linalg.solve(self.A, self.b[:, :, None])[:, :, 0] / self.scale
-
-
 class SquareRootFilter:
     """The triangular root of the information, by QR."""
 
@@ -119,18 +104,6 @@ class Kalman(LeastSquares):
 
     def reduced(self, K, phi):
         return super().reduced(K, phi) + 1e-9 * np.eye(5)
-
-
-class Reset(LeastSquares):
-    """P is set to its first value every 300 samples."""
-
-    n = 0
-
-    def update(self, phi, y):
-        self.n += 1
-        if self.n % 300 == 0:
-            self.P = np.tile(self.P0 * np.eye(5), (3, 1, 1))
-        return super().update(phi, y)
 
 
 class Nlms:
@@ -171,20 +144,6 @@ class Differences(LeastSquares):
     def result(self):
         b = self.theta
         return np.column_stack((1 + b[:, 0], -b[:, 0], b[:, 1:]))
-
-
-class Pooled:
-    """x and y have the same parameters: one filter for both, one for the heading."""
-
-    def __init__(self):
-        self.filters = [robsim.RecursiveLeastSquares(5) for _ in range(2)]
-
-    def update(self, phi, y):
-        plane, heading = self.filters
-        for i in range(2):
-            plane.update(phi[i], y[i])
-        heading.update(phi[2], y[2])
-        return np.vstack((plane.theta, plane.theta, heading.theta))
 
 
 def three_filters():
@@ -241,25 +200,6 @@ class LimitedTrace(LeastSquares):
         return super().update(phi, y)
 
 
-class Instruments(LeastSquares):
-    """Instrumental variables: the inputs of earlier steps in the place of x(k-2)."""
-
-    before = None
-
-    def update(self, phi, y):
-        if self.before is None:
-            self.before = phi
-        Z = phi.copy()
-        Z[:, 1] = self.before[:, 1]
-        self.before = phi
-        PZ = (self.P @ Z[:, :, None])[:, :, 0]
-        K = PZ / (1 + (phi * PZ).sum(axis=1, keepdims=True))
-        self.theta = self.theta + K * self.error(phi, y)[:, None]
-        phiP = (phi[:, None] @ self.P)[:, 0]
-        self.P = self.P - K[:, :, None] * phiP[:, None]
-        return self.theta
-
-
 def of_robsim(forgetting=1.0):
     return partial(robsim.RecursiveLeastSquares, 5, n_filters=3, forgetting=forgetting)
 
@@ -274,21 +214,17 @@ RIGHT = {
     "robsim RLS .95": of_robsim(0.95),
     "robsim RLS .9": of_robsim(0.9),
     "batch": Batch,
-    "normal equations": NormalEquations,
     "square root": SquareRootFilter,
     "Kalman": Kalman,
-    "covariance reset": Reset,
     "NLMS": Nlms,
     "slow NLMS": changed(Nlms, step=0.1),
     "displacement": Displacement,
     "differences": Differences,
-    "x and y pooled": Pooled,
     "three filters": three_filters,
     "generator": generator,
     "window": Window,
     "dead zone": DeadZone,
     "limited trace": LimitedTrace,
-    "instruments": Instruments,
 }
 
 

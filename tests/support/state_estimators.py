@@ -145,26 +145,6 @@ class SquareRoot(ConstantVelocity):
         return robsim.Estimate(wrapped(self.x[:3]), (self.L @ self.L.T)[:3, :3])
 
 
-class Information(ConstantVelocity):
-    """The inverse of P and P^-1 x are kept."""
-
-    def __init__(self):
-        self.x, self.Y = np.zeros(6), np.linalg.inv(PRIOR)
-
-    def __call__(self, step):
-        F, G = self.matrices(step.dt)
-        P = F @ np.linalg.inv(self.Y) @ F.T + G @ self.Q @ G.T
-        self.Y, x = np.linalg.inv(P + 1e-9 * np.eye(6)), F @ self.x
-        if step.measurement is not None:
-            z = x[:3] + wrapped(step.measurement.pose - x[:3])
-            y = self.Y @ x + H.T @ np.linalg.solve(R, z)
-            self.Y = self.Y + H.T @ np.linalg.inv(R) @ H
-            x = np.linalg.solve(self.Y, y)
-        self.x = x
-        P = np.linalg.inv(self.Y)[:3, :3]
-        return robsim.Estimate(wrapped(x[:3]), (P + P.T) / 2)
-
-
 class WindowFit:
     """A parabola through the last eight measurements, evaluated now."""
 
@@ -185,26 +165,6 @@ class WindowFit:
         A = np.column_stack((np.ones_like(t), t, t**2))
         pose = np.linalg.lstsq(A, np.array([z for _, z in self.window]), rcond=None)[0][0]
         return robsim.Estimate(wrapped(pose), R * np.linalg.inv(A.T @ A)[0, 0])
-
-
-class LineFit:
-    """A line through the last measurements, in steps: right for every dt."""
-
-    def __init__(self):
-        self.window = []
-
-    def __call__(self, step):
-        self.window = [(t - 1, z) for t, z in self.window]
-        if step.measurement is not None:
-            self.window = [*self.window, (0, step.measurement.pose)][-5:]
-        if len(self.window) < 3:
-            return robsim.Estimate(self.window[-1][1] if self.window else np.zeros(3), UNKNOWN)
-        t, z = (np.array(part) for part in zip(*self.window, strict=True))
-        z[:, 2] = np.unwrap(z[:, 2])
-        A = np.column_stack((np.ones_like(t), t))
-        P = np.linalg.inv(A.T @ A)
-        P = 8 * R * P[0, 0] - 0.02 * t[-1] * np.diag((40, 40, 0.1))
-        return robsim.Estimate(wrapped(np.linalg.lstsq(A, z, rcond=None)[0][0]), P)
 
 
 def closure():
@@ -369,42 +329,6 @@ class Unscented:
         return robsim.Estimate(wrapped(self.x[:3]), self.P[:3, :3])
 
 
-class Particles:
-    """400 particles around constant velocity, resampled when few are left."""
-
-    def __init__(self):
-        self.random, self.x = np.random.default_rng(3), None
-
-    def __call__(self, step):
-        n, z = 400, seen(step)
-        if self.x is None:
-            if z is None:
-                return robsim.Estimate(MIDDLE, UNKNOWN)
-            spread = np.sqrt(np.diag((0.25, 0.25, 1e-4, 30.0, 30.0, 0.2)))
-            self.x = np.concatenate((z, np.zeros(3))) + self.random.normal(size=(n, 6)) @ spread
-            self.w = np.full(n, 1 / n)
-        else:
-            a = self.random.normal(size=(n, 3)) * (12.0, 12.0, 1.2)
-            self.x[:, :3] += step.dt * self.x[:, 3:] + step.dt**2 / 2 * a
-            self.x[:, 3:] += step.dt * a
-        if z is not None:
-            e = z - self.x[:, :3]
-            e[:, 2] = robsim.wrap_angle(e[:, 2])
-            log_w = np.log(self.w + 1e-300) - 0.5 * (e**2 / np.diag(2 * R)).sum(axis=1)
-            self.w = np.exp(log_w - log_w.max())
-            self.w /= self.w.sum()
-        center = self.x[self.w.argmax(), 2]
-        poses = np.column_stack((self.x[:, :2], robsim.wrap_angle(self.x[:, 2] - center)))
-        mean = self.w @ poses
-        d = poses - mean
-        P = d.T @ (d * self.w[:, None]) + 0.1 * R
-        if 1 / (self.w**2).sum() < n / 2:
-            at = np.searchsorted(np.cumsum(self.w), (self.random.random() + np.arange(n)) / n)
-            self.x, self.w = self.x[np.minimum(at, n - 1)], np.full(n, 1 / n)
-            self.x = self.x + self.random.normal(size=(n, 6)) * (0.1, 0.1, 2e-3, 0.5, 0.5, 0.02)
-        return robsim.Estimate(wrapped(mean + np.array((0, 0, center))), P)
-
-
 def complementary(turn=0.0):
     """Without a matrix: the model's speed, and rate of so many times its own, mixed with z."""
     pose, doubt, speed, rate = np.array((0.0, 0.0, 0.0)), 1e6, 0.0, 0.0
@@ -451,44 +375,6 @@ class DeadReckoning(HandsOn):
         self.pose = moved if z is None else z
         self.P = self.P + step.dt * np.diag((50.0, 50.0, 0.05)) if z is None else R
         return robsim.Estimate(wrapped(self.pose), self.P)
-
-
-class Median:
-    """The median of the last five measurements."""
-
-    def __init__(self):
-        self.seen, self.unseen = [], 1
-
-    def __call__(self, step):
-        self.unseen += 1
-        if step.measurement is not None:
-            self.seen, self.unseen = [*self.seen, step.measurement.pose][-5:], 1
-        if not self.seen:
-            return robsim.Estimate(MIDDLE, UNKNOWN)
-        poses = np.array(self.seen)
-        poses[:, 2] = poses[-1, 2] + robsim.wrap_angle(poses[:, 2] - poses[-1, 2])
-        P = self.unseen * np.diag((40.0, 40.0, 0.05))
-        return robsim.Estimate(wrapped(np.median(poses, axis=0)), P)
-
-
-class Holt:
-    """Double exponential smoothing, step by step."""
-
-    def __init__(self):
-        self.level, self.trend, self.unseen = None, np.zeros(3), 1
-
-    def __call__(self, step):
-        z = seen(step)
-        if self.level is None:
-            self.level = z
-            return robsim.Estimate(MIDDLE if z is None else z, UNKNOWN)
-        self.unseen, ahead = self.unseen + 1, self.level + self.trend
-        if z is not None:
-            level = ahead + 0.5 * wrapped(z - ahead)
-            self.trend = self.trend + 0.3 * (level - self.level - self.trend)
-            self.unseen, ahead = 1, level
-        self.level = ahead
-        return robsim.Estimate(wrapped(ahead), 4 * self.unseen**2 * R)
 
 
 class RandomWalk:
@@ -563,26 +449,6 @@ class Sequential(Ekf):
         return self.result()
 
 
-class Acceleration(Ekf):
-    """Constant accelerations: nine states."""
-
-    def __init__(self):
-        super().__init__()
-        self.x, self.P = np.zeros(9), np.diag((1e6, 1e6, 10, 1e3, 1e3, 1, 1e2, 1e2, 1.0))
-
-    def __call__(self, step):
-        dt, H9 = step.dt, np.eye(3, 9)
-        F = np.eye(9) + dt * np.eye(9, k=3) + dt**2 / 2 * np.eye(9, k=6)
-        self.x = F @ self.x
-        self.P = F @ self.P @ F.T + dt * np.diag((0, 0, 0, 0, 0, 0, 400.0, 400.0, 4.0))
-        if step.measurement is not None:
-            K = np.linalg.solve(H9 @ self.P @ H9.T + R, H9 @ self.P).T
-            self.x = self.x + K @ wrapped(step.measurement.pose - self.x[:3])
-            A = np.eye(9) - K @ H9
-            self.P = A @ self.P @ A.T + K @ R @ K.T
-        return self.result()
-
-
 RIGHT = {
     "EKF": Ekf,
     "EKF Q/4": scaled(Ekf, q=0.25),
@@ -594,11 +460,8 @@ RIGHT = {
     "constant velocity 4Q": scaled(ConstantVelocity, q=4),
     "constant velocity R/4": scaled(ConstantVelocity, r=0.25),
     "constant velocity 4R": scaled(ConstantVelocity, r=4),
-    "constant acceleration": Acceleration,
     "square root by QR": SquareRoot,
-    "information": Information,
     "window fit": WindowFit,
-    "line fit": LineFit,
     "closure": closure,
     "generator": generator,
     "cosine and sine": CosSin,
@@ -608,12 +471,9 @@ RIGHT = {
     "slow low-pass": SlowLowPass,
     "EKF with a gate": GatedEkf,
     "sigma points": Unscented,
-    "particles": Particles,
     "complementary": complementary,
     "last pose": HandsOn,
     "dead reckoning": DeadReckoning,
-    "median": Median,
-    "Holt": Holt,
     "random walk": RandomWalk,
     "unicycle": Unicycle,
     "Huber": Huber,
