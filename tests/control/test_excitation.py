@@ -182,18 +182,6 @@ def test_from_the_truth_each_gives_all_parameters(kind):
     np.testing.assert_allclose(report.batch[:, 4], truth[:, 4], atol=1e-9)
 
 
-def test_a_binary_sequence_tells_more_than_held_random_voltages():
-    def errors(control):
-        trace = robsim.Simulation(boundary="unlimited", control=control, seed=1).run(800)
-        phi, _ = robsim.identification.regression(trace.pose_true, trace.u)
-        information = np.einsum("nai,naj->aij", phi, phi)
-        return np.sqrt(np.diagonal(np.linalg.inv(information), axis1=1, axis2=2))
-
-    binary, held = errors(PseudoRandomBinary()), errors(robsim.DriveAround())
-    # b1, b2 of every axis: by about the ratio of the powers, sqrt(3)
-    assert (held[:, 2:4] / binary[:, 2:4] > 1.4).all()
-
-
 @pytest.mark.parametrize(
     ("kind", "name", "wrong"),
     [

@@ -274,21 +274,6 @@ def test_it_goes_to_a_point_and_stays_there(seed, model):
 
 
 @pytest.mark.long
-def test_dropouts_are_coasted_through():
-    sim = robsim.Simulation(
-        start=(300, 900, 0.0),
-        seed=1,
-        control=GoToPoint(800, 400),
-        dropout=robsim.Dropout(0.2),
-        **NOISY,
-    )
-    trace = sim.run(250)
-    assert 20 < (~trace.seen).sum() < 80
-    assert (trace.u[~trace.seen] == 0).all()
-    assert_goes_to(trace, (800, 400))
-
-
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("path", "steps", "model"), [(SQUARE, 560, "slides sideways"), (EIGHT, 620, "does not")]
 )
@@ -305,18 +290,6 @@ def test_it_follows_a_path(path, steps, model):
     assert np.abs(trace.u).max() <= 1.0
 
 
-@pytest.mark.long
-def test_a_path_may_begin_in_the_middle_of_a_run():
-    sim = robsim.Simulation(seed=3, control=robsim.DriveAround(), **NOISY)
-    sim.run(60)
-    path = [(500, 400), (700, 500)]
-    sim.control = FollowPath(path)
-    trace = sim.run(240)
-    score = score_path(trace[60:], path)
-    assert score.reached == 2
-    assert score.final_distance < 20
-
-
 @pytest.mark.parametrize("control", [GoToPoint(800, 500), FollowPath([(700, 600), (700, 700)])])
 def test_after_a_reset_the_run_is_the_same_again(control):
     sim = robsim.Simulation(seed=1, control=control, measure=True, **SMALL)
@@ -325,15 +298,3 @@ def test_after_a_reset_the_run_is_the_same_again(control):
     again = sim.run(70)
     np.testing.assert_array_equal(again.pose_true, first.pose_true)
     np.testing.assert_array_equal(again.u, first.u)
-
-
-def test_it_goes_by_the_state_estimator_if_one_runs():
-    sim = robsim.Simulation(
-        measure=lambda step: robsim.Measurement((600, 600, 0)),
-        estimate_state=lambda step: robsim.Estimate((900, 300, 1), np.eye(3)),
-        control=GoToPoint(900, 300),
-        **SMALL,
-    )
-    assert (sim.run(5).u == 0).all()
-    sim.estimate_state = None
-    assert (sim.run(1).u[-1] != 0).any()

@@ -66,36 +66,6 @@ def test_two_colours_are_trained_tested_and_saved(mouse, image, tmp_path):
     assert load_colors(tmp_path / "colors.toml") == (red, blue)
 
 
-def test_the_mask_lies_on_the_picture_until_the_test_is_off(mouse):
-    mouse.mark(42, 42, 57, 57)
-    wait_for(lambda: "red" in mouse.classes)
-    box = mouse.canvas.bounding_box()
-    u, v = mouse.at((50, 50))
-    inside = [u - box["x"], v - box["y"]]
-    wait_for(lambda: mouse.tab.evaluate(PIXEL, inside)[0] > 235)  # painted red over the red
-    mouse.tab.click("[name=tests]")
-    wait_for(lambda: mouse.tab.evaluate(PIXEL, inside)[0] < 225)
-
-
-def test_an_end_of_a_range_is_dragged(mouse):
-    mouse.mark(42, 42, 57, 57)
-    wait_for(lambda: "red" in mouse.classes)
-    low, high = mouse.classes["red"].v
-    box = mouse.tab.locator(".robsim-channel").nth(2).bounding_box()
-    level = box["width"] / 256
-    y = box["y"] + box["height"] / 2
-    mouse.tab.mouse.move(box["x"] + low * level, y)
-    mouse.tab.mouse.down()
-    mouse.tab.mouse.move(box["x"] + (low + 30.5) * level, y, steps=5)
-    mouse.tab.mouse.up()
-    wait_for(lambda: abs(mouse.classes["red"].v[0] - (low + 30)) <= 1)
-    assert mouse.classes["red"].v[1] == high
-    moved = mouse.classes["red"].v[0]
-    mouse.tab.locator(".robsim-channel").nth(2).focus()
-    mouse.tab.keyboard.press("ArrowLeft")
-    wait_for(lambda: mouse.classes["red"].v[0] == moved - 1)
-
-
 def test_a_region_by_keys(mouse, image):
     mouse.canvas.focus()
     for key in ("Enter", *["Shift+ArrowLeft"] * 3, *["ArrowUp"] * 6):
@@ -144,26 +114,41 @@ def test_a_region_is_of_its_class_and_comes_again_with_the_page(mouse):
     assert mouse.tab.locator(".robsim-camera-hint").is_visible()
 
 
-def test_the_chosen_class_keeps_the_focus(mouse):
-    mouse.tool.value = [ColorClass("red"), ColorClass("blue")]
-    mouse.tab.locator(".robsim-class", has_text="blue").press("Enter")
-    mouse.tab.wait_for_selector(".robsim-class[aria-checked=true]:focus >> text=blue")
-
-
-def test_more_regions_and_their_drift(mouse):
+def test_a_colour_is_seen_in_the_picture_narrowed_and_scored(mouse):
+    tab = mouse.tab
     mouse.mark(42, 42, 57, 57)
     wait_for(lambda: "red" in mouse.classes)
-    mouse.tab.click("[name=more_regions]")
+    box = mouse.canvas.bounding_box()
+    u, v = mouse.at((50, 50))
+    inside = [u - box["x"], v - box["y"]]
+    wait_for(lambda: tab.evaluate(PIXEL, inside)[0] > 235)  # painted red over the red
+    tab.click("[name=tests]")
+    wait_for(lambda: tab.evaluate(PIXEL, inside)[0] < 225)
+    # The lower end of V is dragged, then moved by a key
+    low, high = mouse.classes["red"].v
+    channel = tab.locator(".robsim-channel").nth(2)
+    box = channel.bounding_box()
+    y, level = box["y"] + box["height"] / 2, box["width"] / 256
+    tab.mouse.move(box["x"] + low * level, y)
+    tab.mouse.down()
+    tab.mouse.move(box["x"] + (low + 30.5) * level, y, steps=5)
+    tab.mouse.up()
+    wait_for(lambda: abs(mouse.classes["red"].v[0] - (low + 30)) <= 1)
+    assert mouse.classes["red"].v[1] == high
+    moved = mouse.classes["red"].v[0]
+    channel.focus()
+    tab.keyboard.press("ArrowLeft")
+    wait_for(lambda: mouse.classes["red"].v[0] == moved - 1)
+    # Other light and noise, and another region
+    tab.click("[name=score]")
+    tab.wait_for_selector(".robsim-score tr")
+    assert "%" in tab.locator(".robsim-score").inner_text()
+    tab.click("[name=more_regions]")
     mouse.mark(44, 44, 50, 50)
     wait_for(lambda: len(mouse.tool._view.training.classes["red"].samples) == 2)
-    wait_for(lambda: mouse.tab.locator(".robsim-drift > div").count() == 2)
-    mouse.tab.click("[name=remove_class]")
+    wait_for(lambda: tab.locator(".robsim-drift > div").count() == 2)
+    tab.click("[name=remove_class]")
     wait_for(lambda: mouse.classes == {})
-
-
-def test_other_light_and_noise(mouse):
-    mouse.mark(42, 42, 57, 57)
-    wait_for(lambda: "red" in mouse.classes)
-    mouse.tab.click("[name=score]")
-    mouse.tab.wait_for_selector(".robsim-score tr")
-    assert "%" in mouse.tab.locator(".robsim-score").inner_text()
+    mouse.tool.value = [ColorClass("red"), ColorClass("blue")]
+    tab.locator(".robsim-class", has_text="blue").press("Enter")
+    tab.wait_for_selector(".robsim-class[aria-checked=true]:focus >> text=blue")

@@ -10,7 +10,7 @@ from PIL import Image
 
 import robsim
 from browsers import FakeBrowser, settled
-from python_cameras import SteppedCamera
+from python_cameras import PATIENT, SteppedCamera
 from robsim import ColorClass
 from robsim.imaging import save_image
 from robsim.vision import classify, load_colors, save_colors
@@ -128,7 +128,7 @@ def test_a_camera_is_shown_live_until_it_is_frozen(tmp_path):
     source = SteppedCamera([picture(at=k) for k in range(10)])
     source.permits.release()  # the size is that of a frame
     with ExitStack() as stack:
-        camera = stack.enter_context(robsim.Camera(source))
+        camera = stack.enter_context(robsim.Camera(source, **PATIENT))
         tool = stack.enter_context(robsim.gui.color_panel(camera, file=tmp_path / "colors.toml"))
         view = tool._view
         browser = FakeBrowser(view, 80)

@@ -85,8 +85,29 @@ def test_a_floor_is_calibrated_and_saved(open_tool, tmp_path, monkeypatch):
         np.testing.assert_allclose(2 * saved.plane_map.to_world(PIXELS), PLACES, atol=3)
 
 
-def test_a_point_is_dragged_nudged_chosen_and_removed(hand):
+def test_a_point_is_placed_dragged_nudged_chosen_and_removed(hand):
     tab = hand.tab
+
+    def fill(name, text):
+        tab.fill(f"[name={name}]", text)
+        tab.keyboard.press("Enter")
+
+    hand.click(PIXELS[0])
+    tab.fill("[name=x_1]", "300")
+    fill("y_1", "400")
+    wait_for(lambda: hand.points[0].place == (300, 400))
+    fill("x_1", "3oo")  # is marked and changes nothing
+    tab.wait_for_selector("[name=x_1][aria-invalid=true]")
+    fill("y_1", "500")
+    wait_for(lambda: hand.points[0].place == (300, 500))
+    assert tab.input_value("[name=x_1]") == "3oo"
+    fill("x_1", "350")
+    wait_for(lambda: hand.points[0].place == (350, 500))
+    assert not tab.locator("[name=x_1][aria-invalid=true]").count()
+    fill("x_1", "")
+    wait_for(lambda: hand.points[0].place == (None, 500))
+    tab.click("[name=clear]")
+    wait_for(lambda: hand.points == ())
     hand.click(PIXELS[0])
     hand.click(PIXELS[4])
     start = np.array(hand.points[1].pixel)
@@ -110,29 +131,6 @@ def test_a_point_is_dragged_nudged_chosen_and_removed(hand):
     wait_for(lambda: [one.number for one in hand.points] == [2])
     tab.click("[name=clear]")
     wait_for(lambda: hand.points == ())
-
-
-def test_a_place_that_is_no_number_is_marked_and_changes_nothing(hand):
-    tab = hand.tab
-    hand.click(PIXELS[0])
-    tab.fill("[name=x_1]", "300")
-    tab.fill("[name=y_1]", "400")
-    tab.keyboard.press("Enter")
-    wait_for(lambda: hand.points[0].place == (300, 400))
-    tab.fill("[name=x_1]", "3oo")
-    tab.keyboard.press("Enter")
-    tab.wait_for_selector("[name=x_1][aria-invalid=true]")
-    tab.fill("[name=y_1]", "500")
-    tab.keyboard.press("Enter")
-    wait_for(lambda: hand.points[0].place == (300, 500))
-    assert tab.input_value("[name=x_1]") == "3oo"
-    tab.fill("[name=x_1]", "350")
-    tab.keyboard.press("Enter")
-    wait_for(lambda: hand.points[0].place == (350, 500))
-    assert not tab.locator("[name=x_1][aria-invalid=true]").count()
-    tab.fill("[name=x_1]", "")
-    tab.keyboard.press("Enter")
-    wait_for(lambda: hand.points[0].place == (None, 500))
 
 
 def test_in_the_glass_a_point_is_moved_by_parts_of_a_pixel(hand):

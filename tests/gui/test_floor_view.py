@@ -9,7 +9,7 @@ import pytest
 
 import robsim
 from browsers import FakeBrowser, settled
-from python_cameras import EndlessCamera
+from python_cameras import PATIENT, EndlessCamera
 from robsim.calibration import Chessboard, Corners, FloorSheet
 from robsim.gui._tools.floor.example import pixels_of_floor, tiled_floor
 from robsim.imaging import (
@@ -51,6 +51,7 @@ def fitted(tool):
     return view.ask(view._state)
 
 
+@pytest.mark.long
 def test_points_are_added_placed_and_fitted(tool, browser):
     assert fitted(tool)["grid"] is None
     for number, (pixel, (x, y)) in enumerate(zip(PIXELS, PLACES, strict=True), start=1):
@@ -189,6 +190,7 @@ def test_a_pipe_is_neither_read_nor_written(tool, browser, tmp_path):
             assert f"{name} is not a file" in browser.take("note", level="error")[0]["text"]
 
 
+@pytest.mark.long
 def test_a_calibration_that_was_not_read_is_not_overwritten(tool, tmp_path):
     tool.put(PIXELS, PLACES)
     floor = tool.value
@@ -274,7 +276,7 @@ def test_what_is_wrong_is_said_in_place_and_changes_nothing(tool):
 def test_a_live_picture_is_calibrated_while_it_goes_on(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with (
-        robsim.Camera(EndlessCamera(np.array(tiled_floor()))) as camera,
+        robsim.Camera(EndlessCamera(np.array(tiled_floor())), **PATIENT) as camera,
         robsim.gui.floor_panel(camera) as tool,
     ):
         browser = FakeBrowser(tool._view, 200)
@@ -430,7 +432,7 @@ def test_a_lens_by_methods(boards, tmp_path):
 def test_live_pictures_of_a_board_are_taken_by_themselves(boards, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with (
-        robsim.Camera(EndlessCamera(boards[0])) as camera,
+        robsim.Camera(EndlessCamera(boards[0]), **PATIENT) as camera,
         robsim.gui.floor_panel(camera) as tool,
     ):
         browser = FakeBrowser(tool._view, 200)
@@ -500,7 +502,7 @@ def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, browser
 def test_of_a_picture_that_was_loaded_no_board_is_taken_by_itself(fakes, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     camera = EndlessCamera(np.zeros((60, 80, 3), np.uint8))
-    with robsim.Camera(camera) as device, robsim.gui.floor_panel(device) as tool:
+    with robsim.Camera(camera, **PATIENT) as device, robsim.gui.floor_panel(device) as tool:
         lens = tool._view.lens
         tool.load(np.zeros((48, 64, 3), np.uint8))
         looked = []

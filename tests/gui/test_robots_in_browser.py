@@ -11,20 +11,6 @@ from waiting import wait_for
 pytestmark = pytest.mark.slow
 
 
-def test_markers_are_called_by_role_and_colour(open_tool, user_folder):
-    with robsim.gui.robot_panel(robot="lab") as tool:
-        tab = open_tool(tool)
-        names = tab.locator(".robsim-segments [role=radio]")
-        expected = ["Outline", "Right marker (red)", "Left marker (blue)"]
-        wait_for(lambda: names.all_text_contents() == expected)
-        tool.turn(90)
-        expected = ["Outline", "Back marker (red)", "Front marker (blue)"]
-        wait_for(lambda: names.all_text_contents() == expected)
-        tool.draw("blue", [])
-        expected = ["Outline", "Marker (red)", "Marker (blue)"]
-        wait_for(lambda: names.all_text_contents() == expected)
-
-
 @pytest.fixture
 def mouse(open_tool, user_folder):
     with robsim.gui.robot_panel(robot="lab") as tool:
@@ -50,30 +36,36 @@ def test_corners_are_dragged_put_on_edges_and_removed(mouse):
     assert np.array_equal(mouse.drawing.sketch.markers["red"], before)
 
 
-def test_the_arrow_is_dragged_to_where_it_faces(mouse):
-    centre = mouse.drawing.centre
-    state = mouse.tool._view._state()
-    angle = np.deg2rad(-state["alignment"])
-    end = centre + 46 / mouse.scale * np.array((np.cos(angle), np.sin(angle)))
-    mouse.drag(end, centre + np.array((60, 0)))
-    wait_for(lambda: abs(mouse.drawing.sketch.alignment) < 2)
-    mouse.tab.click("text=+10°")
-    wait_for(lambda: abs(mouse.drawing.sketch.alignment - 10) < 2)
-    mouse.tab.click("[name=as_before]")
-    wait_for(lambda: mouse.drawing.sketch.alignment == load_robot("lab").alignment)
+def test_a_robot_is_turned_cleared_and_guessed(mouse):
+    tab, drawing = mouse.tab, mouse.drawing
+    names = tab.locator(".robsim-segments [role=radio]")
 
+    def are_called(*expected):
+        wait_for(lambda: names.all_text_contents() == ["Outline", *expected])
 
-def test_a_part_is_cleared_guessed_and_the_next_one_comes_by_enter(mouse):
-    mouse.tab.click("[name=clear]")
-    wait_for(lambda: len(mouse.drawing.sketch.outline) == 0)
-    problems = mouse.tab.locator(".robsim-problems")
+    are_called("Right marker (red)", "Left marker (blue)")
+    # The arrow is dragged to where it faces
+    angle = np.deg2rad(-mouse.tool._view._state()["alignment"])
+    end = drawing.centre + 46 / mouse.scale * np.array((np.cos(angle), np.sin(angle)))
+    mouse.drag(end, drawing.centre + np.array((60, 0)))
+    wait_for(lambda: abs(drawing.sketch.alignment) < 2)
+    are_called("Front marker (red)", "Back marker (blue)")
+    tab.click("text=+10°")
+    wait_for(lambda: abs(drawing.sketch.alignment - 10) < 2)
+    tab.click("[name=as_before]")
+    wait_for(lambda: drawing.sketch.alignment == load_robot("lab").alignment)
+    tab.click("[name=clear]")
+    wait_for(lambda: len(drawing.sketch.outline) == 0)
+    problems = tab.locator(".robsim-problems")
     wait_for(lambda: "outline needs 3 corners" in problems.inner_text())
-    assert mouse.tab.is_disabled("[name=save_robot]")
-    mouse.tab.click("[name=guess]")
-    wait_for(lambda: len(mouse.drawing.sketch.outline) > 5)
+    assert tab.is_disabled("[name=save_robot]")
+    tab.click("[name=guess]")
+    wait_for(lambda: len(drawing.sketch.outline) > 5)
     mouse.canvas.focus()
-    mouse.tab.keyboard.press("Enter")
+    tab.keyboard.press("Enter")
     wait_for(lambda: mouse.tool._view._part == "red")
+    mouse.tool.draw("blue", [])
+    are_called("Marker (red)", "Marker (blue)")
 
 
 def test_another_robot_is_loaded_resized_and_saved(mouse):

@@ -5,7 +5,7 @@ import pytest
 
 import robsim
 from browsers import FakeBrowser, settled
-from python_cameras import EndlessCamera
+from python_cameras import PATIENT, EndlessCamera
 from robsim.robots import load_robot
 from waiting import wait_for
 
@@ -106,7 +106,7 @@ def test_a_robot_is_captured_from_a_camera(user_folder):
     sim = robsim.Simulation(robot="lab", start=(400, 500, 0.6), headings=None, seed=2)
     frame = sim.step().frame
     with (
-        robsim.Camera(EndlessCamera(np.array(frame.image))) as camera,
+        robsim.Camera(EndlessCamera(np.array(frame.image)), **PATIENT) as camera,
         robsim.gui.robot_panel(camera, robot="sheep") as tool,
     ):
         view = tool._view

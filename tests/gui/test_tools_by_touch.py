@@ -34,37 +34,27 @@ class Fingers(ToolMouse):
         self.tab.touchscreen.tap(*self.at(point))
 
 
-@pytest.fixture
-def robots(open_tool, user_folder):
+def test_a_finger_drags_a_corner_and_taps_new_ones_and_two_zoom(open_tool, user_folder):
     with robsim.gui.robot_panel(robot="lab") as tool:
-        yield tool, Fingers(tool, open_tool)
-
-
-def test_a_finger_drags_a_corner_and_taps_new_ones(robots):
-    tool, fingers = robots
-    drawing = tool._view.drawing
-    fingers.tab.click(".robsim-segments [value=red]")
-    fingers.tab.wait_for_selector("[value=red][aria-checked=true]")
-    fingers.canvas.scroll_into_view_if_needed()
-    before = drawing.sketch.markers["red"]
-    # Fingers are thick: it begins a little beside the corner.
-    fingers.drag(before[0] + (8, 6), before[0] + (30, -20))
-    wait_for(lambda: np.abs(drawing.sketch.markers["red"] - before).max() > 15)
-    fingers.tap(before.mean(axis=0))
-    wait_for(lambda: len(drawing.sketch.markers["red"]) == len(before) + 1)
-
-
-def test_two_fingers_zoom_and_change_nothing(robots):
-    tool, fingers = robots
-    before = tool._view.drawing.sketch
-    fingers.touch("touchStart", (200, 240), (280, 240))
-    for spread in (60, 90, 130):
-        fingers.touch("touchMove", (240 - spread, 240), (240 + spread, 240))
-    fingers.touch("touchEnd")
-    fingers.tab.wait_for_selector("[name=zoom_reset]:visible")
-    fingers.tab.click(".robsim-segments [value=blue]")  # told after all that the fingers did
-    wait_for(lambda: tool._view._part == "blue")
-    assert tool._view.drawing.sketch is before
+        fingers = Fingers(tool, open_tool)
+        drawing = tool._view.drawing
+        fingers.choose_part("red")
+        fingers.tab.wait_for_selector("[value=red][aria-checked=true]")
+        fingers.canvas.scroll_into_view_if_needed()
+        before = drawing.sketch.markers["red"]
+        # Fingers are thick: it begins a little beside the corner.
+        fingers.drag(before[0] + (8, 6), before[0] + (30, -20))
+        wait_for(lambda: np.abs(drawing.sketch.markers["red"] - before).max() > 15)
+        fingers.tap(before.mean(axis=0))
+        wait_for(lambda: len(drawing.sketch.markers["red"]) == len(before) + 1)
+        sketch = drawing.sketch
+        fingers.touch("touchStart", (200, 240), (280, 240))
+        for spread in (60, 90, 130):
+            fingers.touch("touchMove", (240 - spread, 240), (240 + spread, 240))
+        fingers.touch("touchEnd")
+        fingers.tab.wait_for_selector("[name=zoom_reset]:visible")
+        fingers.choose_part("blue")  # told after all that the fingers did
+        assert drawing.sketch is sketch
 
 
 def test_a_finger_drags_the_square_and_makes_it_larger(open_tool, user_folder):

@@ -17,7 +17,7 @@ import robsim
 from browsers import FakeBrowser, settled
 from fuzzing import fuzzed
 from page_client import BINARY, greeted
-from python_cameras import SteppedCamera
+from python_cameras import PATIENT, SteppedCamera
 from robsim.gui._hosts.page import Page
 from robsim.gui._hosts.serving import packed_message, unpacked_message
 from robsim.imaging import save_image
@@ -213,7 +213,7 @@ def test_a_live_picture_waits_and_comes_back(tmp_path):
     source = SteppedCamera([FLOOR + k for k in range(9)])
     source.permits.release()  # the size is that of a frame
     with ExitStack() as stack:
-        camera = stack.enter_context(robsim.Camera(source))
+        camera = stack.enter_context(robsim.Camera(source, **PATIENT))
         view = stack.enter_context(robsim.gui.color_panel(camera, file=tmp_path / "c.toml"))._view
         browser = FakeBrowser(view, 40)
         source.permits.release()

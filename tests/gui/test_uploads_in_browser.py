@@ -65,7 +65,7 @@ def test_a_file_is_dropped_anywhere_on_the_tool(tool, open_tool, plain):
     tab.locator("[name=back]").wait_for(state="hidden")
 
 
-def test_a_file_is_chosen_with_the_keys(tool, open_tool, plain):
+def test_a_file_is_chosen_with_the_keys_and_a_picture_is_pasted(tool, open_tool, plain):
     tab = open_tool(tool)
     tab.on("filechooser", lambda _: None)  # so that Playwright takes all of them
     for _ in range(2):  # the same one again
@@ -77,10 +77,6 @@ def test_a_file_is_chosen_with_the_keys(tool, open_tool, plain):
         tab.focus("[name=back]")
         tab.keyboard.press("Enter")
         wait_for(lambda: is_painted(tab, FLOOR))
-
-
-def test_a_picture_is_pasted(tool, open_tool, plain):
-    tab = open_tool(tool)
     tab.evaluate(
         """(bytes) => {
             const clipboardData = new DataTransfer();

@@ -24,6 +24,7 @@ def result():
     )
 
 
+@pytest.mark.long
 def test_bands_are_means_over_an_option_with_their_intervals(result):
     ax = plot_campaign(result, "x", over="motor_delay")
     table = result["x"].reshape(3, 2, 8)[[1, 2, 0]]  # by rising delay

@@ -101,6 +101,7 @@ def spans_of(band):
     return [(part[:, 0].min(), part[:, 0].max(), part[:, 1].max()) for part in parts]
 
 
+@pytest.mark.long
 def test_the_band_has_gaps_where_nothing_was_measured():
     covariance = np.broadcast_to(np.diag([1.0, 1.0, 25.0]), (50, 3, 3)).copy()
     covariance[10:12] = covariance[13:15] = np.nan  # step 12 stands alone
@@ -138,6 +139,7 @@ def test_errors_of_measurements_are_green_and_unknown_ones_counted():
     assert labels(panel) == ["error"]
 
 
+@pytest.mark.long
 def test_errors_of_runs_have_their_root_mean_square():
     rng = np.random.default_rng(1)
     errors = rng.normal(size=(10, 30, 1))
@@ -182,20 +184,6 @@ def test_the_values_stand_with_their_band():
     render(axes.figure)
 
 
-def test_the_band_of_a_single_step_can_be_seen():
-    axes = plot_consistency(nees_consistency(np.array([[1.0]]), [[1.0]]))
-    assert np.ptp(axes.collections[0].get_paths()[0].vertices[:, 0]) == 1.0
-    assert axes.get_title(loc="left").startswith("NEES of 1 run of 1 step: ")
-
-
-def test_ticks_of_many_decades_do_not_overlap():
-    errors = np.logspace(-4, 3, 50)[:, np.newaxis]
-    axes = plot_consistency(nees_consistency(errors, [[1.0]]))
-    low, high = axes.get_ylim()
-    ticks = axes.get_yticks()
-    assert np.count_nonzero((ticks > low) & (ticks < high)) < 15
-
-
 @pytest.mark.long
 def test_the_verdict_is_the_title():
     rng = np.random.default_rng(2)
@@ -221,6 +209,7 @@ def drawn_ellipses(axes):
     return np.array([path.vertices[:-1] for path in collection.get_paths()])
 
 
+@pytest.mark.long
 def test_ellipses_lie_on_the_path_as_the_camera_sees_it():
     axes = plot_ellipses(make_trace(), every=10, magnify=1, level=0.95)
     drawn = drawn_ellipses(axes)

@@ -343,12 +343,6 @@ def test_a_pose_held_while_the_heading_turns_on_past_180_degrees_stays_in_the_pa
     assert low < points(held)[:, 1].min() <= points(held)[:, 1].max() < high
 
 
-def test_the_path_and_the_truth_lie_on_the_poses_that_were_held():
-    axes = panel(plot_traces(make_trace(seen=np.arange(60) < 30)), "x (px)")
-    colors = [line.get_color() for line in axes.get_lines()]
-    assert colors.index(style.HELD) < colors.index(style.TRUE)
-
-
 def test_rounding_errors_do_not_look_like_errors():
     figure = plot_traces(make_trace(noise=1e-13))
     low, high = panel(figure, "x error\n(px)").get_ylim()
@@ -562,12 +556,6 @@ def test_batch_without_a_truth_shows_the_relative_standard_errors():
     assert not {"true", "not determined"} & set(written(axes))
 
 
-def test_an_exact_value_points_to_the_left_edge():
-    axes = plot_batch(make_report(batch=np.array(THETA_TRUE)))
-    assert len(drawn(axes, style.BATCH)) == 15
-    assert set(drawn(axes, style.BATCH).values()) == {axes.get_xlim()[0]}
-
-
 def test_batch_without_online_and_without_anything():
     axes = plot_batch(make_report(batch=NOTHING))
     render(axes.figure)
@@ -735,17 +723,6 @@ def test_frame_of_a_camera_from_the_side_shows_the_path_of_a_run_without_truth()
     measured = next(line for line in lines if line.get_label() == "measured path")
     position = trace.pose_measured[0, :2]
     np.testing.assert_allclose(measured.get_xydata()[0], plane_map.to_pixel(position))
-
-
-def test_frame_of_a_lens_from_above_is_in_its_own_pixels():
-    # The corners of the frame are those of a rectangle on the floor; its sides are bent.
-    lens = robsim.imaging.Intrinsics([[40, 0, 29.5], [0, 40, 19.5], [0, 0, 1]], (-0.2, 0, 0, 0, 0))
-    plane_map = robsim.imaging.PlaneMap(np.diag([20, 20, 1]), lens)
-    measurement = robsim.Measurement((200, 200, 0.0))
-    axes = plot_frame(make_frame(plane_map), measurement=measurement)
-    assert axes.get_xlabel() == "u (pixels)"
-    drawn = lines(axes, style.MEASURED)[0].get_xydata()[0]
-    np.testing.assert_allclose(drawn, plane_map.to_pixel((200, 200)))
 
 
 def test_the_parameters_say_how_well_they_are_excited():

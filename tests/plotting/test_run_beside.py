@@ -38,6 +38,7 @@ def driven():
     return short, robsim.Simulation(control=robsim.GoToPoint(600, 500), **options).run(40), goal
 
 
+@pytest.mark.long
 def test_the_error_of_an_estimate_is_drawn_and_told(estimated):
     errors = run_errors(estimated, None, ("estimate_state",), None)
     off = np.hypot(*(estimated.pose_true[:, :2] - 600.0).T)
@@ -50,6 +51,7 @@ def test_the_error_of_an_estimate_is_drawn_and_told(estimated):
     assert image.size == (900, 370)
 
 
+@pytest.mark.long
 def test_no_error_is_told_of_steps_that_are_not_scored(estimated):
     off = np.array([9.0, 1.0, 2.0, np.nan, 3.0, 2.0])
     assert RunError("off", "px", "estimate", off, None).worst == 0

@@ -8,8 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from PIL import Image
 
 from robsim import Simulation, load_colors, load_robot
@@ -20,7 +18,6 @@ from robsim.robots import (
     robot_names,
     save_robot,
 )
-from robsim.vision import MarkerLayout
 
 pytestmark = pytest.mark.kernels
 
@@ -145,64 +142,14 @@ def test_centre_and_unit():
 
 def test_the_locator_of_the_toy():
     # alignment 90: markers at (15.5, 7.5) and (3.5, 7.5), 3 picture pixels square
-    markers = turned(90).marker_layout()
-    np.testing.assert_allclose(markers.positions["right"], [-6, 12])
-    np.testing.assert_allclose(markers.positions["left"], [-6, -12])
-    assert (markers.distance, markers.offset) == pytest.approx((24, 6))
-    assert (markers.areas["right"], markers.areas["left"]) == pytest.approx((36, 36))
-
-
-SIDE = st.floats(2, 40)
-PLACE = st.tuples(st.floats(-200, 200), st.floats(-200, 200))
-
-
-def star(corners, place):
-    """A polygon without crossings around the place, counted from the angle 0."""
-    angles = 2 * np.pi * np.arange(len(corners)) / len(corners)
-    rays = np.column_stack((np.cos(angles), np.sin(angles)))
-    return np.array(place) + np.array(corners)[:, None] * rays
-
-
-def triangles(polygon, around):
-    """Centroid and area, as the sum of the triangles around a place inside."""
-    a, b = polygon - around, np.roll(polygon, -1, axis=0) - around
-    areas = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
-    return around + (areas[:, None] * (a + b) / 3).sum(axis=0) / areas.sum(), areas.sum()
-
-
-@pytest.mark.long
-@settings(max_examples=40)
-@given(
-    red=st.lists(SIDE, min_size=3, max_size=8),
-    blue=st.lists(SIDE, min_size=3, max_size=8),
-    place=PLACE,
-    apart=st.floats(100, 300),
-    clockwise=st.booleans(),
-)
-def test_the_locator_of_random_markers(red, blue, place, apart, clockwise):
-    places = {"right": np.array(place), "left": np.array(place) - (0, apart)}
-    polygons = {"right": star(red, places["right"]), "left": star(blue, places["left"])}
-    expected = {role: triangles(polygons[role], places[role]) for role in polygons}
-    if clockwise:
-        polygons = {role: polygon[::-1] for role, polygon in polygons.items()}
-    markers = MarkerLayout.from_markers(polygons)
-    for role, (centroid, area) in expected.items():
-        np.testing.assert_allclose(markers.positions[role], centroid, atol=1e-8)
-        assert markers.areas[role] == pytest.approx(area)
-    right, left = (centroid for centroid, _ in expected.values())
-    assert markers.distance == pytest.approx(np.linalg.norm(right - left))
-    assert markers.offset == pytest.approx(-(right + left)[0] / 2, abs=1e-8)
-
-
-@pytest.mark.long
-@settings(max_examples=30)
-@given(alignment=st.floats(-360, 360), size=st.floats(1, 500))
-def test_alignment_turns_and_size_scales(alignment, size):
-    # distances in picture pixels stay what they are, times the unit
-    points = turned(alignment, size).to_robot_frame([[9.5, 4.5], [12.5, 8.5]])
-    assert np.linalg.norm(points[1] - points[0]) == pytest.approx(5 * size / 20)
-    turn = np.arctan2(points[1, 1], points[1, 0]) - np.arctan2(4, 3)
-    assert np.exp(1j * turn) == pytest.approx(np.exp(1j * np.deg2rad(alignment)))
+    robot = turned(90)
+    reversed_markers = {role: polygon[::-1] for role, polygon in robot.markers.items()}
+    for one in (robot, replace(robot, markers=reversed_markers)):
+        markers = one.marker_layout()
+        np.testing.assert_allclose(markers.positions["right"], [-6, 12])
+        np.testing.assert_allclose(markers.positions["left"], [-6, -12])
+        assert (markers.distance, markers.offset) == pytest.approx((24, 6))
+        assert (markers.areas["right"], markers.areas["left"]) == pytest.approx((36, 36))
 
 
 # --- folders

@@ -174,6 +174,7 @@ def test_what_cannot_be_found():
         robot_from_image("toy", image)
 
 
+@pytest.mark.long
 def test_wrong_values_are_named():
     for name, value in (
         ("markers", {"red": [[1, 2]]}),
