@@ -1,6 +1,6 @@
 """How often the reference filters are judged consistent, with the covariance of the measurements.
 
-    python tests/support/filter_consistency.py --sets 100 [--size 1200] [--jobs 2] [--keep FOLDER]
+    python tests/support/filter_consistency.py --sets 100 [--size 1200] [--jobs 2]
 
 runs every filter, with its defaults, in worlds with the disturbances that these defaults stand for,
 with any heading and camera noise of 10 %, and with 36 headings without noise: sets of 20 runs of 60
@@ -11,7 +11,6 @@ over the sets, and how often each verdict was given.
 import argparse
 from collections import Counter
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
@@ -33,7 +32,7 @@ FILTERS = {
 }
 
 
-def verdicts(world, *, sets, size=1200, jobs=None, keep=None):
+def verdicts(world, *, sets, size=1200, jobs=None):
     """Per filter the reports of all sets."""
     result = robsim.campaign(
         robsim.Scenario(
@@ -50,7 +49,6 @@ def verdicts(world, *, sets, size=1200, jobs=None, keep=None):
         steps=STEPS,
         seed=0,
         executor=jobs,
-        store=keep and keep / f"{world}.sqlite",
         on_error="raise",
     )
     values = np.stack([result[name] for name in result.metrics], axis=-1)
@@ -62,15 +60,10 @@ def main():
     parser.add_argument("--sets", type=int, default=100)
     parser.add_argument("--size", type=int, default=1200, help="width of the frames (px)")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--keep", type=Path, help="keep the runs in this folder, and go on")
     options = parser.parse_args()
-    if options.keep:
-        options.keep.mkdir(parents=True, exist_ok=True)
     for world in WORLDS:
         print(f"\n{world}, {options.sets} sets of {RUNS} runs of {STEPS} steps")
-        found = verdicts(
-            world, sets=options.sets, size=options.size, jobs=options.jobs, keep=options.keep
-        )
+        found = verdicts(world, sets=options.sets, size=options.size, jobs=options.jobs)
         for name, of_sets in found.items():
             means = [np.nanmean(report.values) for report in of_sets]
             counts = Counter(report.verdict for report in of_sets).most_common()
