@@ -292,14 +292,6 @@ def test_plan_has_the_y_axis_downwards_and_equal_scales(usual):
     np.testing.assert_array_equal(measured.get_xydata(), trace.pose_measured[:, :2])
 
 
-def test_plan_of_an_unlimited_area_follows_the_path():
-    change = {"pose_true": lambda poses: np.add(poses, (5000, 0, 0), out=poses)}
-    axes = plan(plot_traces(make_trace(boundary="unlimited", tracked=False, change=change)))
-    assert axes.yaxis_inverted()
-    assert axes.get_xlim()[0] < 5400
-    assert axes.get_xlim()[1] > 5800
-
-
 def test_without_tracking_there_are_the_upper_rows_only():
     figure = render(plot_traces(make_trace(tracked=False)), layout=False)
     assert len(figure.axes) == 4
@@ -343,16 +335,9 @@ def test_a_pose_held_while_the_heading_turns_on_past_180_degrees_stays_in_the_pa
     assert low < points(held)[:, 1].min() <= points(held)[:, 1].max() < high
 
 
-def test_rounding_errors_do_not_look_like_errors():
-    figure = plot_traces(make_trace(noise=1e-13))
-    low, high = panel(figure, "x error\n(px)").get_ylim()
-    assert low < -1e-4 < 1e-4 < high
-    assert max(bar.get_width() for bar in histograms(figure)[1].patches) == 60
-
-
-def test_a_constant_error_far_from_zero():
+def test_the_scales_suit_what_is_drawn():
     change = {"pose_measured": lambda poses: np.add(poses, (14, 0, 0), out=poses)}
-    figure = plot_traces(make_trace(noise=0.0, change=change))
+    figure = plot_traces(make_trace(noise=0.0, change=change))  # a constant error
     low, high = panel(figure, "x error\n(px)").get_ylim()
     assert low < 14 < high
     low, high = panel(figure, "y error\n(px)").get_ylim()
@@ -360,6 +345,15 @@ def test_a_constant_error_far_from_zero():
     texts = [axes.get_title(loc="left") for axes in histograms(figure)]
     zero = "mean 0.000, sd 0.000"
     assert texts == ["mean 14.000, sd 0.000 px", f"{zero} px", f"{zero} deg"]
+    figure = plot_traces(make_trace(noise=1e-13))  # rounding errors do not look like errors
+    low, high = panel(figure, "x error\n(px)").get_ylim()
+    assert low < -1e-4 < 1e-4 < high
+    assert max(bar.get_width() for bar in histograms(figure)[1].patches) == 60
+    change = {"pose_true": lambda poses: np.add(poses, (5000, 0, 0), out=poses)}
+    axes = plan(plot_traces(make_trace(boundary="unlimited", tracked=False, change=change)))
+    assert axes.yaxis_inverted()
+    assert axes.get_xlim()[0] < 5400
+    assert axes.get_xlim()[1] > 5800
 
 
 # all figures
@@ -527,6 +521,13 @@ def test_batch_shows_the_relative_deviation_and_of_d1_the_absolute_one():
     hollow = [line for line in axes.get_lines() if line.get_markerfacecolor() == "white"]
     assert sorted(len(points(line)) for line in hollow) == [2, 2]  # d1P is exact
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["batch", "online"]
+    axes = plot_batch(make_report(batch=NOTHING))
+    render(axes.figure)
+    assert max(axes.get_position().p0) < 0.1
+    assert axes.get_xlim()[0] < 1e-3
+    assert not drawn(axes, style.BATCH)
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["batch"]
+    assert "online" not in written(axes)
 
 
 def test_batch_prints_the_values():
@@ -554,16 +555,6 @@ def test_batch_without_a_truth_shows_the_relative_standard_errors():
     assert high == pytest.approx(0.1)  # two standard errors of 0.1, relative to 2
     assert not drawn(axes, style.BATCH)
     assert not {"true", "not determined"} & set(written(axes))
-
-
-def test_batch_without_online_and_without_anything():
-    axes = plot_batch(make_report(batch=NOTHING))
-    render(axes.figure)
-    assert max(axes.get_position().p0) < 0.1
-    assert axes.get_xlim()[0] < 1e-3
-    assert not drawn(axes, style.BATCH)
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["batch"]
-    assert "online" not in written(axes)
 
 
 # frame

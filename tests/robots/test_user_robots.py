@@ -57,12 +57,16 @@ def test_the_user_folder(user_folder, monkeypatch):
     assert data_folder() == platformdirs.user_data_path("robsim")
 
 
-def test_looking_writes_nothing(user_folder):
+def test_the_choice_is_what_load_robot_loads(user_folder):
     assert robot_names() == SHIPPED
-    assert default_robot() == "lab"
-    assert load_robot().name == "lab"
+    assert default_robot() == load_robot().name == "lab"
     reset_default_robot()
-    assert not user_folder.exists()
+    assert not user_folder.exists()  # looking writes nothing
+    set_default_robot("SHEEP")
+    assert default_robot() == load_robot().name == Simulation().robot.name == "sheep"
+    assert load_robot("lab").name == "lab"
+    reset_default_robot()
+    assert load_robot().name == "lab"
 
 
 # --- adding
@@ -117,40 +121,30 @@ def test_any_kind_of_picture(tmp_path):
     assert grey.image.shape == (400, 400, 4)
 
 
-@pytest.mark.parametrize("side", ["wide", "high"])
-def test_a_large_robot_is_scaled_down(side):
+def test_a_large_robot_is_scaled_down():
     lab = load_robot("lab")
-    image = np.repeat(np.repeat(lab.image, 3, axis=0), 3, axis=1)
-    image = image[:, 60:-60] if side == "high" else image[60:-60]
-    moved = 1 - np.array((60, 0) if side == "high" else (0, 60))
+    image = np.repeat(np.repeat(lab.image, 3, axis=0), 3, axis=1)[:, 60:-60]  # high
+    moved = 1 - np.array((60, 0))
     points = {name: 3 * getattr(lab, name) + moved for name in ("centre", "outline")}
     points["markers"] = {role: 3 * polygon + moved for role, polygon in lab.markers.items()}
-    size = 120 * image.shape[1] / 1440
-    robot = add_robot("mine", replace(lab, image=image, size=size, **points))
+    robot = add_robot("mine", replace(lab, image=image, size=120 * 1320 / 1440, **points))
     assert max(robot.image.shape) == 1000
     assert robot.marker_layout().distance == pytest.approx(43, abs=0.05)
     assert robot.marker_layout().offset == pytest.approx(14, abs=0.05)
 
 
-def test_upper_and_lower_case_are_the_same():
+def test_a_robot_is_replaced_only_when_asked_whatever_the_case(user_folder):
     add_robot("Mine", "lab")
     assert load_robot("mINE").name == "Mine"
-    with pytest.raises(ValueError, match="'Mine' already"):
-        add_robot("mine", "lab")
-    add_robot("MINE", "lab", overwrite=True)
-    assert robot_names() == [*SHIPPED, "MINE"]
-    set_default_robot("mine")
-    assert default_robot() == "MINE"
-
-
-def test_an_own_robot_is_replaced_only_when_asked(user_folder):
-    add_robot("mine", "lab")
-    with pytest.raises(ValueError, match=r"overwrite=True replaces it"):
+    with pytest.raises(ValueError, match=r"'Mine' already.*overwrite=True"):
         add_robot("mine", "lab", size=60)
     assert load_robot("mine").size == 120
-    add_robot("mine", "mine", size=60, overwrite=True)
+    add_robot("MINE", "Mine", size=60, overwrite=True)
     assert load_robot("mine").size == 60
-    assert files(user_folder) == ["robots/mine/robot.png", "robots/mine/robot.toml"]
+    assert robot_names() == [*SHIPPED, "MINE"]
+    assert files(user_folder) == ["robots/MINE/robot.png", "robots/MINE/robot.toml"]
+    set_default_robot("mine")
+    assert default_robot() == "MINE"
 
 
 @pytest.mark.parametrize("name", ["größe-2", "लैब"])
@@ -363,16 +357,6 @@ def test_there_is_nothing_of_this_name():
 
 
 # --- the choice
-
-
-def test_the_choice_is_what_load_robot_loads():
-    set_default_robot("SHEEP")
-    assert default_robot() == "sheep"
-    assert load_robot().name == "sheep"
-    assert load_robot("lab").name == "lab"
-    assert Simulation().robot.name == "sheep"
-    reset_default_robot()
-    assert load_robot().name == "lab"
 
 
 def test_the_choice_survives_a_restart(user_folder):
