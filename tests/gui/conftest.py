@@ -1,5 +1,7 @@
 """Panels for the tests, in a browser too."""
 
+import threading
+
 import pytest
 
 from chromium_browser import running_chromium
@@ -7,10 +9,63 @@ from fake_host import FakeHost, Tabs
 from panel_watcher import Watcher
 from robsim.gui._hosts.page import Page
 from robsim.gui._panel.view import PanelView
+from robsim.simulation._folders.callback_folder import new_folder
 from waiting import wait_for
 
 #: What is on a canvas before a picture: nothing, then the ground of either theme.
 BARE = ("0,0,0,0", "128,128,128,255", "232,234,238,255", "10,12,15,255")
+
+
+class Clock:
+    """Stands still until it is moved on."""
+
+    def __init__(self):
+        self.now = 1000.0
+
+    def monotonic(self):
+        return self.now
+
+    def time(self):
+        return self.now
+
+    def advance(self, worker, seconds):
+        """Move it on, and let a worker look what is due now."""
+        self.now += seconds
+        for _ in range(20):
+            settled = threading.Event()
+            worker.post(settled.set)
+            assert settled.wait(300)
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """The clock of drivers and views: no time passes for them by itself."""
+    clock = Clock()
+    panel = ("view", "still", "record", "run.camera", "run.transport", "analysis.past")
+    for module in ("_driver", "_worker", "_view", "_link", *(f"_panel.{name}" for name in panel)):
+        monkeypatch.setattr(f"robsim.gui.{module}.time", clock)
+    return clock
+
+
+@pytest.fixture
+def patience(monkeypatch):
+    """Return a function that sets how long a panel waits for a page to come back (s)."""
+    return lambda seconds: monkeypatch.setattr("robsim.gui._panel.view._PATIENCE", seconds)
+
+
+@pytest.fixture
+def mistakes(monkeypatch):
+    """What Python is told of that nobody waits for."""
+    told = []
+    monkeypatch.setattr(threading, "excepthook", lambda about: told.append(about.exc_value))
+    return told
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with the default callbacks."""
+    new_folder(tmp_path / "mine")
+    return tmp_path / "mine"
 
 
 @pytest.fixture
@@ -50,6 +105,7 @@ def open_view(chromium):
         context = chromium.new_context(
             viewport={"width": width, "height": height}, color_scheme=theme, **context_options
         )
+        context.set_default_timeout(300_000)  # ms
         tab = context.new_page()
         complaints = []
         tab.on("pageerror", lambda error: complaints.append(str(error)))

@@ -51,15 +51,12 @@ def points_of(message):
     return np.array(message["points"])
 
 
-def test_the_picture_fills_its_box_in_device_pixels(camera):
-    host, _ = camera(device_scale_factor=2)
+def test_the_picture_fills_its_box_in_device_pixels_and_another_size_is_told(camera):
+    image = np.full((1200, 1200, 3), 190, np.uint8)
+    host, _ = camera(device_scale_factor=2, frame={"image": image})
     size = "(c => [c.width, c.height])(document.querySelector('.robsim-camera canvas'))"
     assert host.tab.evaluate(size) == [1200, 1200]
     assert host.sent("hello")[0]["width"] > 0
-
-
-def test_another_size_is_told(camera):
-    host, _ = camera(frame={"image": np.full((1200, 1200, 3), 190, np.uint8)})
     host.rest(200)
     host.forget()
     for width in (500, 450, 400):
@@ -67,7 +64,7 @@ def test_another_size_is_told(camera):
         host.paint()
     host.rest(200)
     told = [message["width"] for message in host.sent("size")]
-    assert told[-1] == 400  # once it rests
+    assert told[-1] == 800  # once it rests
     assert len(told) == len(set(told))
 
 
@@ -96,19 +93,6 @@ def test_overlays_are_drawn_where_the_robot_is_and_can_be_switched(camera):
     assert not has_near(host, (90, 100), BLUE)
     host.tab.keyboard.press("Escape")
     assert not host.tab.is_visible("input[name=show_truth]")
-
-
-def test_overlays_follow_the_perspective_of_a_tilted_camera(camera):
-    # x = u / (1 - v / 1200), y = v / (1 - v / 1200): the farther down, the more is seen.
-    tilted = [1, 0, 0, 0, 1, 0, 0, -1 / 1200, 1]
-    x, y = 300 / (1 - 400 / 1200), 400 / (1 - 400 / 1200)
-    corner = [x + 40, y - 25]
-    scale = 1 + corner[1] / 1200
-    frame = {"map": tilted, "measured": [x, y, 0.0]}
-    host, at = camera(frame=frame, setup={"area": [1200, 1200]}, state=DRIVEN)
-    assert has_near(host, (corner[0] / scale, corner[1] / scale), GREEN)
-    host.tab.mouse.click(*at(300, 400))
-    assert host.sent("go_to")[0] == pytest.approx({"type": "go_to", "x": x, "y": y}, abs=1.5)
 
 
 def test_overlays_are_drawn_and_clicked_through_the_lens(camera):
@@ -159,7 +143,7 @@ def test_columns_are_asked_for_when_they_are_shown(camera):
     assert asked() == ["blobs_red", *charts]
 
 
-def test_the_path_driven_is_drawn_up_to_the_step(camera):
+def test_the_path_driven_is_drawn_up_to_the_step_and_not_that_of_long_ago(camera):
     host, _ = camera(state={"k": 40, "steps": 41})
     driven = np.stack([np.linspace(100, 500, 41), np.full(41, 450.0), np.zeros(41)], axis=1)
     driven[20:23] = np.nan
@@ -171,14 +155,11 @@ def test_the_path_driven_is_drawn_up_to_the_step(camera):
     host.frame(10, past=True)
     assert has_near(host, (150, 450), GREEN)
     assert not has_near(host, (400, 450), GREEN)
-
-
-def test_the_path_of_long_ago_is_not_drawn(camera):
-    host, _ = camera()
+    host.tab.keyboard.press("End")
     x = np.concatenate([np.linspace(100, 200, 500), np.linspace(400, 500, 3000)])
     x[500] = np.nan
     driven = np.stack([x, np.full(3500, 450.0), np.zeros(3500)], axis=1)
-    for k in (999, 1999, 2999, 3499):
+    for k in (1999, 3499):
         host.frame(k, rows={"pose_measured": driven[: k + 1]})
         assert has_near(host, (150, 450), GREEN) == (k < 2500)
     assert has_near(host, (480, 450), GREEN)
@@ -191,13 +172,11 @@ def test_a_click_goes_somewhere_only_if_that_is_chosen(camera):
     host.tab.click("button[name=go_to]")
     host.tab.mouse.click(*at(100, 200))
     assert host.sent("go_to")[0] == pytest.approx({"type": "go_to", "x": 100, "y": 200}, abs=1)
-
-
-def test_the_go_to_button_lets_the_pointer_free_again(camera):
-    host, at = camera(state=DRIVEN)
+    host.forget()
+    host.state(**DRIVEN)
     button = host.tab.locator("button[name=go_to]")
     assert button.get_attribute("aria-pressed") == "true"
-    button.click()
+    button.click()  # lets the pointer free again
     host.tab.mouse.click(*at(100, 200))
     assert host.sent("go_to") == []
 
@@ -236,28 +215,27 @@ def test_a_scribble_has_at_most_200_points(camera):
     assert 100 < len(host.sent("path")[0]["points"]) <= 200
 
 
-@pytest.mark.parametrize("ending", ["Enter", "double click", "Done"])
-def test_corners_of_a_path_are_clicked(camera, ending):
+def test_corners_of_a_path_are_clicked(camera):
     host, at = camera()
+    endings = {
+        "Enter": lambda: host.tab.keyboard.press("Enter"),
+        "double click": lambda: host.tab.mouse.dblclick(*at(500, 500)),
+        "Done": lambda: host.tab.click("button[name=path_done]"),
+    }
+    corners = [(100, 100), (300, 120), (500, 500)]
+    for name, end in endings.items():
+        host.forget()
+        host.tab.click("button[name=draw_path]")
+        for point in corners:
+            host.tab.mouse.click(*at(*point))
+        end()
+        (path,) = host.sent("path")
+        np.testing.assert_allclose(points_of(path), corners, atol=1, err_msg=name)
+    host.forget()
     host.tab.click("button[name=draw_path]")
-    for point in [(100, 100), (300, 120), (500, 500)]:
+    for point in corners[:2]:
         host.tab.mouse.click(*at(*point))
-    if ending == "Enter":
-        host.tab.keyboard.press("Enter")
-    elif ending == "Done":
-        host.tab.click("button[name=path_done]")
-    else:
-        host.tab.mouse.dblclick(*at(500, 500))
-    (path,) = host.sent("path")
-    np.testing.assert_allclose(points_of(path), [(100, 100), (300, 120), (500, 500)], atol=1)
-
-
-def test_escape_gives_a_path_up(camera):
-    host, at = camera()
-    host.tab.click("button[name=draw_path]")
-    host.tab.mouse.click(*at(100, 100))
-    host.tab.mouse.click(*at(300, 100))
-    host.tab.keyboard.press("Escape")
+    host.tab.keyboard.press("Escape")  # gives it up
     host.tab.keyboard.press("Enter")
     assert host.sent("path") == []
     assert not host.tab.is_visible(".robsim-camera-hint")
@@ -297,14 +275,10 @@ def test_keys_move_a_cross_and_set_it(camera):
     assert host.sent("go_to") == [{"type": "go_to", "x": 210, "y": 290}]
 
 
-def test_a_finger_taps_a_goal(camera):
+def test_a_finger_taps_a_goal_and_two_zoom(camera):
     host, at = camera(state=DRIVEN, has_touch=True)
     host.tab.touchscreen.tap(*at(150, 250))
     assert host.sent("go_to")[0] == pytest.approx({"type": "go_to", "x": 150, "y": 250}, abs=1)
-
-
-def test_two_fingers_zoom(camera):
-    host, at = camera(has_touch=True)
     talk = host.tab.context.new_cdp_session(host.tab)
 
     def touch(kind, *points):
@@ -388,10 +362,6 @@ def test_a_goal_is_a_ring_and_its_heading_an_arrow(camera):
     host.paint()
     assert has_near(host, (300 + 8, 200), GOAL)
     assert not has_near(host, (300, 200 + reach - 2), GOAL)
-
-
-def test_the_goals_of_a_record_can_be_hidden(camera):
-    host, _ = camera(setup={"source": "trace", "has_goals": True}, state={"goal": [300, 200, 0]})
-    assert has_near(host, (300 + 8, 200), GOAL)
+    host.setup(source="trace", has_goals=True)  # those of a record can be hidden
     host.tab.get_by_text("Show", exact=True).click()
     assert host.tab.get_by_text("Goal and planned path").count() == 1

@@ -1,7 +1,7 @@
 """Every control of the panel, used in a browser with Python behind it; and none is left out."""
 
 import os
-import time
+import threading
 
 import numpy as np
 import pytest
@@ -81,7 +81,6 @@ def mouse(open_panel):
         robot="lab", area=(600, 600), seed=1, **{function.__name__: function for function in own}
     )
     mouse = Mouse(*open_panel(simulation))
-    mouse.tab.set_default_timeout(10_000)  # ms
     mouse.tab.evaluate(_USED)
     return mouse
 
@@ -304,89 +303,43 @@ def test_every_control_does_something_and_none_is_left_out(mouse, editor):
     use_inspector_and_result(mouse)
     use_title(mouse)
     use_tools(mouse)
-    # An error, notes and motors are not there: see below. What is in no file has no Edit.
+    mouse.tab.keyboard.press("?")
+    assert mouse.tab.get_by_role("dialog", name="Keys").is_visible()
+    mouse.tab.keyboard.press("Escape")
+    assert mouse.tab.get_by_role("dialog", name="Keys").is_hidden()
+    # An error, notes and motors are not there. What is in no file has no Edit.
     elsewhere = ".robsim-error, .robsim-slot-error, .robsim-toasts, [name=stop]"
     assert mouse.tab.evaluate(_LEFT_OUT, f"{elsewhere}, [name^=edit_][hidden]") == []
 
 
-def test_the_keys_move_a_run(mouse):
-    keyboard, place = mouse.tab.keyboard, mouse.tab.locator(".robsim-title")
-    keyboard.press(" ")
-    wait_for(lambda: mouse.n_steps > 5)
-    keyboard.press(" ")
-    mouse.tab.wait_for_selector("main[data-state=paused]")
-    n = mouse.n_steps
-    for key, k in {".": n, "ArrowRight": n + 1, "ArrowLeft": n, "End": n + 1}.items():
-        keyboard.press(key)
-        place.get_by_text(f"step {k}", exact=True).wait_for()
-    assert mouse.n_steps == n + 2
-    before = mouse.view.runner.stage
-    keyboard.press("s")
-    wait_for(lambda: mouse.view.runner.stage != before)
-    keyboard.press("?")
-    assert mouse.tab.get_by_role("dialog", name="Keys").is_visible()
-    keyboard.press("Escape")
-    assert mouse.tab.get_by_role("dialog", name="Keys").is_hidden()
-
-
-def test_an_error_is_read_and_repeated(open_panel, editor):
-    broken = [True]
-
-    def measure(step):
-        if broken[0]:
-            raise ValueError("the camera is upside down")
-
-    mouse = Mouse(*open_panel(robsim.Simulation(area=(300, 300), seed=1, measure=measure)))
-    tab = mouse.tab
-    mouse.press("step")
-    error = tab.locator(".robsim-error")
-    error.wait_for()
-    assert "the camera is upside down" in error.inner_text()
-    error.locator("summary").click()
-    assert error.locator(".robsim-error-traceback").is_visible()
-    error.locator("[name=edit]").click()
-    wait_for(lambda: editor.exists() and __file__ in editor.read_text())
-    error.locator("[name=to_callbacks]").click()
-    failed = tab.locator(".robsim-slot-error:visible")
-    assert "upside down" in failed.inner_text()
-    failed.locator("summary").click()
-    stages = tab.get_by_role("radiogroup", name="State estimation")
-    stages.get_by_text("Mine").click(force=True)  # there is none: it says so
-    toast = tab.locator(".robsim-toast").first
-    toast.locator("[name=close]").click()
-    broken[0] = False
-    error.locator("[name=go_on]").click()
-    wait_for(lambda: mouse.n_steps > 1)
-    assert error.is_hidden()
-
-
-@pytest.mark.parametrize("how", ["button", "Esc"])
-def test_stop_stops_the_motors_while_a_callback_hangs(open_panel, how):
-    sent, hangs = [], [False]
+def test_stop_stops_the_motors_while_a_callback_hangs(open_panel):
+    sent, inside, may_go_on = [], threading.Event(), threading.Event()
 
     def control(step):
-        while hangs[0]:
-            time.sleep(0.01)
+        inside.set()
+        may_go_on.wait(300)
         return 1, 2
 
+    may_go_on.set()
     source = SteppedCamera([np.zeros((64, 64, 3), np.uint8)] * 50)
-    for _ in range(50):
-        source.permits.release()
+    source.permits.release()
     options = {"area": (64, 64), "measure": False, "identify_from": "truth", "control": control}
-    with robsim.Camera(source) as camera:
+    with robsim.Camera(source, open_timeout=300) as camera:
         experiment = robsim.Experiment(camera, send=lambda u: sent.append(tuple(u)), **options)
         view, tab = open_panel(experiment)
-        tab.click("button[name=step]")
-        wait_for(lambda: sent[:1] == [(1, 2)])
-        hangs[0] = True
-        tab.click(".robsim-transport [name=start]")
-        tab.wait_for_selector("main[data-state=running]")
-        sent.clear()
-        if how == "Esc":
-            tab.keyboard.press("Escape")
-        else:
-            tab.click("button[name=stop]")
-        wait_for(lambda: (0, 0) in sent)
-        hangs[0] = False
-        tab.get_by_text("The motors were stopped. Start runs on.").wait_for()
-        assert view.driver.is_stopped
+        for stop in (lambda: tab.keyboard.press("Escape"), lambda: tab.click("button[name=stop]")):
+            source.permits.release()
+            tab.click("button[name=step]")
+            wait_for(lambda: sent[-1:] == [(1, 2)])
+            may_go_on.clear()
+            inside.clear()
+            source.permits.release()
+            tab.click(".robsim-transport [name=start]")
+            tab.wait_for_selector("main[data-state=running]")
+            assert inside.wait(300)
+            sent.clear()
+            stop()
+            wait_for(lambda: (0, 0) in sent)
+            may_go_on.set()
+            tab.locator(".robsim-title-state").get_by_text("Stopped").wait_for()
+            assert view.driver.is_stopped

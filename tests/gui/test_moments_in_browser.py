@@ -8,8 +8,6 @@ from robsim._core import reduced
 
 pytestmark = pytest.mark.slow
 
-RESULT = {"type": "result", "rows": [], "text": "too short", "verdict": "no estimate"}
-
 
 def disabled(host):
     buttons = host.tab.locator(".robsim-transport button >> visible=true").all()
@@ -32,18 +30,6 @@ def test_reset_and_finish_can_be_pressed_while_the_first_run_goes_on(open_fake):
     assert disabled(host) == {"start", "step", "step_stage"}
     host.state(state="closed", k=9, steps=10)
     assert disabled(host) == {"start", "step", "step_stage", "reset", "finish"}
-
-
-def test_a_result_from_before_does_not_take_the_tab(open_fake):
-    host = open_fake()
-    host.setup()
-    host.state(k=9, steps=10)
-    chosen = "button[role=tab][aria-selected=true]"
-    host.emit({**RESULT, "again": True})
-    assert host.tab.get_attribute(chosen, "value") == "traces"
-    assert "too short" in host.tab.text_content(".robsim-result")
-    host.emit({**RESULT, "again": False})
-    assert host.tab.get_attribute(chosen, "value") == "result"
 
 
 def test_who_looks_back_while_nothing_runs_grants_room_too(open_fake):
@@ -98,7 +84,7 @@ def test_a_run_as_long_as_the_one_before_has_ticks_and_a_trail_of_its_own(open_f
     before[:10] = [[float("nan")] * 3] * 10
 
     def drawn():
-        host.tab.wait_for_timeout(150)  # the time line is calm
+        host.rest(150)  # the time line is calm
         return [host.tab.evaluate(DRAWN, x) for x in (150, 450)], host.tab.evaluate(TICKS)
 
     host.state(k=39, steps=40)
@@ -122,28 +108,6 @@ def test_a_reset_lets_the_charts_follow_and_ends_a_look_at_the_past(open_fake):
     host.state(k=349, steps=350, resets=1)
     assert host.sent("look") == [{"type": "look", "k": None}]
     assert follow.get_attribute("aria-pressed") == "true"
-
-
-def test_a_camera_that_hangs_is_seen(open_fake):
-    host = open_fake()
-    host.setup(live=True)
-    rate = host.tab.locator(".robsim-field", has_text="Camera").locator(".robsim-number")
-    for camera, words, hangs in [
-        ({"rate": None, "age": None, "dropped": 0}, ["\u2013 fps", "0 dropped", ""], False),
-        (
-            {"rate": 29.96, "age": 0.031, "dropped": 2},
-            ["30.0 fps", "2 dropped", "31 ms old"],
-            False,
-        ),
-        (
-            {"rate": 0.0, "age": 12.4, "dropped": 2},
-            ["0.0 fps", "2 dropped", "none for 12 s"],
-            True,
-        ),
-    ]:
-        host.state(**{"state": "running", "camera": camera})
-        assert rate.locator("span").all_inner_texts() == words
-        assert ("robsim-hangs" in rate.get_attribute("class")) == hangs
 
 
 WHITE = """

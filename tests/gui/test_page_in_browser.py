@@ -4,7 +4,6 @@ import pytest
 
 import robsim
 from robsim.gui._hosts.page import Page
-from robsim.gui._panel import view as _panel_view
 from robsim.gui._panel.view import PanelView
 from waiting import wait_for
 
@@ -19,10 +18,11 @@ def served(chromium):
     view = PanelView(robsim.Simulation(area=(300, 300), measure=True, seed=1))
     page = Page(view)
     context = chromium.new_context()
+    context.set_default_timeout(300_000)  # ms
     yield view, page, context
     context.close()
     page.close()
-    view.close()
+    view.close(300)
 
 
 def shown(context, page, state="paused"):
@@ -32,8 +32,8 @@ def shown(context, page, state="paused"):
     return tab
 
 
-def test_a_broken_line_is_mended(served, monkeypatch):
-    monkeypatch.setattr(_panel_view, "_PATIENCE", 1000.0)  # s: the run goes on till it is back
+def test_a_broken_line_is_mended_and_one_that_stays_broken_pauses_the_run(served, patience):
+    patience(1000.0)  # s: the run goes on till it is back
     view, page, context = served
     tab = shown(context, page)
     tab.click("button[name=start]")
@@ -42,42 +42,29 @@ def test_a_broken_line_is_mended(served, monkeypatch):
     page._loop.call_soon_threadsafe(socket.cut)
     wait_for(lambda: page.pages and socket not in page.pages)
     tab.wait_for_selector(MAIN.format("running"))
-    tab.click("button[name=pause]")
-    tab.wait_for_selector(MAIN.format("paused"))
-    assert len(view.links) == 1
-
-
-def test_a_line_that_is_broken_for_long_pauses_the_run(served, monkeypatch):
-    monkeypatch.setattr(_panel_view, "_PATIENCE", 0.0)
-    view, page, context = served
-    tab = shown(context, page)
-    tab.click("button[name=start]")
-    tab.wait_for_selector(MAIN.format("running"))
+    assert view.driver.state == "running"
+    patience(0.0)
     (socket,) = page.pages
     page._loop.call_soon_threadsafe(socket.cut)
     tab.wait_for_selector(MAIN.format("paused"))
     assert view.driver.state == "paused"
-
-
-def test_a_page_that_is_loaded_anew_shows_the_run_as_it_is(served):
-    view, page, context = served
-    tab = shown(context, page)
-    tab.click("button[name=step]")
-    wait_for(lambda: view.record.n_steps == 1)
-    tab.reload()
-    tab.wait_for_selector(MAIN.format("paused"))
-    tab.click("button[name=step]")
-    wait_for(lambda: view.record.n_steps == 2)
     wait_for(lambda: len(view.links) == 1)
 
 
-def test_two_pages_show_one_run(served):
-    _, page, context = served
-    one, two = shown(context, page), shown(context, page)
-    one.click("button[name=start]")
-    two.wait_for_selector(MAIN.format("running"))
-    two.click("button[name=pause]")
-    one.wait_for_selector(MAIN.format("paused"))
+def test_two_pages_show_one_run_and_one_that_is_loaded_anew_shows_it_as_it_is(served):
+    view, page, context = served
+    tab, other = shown(context, page), shown(context, page)
+    tab.click("button[name=start]")
+    other.wait_for_selector(MAIN.format("running"))
+    other.click("button[name=pause]")
+    tab.wait_for_selector(MAIN.format("paused"))
+    other.close()
+    n = view.record.n_steps
+    tab.reload()
+    tab.wait_for_selector(MAIN.format("paused"))
+    tab.click("button[name=step]")
+    wait_for(lambda: view.record.n_steps == n + 1)
+    wait_for(lambda: len(view.links) == 1)
 
 
 def test_a_page_tells_that_python_has_gone(served):
@@ -96,11 +83,45 @@ def test_a_page_tells_that_python_has_gone(served):
 
 def test_a_panel_that_was_closed_is_not_looked_for(served):
     view, page, context = served
-    tab = shown(context, page)
-    view.close()
+    tab = context.new_page()
+    tab.clock.install()
+    tab.goto(page.url)
+    tab.wait_for_selector(MAIN.format("paused"))
+    view.close(300)
     tab.wait_for_selector(MAIN.format("closed"))
     tab.evaluate("window.tries = 0; WebSocket = class { constructor() { window.tries += 1; } }; 0")
     page.close()
-    tab.wait_for_timeout(1000)  # the first try would come after 0.3 s
+    for _ in range(5):
+        tab.clock.run_for(10_000)  # the first try would come after 0.3 s
+        tab.wait_for_timeout(10)
     assert tab.evaluate("window.tries") == 0
     assert tab.locator(MAIN.format("closed")).count() == 1
+
+
+def test_start_runs_and_a_closed_page_pauses(open_panel, patience):
+    patience(0.1)
+    view, tab = open_panel(robsim.Simulation(measure=True, seed=1), speed=20)
+    tab.click("button[name=start]")
+    wait_for(lambda: view.runner.n_steps > 5)
+    tab.close()
+    wait_for(lambda: view.driver.state == "paused")
+
+
+def test_what_a_callback_says_is_text(open_panel):
+    code = '</script><img src=x onerror="document.title=1"><script>document.title=1</script>'
+
+    def control(step):
+        raise ValueError(code + "\u202e\x1b[31m" + "x" * 10**6)
+
+    control.__name__ = code
+    _, tab = open_panel(robsim.Simulation(seed=1, control=control))
+    tab.locator("button[name='step']").first.click()
+    tab.wait_for_selector("main[data-state='failed']")
+    error = tab.locator(".robsim-error-text")
+    error.wait_for()
+    assert code in error.text_content()
+    tab.locator("button[name='to_callbacks']").click()
+    row = tab.locator(".robsim-slot", has_text=code[:20]).first
+    row.wait_for()
+    assert tab.title() != "1"
+    assert tab.locator("main img, main script").count() == 0

@@ -57,7 +57,7 @@ def test_what_is_missing_is_told_with_what_to_install(monkeypatch):
 
 @pytest.mark.slow
 def test_frames_are_painted_in_their_order(chromium, monkeypatch):
-    assert_order(monkeypatch, in_page, lambda: in_page.measure_page(chromium, 2.0))
+    assert_order(monkeypatch, in_page, lambda s: in_page.measure_page(chromium, s))
 
 
 def test_the_number_is_in_the_picture():

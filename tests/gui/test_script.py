@@ -1,5 +1,6 @@
-"""The module for the browser, which is joined from files."""
+"""The module for the browser, which is joined from files, and its texts, which are in one."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -20,19 +21,6 @@ def test_no_name_stands_in_two_files():
     assert [name for name, count in names.items() if count > 1] == []
 
 
-def test_lines_are_short():
-    files = [file for kind in ("*.js", "*.css") for file in STATIC.rglob(kind)]
-    assert len(files) > 50
-    long = [
-        f"{file.name}:{number}"
-        for file in files
-        if file.name != "icons.js"  # its paths
-        for number, line in enumerate(file.read_text("utf-8").splitlines(), 1)
-        if len(line) > 100
-    ]
-    assert long == []
-
-
 def test_the_module_imports_nothing():
     assert re.findall(r"^(?:import|export (?!default))", script(), re.MULTILINE) == []
 
@@ -44,9 +32,33 @@ def test_no_text_becomes_code_or_elements():
     assert re.findall(f"{ways}|createContextualFragment|parseFromString|{handlers}", code) == []
 
 
+@pytest.mark.long
 def test_node_can_read_it(tmp_path):
     node = shutil.which("node")
     if node is None:
         pytest.skip("needs node")
     (tmp_path / "view.mjs").write_text(script(), "utf-8")
     assert subprocess.run([node, "--check", tmp_path / "view.mjs"], check=False).returncode == 0
+
+
+TEXTS = json.loads((STATIC / "texts.json").read_text("utf-8"))
+CODE = {file.name: file.read_text("utf-8") for file in STATIC.rglob("*.js")}
+
+
+def test_every_text_that_is_asked_for_is_there():
+    asked = {
+        (file, name)
+        for file, code in CODE.items()
+        for name in re.findall(r'\b(?:text|makeButton)\(\s*"([^"]+)"(?!, \{\}, )', code)
+    }
+    assert len(asked) > 50
+    assert {(file, name) for file, name in asked if name not in TEXTS} == set()
+
+
+def test_names_that_are_made_up_begin_as_texts_do():
+    made = {
+        (file, start)
+        for file, code in CODE.items()
+        for start in re.findall(r"\btext\(\s*`([\w.]+\.)\$\{", code)
+    }
+    assert {one for one in made if not any(name.startswith(one[1]) for name in TEXTS)} == set()

@@ -91,16 +91,13 @@ def test_the_running_callback_is_yellow(tab_of):
     assert running.count() == 0
 
 
-def test_the_last_error_is_one_line_that_opens(tab_of):
-    host = tab_of("callbacks")
-    error = host.tab.locator(".robsim-slot-error >> visible=true")
-    assert error.inner_text() == "Step 212, line 44: ValueError: the pose is upside down"
-    error.locator("summary").click()
-    assert error.locator("pre").is_visible()
-
-
 def test_edit_asks_python_or_is_a_link(tab_of):
     host = tab_of("callbacks")
+    error = host.tab.locator(".robsim-slot-error >> visible=true")
+    for words in ("212", "44", "ValueError: the pose is upside down"):
+        assert words in error.inner_text()
+    error.locator("summary").click()
+    assert error.locator("pre").is_visible()
     host.tab.click("button[name=edit_estimate_state]")
     assert host.sent("edit") == [{"type": "edit", "slot": "estimate_state"}]
     linked = [{**one, "link": "http://robsim.test/lab"} if one["file"] else one for one in SLOTS]
@@ -110,8 +107,12 @@ def test_edit_asks_python_or_is_a_link(tab_of):
     assert link.get_attribute("href") == "http://robsim.test/lab"
 
 
-def test_a_source_shows_the_line_that_failed(tab_of):
-    host = tab_of("callbacks")
+def test_a_source_shows_the_line_that_failed_and_is_copied(tab_of):
+    host = tab_of("callbacks", permissions=["clipboard-read", "clipboard-write"])
+    host.tab.evaluate(
+        "Object.defineProperty(navigator, 'clipboard',"
+        " { value: { writeText: async (text) => { window.copied = text; } } })"
+    )
     host.tab.click("button[name=source_estimate_state]")
     assert host.sent("source") == [{"type": "source", "slot": "estimate_state"}]
     text = "def f(step):\n    a = 1\n    b = 2\n    raise ValueError\n"
@@ -123,16 +124,7 @@ def test_a_source_shows_the_line_that_failed(tab_of):
     assert not host.tab.is_visible(".robsim-source")
     focused = "document.activeElement.name"
     assert host.tab.evaluate(focused) == "source_estimate_state"
-
-
-def test_a_source_is_copied(tab_of):
-    host = tab_of("callbacks", permissions=["clipboard-read", "clipboard-write"])
-    host.tab.evaluate(
-        "Object.defineProperty(navigator, 'clipboard',"
-        " { value: { writeText: async (text) => { window.copied = text; } } })"
-    )
-    text = "def f(step):\n    return 1\n"
-    host.emit({"type": "source", "slot": "measure", "text": text, "file": None, "first": 1})
+    host.emit(message)
     host.tab.click(".robsim-source button[name=copy]")
     assert host.tab.evaluate("copied") == text
 
@@ -186,7 +178,7 @@ def test_what_is_open_stays_open_and_is_asked_for_again(tab_of):
     assert not host.tab.get_by_text("old", exact=True).is_visible()
 
 
-def test_the_tree_rests_while_it_is_hidden_or_the_steps_rush_by(tab_of):
+def test_the_tree_rests_while_it_is_hidden_or_the_steps_rush_by_and_shows_past_steps(tab_of):
     host = tab_of("callbacks")
     host.frame(213)
     host.rest(ASK_GAP)
@@ -199,16 +191,13 @@ def test_the_tree_rests_while_it_is_hidden_or_the_steps_rush_by(tab_of):
     host.frame(214)
     host.rest(ASK_GAP)
     assert host.sent("inspect") == []
-
-
-def test_a_past_step_is_inspected(tab_of):
-    host = tab_of("inspector")
-    wait_sent(host, "inspect")
+    host.state(k=214, steps=215)
+    host.rest(ASK_GAP)
     host.forget()
     host.tab.click(".robsim-camera canvas")
     host.tab.keyboard.press("ArrowLeft")
     (look,) = wait_sent(host, "look")
-    assert wait_sent(host, "inspect")[0]["k"] == look["k"] == 211
+    assert wait_sent(host, "inspect")[0]["k"] == look["k"] == 213
 
 
 def figure():
@@ -236,9 +225,9 @@ def test_finish_is_offered_and_its_result_shown(tab_of):
     assert host.tab.is_enabled("button[name=finish_result]")
 
 
-def test_a_long_verdict_leaves_the_button_its_place(tab_of):
+def test_at_a_narrow_place_no_digit_and_no_button_is_hidden(tab_of):
     host = tab_of("result", size=(800, 600))
-    rows = [["a1X", 2.0, 2.1, 0.05, 1.9]]
+    rows = [["a1X", 1.9375, 1.9375123, 0.05, 1.9374], ["d1X", 8.3333e-6, 0.20833, 0.1, 0.20834]]
     verdict = "of 15 parameters 9 not excited, 3 poorly excited: drive in another way"
     host.emit({"type": "result", "rows": rows, "text": "", "verdict": verdict}, [])
     chip = host.tab.locator(".robsim-result-head .robsim-chip").bounding_box()
@@ -247,22 +236,13 @@ def test_a_long_verdict_leaves_the_button_its_place(tab_of):
     assert button.evaluate("one => one.scrollWidth <= one.clientWidth")
     assert chip["x"] + chip["width"] <= place["x"]
     assert place["x"] + place["width"] <= 800
-
-
-def test_a_narrow_table_hides_no_digit(tab_of):
-    host = tab_of("result", size=(800, 600))
-    rows = [["a1X", 1.9375, 1.9375123, 0.05, 1.9374], ["d1X", 8.3333e-6, 0.20833, 0.1, 0.20834]]
-    host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
     shown = host.tab.locator(".robsim-result tr:last-child > *").all()
     boxes = [box for one in shown if (box := one.bounding_box())]
     assert len(boxes) == 2 * 4  # head and body, without standard error and online
     for left, right in zip(boxes[-4:], boxes[-3:], strict=False):
         assert left["x"] + left["width"] <= right["x"] + 1
     assert boxes[-1]["x"] + boxes[-1]["width"] <= 800
-
-
-def test_the_narrowest_table_fits(tab_of):
-    host = tab_of("result", size=(700, 900))
+    host.tab.set_viewport_size({"width": 700, "height": 900})
     rows = [["a1X", -0.9375123, -0.9375456, 0.05, 1.9], ["d1X", 8.3333e-6, -8.3e-6, 0.1, 0.2]]
     host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
     table = host.tab.locator(".robsim-result-table")
@@ -270,20 +250,20 @@ def test_the_narrowest_table_fits(tab_of):
     assert "\u22128.3e\u22126" in table.inner_text()
 
 
-@pytest.mark.parametrize(("good", "kind"), [(True, "good"), (False, "warning"), (None, None)])
-def test_the_verdict_looks_as_among_the_parameters(tab_of, good, kind):
+def test_the_verdict_looks_as_among_the_parameters(tab_of):
     host = tab_of("result")
-    excitation = {"text": "so so", "good": good, "weak": []}
-    host.emit({"type": "parameters", "values": None, "errors": None, "excitation": excitation})
-    host.emit({"type": "result", "rows": [], "text": "", "verdict": "so so", "good": good})
-    chips = host.tab.locator(".robsim-verdict").all()
-    looks = {chip.get_attribute("class").strip() for chip in chips}
-    assert (len(chips), len(looks)) == (2, 1)
-    words = looks.pop().split()
-    assert words[2:] == ([f"robsim-{kind}"] if kind else [])
+    for good, kind in ((True, "good"), (False, "warning"), (None, None)):
+        excitation = {"text": "so so", "good": good, "weak": []}
+        host.emit({"type": "parameters", "values": None, "errors": None, "excitation": excitation})
+        host.emit({"type": "result", "rows": [], "text": "", "verdict": "so so", "good": good})
+        chips = host.tab.locator(".robsim-verdict").all()
+        looks = {chip.get_attribute("class").strip() for chip in chips}
+        assert (len(chips), len(looks)) == (2, 1)
+        words = looks.pop().split()
+        assert words[2:] == ([f"robsim-{kind}"] if kind else [])
 
 
-def test_what_differs_by_rounding_alone_is_called_exact(tab_of):
+def test_deviations_are_there_with_the_truth_and_what_differs_by_rounding_is_exact(tab_of):
     host = tab_of("result")
     rows = [["a1X", 1.9375, 1.9375 - 1e-13, 1e-15, 1.9375], ["d1X", 0.0, 0.1, 1e-15, 0.0]]
     host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
@@ -291,10 +271,6 @@ def test_what_differs_by_rounding_alone_is_called_exact(tab_of):
     assert "exact" in exact
     assert "exact" not in far
     assert host.tab.locator(".robsim-deviation-bar.robsim-bad").count() == 1
-
-
-def test_without_the_truth_there_are_no_deviations(tab_of):
-    host = tab_of("result")
     rows = [["a1X", None, 2.1, 0.05, 1.9]]
     host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
     assert host.tab.locator(".robsim-result th[scope=col]").count() == 4

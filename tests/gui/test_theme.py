@@ -63,20 +63,12 @@ def test_texts_can_be_read(theme):
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("palette", ["historical", "distinct"])
-def test_curves_stand_out_from_the_ground(theme, palette):
-    css = colors(theme, palette)
+def test_curves_stand_out_from_the_ground_and_the_distinct_palette_for_all_eyes(theme):
     curves = ("true", "measured", "held", "estimated")
-    assert min(contrast(css[name], css["raised"]) for name in curves) >= 3
-
-
-@pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("eyes", list(DEFICIENCIES))
-def test_the_distinct_palette_is_so_for_all_eyes(theme, eyes):
-    css = colors(theme, "distinct")
-    seen = {
-        name: lab(DEFICIENCIES[eyes] @ linear(css[name]))
-        for name in ("true", "measured", "held", "estimated")
-    }
-    distances = {(a, b): np.linalg.norm(seen[a] - seen[b]) for a, b in combinations(seen, 2)}
-    assert {pair: d for pair, d in distances.items() if d < 20} == {}
+    for palette in ("historical", "distinct"):
+        css = colors(theme, palette)
+        assert min(contrast(css[name], css["raised"]) for name in curves) >= 3
+    for cones in DEFICIENCIES.values():
+        seen = {name: lab(cones @ linear(css[name])) for name in curves}
+        distances = {(a, b): np.linalg.norm(seen[a] - seen[b]) for a, b in combinations(seen, 2)}
+        assert {pair: d for pair, d in distances.items() if d < 20} == {}

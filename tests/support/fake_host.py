@@ -104,7 +104,11 @@ class Tabs:
     def take(self, **options):
         """Return a tab with some options of `Browser.new_context`."""
         free = self._free.setdefault(repr(options), [])
-        return free.pop() if free else self._chromium.new_context(**options).new_page()
+        if free:
+            return free.pop()
+        context = self._chromium.new_context(**options)
+        context.set_default_timeout(300_000)  # ms
+        return context.new_page()
 
     def give_back(self, tab, **options):
         """Take one back, as it was when it was new, but for what it shows."""

@@ -1,5 +1,7 @@
 """What must be true of a measurement of the panel on any machine: order and freshness."""
 
+from contextlib import suppress
+
 import numpy as np
 
 from robsim.gui._bench.figures import painted
@@ -14,9 +16,13 @@ def assert_order(monkeypatch, module, measure):
         return painted(host, watched, steps)
 
     monkeypatch.setattr(module, "painted", keep)
-    figures = measure()
-    numbers = [k for k, _ in found["watched"].seen]
-    assert len(numbers) > 3
+    numbers, seconds = [], 0.5
+    while len(numbers) <= 3:  # a busy machine paints few
+        assert seconds < 300
+        with suppress(RuntimeError):  # it has painted none
+            figures = measure(seconds)
+        numbers = [k for k, _ in found["watched"].seen]
+        seconds *= 4
     assert set(numbers) <= set(found["steps"])
     assert (np.diff(numbers) > 0).all()
     assert figures.latency_median > 0  # none is seen before it was there
