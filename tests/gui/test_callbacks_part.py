@@ -13,22 +13,13 @@ import pytest
 
 import robsim
 from robsim.gui._messages import Refused
-from robsim.gui._panel.run import callbacks as _callbacks
 from robsim.gui._panel.run.code import lab
 from robsim.gui._panel.run.code.editor import open_in_editor
-from robsim.simulation._folders.callback_folder import new_folder
-from robsim.simulation._slots import SLOTS
 from waiting import wait_for
 
 pytestmark = pytest.mark.long
 
 SIZE = (240, 240)
-
-
-@pytest.fixture
-def folder(tmp_path):
-    new_folder(tmp_path / "mine")
-    return tmp_path / "mine"
 
 
 def small(**options):
@@ -51,7 +42,6 @@ def source(watcher, name):
 
 
 def control(step):
-    time.sleep(0.002)
     return 0.1, 0.2
 
 
@@ -65,7 +55,7 @@ class Measurer:
 def test_all_slots_in_the_order_of_their_calls(watch):
     watcher = watch(small(control=control, measure=Measurer(), estimate_parameters=True))
     slots = watcher.newest("callbacks")["slots"]
-    assert [one["slot"] for one in slots] == list(SLOTS)
+    assert [one["slot"] for one in slots] == list(robsim.Simulation.SLOTS)
     assert [one["when"] for one in slots] == ["once"] * 3 + ["step"] * 5
     owners = {one["slot"]: one["owner"] for one in slots}
     assert [name for name, owner in owners.items() if owner == "mine"] == ["measure", "control"]
@@ -80,7 +70,7 @@ def test_all_slots_in_the_order_of_their_calls(watch):
 def test_an_experiment_has_the_slots_of_its_robot(watch):
     watcher = watch(robsim.Experiment([None], control=control))
     names = [one["slot"] for one in watcher.newest("callbacks")["slots"]]
-    assert names == [name for name in SLOTS if name in robsim.Experiment.SLOTS]
+    assert names == [name for name in robsim.Simulation.SLOTS if name in robsim.Experiment.SLOTS]
     assert slot(watcher, "define_model")["owner"] == "default"
     assert slot(watcher, "estimate_parameters")["name"] is None
 
@@ -101,10 +91,14 @@ def move(a, world):
 
 
 def test_calls_are_counted_and_timed(watch):
-    sim = small(control=control, measure=True)
+    def slow(step):
+        time.sleep(0.002)  # it takes at least that
+        return 0.1, 0.2
+
+    sim = small(control=slow, measure=True)
     watcher = watch(sim, speed=float("inf"))
     press(watcher, "start")
-    wait_for(lambda: sim.n_steps > 50)
+    wait_for(lambda: sim.n_steps > 5)
     press(watcher, "pause")
     found = slot(watcher, "control")
     assert found["calls"] == sim.n_steps
@@ -113,7 +107,7 @@ def test_calls_are_counted_and_timed(watch):
 
 
 def test_times_are_told_while_it_runs(watch, monkeypatch):
-    monkeypatch.setattr(_callbacks, "_GAP", 0.1)
+    monkeypatch.setattr("robsim.gui._panel.run.callbacks._GAP", 0.1)
     watcher = watch(small(control=control))
     press(watcher, "start")
     seen = len(watcher.of("callbacks"))
@@ -122,7 +116,7 @@ def test_times_are_told_while_it_runs(watch, monkeypatch):
     assert two > one > 0
 
 
-def test_the_update_of_a_users_estimator_is_timed(watch):
+def test_the_update_of_a_users_estimator_is_timed_until_the_panel_is_closed(watch):
     class Estimator:
         def update(self, phi, y):
             return phi * 0.0
@@ -133,16 +127,10 @@ def test_the_update_of_a_users_estimator_is_timed(watch):
         press(watcher, "step")
     assert slot(watcher, "estimate_parameters")["calls"] == 3
     assert slot(watcher, "init_parameter_estimator")["calls"] == 1
-
-
-def test_a_closed_panel_times_no_more(watch):
-    sim = small(control=control)
-    watcher = watch(sim)
-    press(watcher, "step")
     watcher.view.close()
     assert sim._call_times is None
     sim.run(3)
-    assert sim.n_steps == 4
+    assert sim.n_steps == 6
 
 
 def test_timing_changes_neither_notes_nor_place_of_an_error(watch):
@@ -189,14 +177,10 @@ def test_sources(watch):
     assert source(watcher, "measure")["text"].startswith("class Measurer:\n")
     example = source(watcher, "estimate_state")
     assert example["file"] is None
-    assert "This stage is off" in example["text"]
     compile(example["text"], "example", "exec")
     watcher.say("source", slot="../control")
     watcher.settle()
-    assert watcher.notes() == ["there is no slot '../control'"]
-
-
-def test_a_source_that_nobody_knows(watch):
+    assert "../control" in watcher.notes()[0]
     made = {}
     exec("def control(step):\n    return 0, 0\n", made)
     assert "not known" in source(watch(small(control=made["control"])), "control")["text"]
@@ -220,7 +204,7 @@ def test_the_source_of_a_cell():
         assert (place_in(sim, "control").file, place_in(sim, "control").line) == (None, 2)
         assert "def __call__(self, step): return None" in source_in(sim, "measure")[0]
     """
-    subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=True)
+    subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=True, timeout=300)
 
 
 def test_a_file_of_a_folder_also_while_it_is_off(watch, folder):
@@ -259,31 +243,20 @@ def test_an_edited_file_is_used_while_it_runs(watch, folder):
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("control", ["control.py is gone from the folder: robsim's default takes its place"]),
-        ("estimate_parameters", ["estimate_parameters.py is gone from the folder: parameter"]),
-        ("measure", []),  # it was off before
-        ("helper", []),
-    ],
+    ("name", "is_told"),
+    [("control", True), ("estimate_parameters", True), ("measure", False)],  # which was off before
 )
-def test_a_file_that_is_gone_is_told_once(watch, folder, name, said):
+def test_a_file_that_is_gone_is_told_once(watch, folder, name, is_told):
     updates = folder / "estimate_parameters.py"
     updates.write_text("def estimate_parameters(step):\n    return None\n")
-    (folder / "helper.py").write_text("")
-    watcher = watch(
-        robsim.Simulation.from_folder(
-            folder, resolution=SIZE, seed=1, identify_from="truth", control=None
-        )
-    )
+    options = {"resolution": SIZE, "seed": 1, "identify_from": "truth", "control": None}
+    watcher = watch(robsim.Simulation.from_folder(folder, **options))
     press(watcher, "step")
     assert watcher.notes() == []
     (folder / f"{name}.py").unlink()
     press(watcher, "step")
     press(watcher, "step")
-    notes = watcher.notes()
-    assert len(notes) == len(said)
-    assert all(note.startswith(start) for note, start in zip(notes, said, strict=True))
+    assert [f"{name}.py" in note for note in watcher.notes()] == [True] * is_told
 
 
 def test_a_file_that_something_else_overrides_goes_silently(watch, folder):
@@ -295,16 +268,14 @@ def test_a_file_that_something_else_overrides_goes_silently(watch, folder):
     assert watcher.notes() == []
 
 
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [("x = 1\nx.y\n", 2), ("import helper\n", 1), ("def contrl(step):\n    return 0, 0\n", 1)],
-)
-def test_a_file_that_cannot_be_loaded(watch, folder, text, line):
+def test_a_file_that_cannot_be_loaded(watch, folder):
     watcher = watch(robsim.Simulation.from_folder(folder, resolution=SIZE, seed=1))
     (folder / "helper.py").write_text("1 / 0\n")
-    (folder / "control.py").write_text(text)
-    press(watcher, "step")
-    assert slot(watcher, "control")["error"]["line"] == line
+    texts = {"x = 1\nx.y\n": 2, "import helper\n": 1, "def contrl(step):\n    return 0, 0\n": 1}
+    for text, line in texts.items():
+        (folder / "control.py").write_text(text)
+        press(watcher, "step")
+        assert slot(watcher, "control")["error"]["line"] == line
 
 
 posix = pytest.mark.skipif(os.name == "nt", reason="starts a script")
@@ -318,59 +289,65 @@ def editor(tmp_path, name, text):
     return program
 
 
-@posix
-def test_edit_opens_the_file_at_its_line(watch, tmp_path, monkeypatch):
-    told = tmp_path / "told"
-    program = editor(
-        tmp_path, "code", f"import sys; open({str(told)!r}, 'w').write('|'.join(sys.argv[1:]))"
-    )
-    monkeypatch.setenv("VISUAL", f"{program} --wait")
-    watcher = watch(small(control=control))
-    watcher.say("edit", slot="control")
-    place = f"{__file__}:{control.__code__.co_firstlineno}"
-    wait_for(lambda: told.is_file() and told.read_text())
-    assert told.read_text() == f"--wait|--goto|{place}"
-    assert watcher.notes() == []
+@pytest.fixture
+def bare(monkeypatch):
+    """A Linux without a screen, and without an editor that is chosen."""
+    monkeypatch.setattr(sys, "platform", "linux")
+    for name in ("EDITOR", "VISUAL", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
 
 
 @posix
 @pytest.mark.parametrize(
     ("command", "wanted"),
     [
+        ("code --wait", "--wait|--goto|{file}:{line}"),
         ("myedit --wait", "--wait|{file}"),  # nobody knows how it is told a line
-        ("emacs", "+7|{file}"),
-        ("myedit", "{file}"),
+        ("emacs", "+{line}|{file}"),
     ],
 )
-def test_any_editor_on_the_path_is_started(tmp_path, monkeypatch, command, wanted):
+def test_edit_opens_the_file_in_any_editor_on_the_path(
+    watch, tmp_path, monkeypatch, command, wanted
+):
     told = tmp_path / "told"
     text = f"import sys; open({str(told)!r}, 'w').write('|'.join(sys.argv[1:]))"
     editor(tmp_path, command.split()[0], text)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setenv("VISUAL", command)
-    assert open_in_editor(tmp_path / "control.py", 7).wait(20) == 0
-    assert told.read_text() == wanted.format(file=tmp_path / "control.py")
+    watcher = watch(small(control=control))
+    watcher.say("edit", slot="control")
+    wait_for(lambda: told.is_file() and told.read_text())
+    line = control.__code__.co_firstlineno
+    assert told.read_text() == wanted.format(file=__file__, line=line)
+    assert watcher.notes() == []
 
 
 @posix
-@pytest.mark.parametrize("command", ["nano", "emacs -nw", "emacsclient -t", "editor", "missing"])
-def test_an_editor_in_a_terminal_is_not_started(tmp_path, monkeypatch, command):
+def test_an_editor_in_a_terminal_or_none_is_not_started(bare, watch, tmp_path, monkeypatch):
     for name in ("nano", "emacs", "emacsclient"):
         editor(tmp_path, name, "")
     (tmp_path / "editor").symlink_to(tmp_path / "nano")
     monkeypatch.setenv("PATH", str(tmp_path))
-    for name in ("EDITOR", "DISPLAY", "WAYLAND_DISPLAY"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("VISUAL", command)
-    monkeypatch.setattr(sys, "platform", "linux")
-    with pytest.raises(Refused, match="no editor with a window"):
-        open_in_editor(tmp_path / "control.py", 7)
+    monkeypatch.setattr(subprocess, "Popen", None)
+    watcher = watch(small(control=control))
+    commands = ("nano", "emacs -nw", "emacsclient -t", "editor", "vim", "missing", "'unclosed", "")
+    for command in commands:
+        monkeypatch.setenv("VISUAL", command)
+        with pytest.raises(Refused, match="VISUAL"):
+            open_in_editor(tmp_path / "control.py", 7)
+    watcher.say("edit", slot="control")
+    watcher.say("edit", slot="measure")
+    watcher.settle()
+    assert "VISUAL" in watcher.notes()[0]
+    assert watcher.notes()[1].startswith("measure ")
 
 
 @posix
-def test_a_key_that_is_held_opens_one_editor(watch, tmp_path, monkeypatch):
+def test_a_key_that_is_held_opens_one_editor(watch, monkeypatch):
     started = []
-    monkeypatch.setattr(_callbacks, "open_in_editor", lambda *place: started.append(place))
+    opened = "robsim.gui._panel.run.callbacks.open_in_editor"
+    monkeypatch.setattr(opened, lambda *place: started.append(place))
+    monkeypatch.setattr("robsim.gui._panel.run.callbacks._GAP", 1000.0)
     watcher = watch(small(control=control))
     for _ in range(100):
         watcher.say("edit", slot="control")
@@ -381,30 +358,11 @@ def test_a_key_that_is_held_opens_one_editor(watch, tmp_path, monkeypatch):
 @posix
 def test_an_editor_that_fails_is_told(watch, tmp_path, monkeypatch):
     monkeypatch.setenv("VISUAL", str(editor(tmp_path, "gedit", "raise SystemExit(4)")))
-    monkeypatch.setattr(_callbacks, "_GAP", 0.05)
+    monkeypatch.setattr("robsim.gui._panel.run.callbacks._GAP", 0.05)
     watcher = watch(small(control=control))
     watcher.say("edit", slot="control")
     wait_for(lambda: watcher.notes())
-    assert watcher.notes() == [
-        "Your editor could not open the file: set VISUAL to another one before you start "
-        "Python, or open the file yourself"
-    ]
-
-
-@posix
-@pytest.mark.parametrize("variable", ["vim", "nothing-like-it", "'unclosed", ""])
-def test_an_editor_without_a_window_is_not_started(watch, monkeypatch, variable):
-    for name in ("EDITOR", "DISPLAY", "WAYLAND_DISPLAY"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("VISUAL", variable)
-    monkeypatch.setattr(sys, "platform", "linux")
-    monkeypatch.setattr(subprocess, "Popen", None)
-    watcher = watch(small(control=control))
-    watcher.say("edit", slot="control")
-    watcher.say("edit", slot="measure")
-    watcher.settle()
-    assert "set VISUAL" in watcher.notes()[0]
-    assert watcher.notes()[1] == "measure stands in no file"
+    assert "VISUAL" in watcher.notes()[0]
 
 
 def test_a_link_for_the_lab_alone(watch, tmp_path, folder, monkeypatch):
@@ -427,12 +385,3 @@ def test_a_link_for_the_lab_alone(watch, tmp_path, folder, monkeypatch):
         assert lab.lab_link(tmp_path.parent / "other.py") is None
     finally:
         lab._server.cache_clear()
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system has one")
-def test_without_an_editor_the_refusal_names_some(monkeypatch, tmp_path):
-    monkeypatch.setenv("VISUAL", "vi")  # needs a terminal
-    for variable in ("EDITOR", "DISPLAY", "WAYLAND_DISPLAY"):
-        monkeypatch.delenv(variable, raising=False)
-    with pytest.raises(Refused, match="set VISUAL to one, such as code"):
-        open_in_editor(tmp_path / "control.py", 1)

@@ -1,63 +1,47 @@
 """What is told of a live camera: its rate, how old its newest frame is, how many were dropped."""
 
-import time
-
-import numpy as np
 import pytest
 
 import robsim
 from browsers import panel_of
 from python_cameras import EndlessCamera, SteppedCamera
-from robsim.gui._panel import view as _panel_view
-from robsim.gui._panel.run import transport
+from small_runs import IMAGE, SOON, done, experiment
 from waiting import wait_for
 
 pytestmark = [pytest.mark.threads, pytest.mark.long]
 
-IMAGE = np.zeros((64, 64, 3), np.uint8)
-SOON = 20  # s
-
 
 @pytest.fixture(autouse=True)
 def often(monkeypatch):
-    monkeypatch.setattr(transport, "_GAP", 0.02)
+    monkeypatch.setattr("robsim.gui._panel.run.transport._GAP", 0.02)
 
 
 def watched(camera):
-    return panel_of(robsim.Experiment(camera, area=(64, 64), measure=False))
+    return panel_of(experiment(camera))
 
 
 def told(browser, **state):
     return browser.take("state", **state)[0]["camera"]
 
 
-def test_the_age_grows_while_a_camera_hangs():
-    source = SteppedCamera([IMAGE] * 20)
-    source.permits.release()
-    with robsim.Camera(source, open_timeout=SOON) as camera, watched(camera) as (view, browser):
-        assert told(browser) == {"rate": None, "age": None, "dropped": 0}
-        browser.press("start")
-        wait_for(lambda: view.runner.n_steps == 1)
-        states = [told(browser, state="running") for _ in range(6)]
-        ages = [state["age"] for state in states]
-        assert ages == sorted(set(ages))
-        assert states[-1]["rate"] == 0
-        assert view.runner.n_steps == 1
-        released = time.monotonic()
-        source.permits.release()
-        wait_for(lambda: told(browser, state="running")["age"] <= time.monotonic() - released)
-
-
-def test_a_camera_that_hangs_from_the_start_of_a_run_is_seen():
+def test_the_age_grows_while_a_camera_hangs_also_from_the_start_of_a_run():
     source = SteppedCamera([IMAGE] * 20)
     source.permits.release()
     with robsim.Camera(source, open_timeout=SOON) as camera:
         camera.read(SOON)
         with watched(camera) as (view, browser):
+            assert told(browser)["age"] is None
             browser.press("start")
-            ages = [told(browser, state="running")["age"] for _ in range(5)]
-            assert ages == sorted(set(ages))
-            assert view.runner.n_steps == 0
+            for n_steps in range(2):
+                wait_for(lambda n=n_steps: view.runner.n_steps == n)
+                done(view.driver.call(lambda: None))  # its frame is known
+                browser.say("hello", width=300)
+                browser.take("setup")
+                states = [told(browser, state="running", steps=n_steps) for _ in range(4)]
+                ages = [state["age"] for state in states]
+                assert ages == sorted(set(ages))
+                source.permits.release()
+            wait_for(lambda: told(browser, state="running")["age"] < ages[-1])
 
 
 def test_while_it_is_paused_the_rate_is_told_and_nothing_counts_as_dropped():
@@ -80,8 +64,8 @@ def test_while_it_is_paused_the_rate_is_told_and_nothing_counts_as_dropped():
         assert {told(browser, state="paused")["dropped"] for _ in range(3)} == {before}
 
 
-def test_nothing_is_told_when_nobody_looks(monkeypatch):
-    monkeypatch.setattr(_panel_view, "_PATIENCE", 0.0)
+def test_nothing_is_told_when_nobody_looks(patience):
+    patience(0.0)
     source = SteppedCamera([IMAGE] * 20)
     source.permits.release()
     with robsim.Camera(source, open_timeout=SOON) as camera, watched(camera) as (view, browser):

@@ -5,39 +5,22 @@ import subprocess
 import sys
 import threading
 
-import numpy as np
 import pytest
 
 import robsim
 from browsers import panel_of
-from robsim.gui._driver import Driver
-from robsim.gui._hosts import page as _page
 from robsim.gui._hosts.page import Page
-from robsim.gui._panel.view import PanelView
+from small_runs import SOON, done, experiment, frames, robsim_threads, simulation
+from threads import in_thread
 from waiting import wait_for
 
 pytestmark = pytest.mark.threads
-
-SMALL = {"area": (300, 300), "resolution": (75, 75), "seed": 1}
-SOON = 20  # s
-
-
-def simulation(**options):
-    return robsim.Simulation(**SMALL, **options)
 
 
 @pytest.fixture(autouse=True)
 def no_thread_survives():
     yield
-    wait_for(lambda: not [t for t in threading.enumerate() if t.name.startswith("robsim")])
-
-
-@pytest.fixture
-def mistakes(monkeypatch):
-    """What Python is told of that nobody waits for."""
-    told = []
-    monkeypatch.setattr(threading, "excepthook", lambda about: told.append(about.exc_value))
-    return told
+    wait_for(lambda: not robsim_threads())
 
 
 def test_ctrl_c_ends_a_wait_and_pauses(monkeypatch):
@@ -54,22 +37,30 @@ def test_ctrl_c_ends_a_wait_and_pauses(monkeypatch):
 @pytest.mark.long
 def test_closing_in_another_thread_ends_a_wait():
     panel = robsim.panel(simulation())
-    timer = threading.Timer(0.05, panel.close)
-    timer.start()
-    panel.wait()  # nobody has opened its page
+    assert panel.url  # it is served from here on
+
+    def is_waiting():
+        frame = sys._current_frames()[threading.main_thread().ident]
+        while frame is not None and frame.f_code is not Page.wait.__code__:
+            frame = frame.f_back
+        return frame is not None
+
+    def close():
+        wait_for(is_waiting)
+        panel.close()
+
+    with in_thread(close):
+        panel.wait()  # nobody has opened its page
     assert panel.state == "closed"
-    timer.join()
 
 
 def test_a_server_that_cannot_start_says_why(monkeypatch):
     def broken(host):
         raise OSError("too many open files")
 
-    monkeypatch.setattr(_page, "Server", broken)
-    view = PanelView(simulation())
-    with pytest.raises(OSError, match="too many open files"):
+    monkeypatch.setattr("robsim.gui._hosts.page.Server", broken)
+    with panel_of(simulation()) as (view, _), pytest.raises(OSError, match="too many open files"):
         Page(view)
-    view.close()
 
 
 def test_motors_that_end_their_thread_do_not_keep_a_run_open(mistakes):
@@ -77,12 +68,11 @@ def test_motors_that_end_their_thread_do_not_keep_a_run_open(mistakes):
         if not u.any():
             raise SystemExit
 
-    frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 5
-    options = {"control": lambda step: (1, 2), "area": (64, 64), "measure": False}
-    driver = Driver(robsim.Experiment(frames, send=send, frame_timeout=1000, **options))
-    driver.step().result(SOON)
-    assert driver.close()
-    assert driver.state == "closed"
+    sim = experiment(frames(), send=send, control=lambda step: (1, 2), frame_timeout=1000)
+    with panel_of(sim) as (view, _):
+        done(view.driver.step())
+        assert view.driver.close(SOON)
+        assert view.driver.state == "closed"
     assert [type(error) for error in mistakes] == [SystemExit]
 
 
@@ -110,7 +100,7 @@ def tell():
         time.sleep(0.01)
     print("waits", flush=True)
 
-threading.Timer(0.2, tell).start()
+threading.Thread(target=tell).start()
 panel.wait()
 print(panel.state, len(panel.trace) > 0)
 """
@@ -124,7 +114,7 @@ def test_a_script_goes_on_after_ctrl_c():
         try:
             script.stdout.readline()
             script.send_signal(signal.SIGINT)
-            out, complaints = script.communicate(timeout=60)
+            out, complaints = script.communicate(timeout=SOON)
         finally:
             script.kill()
     assert (script.returncode, out, complaints) == (0, "paused True\n", "")

@@ -31,18 +31,16 @@ GOOD = [
 ]
 
 
-@pytest.mark.parametrize("message", GOOD)
-def test_what_is_taken(message):
-    checked = checked_message({**message, "more": "is left out"})
-    assert json.loads(json.dumps(checked)) == message
+def test_what_is_taken():
+    for message in GOOD:
+        checked = checked_message({**message, "more": "is left out"})
+        assert json.loads(json.dumps(checked)) == message
 
 
-@pytest.mark.parametrize(
-    "message", [None, 3, "text", [], {}, {"type": None}, {"type": []}, {"type": "x"}, [{}]]
-)
-def test_what_is_no_message(message):
-    with pytest.raises(Refused, match="not a message of this panel"):
-        checked_message(message)
+def test_what_is_no_message():
+    for message in (None, 3, "text", [], {}, {"type": None}, {"type": []}, {"type": "x"}, [{}]):
+        with pytest.raises(Refused, match="not a message"):
+            checked_message(message)
 
 
 NESTED = []
@@ -69,20 +67,20 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize(("kind", "field"), BAD)
-def test_a_field_of_another_kind_is_named(kind, field):
-    good = {message["type"]: message for message in GOOD}.get(kind, {})
-    for value in BAD[kind, field]:
-        with pytest.raises(Refused, match=f"^{field} of the message {kind} must be ") as refused:
-            checked_message({"type": kind, "id": "a", **good, field: value})
-        assert len(str(refused.value)) < 200
+def test_a_field_of_another_kind_is_named():
+    goods = {message["type"]: message for message in GOOD}
+    for (kind, field), values in BAD.items():
+        for value in values:
+            with pytest.raises(Refused, match=rf"\b{field}\b.*\b{kind}\b") as refused:
+                checked_message({"type": kind, "id": "a", **goods.get(kind, {}), field: value})
+            assert len(str(refused.value)) < 200
 
 
-@pytest.mark.parametrize("message", GOOD)
-def test_a_field_that_is_missing_is_named(message):
-    for field in message.keys() - {"type"}:
-        with pytest.raises(Refused, match=f"lacks {field}"):
-            checked_message({name: value for name, value in message.items() if name != field})
+def test_a_field_that_is_missing_is_named():
+    for message in GOOD:
+        for field in message.keys() - {"type"}:
+            with pytest.raises(Refused, match=rf"\b{field}\b"):
+                checked_message({name: value for name, value in message.items() if name != field})
 
 
 JSON = st.recursive(

@@ -32,7 +32,7 @@ def test_what_is_asked_is_answered(panel):
 @pytest.mark.long
 def test_finish_has_drawn_its_figure(panel):
     panel.message("set", name="control", value="drive-around")
-    for _ in range(30):
+    for _ in range(6):
         panel.message("press", button="step")
     panel.message("press", button="finish")
     assert panel._view._result._newest[0]["type"] == "result"
@@ -47,20 +47,18 @@ def test_what_is_set_can_be_seen(panel):
 
 
 def test_a_refusal_is_an_error(panel):
-    with pytest.raises(ValueError, match="there is no button 'jump'"):
-        panel.message("press", button="jump")
-    with pytest.raises(ValueError, match="the message press lacks button"):
-        panel.message("press")
-    with pytest.raises(ValueError, match="kind must be one of"):
-        panel.message("jump")
-    with pytest.raises(TypeError, match="kind must be one of"):
-        panel.message(3)
-    with pytest.raises(TypeError, match="fields must be numbers, texts, lists or None"):
+    refused = [
+        ("button 'jump'", ("press",), {"button": "jump"}),
+        ("button", ("press",), {}),
+        ("kind", ("jump",), {}),
+        ("nois", ("set",), {"name": "nois", "value": "gaussian"}),
+        ("noise_level", ("set",), {"name": "noise_level", "value": -5}),
+    ]
+    for named, arguments, fields in refused:
+        with pytest.raises(ValueError, match=named):
+            panel.message(*arguments, **fields)
+    with pytest.raises(TypeError, match="fields"):
         panel.message("path", points=np.zeros((2, 2)))
-    with pytest.raises(ValueError, match="there is no control 'nois'"):
-        panel.message("set", name="nois", value="gaussian")
-    with pytest.raises(ValueError, match="noise_level must be within"):
-        panel.message("set", name="noise_level", value=-5)
 
 
 def test_a_callback_may_say_something_and_does_not_wait_for_its_own_run():
@@ -82,7 +80,7 @@ def test_a_tool_takes_its_messages_too(user_folder):
         before = tool.value.alignment
         tool.message("turn", degrees=10)
         assert tool.value.alignment == pytest.approx(before + 10)
-        with pytest.raises(ValueError, match="there is no camera to go back to"):
+        with pytest.raises(ValueError, match="camera"):
             tool.message("resume")
-    with pytest.raises(RuntimeError, match="the panel is closed"):
+    with pytest.raises(RuntimeError, match="closed"):
         tool.message("turn", degrees=10)

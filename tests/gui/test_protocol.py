@@ -8,7 +8,6 @@ import pytest
 import robsim
 from robsim.gui._hosts.script import STATIC
 from robsim.gui._panel.messages import MESSAGES
-from robsim.gui._panel.view import PanelView
 from robsim.gui._tools.colors.messages import MESSAGES as COLOR_MESSAGES
 from robsim.gui._tools.floor.messages import MESSAGES as FLOOR_MESSAGES
 from robsim.gui._tools.robots.messages import MESSAGES as ROBOT_MESSAGES
@@ -27,22 +26,14 @@ def rows(text):
     return {name: set(re.findall(r"`(\w+)`", fields)) for name, fields in ROW.findall(text)}
 
 
-@pytest.mark.parametrize(
-    ("text", "messages"),
-    [
-        (FROM_BROWSER, MESSAGES),
-        (FROM_BROWSER + TOOLS_FROM, COLOR_MESSAGES),
-        (FROM_BROWSER + TOOLS_FROM + ROBOTS, ROBOT_MESSAGES),
-        (FROM_BROWSER + TOOLS_FROM + FLOOR, FLOOR_MESSAGES),
-    ],
-)
-def test_every_message_from_a_browser_stands_there_with_its_fields(text, messages):
-    told = rows(text)
-    assert set(messages) <= set(told)
-    if messages is MESSAGES:
-        assert set(messages) == set(told)
-    for kind, fields in messages.items():
-        assert set(fields) <= told[kind], kind
+def test_every_message_from_a_browser_stands_there_with_its_fields():
+    of_tools = (COLOR_MESSAGES, ""), (ROBOT_MESSAGES, ROBOTS), (FLOOR_MESSAGES, FLOOR)
+    assert set(MESSAGES) == set(rows(FROM_BROWSER))
+    for messages, text in ((MESSAGES, None), *of_tools):
+        told = rows(FROM_BROWSER + ("" if text is None else TOOLS_FROM + text))
+        assert set(messages) <= set(told)
+        for kind, fields in messages.items():
+            assert set(fields) <= told[kind], kind
 
 
 def sent_by(folder, *without):
@@ -86,10 +77,11 @@ def test_every_field_of_what_a_tool_tells_stands_there():
         assert set(head) <= told["frame"]
 
 
-@pytest.mark.parametrize("kind", ["setup", "state"])
-def test_every_field_of_what_a_panel_tells_stands_there(kind):
-    view = PanelView(robsim.Simulation(area=(300, 300), seed=1))
-    fields = view._gathered(kind)
-    view.close()
-    told = re.search(rf"^`{kind}`(,| may come).*?\n\n", TO_BROWSER, re.MULTILINE | re.DOTALL)[0]
-    assert {f"`{name}`" for name in fields if name != "type"} <= set(re.findall(r"`\w+`", told))
+def test_every_field_of_what_a_panel_tells_stands_there():
+    with robsim.panel(robsim.Simulation(area=(300, 300), seed=1)) as panel:
+        for kind in ("setup", "state"):
+            fields = panel._view._gathered(kind)
+            about = rf"^`{kind}`(,| may come).*?\n\n"
+            told = re.search(about, TO_BROWSER, re.MULTILINE | re.DOTALL)[0]
+            told = set(re.findall(r"`\w+`", told))
+            assert {f"`{name}`" for name in fields if name != "type"} <= told

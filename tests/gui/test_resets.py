@@ -6,18 +6,10 @@ import numpy as np
 import pytest
 
 import robsim
-from browsers import FakeBrowser, panel_of
-from robsim.gui._panel.analysis.summary import Summary
-from waiting import wait_for
+from browsers import FakeBrowser, panel_of, settled
+from small_runs import SOON, done, experiment, frames, simulation
 
 pytestmark = pytest.mark.threads
-
-SMALL = {"area": (300, 300), "resolution": (75, 75), "seed": 1}
-SOON = 20  # s
-
-
-def simulation(**options):
-    return robsim.Simulation(**{"control": robsim.DriveAround(), **SMALL, **options})
 
 
 def run_anew(view, steps):
@@ -25,9 +17,9 @@ def run_anew(view, steps):
     inside, may_go_on = threading.Event(), threading.Event()
     view.post(lambda: (inside.set(), may_go_on.wait(SOON)))
     assert inside.wait(SOON)
-    view.driver.reset().result(SOON)
+    done(view.driver.reset())
     for _ in range(steps):
-        view.driver.step().result(SOON)
+        done(view.driver.step())
     may_go_on.set()
 
 
@@ -38,16 +30,7 @@ def seed_anew(view, steps):
         view.runner.reset(seed=7)
         view.runner.run(steps)
 
-    view.driver.call(begin).result(SOON)
-
-
-def settle(view):
-    """Wait until all that was asked for is done and told."""
-    view.driver.call(lambda: None).result(SOON)
-    for _ in range(2):  # it looks what is due after a job
-        done = threading.Event()
-        view.post(done.set)
-        assert done.wait(SOON)
+    done(view.driver.call(begin))
 
 
 def rows_of(head, buffers, name):
@@ -57,8 +40,9 @@ def rows_of(head, buffers, name):
     return head["rows"][at]["first"], block.reshape(-1, max(head["rows"][at]["width"], 1))
 
 
-@pytest.mark.parametrize("anew", [run_anew, seed_anew])
-@pytest.mark.parametrize("longer", [-2, 0, 3])
+@pytest.mark.parametrize(
+    ("anew", "longer"), [(run_anew, -2), (seed_anew, 0), (run_anew, 0), (seed_anew, 3)]
+)
 def test_rows_begin_with_the_first_one_however_many_there_are(anew, longer):
     sim = simulation()
     sim.run(5)
@@ -103,18 +87,11 @@ def test_a_column_that_the_new_run_lacks_is_empty():
             sim.measure = None
             sim.run(8)
 
-        view.driver.call(begin).result(SOON)
+        done(view.driver.call(begin))
         browser.press("pause")
         head, buffers = browser.take_rows()
     assert head["rows"] == [{"column": "pose_measured", "first": 0, "width": 0}]
     assert buffers[-1] == b""
-
-
-def test_the_state_tells_how_often_it_was_reset():
-    with panel_of(simulation()) as (view, browser):
-        assert browser.take("state")[0]["resets"] == 0
-        run_anew(view, 2)
-        browser.take("state", resets=1, steps=2)
 
 
 def test_who_looks_back_sees_the_newest_step_of_the_new_run():
@@ -124,27 +101,28 @@ def test_who_looks_back_sees_the_newest_step_of_the_new_run():
         browser.say("look", k=4)
         browser.take("frame", k=4, past=True)
         run_anew(view, 9)
+        browser.take("state", resets=1, steps=9)
+        browser.say("hello", width=300)
         browser.take("frame", k=8, past=False)
 
 
-@pytest.mark.parametrize("kind", ["statistics", "parameters"])
-def test_what_is_told_of_the_whole_record_is_of_the_new_run(kind):
-    sim = simulation(measure=True, estimate_parameters=True, noise=robsim.GaussianNoise(20))
+def test_what_is_told_of_the_whole_record_is_of_the_new_run():
+    options = {"measure": True, "estimate_parameters": True, "noise": robsim.GaussianNoise(20)}
+    sim = simulation(**options)
     sim.run(40)
+    anew = simulation(**options)
+    anew.reset(seed=7)
+    wanted = anew.run(40).parameters[-1].ravel().tolist()
     with panel_of(sim) as (view, browser):
-        before, _ = browser.take(kind)
-        settle(view)
-        summaries = [part for part in view._parts if isinstance(part, Summary)]
-        wait_for(lambda: not any(part._beside.is_busy for part in summaries))
-        settle(view)
-        for _ in browser.all_of(kind):
-            before, _ = browser.take(kind)
+        before, _ = browser.take("statistics")
+        browser.take("parameters")
         seed_anew(view, 40)
         browser.say("grant", upto=10**9, late=False)  # it looks again
-        after, _ = browser.take(kind)
-    told = {"statistics": "errors", "parameters": "values"}[kind]
-    assert before[told]
-    assert after[told] != before[told]
+        while browser.take("parameters")[0]["values"] != wanted:
+            pass
+        browser.say("hello", width=300)
+        while browser.take("statistics")[0]["errors"] == before["errors"]:
+            pass
 
 
 def test_a_result_of_the_run_before_is_not_told_to_a_new_view():
@@ -156,7 +134,9 @@ def test_a_result_of_the_run_before_is_not_told_to_a_new_view():
         seed_anew(view, 3)
         browser.say("hello", width=300)
         browser.take("setup")
-        settle(view)
+        settled(view)
+        done(view.driver.call(lambda: None))
+        settled(view)
         assert browser.all_of("state")
         assert browser.all_of("result") == []
 
@@ -165,12 +145,11 @@ class Frames:
     """Frames that cannot be had again, but in a run from the first one on."""
 
     def __iter__(self):
-        return iter([robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 20)
+        return iter(frames(20))
 
 
 def test_pictures_that_were_kept_are_those_of_the_new_run():
-    experiment = robsim.Experiment(Frames(), area=(64, 64), measure=False)
-    with panel_of(experiment) as (view, browser):
+    with panel_of(experiment(Frames())) as (view, browser):
         for k in range(3):
             browser.press("step")
             browser.take("frame", k=k)
@@ -181,8 +160,7 @@ def test_pictures_that_were_kept_are_those_of_the_new_run():
 
 
 def test_the_last_picture_before_a_reset_is_not_sent_after_it():
-    frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 5
-    with panel_of(robsim.Experiment(frames, area=(64, 64), measure=False)) as (_, browser):
+    with panel_of(experiment(frames())) as (_, browser):
         browser.press("step")
         browser.press("step")
         browser.take("frame", k=1)

@@ -1,7 +1,6 @@
 """The still picture that remains in a saved notebook."""
 
 import io
-import threading
 
 import numpy as np
 import pytest
@@ -9,18 +8,16 @@ from PIL import Image
 
 import robsim
 from browsers import panel_of
-from robsim.gui._panel.view import PanelView
 from robsim.reference import ExtendedKalmanFilter
+from small_runs import done
+from threads import together
 
 pytestmark = pytest.mark.long
 
 
 def still_of(shown, **options):
-    view = PanelView(shown, **options)
-    try:
-        return view.snapshot()
-    finally:
-        view.close()
+    with robsim.panel(shown, **options) as panel:
+        return panel.snapshot()
 
 
 def pixels_of(png):
@@ -48,9 +45,14 @@ def simulation():
     return simulation
 
 
-def test_it_shows_camera_traces_and_histograms_in_few_bytes(simulation):
-    pixels = pixels_of(png := still_of(simulation))
-    assert len(png) < 150_000
+@pytest.fixture(scope="module")
+def bare(simulation):
+    return still_of(simulation)
+
+
+def test_it_shows_camera_traces_and_histograms_in_few_bytes(bare):
+    pixels = pixels_of(bare)
+    assert len(bare) < 150_000
     camera, traces, histograms = (
         pixels[40:480, 10:450],
         pixels[40:480, 530:820],
@@ -61,25 +63,14 @@ def test_it_shows_camera_traces_and_histograms_in_few_bytes(simulation):
     assert is_there(histograms, (128, 200, 138))
 
 
-def test_a_goal_is_drawn_with_its_heading(simulation):
-    bare, at, posed = (
-        pixels_of(still_of(simulation, goals=goals))[40:480, 10:450]
-        for goals in (None, np.array([600.0, 600.0]), np.array([600.0, 600.0, 0.0]))
-    )
-    rings, arrows = (np.argwhere(abs(one - bare).max(axis=2) > 60) for one in (at, posed))
+def test_a_goal_is_drawn_with_its_heading(simulation, bare):
+    pictures = bare, *(still_of(simulation, goals=at) for at in ((600, 600), (600, 600, 0.0)))
+    none, at, posed = (pixels_of(one)[40:480, 10:450] for one in pictures)
+    rings, arrows = (np.argwhere(abs(one - none).max(axis=2) > 60) for one in (at, posed))
     assert len(rings) > 50
     assert np.ptp(rings, axis=0).max() < 40
     assert np.ptp(arrows[:, 1]) > np.ptp(rings[:, 1]) + 10  # to the right
     assert np.ptp(arrows[:, 0]) < np.ptp(rings[:, 0]) + 5
-
-
-@pytest.mark.slow
-def test_noise_does_not_make_it_large():
-    simulation = robsim.Simulation(noise=robsim.GaussianNoise(100), seed=1)
-    simulation.run(2)
-    png = still_of(simulation)
-    pixels_of(png)
-    assert len(png) < 150_000
 
 
 def test_before_the_first_step_it_shows_the_start():
@@ -95,31 +86,22 @@ def test_there_is_one_of_a_trace_without_frames_and_of_an_experiment_without_a_r
         pixels_of(still_of(shown))
 
 
-def test_a_callback_that_fails_at_the_start_leaves_the_picture_out():
+def test_a_callback_that_fails_at_the_start_leaves_the_picture_out_and_two_may_ask():
     def define_model():
         raise ValueError("wrong")
 
-    pixels_of(still_of(robsim.Simulation(define_model=define_model, seed=1)))
-
-
-def test_two_threads_may_ask_at_a_time():
-    view = PanelView(robsim.Simulation(seed=1))
     found = []
-    threads = [threading.Thread(target=lambda: found.append(view.snapshot())) for _ in range(2)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    view.close()
-    assert len(found) == 2
+    with robsim.panel(robsim.Simulation(define_model=define_model, seed=1)) as panel:
+        together(*[lambda: found.append(panel.snapshot())] * 2)
+    pixels_of(found[0])
     assert found[0] == found[1]
 
 
 def test_steps_are_kept_for_those_alone_who_have_a_place_for_a_picture(monkeypatch):
     with panel_of(robsim.Simulation(measure=True, seed=1)) as (view, browser):
-        view.driver.step().result(20)
+        done(view.driver.step())
         assert view.still._shot is None
         monkeypatch.setattr(browser, "keeps_still", True, raising=False)
         monkeypatch.setattr(browser, "keep", lambda picture: None)
-        view.driver.step().result(20)
+        done(view.driver.step())
         assert view.still._shot.k == 1

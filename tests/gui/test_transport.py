@@ -7,7 +7,6 @@ import subprocess
 import sys
 import textwrap
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -16,39 +15,19 @@ import robsim
 from browsers import FakeBrowser, panel_of
 from python_cameras import SteppedCamera
 from python_motors import Sender
-from robsim.gui import _driver
-from robsim.gui._panel import view as _panel_view
-from robsim.gui._panel.run import transport
 from robsim.gui._panel.run.trouble import trouble_of
-from robsim.gui._panel.view import PanelView
-from robsim.motors import MotorReceiver, UdpMotors
+from small_runs import IMAGE, SOON, done, experiment, frames, simulation
 from waiting import wait_for
 
 pytestmark = pytest.mark.threads
-
-SMALL = {"area": (300, 300), "resolution": (75, 75), "seed": 1}
-IMAGE = np.zeros((64, 64, 3), np.uint8)
-SOON = 20  # s
-
-
-def simulation(**options):
-    return robsim.Simulation(**{"control": robsim.DriveAround(), **SMALL, **options})
-
-
-def frames(count=5):
-    return [robsim.Frame(IMAGE)] * count
-
-
-def experiment(source, **options):
-    given = {"area": (64, 64), "measure": False, "identify_from": "truth"}
-    return robsim.Experiment(source, **(given | options))
 
 
 # State
 
 
-def test_the_state_of_a_run():
-    with panel_of(simulation(), speed=2.0) as (view, browser):
+def test_a_panel_by_its_messages():
+    """From the setup to the end: run, a control, frames, stop."""
+    with panel_of(simulation(measure=True), speed=2.0) as (view, browser):
         setup, _ = browser.take("setup")
         assert (setup["motors"], setup["live"]) == (False, False)
         state, _ = browser.take("state")
@@ -61,59 +40,51 @@ def test_the_state_of_a_run():
         browser.press("step")
         state, _ = browser.take("state", steps=2)
         assert (state["k"], state["t"]) == (1, pytest.approx(view.record.time_of(1)))
-        view.driver.speed = math.inf
+        browser.say("set", name="speed", value=0)
         browser.press("start")
         assert browser.take("state", state="running")[0]["speed"] == 0
+        shown, (picture,) = browser.take("frame")
+        assert picture[:2] == b"\xff\xd8"
+        later, _ = browser.take("frame")
+        assert later["k"] > shown["k"]
+        browser.press("stop")  # of a simulation it is a pause
+        steps = browser.take("state", state="paused", stopped=False)[0]["steps"]
+        assert view.runner.n_steps == steps > 2
         browser.press("reset")
         browser.take("state", state="paused", steps=0)
         browser.press("turbo")
-        assert browser.take("note")[0]["text"] == "there is no button 'turbo'"
+        assert "turbo" in browser.take("note")[0]["text"]
+        assert view.close(SOON)
+        browser.take("state", state="closed")
 
 
-def test_stages_are_told_as_they_come(monkeypatch):
-    monkeypatch.setattr(_driver, "_STAGE_PAUSE", 0.01)
-    with panel_of(simulation(measure=True)) as (_, browser):
+def test_stages_are_told_as_they_come(clock):
+    with panel_of(simulation(measure=True)) as (view, browser):
         for stage in ("measure", "control", "world"):
             browser.press("step_stage")
             browser.take("stages", stage=stage)
         browser.say("animate", on=True)
         browser.take("state", animate=True)
         browser.press("start")
+        browser.take("state", state="running")
         for stage in ("measure", "control", "world", "measure"):
+            clock.advance(view.driver, 0.3)
             assert browser.take("stages")[0]["stage"] == stage
         browser.say("animate", on=False)
         browser.take("state", animate=False, state="running")
 
 
 def test_the_end_of_the_frames_is_told_kindly():
-    with panel_of(experiment(frames(2)), speed=math.inf) as (_, browser):
-        browser.press("start")
-        browser.take("state", state="ended", steps=2)
-        browser.press("start")
-        assert browser.take("note")[0]["text"].startswith("The frames are over. Reset begins")
-        browser.press("reset")
-        browser.take("state", state="paused", steps=0)
-    with panel_of(experiment(iter(frames(2))), speed=math.inf) as (_, browser):
-        browser.press("start")
-        browser.take("state", state="ended")
-        browser.press("reset")
-        assert "can be read only once" in browser.take("note")[0]["text"]
-
-
-def test_a_camera_tells_its_rate_age_and_drops(monkeypatch):
-    monkeypatch.setattr(transport, "_GAP", 0.05)
-    lab = robsim.live.SimulatedLab(robsim.Scenario(resolution=(75, 75)), fps=100)
-    with lab, robsim.Camera(lab) as camera, panel_of(experiment(camera, area=None)) as (_, browser):
-        assert browser.take("setup")[0]["live"]
-        browser.press("start")
-        told = {"rate": None}
-        while not told["rate"]:
-            told = browser.take("state", state="running")[0]["camera"]
-        assert 0 < told["rate"] <= 200
-        assert 0 <= told["age"] < SOON
-        assert told["dropped"] >= 0
-        browser.press("pause")
-        browser.take("state", state="paused")
+    cases = [(frames(2), "start", "Reset"), (iter(frames(2)), "reset", "once")]
+    for source, pressed, said in cases:
+        with panel_of(experiment(source), speed=math.inf) as (_, browser):
+            browser.press("start")
+            browser.take("state", state="ended", steps=2)
+            browser.press(pressed)
+            assert said in browser.take("note")[0]["text"]
+            if pressed == "start":
+                browser.press("reset")
+                browser.take("state", state="paused", steps=0)
 
 
 # Errors
@@ -130,7 +101,7 @@ def wanted(step):
 
 def test_an_error_of_a_callback_is_told_with_its_line(tmp_path):
     (tmp_path / "control.py").write_text(CONTROL)
-    sim = robsim.Simulation.from_folder(tmp_path, **SMALL)
+    sim = robsim.Simulation.from_folder(tmp_path, area=(300, 300), resolution=(75, 75))
     with panel_of(sim, speed=math.inf) as (_, browser):
         browser.press("start")
         error = browser.take("state", state="failed")[0]["error"]
@@ -157,24 +128,19 @@ def test_an_error_of_a_callback_is_told_with_its_line(tmp_path):
 
 
 def test_a_result_that_cannot_be_used_and_one_of_the_set_up():
-    with panel_of(simulation(control=lambda step: "fast")) as (_, browser):
-        browser.press("step")
-        error = browser.take("state", state="failed")[0]["error"]
-        assert (error["slot"], error["k"]) == ("control", 0)
-        assert error["file"] == __file__
-        # Slot, step, file and line stand beside it.
-        assert error["text"].splitlines() == [
-            "CallbackTypeError: the result must be (u1, u2), the two voltages in V, got 'fast'"
-        ]
-    options = {"estimate_parameters": True, "measure": False, "identify_from": "measurement"}
-    with panel_of(simulation(**options)) as (_, browser):
-        browser.press("step")
-        error = browser.take("state", state="failed")[0]["error"]
-        assert (error["slot"], error["k"], error["code"], error["traceback"]) == (
-            *(None, None, None),
-            error["traceback"],
-        )
-        assert error["text"].startswith("ValueError: identify_from")
+    def error_of(**options):
+        with panel_of(simulation(**options)) as (_, browser):
+            browser.press("step")
+            return browser.take("state", state="failed")[0]["error"]
+
+    error = error_of(control=lambda step: "fast")
+    assert (error["slot"], error["k"], error["file"]) == ("control", 0, __file__)
+    (text,) = error["text"].splitlines()  # slot, step, file and line stand beside it
+    assert text.startswith("CallbackTypeError: ")
+    assert "'fast'" in text
+    error = error_of(estimate_parameters=True, measure=False, identify_from="measurement")
+    assert (error["slot"], error["k"], error["code"]) == (None, None, None)
+    assert error["text"].startswith("ValueError: identify_from")
 
 
 class Spiteful(Exception):
@@ -213,83 +179,66 @@ def test_the_kind_of_an_error_has_no_module_before_it():
     class OutOfReach(Exception):
         __module__ = "robsim_callbacks.control"
 
-    assert trouble_of(raised(OutOfReach("too far")))["text"] == "OutOfReach: too far"
-    assert trouble_of(raised(OutOfReach()))["text"] == "OutOfReach"
     qualified = robsim.simulation.CallbackValueError("a.b: c")
-    assert trouble_of(raised(qualified))["text"] == "CallbackValueError: a.b: c"
-    assert trouble_of(raised(ValueError("builtins.x")))["text"] == "ValueError: builtins.x"
-
-
-@pytest.mark.parametrize("error", [Spiteful(), ValueError("x" * 10**6), KeyboardInterrupt()])
-def test_any_error_can_be_told(error):
-    told = trouble_of(raised(error))
-    assert type(error).__name__ in told["text"]
-    assert len(told["text"]) + len(told["traceback"]) < 20_000
+    texts = {
+        "OutOfReach: too far": OutOfReach("too far"),
+        "OutOfReach": OutOfReach(),
+        "CallbackValueError: a.b: c": qualified,
+        "ValueError: builtins.x": ValueError("builtins.x"),
+    }
+    for text, error in texts.items():
+        assert trouble_of(raised(error))["text"] == text
+    with pytest.raises(RecursionError) as endless:
+        deep(0)
+    assert len(trouble_of(endless.value)["traceback"]) < 5000
 
 
 HOSTILE = [
     *(Spiteful(), Noted("why"), broken_syntax(), Nameless("Kind", (Exception,), {})("why")),
-    *(ValueError("x" * 10**6), ValueError("\x1b[31m\u202e\ud800</script>\0"), SystemExit(1)),
+    *(ValueError("x" * 10**6), ValueError("\x1b[31m\u202e\ud800</script>\0")),
+    *(KeyboardInterrupt(), SystemExit(1), EOFError()),
 ]
 
 
-@pytest.mark.parametrize("error", HOSTILE, ids=range(len(HOSTILE)))
-def test_an_error_of_any_kind_stands_in_the_panel(error, capsys):
+def test_an_error_of_any_kind_stands_in_the_panel(capsys):
+    newest = []
+
     def control(step):
-        raise error
+        raise newest[-1]
 
     with panel_of(simulation(control=control)) as (_, browser):
-        browser.press("step")
-        told = browser.take("state", state="failed")[0]["error"]
-        assert (told["slot"], told["k"]) == ("control", 0)
-        assert 0 < len(told["text"]) < 20_000
-        browser.say("hello", width=300)  # it is told everything again
-        browser.take("setup")
-        slots = browser.take("callbacks")[0]["slots"]
-        error = next(one["error"] for one in slots if one["slot"] == "control")
-        assert 0 < len(error["text"]) <= 200
-        for text in (told["text"], told["traceback"], error["text"]):
-            assert text.replace("\n", "").isprintable()
-        assert not browser.all_of("note")
+        for error in HOSTILE:
+            newest.append(error)
+            browser.press("reset")
+            browser.take("state", state="paused")
+            browser.press("step")
+            told = browser.take("state", state="failed")[0]["error"]
+            assert (told["slot"], told["k"]) == ("control", 0)
+            assert 0 < len(told["text"]) < 20_000
+            assert isinstance(type(error), Nameless) or type(error).__name__ in told["text"]
+            browser.say("hello", width=300)  # it is told everything again
+            browser.take("setup")
+            slots = browser.take("callbacks")[0]["slots"]
+            short = next(one["error"] for one in slots if one["slot"] == "control")
+            assert 0 < len(short["text"]) <= 200
+            for text in (told["text"], told["traceback"], short["text"]):
+                assert text.replace("\n", "").isprintable()
+            assert not browser.all_of("note")
     assert "robsim view" not in capsys.readouterr().err
-
-
-def test_the_traceback_of_an_endless_recursion_is_short():
-    with pytest.raises(RecursionError) as raised:
-        deep(0)
-    assert len(trouble_of(raised.value)["traceback"]) < 5000
 
 
 # Stop
 
 
-class Robot:
-    """Motors that need no interpreter, and the robot at the other end."""
-
-    def __init__(self):
-        self.receiver = MotorReceiver()
-        self.motors = UdpMotors("127.0.0.1", self.receiver.port)
-
-    @property
-    def sent(self):
-        return [event.u for event in self.receiver.events if event.kind == "input"]
-
-    @property
-    def stands(self):
-        return bool(self.sent) and not self.receiver.input.any()
-
-    def close(self):
-        self.motors.close()
-        self.receiver.close()
+@pytest.fixture
+def robot():
+    return Sender()
 
 
-@pytest.fixture(params=[Sender, Robot])
-def robot(request):
-    robot = request.param()
-    robot.send = getattr(robot, "motors", robot)
-    yield robot
-    if isinstance(robot, Robot):
-        robot.close()
+def driven(source, send, **options):
+    """An experiment whose robot is told to move."""
+    given = {"send": send, "control": lambda step: (1, 2), "frame_timeout": 1000}
+    return experiment(source, **(given | options))
 
 
 usleep = ctypes.PyDLL(None).usleep  # with the interpreter's lock
@@ -337,32 +286,36 @@ def loops(may_go_on):
 @pytest.mark.parametrize("hang", [sleeps, loops])
 def test_stop_stops_the_robot_whatever_a_callback_does(robot, hanging, hang):
     control = hanging(hang)
-    sim = experiment(frames(20), send=robot.send, control=control, frame_timeout=1000)
+    sim = driven(frames(20), robot, control=control)
     with panel_of(sim, speed=math.inf) as (view, browser):
         assert browser.take("setup")[0]["motors"]
         browser.press("start")
         assert control.is_there.wait(SOON)
         for _ in range(3):
             view.driver.call(lambda: None)  # what waits does not hold it up
+        for button in ("step", "start", "step_stage", "start"):
+            browser.press(button)
         browser.press("stop")
         wait_for(lambda: robot.stands)
         assert not control.may_go_on.is_set()
         inputs = len(robot.sent)
         control.may_go_on.set()
         browser.take("state", state="paused", stopped=True, error=None)
+        for _ in range(3):  # what was asked for before Stop moves nothing after
+            done(view.driver.call(lambda: None))
+        assert (view.driver.state, view.runner.n_steps) == ("paused", 2)
         assert robot.stands
-        assert [tuple(u) for u in robot.sent[inputs:] if any(u)] == []  # its input is not sent
+        assert not any(map(any, robot.sent[inputs:]))  # its input is not sent
         browser.press("start")
         browser.take("state", state="running", stopped=False)
         browser.take("state", state="ended")
         assert view.runner.n_steps == 20
 
 
-@pytest.mark.slow
 @pytest.mark.long
 def test_stop_after_a_callback_that_keeps_the_interpreter(robot, hanging):
-    control = hanging(lambda may_go_on: usleep(900_000))
-    sim = experiment(frames(10**6), send=robot.send, control=control, frame_timeout=1000)
+    control = hanging(lambda may_go_on: usleep(300_000))
+    sim = driven(frames(10**6), robot, control=control)
     with panel_of(sim, speed=math.inf) as (_, browser):
         browser.press("start")
         assert control.is_there.wait(SOON)
@@ -371,28 +324,10 @@ def test_stop_after_a_callback_that_keeps_the_interpreter(robot, hanging):
         wait_for(lambda: robot.stands)  # what was sent may be under way
 
 
-def test_what_was_asked_for_before_stop_does_not_move_the_robot_after(hanging):
-    robot, control = Sender(), hanging(sleeps)
-    sim = experiment(frames(20), send=robot, control=control, frame_timeout=1000)
-    with panel_of(sim, speed=math.inf) as (view, browser):
-        browser.press("start")
-        assert control.is_there.wait(SOON)
-        for button in ("step", "start", "step_stage", "start"):
-            browser.press(button)
-        browser.press("stop")
-        wait_for(lambda: robot.stands)
-        control.may_go_on.set()
-        browser.take("state", state="paused", stopped=True)
-        view.driver.call(lambda: None).result(SOON)
-        time.sleep(0.02)
-        assert (view.driver.state, view.runner.n_steps) == ("paused", 2)
-        assert robot.stands
-
-
 @pytest.mark.long
 def test_stop_between_two_steps(robot):
-    sim = experiment(frames(20), send=robot.send, control=lambda step: (1, 2), frame_timeout=1000)
-    with panel_of(sim, speed=1e-3) as (_, browser):
+    sim = driven(frames(20), robot)
+    with panel_of(sim, speed=1e-5) as (_, browser):
         browser.press("start")
         wait_for(lambda: len(robot.sent) == 1 and not robot.stands)
         browser.press("stop")
@@ -405,44 +340,34 @@ def test_stop_between_two_steps(robot):
         wait_for(lambda: robot.stands)
 
 
-def test_a_stop_from_elsewhere_pauses_the_run_too():
-    robot = Sender()
-    sim = experiment(frames(10**6), send=robot, control=lambda step: (1, 2), frame_timeout=1000)
-    with panel_of(sim, speed=math.inf) as (view, browser):
-        browser.press("start")
-        wait_for(lambda: view.runner.n_steps > 3)
-        sim.stop_robot()
-        browser.take("state", state="paused", stopped=True)
-        assert robot.stands
-
-
-@pytest.mark.long
-def test_stop_in_the_midst_of_many_steps_is_never_lost():
+def test_stop_in_the_midst_of_many_steps_is_never_lost(robot):
     """Wherever it comes between the looks of the run: it moves no more."""
-    robot = Sender()
-    sim = experiment(frames(10**6), send=robot, control=lambda step: (1, 2), frame_timeout=1000)
+    sim = driven(frames(10**6), robot)
     with panel_of(sim, speed=math.inf) as (view, browser):
-        for _ in range(30):
+        for _ in range(10):
             before = view.runner.n_steps
             browser.press("start")
             wait_for(lambda before=before: view.runner.n_steps > before)
-            view.driver.stop_robot().result(SOON)
+            done(view.driver.stop_robot())
             assert view.driver.state == "paused"
             assert robot.stands
+        browser.press("start")
+        wait_for(lambda: view.driver.state == "running" and not robot.stands)
+        sim.stop_robot()  # from elsewhere
+        wait_for(lambda: view.driver.state == "paused")
+        assert robot.stands
 
 
-def test_a_robot_that_cannot_be_stopped_is_told(monkeypatch):
-    monkeypatch.setattr(transport, "_PATIENCE", SOON)
-    robot = Sender()
-    sim = experiment(frames(20), send=robot, control=lambda step: (1, 2), frame_timeout=1000)
+def test_a_robot_that_cannot_be_stopped_is_told(robot, monkeypatch):
+    monkeypatch.setattr("robsim.gui._panel.run.transport._PATIENCE", SOON)
+    sim = driven(frames(20), robot)
     with panel_of(sim) as (_, browser):
         browser.press("step")
         browser.take("state", steps=1)
         wait_for(lambda: not sim.is_running)
         robot.error = OSError("the cable is loose")
         browser.press("stop")
-        text = browser.take("note")[0]["text"]
-        assert text == "The robot could not be stopped: OSError: the cable is loose"
+        assert "the cable is loose" in browser.take("note")[0]["text"]
         browser.say("hello", width=300)  # the state may have come before the note
         error = browser.take("state", state="failed")[0]["error"]
         assert "the cable is loose" in error["text"]
@@ -452,79 +377,66 @@ def test_a_robot_that_cannot_be_stopped_is_told(monkeypatch):
 
 
 @pytest.mark.long
-def test_the_panel_answers_while_what_stops_the_robot_hangs():
+def test_the_panel_answers_while_what_stops_the_robot_hangs(monkeypatch):
+    monkeypatch.setattr("robsim.gui._panel.run.transport._PATIENCE", 0.01)
     is_free = threading.Event()
 
     def send(u):
         if not np.any(u):
             is_free.wait(SOON)
 
-    sim = experiment(frames(20), send=send, control=lambda step: (1, 2), frame_timeout=1000)
+    sim = driven(frames(20), send)
     with panel_of(sim) as (_, browser):
         browser.press("step")
         browser.take("state", steps=1)
         wait_for(lambda: not sim.is_running)
-        for _ in range(2 * transport._MOST_STOPS):
+        for _ in range(20):
             browser.press("stop")
         assert "have not answered" in browser.take("note")[0]["text"]
         browser.say("inspect", k=None, path=[])
         browser.take("tree")
         names = [thread.name for thread in threading.enumerate()]
-        assert names.count("robsim stop") <= transport._MOST_STOPS
+        assert 0 < names.count("robsim stop") <= 10
         is_free.set()
         browser.take("state", state="paused", stopped=True)
 
 
-def test_stop_of_a_simulation_is_pause():
-    with panel_of(simulation(), speed=math.inf) as (_, browser):
-        browser.press("start")
-        browser.take("state", state="running")
-        browser.press("stop")
-        browser.take("state", state="paused", stopped=False)
-
-
-def test_a_robot_that_nobody_looks_at_is_stopped_at_once(monkeypatch):
-    monkeypatch.setattr(_panel_view, "_PATIENCE", 1000.0)
-    robot, source = Sender(), SteppedCamera([IMAGE] * 20)
+def test_a_robot_that_nobody_looks_at_is_stopped_at_once(robot, patience):
+    patience(1000.0)
+    source = SteppedCamera([IMAGE] * 20)
     source.permits.release()
-    with robsim.Camera(source, open_timeout=SOON) as camera:
-        sim = experiment(camera, send=robot, control=lambda step: (1, 2), frame_timeout=1000)
-        with panel_of(sim) as (view, browser):
-            browser.press("start")
-            wait_for(lambda: robot.sent)
-            browser.say("bye")
-            wait_for(lambda: view.driver.state == "paused")
-            assert robot.stands
-            browser.say("hello", width=300)
-            browser.take("state", state="paused", stopped=True)
+    with (
+        robsim.Camera(source, open_timeout=SOON) as camera,
+        panel_of(driven(camera, robot)) as (view, browser),
+    ):
+        browser.press("start")
+        wait_for(lambda: robot.sent)
+        browser.say("bye")
+        wait_for(lambda: view.driver.state == "paused")
+        assert robot.stands
+        browser.say("hello", width=300)
+        browser.take("state", state="paused", stopped=True)
 
 
 # The run and the panel
 
-LOOP_TIME = 0.2  # s
-
-
-def steps_done(watch):
-    """Steps in some time as fast as it goes; `watch` connects browsers."""
-    view = PanelView(simulation(measure=True), speed=math.inf)
-    try:
-        watch(view)
-        view.driver.start().result(SOON)
-        before, start = view.runner.n_steps, time.monotonic()
-        time.sleep(LOOP_TIME)
-        return (view.runner.n_steps - before) / (time.monotonic() - start)
-    finally:
-        view.close()
-
 
 @pytest.mark.long
 @pytest.mark.parametrize("room", [0, 10**9])
-def test_the_loop_is_not_slowed_by_who_looks(room):
-    def watch(view):
-        FakeBrowser(view, width=300, room=room).say("columns", names=["pose_true", "pose_measured"])
+def test_the_loop_does_not_wait_for_who_looks(room):
+    """A browser that takes nothing holds the view up, and no step."""
+    is_free = threading.Event()
 
-    ratios = (steps_done(watch) / steps_done(lambda view: None) for _ in range(5))
-    assert any(ratio > 0.3 for ratio in ratios)
+    class Blocked(FakeBrowser):
+        def transmit(self, head, buffers):
+            is_free.wait(SOON)
+
+    with panel_of(simulation(measure=True), speed=math.inf) as (view, _):
+        Blocked(view, name="blocked", room=room).say("columns", names=["pose_true"])
+        view.driver.start()
+        wait_for(lambda: view.runner.n_steps > 500)
+        assert view.driver.state == "running"
+        is_free.set()
 
 
 # The end of Python
@@ -549,16 +461,13 @@ while not (view.runner.n_steps or inside.is_set()):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("control", "hang"),
-    [("None", "pass"), ("hang", "pass"), ("hang", "time.sleep(1000)"), ("hang", "while 1: pass")],
-)
+@pytest.mark.parametrize(("control", "hang"), [("None", "pass"), ("hang", "while 1: pass")])
 def test_the_end_of_python_while_a_panel_runs(control, hang):
     code = textwrap.dedent(END).format(control=control, hang=hang)
     environment = {**os.environ, "PYTHONFAULTHANDLER": "1"}
     run = subprocess.run(
         [sys.executable, "-c", code],
-        **{"capture_output": True, "text": True, "timeout": 60, "check": False},
+        **{"capture_output": True, "text": True, "timeout": SOON, "check": False},
         env=environment,
     )
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from robsim.gui._link import Link
 from robsim.gui._panel.view import PanelView
 
-_PATIENCE = 20  # s
+_PATIENCE = 300  # s
 
 
 class FakeBrowser(Link):

@@ -21,7 +21,7 @@ def request(page, path, *, method="GET", body=b"", **headers):
 
 
 def connected(page, **options):
-    line = socket.create_connection(("127.0.0.1", page.port), timeout=10)
+    line = socket.create_connection(("127.0.0.1", page.port), timeout=300)
     for name, value in options.items():
         line.setsockopt(socket.SOL_SOCKET, getattr(socket, name), value)
     return line

@@ -21,7 +21,7 @@ def in_thread(work):
     try:
         yield thread
     finally:
-        thread.join(60)
+        thread.join(300)
     assert not thread.is_alive()
     if errors:
         raise errors[0]
