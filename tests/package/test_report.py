@@ -1,8 +1,6 @@
 """The one kind of result: a metric of one's own, and what all results have in common."""
 
-import ast
 import json
-import re
 import sys
 import textwrap
 from dataclasses import dataclass
@@ -11,7 +9,6 @@ import numpy as np
 import pytest
 
 import robsim
-from package_files import package_files
 from robsim._base.report import count, interval
 from robsim._base.report.numbers import plain, shown
 from robsim.evaluation import Column, Quantity, Report, Row, Table, percent
@@ -71,9 +68,6 @@ def test_a_metric_as_text():
           left        0.25         75.0 %
           right          -         25.0 %
           - the voltages are those sent""")
-
-
-def test_a_metric_at_a_prompt():
     line = "Voltages of the motors: gentle, root mean square 0.50 V, turned by 90.0 deg"
     assert EFFORT.line == line
     assert repr(EFFORT) == f"<Effort: {line}>"
@@ -94,76 +88,46 @@ def test_a_metric_as_data():
     assert json.loads(EFFORT.to_json()) == json.loads(EFFORT.to_json(indent=None)) == expected
 
 
-def test_a_metric_as_a_data_frame():
+def test_a_metric_as_a_data_frame(monkeypatch):
     frame = EFFORT.to_pandas()
     assert frame.index.name == "motor"
     assert frame.loc["left", "mean"] == 0.25
     assert frame["mean"].dtype == np.float64
     assert frame.attrs == {"title": "Voltages of the motors", "verdict": "gentle"}
-
-
-def test_a_metric_without_a_table_as_a_data_frame():
+    # Without a table a row for each quantity.
     frame = robsim.Simulation(measure=True, seed=1).run(2).tracking().to_pandas()
     assert frame.loc["seen", "value"] == 2
     assert frame.loc["rmse_xy", "unit"] == "px"
-
-
-def test_without_pandas_it_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
-    for result in (EFFORT, robsim.Simulation().run(1)):
-        with pytest.raises(ImportError, match="to_pandas needs pandas: pip install pandas"):
-            result.to_pandas()
+    with pytest.raises(ImportError, match="pip install pandas"):
+        EFFORT.to_pandas()
 
 
 def test_a_metric_in_a_notebook():
     html = EFFORT._repr_html_()
     assert html.count("<table") == html.count("</table>") == 2
-    # Not a caption: that would be as narrow as the first table.
-    assert html.startswith("<div><p><b>Voltages of the motors: gentle</b></p><table")
-    assert '<th style="text-align: right">mean (V)</th>' in html
-    assert '<td style="text-align: right">75.0 %</td>' in html
-    assert "<li>the voltages are those sent</li>" in html
+    for text in ("Voltages of the motors: gentle", "mean (V)", "75.0 %", "voltages are those sent"):
+        assert text in html
     assert "color" not in html  # the notebook's own, light or dark
-
-
-def test_groups_of_rows_are_apart_in_a_notebook_as_in_a_terminal():
-    trace = robsim.Simulation(estimate_parameters=True, seed=1).run(50)
-    report = robsim.identifiability(trace)
-    assert str(report).count("----\n") == 3
-    assert report._repr_html_().count('<tr style="border-top') == 2  # and one below the headings
-
-
-def test_long_sentences_of_problems_end_before_the_edge():
-    sentence = "the covariance is not symmetric, as that of an estimate has to be, " * 3
-    problem = robsim.doctor.Problem(kind="a", sentence=sentence.strip(", "), k=3)
-    lines = str(robsim.doctor.CheckReport(name="it", problems=(problem,))).splitlines()
-    assert max(map(len, lines)) <= 100
-    assert lines[1].startswith("  1. the covariance")
-    assert lines[2].startswith("     ")
-    assert lines[-1] == "     step 3"
 
 
 def test_every_text_is_escaped():
     evil = "<script>alert(1)</script>"
-    names = Effort(rms=2.0, each=np.ones((1, 2)), names=(evil,))._repr_html_()
+    names = Effort(rms=2.0, each=np.ones((1, 2)), names=(evil,))
     units = robsim.evaluation.estimation_errors(
         np.ones((1, 1)), np.zeros((1, 1)), names=[evil], units=[evil], source=evil
-    )._repr_html_()
-    check = robsim.doctor.CheckReport(
-        name=evil, problems=(robsim.doctor.Problem(kind="a", sentence=evil),), remarks=(evil,)
-    )._repr_html_()
-    for html in (names, units, check):
-        assert "<script" not in html
-        assert "&lt;script&gt;" in html
-
-
-def test_a_report_needs_a_title():
-    with pytest.raises(TypeError, match="title"):
-        type("Untitled", (Report,), {})()
+    )
+    problem = robsim.doctor.Problem(kind="a", sentence=evil)
+    check = robsim.doctor.CheckReport(name=evil, problems=(problem,), remarks=(evil,))
+    for result in (names, units, check):
+        assert "<script" not in result._repr_html_()
+        assert "&lt;script&gt;" in result._repr_html_()
 
 
 def test_a_field_that_hides_a_property_is_told():
-    with pytest.raises(TypeError, match=r"Mine\.title must be a property, or a field with a defau"):
+    with pytest.raises(TypeError, match="title"):
+        type("Untitled", (Report,), {})()
+    with pytest.raises(TypeError, match=r"Mine\.title"):
 
         class Mine(Report):
             title: str
@@ -177,67 +141,49 @@ def test_a_field_that_hides_a_property_is_told():
 
 def test_the_example_of_the_documentation_works():
     example = textwrap.dedent(Report.__doc__.split("::\n", 1)[1])
-    assert len(example.strip().splitlines()) <= 30
     names = {"dataclass": dataclass, "Report": Report, "Quantity": Quantity, "np": np}
     exec(compile("from __future__ import annotations\n" + example, "example", "exec"), names)
-    trace = robsim.Simulation(control=lambda step: (0.5, -1.5)).run(3)
-    report = names["effort"](trace)
-    assert report.line == (
-        "Voltages of both motors: rough, root mean square 1.118 V, largest 1.50 V"
-    )
+    report = names["effort"](robsim.Simulation(control=lambda step: (0.5, -1.5)).run(3))
+    assert "1.118 V, largest 1.50 V" in report.line
 
 
 # Numbers.
 
 
-@pytest.mark.parametrize(
-    ("fraction", "text"),
-    [
-        (0, "0 %"),
-        (1, "100 %"),
-        (0.75, "75.0 %"),
-        (199_998 / 200_000, "99.999 %"),
-        (2 / 200_000, "0.001 %"),
-        (0.9995, "99.95 %"),
-        (0.0004, "0.04 %"),
-        (1 - 1e-9, "> 99.999 %"),
-        (1e-9, "< 0.001 %"),
-        (1 + 1e-9, "> 100 %"),
-        (1.5, "150.0 %"),
-        (1e6, "> 1000 %"),
-    ],
-)
-def test_only_all_is_100_percent_and_only_nothing_0(fraction, text):
-    assert percent(fraction) == text
-
-
-def test_fewer_decimals_where_they_are_enough():
-    assert percent(0.05, 0) == "5 %"
-    assert percent(0.998, 0) == "99.8 %"
-
-
-def test_counts_and_intervals():
-    assert count(3, 4) == "3 (75.0 %)"
-    assert count(0, 0) == "0"
+def test_only_all_is_100_percent_and_only_nothing_0():
+    for fraction, text in {
+        0: "0 %",
+        1: "100 %",
+        0.75: "75.0 %",
+        199_998 / 200_000: "99.999 %",
+        2 / 200_000: "0.001 %",
+        0.9995: "99.95 %",
+        0.0004: "0.04 %",
+        1 - 1e-9: "> 99.999 %",
+        1e-9: "< 0.001 %",
+        1 + 1e-9: "> 100 %",
+        1.5: "150.0 %",
+        1e6: "> 1000 %",
+    }.items():
+        assert percent(fraction) == text
+    # Fewer decimals where they are enough.
+    assert (percent(0.05, 0), percent(0.998, 0)) == ("5 %", "99.8 %")
+    assert (count(3, 4), count(0, 0)) == ("3 (75.0 %)", "0")
     assert interval((1, 2.345678)) == "1 to 2.35"
 
 
-@pytest.mark.parametrize(
-    ("value", "unit", "text"),
-    [
+def test_a_value_as_people_read_it():
+    for value, unit, text in [
         (np.pi, "rad", "180"),
         (NAN, "rad", "?"),
         (None, "", "?"),
         (float("inf"), "px", "inf"),
-        (200_000, "", "200000"),
         (np.int64(200_000), "", "200000"),
         (np.float64(1 / 3), "V", "0.3333"),
         ("text", "", "text"),
         (True, "", "True"),
-    ],
-)
-def test_a_value_as_people_read_it(value, unit, text):
-    assert shown(value, unit, ".4g", "?") == text
+    ]:
+        assert shown(value, unit, ".4g", "?") == text
 
 
 def test_plain_values_are_what_json_has():
@@ -260,7 +206,7 @@ def results():
     )
     trace = sim.run(60)
     ones = np.ones((5, 8, 2))
-    blue = robsim.vision.load_colors()[1]
+    blue = robsim.load_colors()[1]
     return [
         trace.tracking(),
         trace.summary(),
@@ -292,21 +238,3 @@ def test_every_result_has_every_form(results):
         assert result.to_dict()["title"] == result.title
         result.to_pandas()
         assert result.verdict is None or len(result.verdict.split()) <= 2
-
-
-@pytest.mark.long
-def test_no_result_writes_a_layout_of_its_own(results):
-    forms = {"__str__", "_repr_html_", "to_dict", "to_json", "to_pandas"}
-    own = {name for result in results for name in vars(type(result))}
-    assert not own & forms
-
-
-@pytest.mark.long
-def test_no_message_says_by_itself_what_was_not_recorded():
-    for file in package_files():
-        if file.name == "_not_recorded.py":
-            continue
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Raise) and (text := ast.unparse(node)):
-                missing = re.search(r"trace (has no (?!steps)|must have (?!no )).*run ", text)
-                assert not missing, (file, text)
