@@ -76,20 +76,19 @@ def test_the_class_has_all_that_is_known(made):
 
 @pytest.mark.long
 def test_what_is_as_it_should_be_is_well(folder, cast):
-    cast("as a notebook", "unscented", "naive", "nothing in it", "exit")
+    cast("as a notebook", "naive", "nothing in it", "exit")
     write_limits(folder, {})
     report = check_assignment(folder, progress=False)
     assert {one.kind for one in report.problems} == NOT_CALIBRATED
     verdicts = {title: row["verdict"] for title, row in report.tables[0].records()}
-    assert verdicts["right: reference, as a notebook"] == "well"
-    assert verdicts["wrong: naive"] == "well"
-    assert verdicts["right: unscented"] == "well"  # by what submissions cannot have
-    assert verdicts["nothing in it"] == verdicts["hostile: exit"] == verdicts["key"] == "well"
+    assert {title for title, verdict in verdicts.items() if verdict != "well"} == NOT_CALIBRATED
+    cast_of_it = {"right: reference, as a notebook", "wrong: naive", "nothing in it"}
+    assert cast_of_it | {"hostile: exit", "key"} <= set(verdicts)
 
 
 @pytest.mark.slow
 def test_hostile_ones_get_nothing_and_end_nothing(folder, cast):
-    cast("hostile", "right: reference, as")
+    cast("hostile", "right: unscented")
     write_limits(folder, {})
     report = check_assignment(folder, progress=False)
     assert {one.kind for one in report.problems} == NOT_CALIBRATED
@@ -98,31 +97,25 @@ def test_hostile_ones_get_nothing_and_end_nothing(folder, cast):
 
 
 @pytest.mark.slow
-def test_a_right_one_below_full_points_is_a_problem(folder, cast):
-    cast("smaller_r")
-    write_limits(folder, TIGHT)
-    found = problems(folder)["right: smaller_r"]
-    assert "is right and should get all points" in found
-    assert "in 3 of 3 gradings; public: The rms error of the position is too large" in found
-
-
-@pytest.mark.slow
-def test_a_wrong_one_with_full_points_is_a_problem(folder, cast):
-    cast("naive")
-    write_limits(folder, WIDE)
-    assert "is wrong and should get fewer points" in problems(folder)["wrong: naive"]
+@pytest.mark.parametrize(("one", "limits"), [("right: smaller_r", TIGHT), ("wrong: naive", WIDE)])
+def test_a_right_one_without_and_a_wrong_one_with_full_points_is_a_problem(
+    folder, cast, one, limits
+):
+    cast(one)
+    write_limits(folder, limits)
+    assert set(problems(folder)) == NOT_CALIBRATED | {one}
 
 
 @pytest.mark.parametrize(
-    ("gradings", "is_wrong", "got"),
+    ("gradings", "is_wrong"),
     [
-        ([True], False, "8.9 of 9"),
-        ([False, True, True], False, "8.9 of 9, in 1 of 3 gradings"),
-        ([False, False, True], True, "8.9 of 9, in 2 of 3 gradings"),
-        ([False, False, False], True, "8.9 of 9, in 3 of 3 gradings"),
+        ([True], False),
+        ([False, True, True], False),
+        ([False, False, True], True),
+        ([False, False, False], True),
     ],
 )
-def test_one_of_three_gradings_is_chance(folder, cast, monkeypatch, gradings, is_wrong, got):
+def test_one_of_three_gradings_is_chance(folder, cast, monkeypatch, gradings, is_wrong):
     cast("right: unscented")
     write_limits(folder, {})
     expected = iter(gradings)
@@ -133,44 +126,29 @@ def test_one_of_three_gradings_is_chance(folder, cast, monkeypatch, gradings, is
     monkeypatch.setattr(check, "graded", graded)
     monkeypatch.setattr(check, "_points", lambda part, result: (8.9, 9))
     monkeypatch.setattr(check, "_is_expected", lambda part, result: result.expected)
-    report = check_assignment(folder, progress=False)
-    assert any(one.kind == "right: unscented" for one in report.problems) == is_wrong
-    assert dict(report.tables[0].records())["right: unscented"]["got"] == got
+    assert ("right: unscented" in problems(folder)) == is_wrong
     assert list(expected) == []
 
 
 def test_what_is_still_is_looked_at_before_anything_is_run(folder, cast):
     cast("nobody")
     write_limits(folder, {})
-    (folder / "sheet.md").write_text("Do it.")
     shutil.copy(folder / "key", folder / "start/key.txt")
-    found = problems(folder)
-    assert found["sheet.md"] == "sheet.md does not say what estimate_state is to do"
-    assert "start/key.txt has the key" in found["for students"]
-    assert "they were not calibrated: robsim assignment calibrate" in found["limits of public"]
-
-
-def test_other_points_on_the_sheet_are_told(folder, cast):
-    cast("nobody")
-    write_limits(folder, {})
     toml = folder / "assignment.toml"
     toml.write_text(toml.read_text().replace("points = 6", "points = 7"))
-    assert problems(folder)["sheet.md"] == (
-        "sheet.md says 6 points for hidden, and assignment.toml 7"
-    )
+    found = problems(folder)
+    assert "start/key.txt" in found["for students"]
+    assert "7" in found["sheet.md"]
+    (folder / "sheet.md").write_text("Do it.")
+    assert "estimate_state" in problems(folder)["sheet.md"]
 
 
+@pytest.mark.long
 def test_the_command_exits_with_what_was_found(folder, cast):
+    run = command("assignment", "check", str(folder))
+    assert run.exit_code == 2  # it has no limits
     cast("nothing in it")
     write_limits(folder, {})
-    run = command("assignment", "check", str(folder))
+    run = command("assignment", "check", str(folder), "--json")
     assert run.exit_code == 1, run.stderr
-    assert "hw1 failed 2 checks" in run.stdout
-    told = json.loads(command("assignment", "check", str(folder), "--json").stdout)
-    assert told["checks"]["nothing in it"]["verdict"] == "well"
-
-
-def test_what_is_not_complete_cannot_be_checked(folder):
-    run = command("assignment", "check", str(folder))
-    assert run.exit_code == 2
-    assert "calibrate its limits first" in run.stderr
+    assert json.loads(run.stdout)["checks"]["nothing in it"]["verdict"] == "well"

@@ -9,26 +9,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from robsim.assignments import Assignment
 from robsim.assignments._grading.marking import marked
 from robsim.assignments._grading.references import References
 from robsim.assignments._grading.seeds import seeds_of
 from robsim.assignments._grading.task_runs import graded_task, run_to_show
-from robsim.assignments._reports.words import caption_text
 from robsim.assignments._results import FailedRun
-from robsim.grading import AssignmentError, Key, Limits, SubmissionError
+from robsim.grading import AssignmentError, Key, SubmissionError
 from robsim.grading._calls.judging import judged
 from robsim.grading._graded_run import GradedSimulation, graded_run
 from robsim.tasks import Limit
-from small_assignments import LIMITS, assignment, drawn_quickly, solution
-
-RAISES = """
-import numpy as np, robsim
-def estimate_state(step):
-    if step.k == 7:
-        raise ValueError(f"at {step.k}")
-    return robsim.Estimate((600.0, 600.0, 0.0), np.eye(3))
-"""
+from small_assignments import LIMITS, drawn_quickly
 
 pytestmark = pytest.mark.long
 
@@ -39,25 +29,25 @@ def quickly():
         yield
 
 
-@pytest.fixture(scope="module")
-def hw3(tmp_path_factory):
-    return Assignment.load(assignment(tmp_path_factory.mktemp("a") / "hw3"))
+@pytest.fixture
+def hw3(graded_class):
+    return graded_class.assignment
 
 
-@pytest.fixture(scope="module")
-def right(hw3, tmp_path_factory):
-    return solution(tmp_path_factory.mktemp("s") / "s001")
+@pytest.fixture
+def right(graded_class):
+    return graded_class.submissions / "s001"
 
 
-@pytest.fixture(scope="module")
-def graded(hw3, right):
-    with drawn_quickly():
-        return hw3.grade(right)
+@pytest.fixture
+def graded(graded_class):
+    """What came of the reference, handed in."""
+    return graded_class.of("s001")
 
 
-def written(folder, text, slot="estimate_state"):
+def written(folder, text):
     folder.mkdir()
-    (folder / f"{slot}.py").write_text(text)
+    (folder / "estimate_state.py").write_text(textwrap.dedent(text))
     return folder
 
 
@@ -74,63 +64,60 @@ def test_the_reference_itself_has_all_points(graded):
         # the same code in the same worlds
         assert position.values == pytest.approx(position.reference, rel=1e-9)
         assert heading.statistic == pytest.approx(1, rel=1e-9)
-        assert test.failed == ()
+        assert (test.failed, test.finding) == ((), "")
         assert test.worst in (0, 1)
         assert test.seconds > 0
+    assert "s001, Through dropouts" in str(graded)
+    assert "<table" in graded._repr_html_()
 
 
-def test_a_naive_solution_loses_points_and_is_told_where(hw3, tmp_path):
-    tight = {name: Limit(full=1.0001, zero=1.5) for name in LIMITS}
-    tests = tuple(replace(test, limits=tight) for test in hw3.tests)
-    result = replace(hw3, tests=tests).grade(solution(tmp_path / "s002", "naive"))
-    shown, hidden = result.tests
+def test_a_naive_solution_loses_points_and_is_told_why(graded_class):
+    shown, hidden = graded_class.of("s002").tests
     assert shown.points < shown.most
     assert shown.status in ("partial", "failed")
-    assert "too large" in shown.sentence
+    for sentence in (shown.sentence, hidden.sentence):
+        assert re.search("position|heading|NEES", sentence)
+    # By how much is told of what is public.
     assert "times that of the reference" in shown.sentence
-    assert "too large" in hidden.sentence
-    titles = r"(rms error of the (position|heading)|mean NEES of the pose / 3)"
-    assert re.fullmatch(
-        rf"The {titles}((, the {titles})? and the {titles} are| is) too large.", hidden.sentence
-    )
+    assert not re.search(r"\d\.\d", hidden.sentence)
+    # The doctor says what is wrong, and where.
+    assert "covariance" in shown.finding
+    assert "estimate_state.py:" in shown.finding
+    assert hidden.finding == shown.finding
 
 
-def test_a_submission_that_fails_is_told_the_slot_the_step_and_the_line(hw3, tmp_path):
-    result = hw3.grade(written(tmp_path / "s003", RAISES))
+def test_a_submission_that_fails_is_told_the_slot_the_step_and_the_line(graded_class):
+    result = graded_class.of("s003")
     shown, hidden = result.tests
     assert (result.points, shown.status, shown.whose) == (0, "failed", "submission")
     first = shown.failed[0]
-    assert (first.slot, first.step, first.file, first.line) == (
-        "estimate_state",
-        7,
-        "estimate_state.py",
-        5,
-    )
+    assert (first.slot, first.step) == ("estimate_state", 7)
+    assert (first.file, first.line) == ("estimate_state.py", 5)
     assert "ValueError: at 7" in shown.sentence
     assert all(math.isnan(score.statistic) for score in shown.scores)
-    assert hidden.sentence == "All runs ended early: estimate_state failed."
+    assert "failed" in hidden.sentence
+    assert "7" not in hidden.sentence
     assert result.is_done
     assert (shown.worst, shown.picture) == (0, "shown.png")
-    assert caption_text(shown).startswith("Run 0, until it failed. ")
 
 
 @pytest.mark.parametrize(
-    ("does", "how"),
+    ("does", "limits", "how"),
     [
-        ("while True: pass", "took too long"),
-        ("import os; os._exit(0)", "ended its process"),
-        ("raise ValueError('x: its process ended by itself')", "failed"),
-        ("raise ValueError('it took longer than 1 s')", "failed"),
+        ("while True: pass", {"call": 0.2, "first_call": 0.2}, "took too long"),
+        ("import os; os._exit(0)", {}, "ended its process"),
+        ("raise ValueError('its process ended by itself: it took longer than 1 s')", {}, "failed"),
     ],
 )
-def test_a_hidden_test_says_how_a_run_ended_and_no_more(hw3, tmp_path, does, how):
-    text = f"def estimate_state(step):\n    {does}\n"
-    quick = replace(hw3, limits=replace(hw3.limits, call=0.2, first_call=0.2))
-    result = quick.grade(written(tmp_path / "s003", text))
+def test_a_hidden_test_says_how_a_run_ended_and_no_more(
+    hw3, tmp_path, monkeypatch, does, limits, how
+):
+    monkeypatch.setattr("robsim.assignments._grading.findings._SECONDS", 0.2)
+    limited = replace(hw3, limits=replace(hw3.limits, **limits))
+    result = limited.grade(written(tmp_path / "s004", f"def estimate_state(step):\n    {does}\n"))
     shown, hidden = result.tests
     assert hidden.sentence == f"All runs ended early: estimate_state {how}."
     assert (shown.worst, shown.picture) == (0, None)
-    assert caption_text(shown) == "There is no picture: run 0 failed in its first step."
 
 
 def test_a_run_that_fails_is_shown_where_that_costs_more(hw3, graded):
@@ -146,11 +133,11 @@ def test_a_run_that_fails_is_shown_where_that_costs_more(hw3, graded):
     assert run_to_show(replace(half, failed=()), [1, 0]) == 0
 
 
-def test_a_run_that_fails_is_played_up_to_there(hw3, tmp_path):
-    again = hw3.play(written(tmp_path / "s003", RAISES), "hidden", 1)
+def test_a_run_that_fails_is_played_up_to_there(graded_class, tmp_path):
+    hw3 = graded_class.assignment
+    again = hw3.play(graded_class.submissions / "s003", "hidden", 1)
     assert len(again.trace) == 7
     assert "ValueError: at 7" in again.failed
-    assert "the run ended early: " in str(again)
     assert again.picture().startswith(b"\x89PNG")
     never = written(tmp_path / "s005", "def estimate_state(step):\n    raise ValueError\n")
     with pytest.raises(SubmissionError, match="at step 0"):
@@ -158,19 +145,18 @@ def test_a_run_that_fails_is_played_up_to_there(hw3, tmp_path):
 
 
 def test_a_run_that_fails_takes_its_part_of_the_points(hw3, graded):
-    test, result = hw3.tests[0], graded.tests[0]
     half = replace(
-        result,
+        graded.tests[0],
         failed=(FailedRun(run=1, reason="it ended"),),
         scores=tuple(
             replace(score, values=score.values[:1], reference=score.reference[:1])
-            for score in result.scores
+            for score in graded.tests[0].scores
         ),
     )
-    again = marked(test, half)
+    again = marked(hw3.tests[0], half)
     assert again.points == pytest.approx(1.0)
     assert again.status == "partial"
-    assert "1 of 2 runs ended early. Run 1: it ended." in again.sentence
+    assert "Run 1: it ended" in again.sentence
 
 
 def test_points_are_linear_in_the_logarithm_between_the_limits(hw3, graded):
@@ -186,45 +172,38 @@ def test_points_are_linear_in_the_logarithm_between_the_limits(hw3, graded):
 def test_a_submission_that_cannot_be_read_has_no_points_and_a_reason(hw3, tmp_path):
     (tmp_path / "s004.txt").write_text("my solution")
     result = hw3.grade(tmp_path / "s004.txt")
-    assert result.points == 0
+    assert (result.points, result.student) == (0, "s004.txt")
     assert {test.status for test in result.tests} == {"failed"}
-    assert "is none of what can be graded" in result.tests[0].sentence
-    assert result.student == "s004.txt"
+    assert "s004.txt" in result.tests[0].sentence
 
 
 def test_masked_modules_cannot_be_had(hw3, tmp_path):
     text = "import robsim.reference\ndef estimate_state(step):\n    return None\n"
-    shown, _ = hw3.grade(written(tmp_path / "s005", text)).tests
-    assert "robsim.reference is not there for this assignment" in shown.sentence
+    result = hw3.grade(written(tmp_path / "s005", text), only="shown")
+    assert "robsim.reference is not there" in result.tests[0].sentence
 
 
-def test_each_student_has_worlds_of_their_own_but_in_public_tests(hw3, right):
+def test_each_student_has_worlds_of_their_own_but_in_public_tests(hw3):
     shown, hidden = hw3.tests
     references = References(hw3)
     assert references.numbers(shown, "s001", 0) == references.numbers(shown, "s002", 0)
-    assert references.numbers(hidden, "s001", 0) != references.numbers(hidden, "s002", 0)
+    own = references.numbers(hidden, "s001", 0)
+    assert own != references.numbers(hidden, "s002", 0)
+    assert own != References(replace(hw3, key=Key.new())).numbers(hidden, "s001", 0)
     alike = References(replace(hw3, own_seeds=False))
     assert alike.numbers(hidden, "s001", 0) == alike.numbers(hidden, "s002", 0)
 
 
-def test_public_runs_need_no_key_and_are_the_same_everywhere(hw3, right):
-    public = hw3.grade(right, public=True, student="somebody")
-    (shown,) = public.tests
-    here = replace(hw3, key=None).grade(right, public=True).tests[0]
-    assert shown.scores == here.scores
-    assert public.is_done
-
-
-def test_numbers_of_the_reference_can_stand_in_for_it(hw3, right, graded):
+def test_public_runs_need_no_key_and_the_numbers_of_the_reference_can_stand_in_for_it(
+    hw3, right, graded
+):
     shown, _ = hw3.tests
     numbers = References(hw3).of_public_runs(shown)
-    known = replace(
-        shown,
-        reference=None,
-        reference_values={name: tuple(values) for name, values in numbers.items()},
-    )
-    result = replace(hw3, tests=(known,), key=None).grade(right)
-    assert result.tests[0].scores == graded.tests[0].scores
+    values = {name: tuple(values) for name, values in numbers.items()}
+    known = replace(shown, reference=None, reference_values=values)
+    public = replace(hw3, tests=(known,), key=None).grade(right, public=True, student="somebody")
+    assert [test.scores for test in public.tests] == [graded.tests[0].scores]
+    assert public.is_done
 
 
 def test_a_run_played_again_is_the_one_that_was_graded(hw3, right, graded):
@@ -237,16 +216,15 @@ def test_a_run_played_again_is_the_one_that_was_graded(hw3, right, graded):
     task = graded_task(hw3, hw3.tests[1], str(right))
     other = graded_run(task, hw3.tests[1].task.scenario, 20, seeds).result
     assert np.array_equal(other.pose_true, again.trace.pose_true)
-    assert again.picture().startswith(b"\x89PNG")
-    assert "s001, hidden, run 1" in str(again)
-    with pytest.raises(ValueError, match=r"run must lie within 0\.\.1, got 2"):
+    with pytest.raises(ValueError, match="run must lie within"):
         hw3.play(right, "hidden", 2)
-    with pytest.raises(ValueError, match="has no test by a task 'hiden': did you mean 'hidden'"):
+    with pytest.raises(ValueError, match="'hiden'"):
         hw3.play(right, "hiden", 1)
 
 
-def test_a_run_that_failed_gives_its_steps_and_keeps_no_worker(hw3, tmp_path):
-    task = graded_task(hw3, hw3.tests[0], str(written(tmp_path / "s003", RAISES)))
+def test_a_run_that_failed_gives_its_steps_and_keeps_no_worker(graded_class):
+    hw3 = graded_class.assignment
+    task = graded_task(hw3, hw3.tests[0], str(graded_class.submissions / "s003"))
     seeds = seeds_of(hw3, hw3.tests[0], "s003", 0)
     gc.collect()
     gc.disable()
@@ -265,74 +243,40 @@ def test_tests_that_are_not_asked_for_are_not_run(hw3, right):
     result = hw3.grade(right, only=["shown"])
     assert [test.status for test in result.tests] == ["passed", "not run"]
     assert not result.is_done
-    with pytest.raises(ValueError, match="hw3 has no test 'show': did you mean 'shown'"):
+    with pytest.raises(ValueError, match="'show'"):
         hw3.grade(right, only="show")
 
 
 def test_a_submission_that_takes_all_the_time_does_not_keep_the_others(hw3, tmp_path):
-    text = "import time\ndef estimate_state(step):\n    time.sleep(60)\n"
-    quick = Limits(call=1.0, first_call=1.0)
-    short = replace(hw3, limits=quick, seconds=2.0)
-    result = short.grade(written(tmp_path / "s006", text))
+    text = "import time\ndef estimate_state(step):\n    time.sleep(3000)\n"
+    result = replace(hw3, seconds=1.0).grade(written(tmp_path / "s006", text))
     shown, hidden = result.tests
-    assert "took longer than" in shown.sentence
-    assert "all the time that there is" in hidden.sentence
-    assert (hidden.status, hidden.points) == ("not run", 0)
+    assert (shown.points, hidden.points) == (0, 0)
+    assert "all the time" in hidden.sentence
+    assert hidden.status == "not run"
     assert result.is_done
-    assert result.seconds < 20
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("changes", "of_shown", "named"),
     [
-        ({"key": None}, "hw3 has no key"),
-        ({"tests": "stale"}, "the limits of the test shown: the task is not"),
-        ({"tests": "no limits"}, "the test shown has no limit for position: calibrate"),
-        ({"tests": "no reference"}, "the test shown has no reference"),
-        ({"tests": "broken"}, "the reference of the test shown fails: ZeroDivisionError"),
-        ({"tests": "short"}, "limits.json has 1 numbers of the reference of shown, which has 2"),
+        ({"key": None}, {}, "key"),
+        ({}, {"stale": "the task is not"}, "shown.*the task is not"),
+        ({}, {"limits": {}}, "shown.*position"),
+        ({}, {"reference": None}, "shown.*reference"),
+        ({}, {"reference": "broken"}, "shown.*ZeroDivisionError"),
+        ({}, {"reference_values": dict.fromkeys(LIMITS, (1.0,))}, "1 numbers.*shown"),
     ],
 )
-def test_an_assignment_that_is_broken_scores_nothing(hw3, tmp_path, change, said):
+def test_an_assignment_that_is_broken_scores_nothing(hw3, right, changes, of_shown, named):
     shown, hidden = hw3.tests
-    broken = {"estimate_state": b"def estimate_state(step):\n    return 1 / 0\n"}
-    tests = {
-        "stale": replace(shown, stale="the task is not"),
-        "no limits": replace(shown, limits={}),
-        "no reference": replace(shown, reference=None),
-        "broken": replace(shown, reference=replace(shown.reference, files=broken)),
-        "short": replace(shown, reference_values=dict.fromkeys(LIMITS, (1.0,))),
-    }
-    if "tests" in change:
-        change = {"tests": (tests[change["tests"]], hidden)}
-    with pytest.raises(AssignmentError) as caught:
-        replace(hw3, **change).grade(solution(tmp_path / "s007"))
-    assert said in str(caught.value)
+    if of_shown.get("reference") == "broken":
+        files = {"estimate_state": b"def estimate_state(step):\n    return 1 / 0\n"}
+        of_shown = {"reference": replace(shown.reference, files=files)}
+    broken = replace(hw3, tests=(replace(shown, **of_shown), hidden), **changes)
+    with pytest.raises(AssignmentError, match=named) as caught:
+        broken.grade(right)
     assert caught.value.whose == "assignment"
-
-
-def test_a_result_shows_itself(graded):
-    assert "s001, Through dropouts" in str(graded)
-    assert repr(graded).startswith("<SubmissionResult: s001, Through dropouts")
-    assert "<table" in graded._repr_html_()
-    assert "hidden" in str(graded.report)
-
-
-def test_another_key_gives_other_worlds(hw3):
-    other = replace(hw3, key=Key.new())
-    one, two = (References(each).numbers(each.tests[1], "s001", 0) for each in (hw3, other))
-    assert one != two
-
-
-def test_the_doctor_says_what_is_wrong_where_points_are_lost(hw3, graded, tmp_path):
-    tight = {name: Limit(full=1.0001, zero=1.5) for name in LIMITS}
-    tests = tuple(replace(test, limits=tight) for test in hw3.tests)
-    result = replace(hw3, tests=tests).grade(solution(tmp_path / "s002", "naive"))
-    finding = result.tests[0].finding
-    assert "the covariance has to grow while the robot is not seen" in finding
-    assert "estimate_state.py:" in finding
-    assert result.tests[1].finding == finding
-    assert [test.finding for test in graded.tests] == ["", ""]
 
 
 def test_what_is_said_in_place_of_the_doctor_is_text_of_the_submission(hw3, tmp_path):
@@ -349,19 +293,19 @@ def test_what_is_said_in_place_of_the_doctor_is_text_of_the_submission(hw3, tmp_
             head = struct.pack("<IBB3Q", 1, 2, 1, len(said), 0, 0)
             one._socket.sendall(struct.pack("<HHI", 8, 0, len(head) + len(said)) + head + said)
     """
-    place = written(tmp_path / "s008", textwrap.dedent(text))
+    place = written(tmp_path / "s008", text)
     task = graded_task(hw3, hw3.tests[0], str(place))
-    said = judged(task, "robsim.doctor._finding:first_finding", 20.0).result
+    said = judged(task, "robsim.doctor._finding:first_finding", 300.0).result
     assert said == "\\x1b[31m<b>all points</b>"  # escaped, and for others to escape in HTML
-    assert hw3.grade(place).points == 0
+    assert hw3.grade(place, only="shown").points == 0
 
 
 def test_what_cannot_be_loaded_is_not_loaded_for_each_run(hw3, tmp_path):
-    many = replace(hw3.tests[0], task=replace(hw3.tests[0].task, runs=6))
-    slow = replace(hw3, tests=(many,), limits=Limits(first_call=0.5))
+    many = replace(hw3.tests[0], task=replace(hw3.tests[0].task, runs=5))
+    slow = replace(hw3, tests=(many,), limits=replace(hw3.limits, first_call=0.1))
     result = slow.grade(written(tmp_path / "s009", "while True:\n    pass\n")).tests[0]
-    assert [run.reason for run in result.failed[3:]] == [
-        "not run: it could not be loaded in the runs before"
-    ] * 3
-    assert "took longer than 0.5 s" in result.failed[2].reason
-    assert "No run came through." in result.sentence
+    reasons = [run.reason for run in result.failed]
+    assert len(set(reasons[:3])) == 1
+    assert "0.1 s" in reasons[0]
+    assert reasons[3] == reasons[4] != reasons[0]
+    assert "not run" in reasons[3]

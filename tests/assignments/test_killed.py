@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,23 +12,27 @@ import pytest
 
 from robsim.assignments import Assignment, SubmissionResult
 from robsim.assignments._grading import work
-from small_assignments import TESTS, assignment, drawn_quickly, solution
+from sizes import thorough
+from small_assignments import PATIENT, TESTS, assignment, drawn_quickly, solution
+from waiting import wait_for
 
 pytestmark = [
     pytest.mark.long,
     pytest.mark.skipif(os.name == "nt", reason="there, processes are ended in another way"),
 ]
 PROGRAM = Path(__file__).parents[1] / "support/killed_grading.py"
+STUDENTS = ("s001", "s002", "s003")
 
 
-def made(tmp_path):
-    hw3 = assignment(tmp_path / "hw3", 'seeds = "class"\n' + TESTS)
-    for student in ("s001", "s002", "s003"):
+@pytest.fixture
+def course(tmp_path):
+    hw3 = assignment(tmp_path / "hw3", 'seeds = "class"\n' + PATIENT + TESTS)
+    for student in STUDENTS:
         solution(tmp_path / "subs" / student)
     return hw3, tmp_path / "subs", tmp_path / "out"
 
 
-def started(*paths):
+def started(paths):
     return subprocess.Popen([sys.executable, str(PROGRAM), *map(str, paths)])
 
 
@@ -44,8 +47,14 @@ def done(out):
     return {(r.student, t.name) for r in results(out) for t in r.tests if t.digest}
 
 
-def went_on(hw3, subs, out, monkeypatch):
+def wait_for_tests(grader, out, tests):
+    """Return once so many tests are done, or the grader has ended."""
+    wait_for(lambda: grader.poll() is not None or len(done(out)) >= tests)
+
+
+def went_on(course, monkeypatch):
     """Grade what is left; return the tests that were run for it."""
+    hw3, subs, out = course
     ran = set()
     true = work.run_task_test
 
@@ -66,27 +75,27 @@ def without_times(result):
 
 
 @pytest.mark.parametrize("tests_done", [1, pytest.param(3, marks=pytest.mark.slow)])
-def test_a_grader_that_is_killed_loses_one_test(tmp_path, monkeypatch, tests_done):
-    hw3, subs, out = made(tmp_path)
-    grader = started(hw3, subs, out)
-    while grader.poll() is None and len(done(out)) < tests_done:
-        time.sleep(0.01)
+def test_a_grader_that_is_killed_loses_one_test(course, monkeypatch, tests_done):
+    grader = started(course)
+    wait_for_tests(grader, course[2], tests_done)
     grader.send_signal(signal.SIGKILL)
     grader.wait()
-    kept = done(out)
+    kept = done(course[2])
     assert len(kept) >= tests_done
-    everything = {(s, t) for s in ("s001", "s002", "s003") for t in ("shown", "hidden")}
-    assert went_on(hw3, subs, out, monkeypatch) == everything - kept
+    everything = {(s, t) for s in STUDENTS for t in ("shown", "hidden")}
+    assert went_on(course, monkeypatch) == everything - kept
 
 
 @pytest.mark.slow
-def test_results_are_whole_whenever_the_grader_is_killed(tmp_path, monkeypatch, rng):
-    hw3, subs, out = made(tmp_path)
-    deaths = 0
-    while True:
-        grader = started(hw3, subs, out)
+def test_results_are_whole_whenever_the_grader_is_killed(course, tmp_path, rng):
+    """Each time it is killed a moment after it has done another test."""
+    hw3, subs, out = course
+    deaths, most = 0, thorough(20, 4)
+    while deaths < most:
+        grader = started(course)
+        wait_for_tests(grader, out, len(done(out)) + 1)
         try:
-            grader.wait(rng.uniform(0.5, 5.0))
+            grader.wait(rng.uniform(0, 0.3))
         except subprocess.TimeoutExpired:
             grader.send_signal(signal.SIGKILL)
             grader.wait()
@@ -96,11 +105,11 @@ def test_results_are_whole_whenever_the_grader_is_killed(tmp_path, monkeypatch, 
         if grader.returncode == 0:
             break
         assert grader.returncode == -signal.SIGKILL
-        assert deaths < 100
-    whole = made(tmp_path / "again")[2]
+    assert deaths
     with drawn_quickly():
-        Assignment.load(hw3).grade_class(subs, whole)
-    for one, other in zip(results(out), results(whole), strict=True):
+        Assignment.load(hw3).grade_class(subs, out)
+        Assignment.load(hw3).grade_class(subs, tmp_path / "whole")
+    for one, other in zip(results(out), results(tmp_path / "whole"), strict=True):
         assert without_times(one) == without_times(other)
     leftovers = [file for file in out.rglob("*") if file.name.startswith(".robsim-part")]
     assert len(leftovers) <= deaths
@@ -108,12 +117,11 @@ def test_results_are_whole_whenever_the_grader_is_killed(tmp_path, monkeypatch, 
 
 
 @pytest.mark.slow
-def test_ctrl_c_keeps_what_is_done(tmp_path, monkeypatch):
-    hw3, subs, out = made(tmp_path)
-    grader = started(hw3, subs, out)
-    while grader.poll() is None and not done(out):
-        time.sleep(0.01)
+def test_ctrl_c_keeps_what_is_done(course, monkeypatch):
+    grader = started(course)
+    wait_for_tests(grader, course[2], 1)
     grader.send_signal(signal.SIGINT)
-    assert grader.wait() != 0
-    kept = done(out)
-    assert not went_on(hw3, subs, out, monkeypatch) & kept
+    grader.wait()
+    kept = done(course[2])
+    assert kept
+    assert not went_on(course, monkeypatch) & kept

@@ -74,16 +74,13 @@ def test_blackboard_takes_its_columns():
     assert table == [["Username", "Hw 3 [Total Pts: 8 Score] |123"], ["jd42", "3.92"]]
 
 
-def test_columns_are_those_that_there_are():
-    with pytest.raises(ValueError, match="columns must be"):
-        marks_table([submission()], columns="sakai")
-
-
-@pytest.mark.parametrize("columns", ["robsim", "moodle", "canvas", "blackboard"])
-def test_names_are_no_formulas(columns):
+def test_names_are_no_formulas():
     results = [submission(name) for name in ("=cmd|' /C calc'!A0", "@SUM(1)", "+1", "-1", "\t=1")]
-    for row in rows(results, columns=columns):
-        assert not any(cell.lstrip().startswith(("=", "+", "-", "@")) for cell in row)
+    for columns in ("robsim", "moodle", "canvas", "blackboard"):
+        for row in rows(results, columns=columns):
+            assert not any(cell.lstrip().startswith(("=", "+", "-", "@")) for cell in row)
+    with pytest.raises(ValueError, match="columns"):
+        marks_table(results, columns="sakai")
 
 
 def test_no_result_makes_a_table_of_headings():

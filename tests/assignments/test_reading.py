@@ -3,6 +3,7 @@
 import json
 import os
 import pickle
+import re
 import sys
 
 import pytest
@@ -20,13 +21,9 @@ def refused(folder):
     return str(caught.value)
 
 
-def changed(folder, old, new, **options):
-    assert old in TESTS
-    return refused(assignment(folder / "hw3", TESTS.replace(old, new, 1), **options))
-
-
 def test_what_a_file_does_not_say_comes_from_the_tasks(tmp_path):
-    found = Assignment.load(assignment(tmp_path / "hw3"))
+    found = Assignment.load(assignment(tmp_path / "hw3", TESTS))
+    assert pickle.loads(pickle.dumps(found)) == found
     assert (found.name, found.title) == ("hw3", "Through dropouts")
     assert found.slots == ("estimate_state",)
     assert found.given == "pose"
@@ -81,74 +78,58 @@ def test_solutions_of_its_own_come_before_those_that_ship(tmp_path):
 
 
 def test_what_is_no_assignment_is_said_to_be_none(tmp_path):
-    assert "there is no such folder" in refused(tmp_path / "nowhere")
-    assert "it has no assignment.toml" in refused(tmp_path)
+    assert "nowhere" in refused(tmp_path / "nowhere")
+    assert "assignment.toml" in refused(tmp_path)
     (tmp_path / "assignment.toml").write_text("name = ")
-    assert "assignment.toml is not a TOML file" in refused(tmp_path)
+    assert "TOML" in refused(tmp_path)
+    nothing = assignment(tmp_path, 'name = "hw3"\ntitle = "x"\nslots = ["control"]', limits=())
+    assert "no tests" in refused(nothing)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("title =", "titel =", "there is no key 'titel': did you mean 'title'?"),
-        ('name = "hw3"', "", "name is missing"),
-        ('name = "hw3"', "name = 3", "name must be a text, got 3"),
-        ("points = 2", "", "[[tests]] 1: points is missing"),
-        ("points = 2", "points = -2", "points must be a number within 0..1e+06, got -2"),
-        ("points = 2", "point = 2", "no key 'point': did you mean 'points'?"),
-        ("public = true", "", "[[tests]] 1: public is missing"),
-        ("public = true", 'public = "no"', "public must be true or false, got 'no'"),
-        ('name = "shown"', 'name = "a/b"', "name must be of letters, digits and _, got 'a/b'"),
-        ('name = "shown"', 'name = "hidden"', "two tests have the name 'hidden'"),
-        ('task = "estimate"', 'task = "estimat"', "did you mean 'estimate'?"),
-        ("runs = 2", "runs = 0", "[[tests]] 1: runs must lie within 1..1000, got 0"),
-        (
-            "runs = 2",
-            "run = 2",
-            "[[tests]] 1: the task estimate has no 'run': did you mean 'runs'?",
-        ),
-        ("name =", "seeds = 1\nname =", "seeds must be one of 'student', 'class', got 1"),
-        ("name =", 'slots = "control"\nname =', "slots must be a list of names"),
-        ("name =", 'slots = ["control"]\nname =', "slots must have estimate_state, which its"),
-        ("name =", 'slots = ["contrl"]\nname =', "slots: the robot has no 'contrl': did you"),
-        ("name =", 'masked = ["robsim.refrence"]\nname =', "no robsim.refrence; did you mean"),
-        ("name =", "limits = { call = 0 }\nname =", "[limits]: call must be above 0"),
-        ("name =", "limits = { cal = 1 }\nname =", "[limits]: there is no key 'cal': did you mean"),
-        ("name =", 'isolation = "full"\nname =', "isolation must be one of 'auto', 'none'"),
-        ("name =", 'files = [{path = "x.py", public = true}]\nname =', "there is no file x.py"),
-        ("name =", 'files = [{path = "../x.py", public = true}]\nname =', "a Python file in the"),
-    ],
-)
-def test_what_is_wrong_is_named_with_key_and_value(tmp_path, old, new, said):
-    message = changed(tmp_path, old, new)
-    assert message.startswith("assignment.toml")
-    assert said in message
+def test_what_is_wrong_is_named_with_its_key(tmp_path):
+    for named, old, new in [
+        ("'titel'", "title =", "titel ="),
+        ("name", 'name = "hw3"', ""),
+        ("name.*3", 'name = "hw3"', "name = 3"),
+        (r"\[\[tests\]\] 1: points", "points = 2", ""),
+        ("points.*-2", "points = 2", "points = -2"),
+        (r"\[\[tests\]\] 1: public", "public = true", ""),
+        ("public.*'no'", "public = true", 'public = "no"'),
+        ("name.*'a/b'", 'name = "shown"', 'name = "a/b"'),
+        ("'hidden'", 'name = "shown"', 'name = "hidden"'),
+        ("'estimat'", 'task = "estimate"', 'task = "estimat"'),
+        (r"\[\[tests\]\] 1: runs", "runs = 2", "runs = 0"),
+        ("'run'", "runs = 2", "run = 2"),
+        ("seeds", "name =", "seeds = 1\nname ="),
+        ("slots", "name =", 'slots = "control"\nname ='),
+        ("slots.*estimate_state", "name =", 'slots = ["control"]\nname ='),
+        ("slots.*'contrl'", "name =", 'slots = ["contrl"]\nname ='),
+        ("robsim.refrence", "name =", 'masked = ["robsim.refrence"]\nname ='),
+        (r"\[limits\]: call", "name =", "limits = { call = 0 }\nname ="),
+        (r"\[limits\].*'cal'", "name =", "limits = { cal = 1 }\nname ="),
+        ("isolation", "name =", 'isolation = "full"\nname ='),
+        ("x.py", "name =", 'files = [{path = "x.py", public = true}]\nname ='),
+        ("path", "name =", 'files = [{path = "../x.py", public = true}]\nname ='),
+    ]:
+        assert old in TESTS
+        message = refused(assignment(tmp_path, TESTS.replace(old, new, 1)))
+        assert re.search(rf"^assignment\.toml.*{named}", message, re.DOTALL), message
 
 
-def test_one_without_tests_is_refused(tmp_path):
-    folder = assignment(tmp_path, 'name = "hw3"\ntitle = "x"\nslots = ["control"]', limits=())
-    assert "it has no tests" in refused(folder)
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        ("{", "it is not JSON"),
-        ('{"format": 2}', "it is not of format 1"),
-        ('{"format": 1, "tests": []}', "tests must be an object"),
-        ({"shown": {"limits": {"position": {"full": 1}}}}, "must have full and zero"),
-        ({"shown": {"limits": {"position": {"full": 1, "zero": "x"}}}}, "zero must be a number"),
-        ({"shown": {"limits": {"positon": {"full": 1, "zero": 2}}}}, "did you mean 'position'?"),
-        ({"shown": {"limits": {"position": {"full": 1, "zro": 2, "zero": 3}}}}, "mean 'zero'?"),
-    ],
-)
-def test_limits_that_are_wrong_are_named(tmp_path, content, said):
+def test_limits_that_are_wrong_are_named(tmp_path):
     folder = assignment(tmp_path)
-    text = content if isinstance(content, str) else json.dumps({"format": 1, "tests": content})
-    (folder / "limits.json").write_text(text)
-    message = refused(folder)
-    assert message.startswith("limits.json")
-    assert said in message
+    for named, content in [
+        ("JSON", "{"),
+        ("format", '{"format": 2}'),
+        ("tests", '{"format": 1, "tests": []}'),
+        ("zero", {"shown": {"limits": {"position": {"full": 1}}}}),
+        ("zero", {"shown": {"limits": {"position": {"full": 1, "zero": "x"}}}}),
+        ("positon", {"shown": {"limits": {"positon": {"full": 1, "zero": 2}}}}),
+        ("zro", {"shown": {"limits": {"position": {"full": 1, "zro": 2, "zero": 3}}}}),
+    ]:
+        text = content if isinstance(content, str) else json.dumps({"format": 1, "tests": content})
+        (folder / "limits.json").write_text(text)
+        assert re.search(rf"^limits\.json.*{named}", refused(folder), re.DOTALL)
 
 
 def test_a_key_that_others_can_read_is_refused(tmp_path):
@@ -157,11 +138,6 @@ def test_a_key_that_others_can_read_is_refused(tmp_path):
     folder = assignment(tmp_path)
     os.chmod(folder / "key", 0o644)
     assert "others can read the key" in refused(folder)
-
-
-def test_a_value_of_it_can_be_sent_to_another_process(tmp_path):
-    found = Assignment.load(assignment(tmp_path))
-    assert pickle.loads(pickle.dumps(found)) == found
 
 
 def calibrated(folder, made):

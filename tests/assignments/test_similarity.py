@@ -3,8 +3,6 @@
 import json
 import re
 
-import pytest
-
 from graded_results import PROGRAM
 from robsim.assignments._reports.similarity.pairs import similar_pairs
 from robsim.assignments._reports.similarity.tokens import tokens_of
@@ -118,23 +116,19 @@ def test_winnowing_finds_whatever_is_long_enough(rng):
     assert winnowed(tokens[: RUN - 1], 0) == []
 
 
-@pytest.mark.parametrize(
-    "source",
-    [
-        *(
-            "'unterminated",
-            '"""unterminated',
-            "f'{x!r:>{w}}'",
-            "rb'\\'",
-            "\0\0",
-            "0x_1__.e",
-            "é = 1",
-        ),
-        *("'" * 10_000, '"""' * 5_000 + "'", "\\" * 10_000, "(" * 10_000, "a." * 10_000),
-    ],
-)
-def test_any_text_has_tokens(source):
-    assert isinstance(tokens_of(source), list)
+def test_any_text_has_tokens():
+    odd = [
+        "'unterminated",
+        '"""unterminated',
+        "f'{x!r:>{w}}'",
+        "rb'\\'",
+        "\0\0",
+        "0x_1__.e",
+        "é = 1",
+    ]
+    long = ["'" * 10_000, '"""' * 5_000 + "'", "\\" * 10_000, "(" * 10_000, "a." * 10_000]
+    for source in odd + long:
+        assert isinstance(tokens_of(source), list)
 
 
 def test_names_numbers_texts_and_layout_are_not_compared():

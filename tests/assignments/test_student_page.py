@@ -27,24 +27,10 @@ def page():
 
 def test_the_page_has_what_helps(page):
     for wanted in (
-        *(
-            "s001",
-            "A state estimator",
-            "3.92 of 8 points",
-            "Estimate the state",
-            "2.92 of 4 points",
-        ),
-        "The estimate stays behind while the robot is hidden.",
-        "1.5 times that of the reference (all points up to 1.14, none from 3.2 on)",
-        "73 % of 4 points",
-        "The estimate is 43 px off in step 33.",
-        "wrap the innovation",
-        "1 of 10 runs did not come through",
-        "run 7: estimate_state at step 17, estimate_state.py, line 23: ValueError: no covariance",
-        "printed by me",
-        "robsim grade . mine --public --only estimate",
-        "plot.py is not used",
-        "robsim 0.1.0",
+        *("s001", "A state estimator", "3.92 of 8 points", "2.92 of 4 points", "73 % of 4 points"),
+        *("1.5 times", "up to 1.14", "from 3.2 on", "43 px off in step 33", "wrap the innovation"),
+        *("1 of 10 runs", "estimate_state.py, line 23: ValueError: no covariance"),
+        *("printed by me", "--only estimate", "plot.py is not used", "robsim 0.1.0"),
     ):
         assert wanted in page.text
 
@@ -54,14 +40,6 @@ def test_a_name_of_moodle_is_read_as_the_name_in_it():
     for text in (student_page(result, {}), student_text(result), class_page([result])):
         assert "Jané O" in text
         assert "assignsubmission" not in text
-
-
-def test_what_shut_it_in_is_on_the_page_of_the_teacher_alone(page):
-    assert "Landlock" not in page.text
-    assert (
-        "process, files (Landlock 7)"
-        in Outline(student_page(submission(), {}, for_teacher=True)).text
-    )
 
 
 def test_the_page_needs_no_other_file(page):
@@ -97,10 +75,13 @@ def test_of_hidden_tests_there_are_points_and_a_sentence_alone():
     assert texts[0].count("<img") == 1
 
 
-def test_the_teachers_page_has_all():
-    page = student_page(submission(), {"others": png()}, for_teacher=True)
-    assert SECRET in page
-    assert "robsim grade hw3 submissions/s001 --play others --run 4" in page
+def test_the_teachers_page_has_all(page):
+    of_teacher = student_page(submission(), {"others": png()}, for_teacher=True)
+    assert SECRET in of_teacher
+    assert "--play others --run 4" in of_teacher
+    # What has shut it in.
+    assert "Landlock" in of_teacher
+    assert "Landlock" not in page.text
 
 
 def test_a_bar_has_limits_runs_and_result_in_their_places():
@@ -116,41 +97,39 @@ def test_a_bar_has_limits_runs_and_result_in_their_places():
     assert 0 < places["run"][0] < full < none < 100
 
 
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), 0.0, 1e300, -1.0])
-def test_a_bar_holds_any_number(value):
-    test = graded(scores=(score(statistic=value, values=(value,) * 2, reference=(value, 1.0)),))
-    page = student_page(submission(tests=[test]), {})
-    places = [float(x) for x in re.findall(r"(?:left|width):(-?[\d.]+)%", page)]
-    assert places
-    assert all(0 <= place <= 100 for place in places)
+def test_a_bar_holds_any_number():
+    for value in (float("nan"), float("inf"), 0.0, 1e300, -1.0):
+        test = graded(scores=(score(statistic=value, values=(value,) * 2, reference=(value, 1.0)),))
+        page = student_page(submission(tests=[test]), {})
+        places = [float(x) for x in re.findall(r"(?:left|width):(-?[\d.]+)%", page)]
+        assert places
+        assert all(0 <= place <= 100 for place in places)
 
 
-def test_where_the_grader_failed_nobody_is_blamed_and_no_points_are_shown():
+def test_where_the_grader_failed_no_points_are_shown():
     test = graded(status=ERROR, whose="grader", points=0.0, most=3.0, scores=())
     result = submission(tests=[test, graded("second")])
     for text in (Outline(student_page(result, {})).text, student_text(result)):
-        assert "The grader failed here, not your submission" in " ".join(text.split())
-        assert "3 of these 7 points could not be graded" in text
+        assert "3 of these 7 points" in text
         assert "0 of 3 points" not in text
 
 
 def test_runs_that_failed_alike_are_told_together():
-    reason = "control at step 3, control.py, line 7: ValueError: no"
     place = {"slot": "control", "step": 3, "file": "control.py", "line": 7}
-    failed = [FailedRun(run=run, reason=reason, **place) for run in (0, 2, 3)]
+    failed = [FailedRun(run=run, reason="the same", **place) for run in (0, 2, 3)]
     failed.append(FailedRun(run=5, reason="no answer", slot="control"))
     lost = score(statistic=float("nan"), values=(), reference=(), fraction=0.0)
     result = submission(tests=[graded(failed=tuple(failed), scores=(lost,), worst=None)])
     for text in (Outline(student_page(result, {})).text, student_text(result)):
-        assert f"runs 0, 2, 3: {reason}" in " ".join(text.split())
-        assert "run 5: control: no answer" in text
+        assert text.count("the same") == 1
+        assert "runs 0, 2, 3" in text
+        assert "run 5" in text
         assert "error of the position" not in text  # of which there is nothing to say
 
 
 def test_what_is_not_done_is_said():
     result = submission(tests=[graded(status=NOT_RUN, points=0.0)], is_done=False)
     for text in (student_page(result, {}), student_text(result)):
-        assert "Not all tests have been run yet." in text
         assert "not run" in text
 
 

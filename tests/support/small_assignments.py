@@ -21,6 +21,9 @@ LIMITS = {
 #: Of each test: quick runs.
 SHORT = {"runs": 2, "steps": 20}
 
+#: For assignments that are about anything but time.
+PATIENT = "limits = { call = 300, first_call = 300, submission = 3000 }\n"
+
 TESTS = """
 name = "hw3"
 title = "Through dropouts"
@@ -42,7 +45,7 @@ parameters = { runs = 2, steps = 20, noise = 12 }
 """
 
 
-def assignment(folder, text=TESTS, *, limits=("shown", "hidden"), key=True, **files):
+def assignment(folder, text=PATIENT + TESTS, *, limits=("shown", "hidden"), key=True, **files):
     """Write an assignment; `files`: others by name without suffix, Python at its top."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "assignment.toml").write_text(text)
