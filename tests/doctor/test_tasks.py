@@ -65,7 +65,13 @@ CAUSES = {
         "whole_pixels": "inexact",
     },
 }
-SHIPPED = [(name, one) for name, kind in TASKS.items() for one in kind().solutions]
+# Of the right ones the first of each task, or all.
+SHIPPED = [
+    (name, one)
+    for name, kind in TASKS.items()
+    for one in kind().solutions
+    if thorough(True, one.name == "reference") or not one.is_right
+]
 
 
 def folder_of(tmp_path, files):
