@@ -286,9 +286,3 @@ def test_names_of_files_in_the_shell(tmp_path):
             for stream in (run.stdout, run.stderr):
                 assert is_harmless(stream, breaks="\n"), (arguments, stream)
                 assert not re.search(r"^b", stream, re.MULTILINE), (arguments, stream)
-
-
-def test_the_shell_prints_in_one_place():
-    for file in (PACKAGE / "cli").glob("*.py"):
-        if file.name != "errors.py":
-            assert not re.search(r"\b(print|echo|secho|Console|write)\(", file.read_text()), file

@@ -167,20 +167,6 @@ def test_drawing_into_given_memory(headings, lay_out, rng):
         np.testing.assert_array_equal(around, before)
 
 
-def test_a_frame_drawn_with_noise_in_shared_memory(drawn):
-    noise = robsim.GaussianNoise(10)
-    expected = noise.add(drawn, 5, 3)
-    with contextlib.closing(SharedMemory(create=True, size=expected.nbytes)) as shared:
-        try:
-            memory = np.ndarray(expected.shape, np.uint8, buffer=shared.buf)
-            draw().render(POSE, out=memory)
-            noise.add(memory, 5, 3, out=memory)
-            np.testing.assert_array_equal(borrowed(memory).image, expected)
-            del memory
-        finally:
-            shared.unlink()
-
-
 def test_what_cannot_be_drawn_into(drawn):
     read_only = np.frombuffer(drawn.tobytes(), np.uint8).reshape(drawn.shape)
     small, narrow = np.empty_like(drawn[:-1]), np.empty_like(drawn[:, :-1])

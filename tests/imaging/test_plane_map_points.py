@@ -29,12 +29,6 @@ def test_a_table_seen_at_an_angle():
     np.testing.assert_allclose(plane_map.to_pixel((0, 100)), (0, 300), atol=1e-9)
 
 
-def test_a_point_within_the_triangle_of_the_others():
-    seen = [(0, 0), (100, 0), (0, 100), (30, 30)]
-    positions = [(5, 5), (205, 5), (5, 205), (65, 65)]
-    np.testing.assert_allclose(PlaneMap.from_points(seen, positions).to_world(seen), positions)
-
-
 def test_a_turned_camera():
     for shift in (1, 2, 3):
         plane_map = PlaneMap.from_points(SQUARE, np.roll(SQUARE, shift, axis=0))
@@ -82,19 +76,6 @@ def test_the_fifth_point_counts():
     residuals = found.to_world(GRID) - positions
     assert np.argmax(np.hypot(*residuals.T)) == 4
     assert 0 < np.hypot(*residuals[4]) < 12
-
-
-def test_more_points_are_more_exact(rng):
-    pixels = rng.uniform(20, 460, (40, 2))
-    errors = {4: [], 40: []}
-    for _ in range(30):
-        positions = TABLE.to_world(pixels) + rng.normal(0, 2, (40, 2))
-        spread = [np.argmin(pixels @ way) for way in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
-        for chosen in (spread, range(40)):
-            found = PlaneMap.from_points(pixels[list(chosen)], positions[list(chosen)])
-            miss = found.to_world(GRID) - TABLE.to_world(GRID)
-            errors[len(list(chosen))].append(np.sqrt((miss**2).mean()))
-    assert np.median(errors[40]) < 0.6 * np.median(errors[4])
 
 
 def test_the_squared_distances_are_least(rng):

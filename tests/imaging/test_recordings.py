@@ -80,23 +80,17 @@ class TestFolder:
             save_image(tmp_path / name, picture(number))
         assert brightness(Recording(tmp_path)) == list(range(len(names)))
 
-    def test_every_kind_of_picture_becomes_rgb(self, tmp_path):
+    def test_every_kind_of_picture_becomes_rgb(self, tmp_path, monkeypatch):
+        monkeypatch.setitem(sys.modules, "cv2", None)  # they need no OpenCV
         rgb = Image.fromarray(picture(90))
-        for number, (mode, ending) in enumerate(
-            [("RGB", "bmp"), ("RGBA", "png"), ("P", "gif"), ("RGB", "tif"), ("L", "png")]
-        ):
-            kind = rgb.quantize() if mode == "P" else rgb.convert(mode)
-            kind.save(tmp_path / f"{number}.{ending}")
-        rgb.convert("CMYK").save(tmp_path / "9.jpg")
-        *colored, grey, _jpeg = Recording(tmp_path)
-        for frame in colored:
-            np.testing.assert_array_equal(frame.image, picture(90))
+        for name, mode in (("0.bmp", "RGB"), ("1.png", "RGBA"), ("2.tif", "CMYK"), ("3.png", "L")):
+            rgb.convert(mode).save(tmp_path / name)
+        rgb.quantize().save(tmp_path / "4.gif")
+        *first, grey, indexed = Recording(tmp_path)
+        for frame in (*first, indexed):
+            np.testing.assert_allclose(frame.image, picture(90), atol=2)
         assert grey.image.shape == (24, 32, 3)
         np.testing.assert_array_equal(np.ptp(grey.image, axis=2), 0)
-
-    def test_needs_no_opencv(self, folder, monkeypatch):
-        monkeypatch.setitem(sys.modules, "cv2", None)
-        assert len(list(Recording(folder))) == 5
 
     def test_without_pictures(self, tmp_path):
         (tmp_path / "notes.txt").write_text("nothing")
@@ -127,12 +121,6 @@ class TestPlaneMap:
         recording = Recording(folder)
         assert recording.area == (32, 24)
         np.testing.assert_array_equal(recording.plane_map.matrix, np.eye(3))
-
-    def test_scaled_to_an_area(self, folder):
-        recording = Recording(folder, area=(64, 48))
-        assert recording.area == (64, 48)
-        frame = next(iter(recording))
-        np.testing.assert_allclose(frame.plane_map.to_world((0, 0)), (0.5, 0.5))
 
     def test_as_given(self, folder):
         plane_map = PlaneMap(np.diag((10.0, 20.0, 1.0)))

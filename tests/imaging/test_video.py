@@ -39,8 +39,8 @@ def files(folder):
 def test_lossless_is_lossless(tmp_path, rng, ending):
     path = tmp_path / f"run{ending}"
     frames = rng.integers(0, 256, (6, 48, 64, 3), dtype=np.uint8)
-    save_video(path, frames, fps=5)
-    np.testing.assert_array_equal(images(path), frames)
+    save_video(path, [robsim.Frame(frames[0]), *frames[1:, :, ::-1]], fps=5)
+    np.testing.assert_array_equal(images(path), [frames[0], *frames[1:, :, ::-1]])
     assert files(tmp_path) == [path.name]
 
 
@@ -60,14 +60,6 @@ def test_keeps_the_rate(tmp_path, ending):
     for fps in (0.1, 29.97, 1 / 0.015, 500):
         save_video(path, np.zeros((3, 64, 64, 3), dtype=np.uint8), fps=fps)
         assert pytest.approx(1 / fps, rel=2e-3) == Recording(path).dt
-
-
-def test_takes_frames_and_arrays(tmp_path, rng):
-    frames = smooth(rng)
-    save_video(tmp_path / "a.mkv", [robsim.Frame(pixels) for pixels in frames], fps=5)
-    save_video(tmp_path / "b.mkv", np.array(frames)[:, :, ::-1], fps=5)
-    np.testing.assert_array_equal(images(tmp_path / "a.mkv"), frames)
-    np.testing.assert_array_equal(images(tmp_path / "b.mkv"), np.array(frames)[:, :, ::-1])
 
 
 @pytest.mark.parametrize("ending", SMALL)
@@ -114,14 +106,10 @@ def test_no_frames_leave_the_old_file(tmp_path):
     path.write_text("an older one")
     with pytest.raises(ValueError, match=r"run\.mp4"):
         save_video(path, [], fps=5)
+    with pytest.raises(ZeroDivisionError):
+        save_video(path, (1 / 0 for _ in range(3)), fps=5)
     assert path.read_text() == "an older one"
     assert files(tmp_path) == ["run.mp4"]
-
-
-def test_an_exception_before_the_first_frame_goes_on(tmp_path):
-    with pytest.raises(ZeroDivisionError):
-        save_video(tmp_path / "run.mp4", (1 / 0 for _ in range(3)), fps=5)
-    assert files(tmp_path) == []
 
 
 def test_the_file_gets_its_name_at_the_end(tmp_path, rng):

@@ -7,7 +7,6 @@ import re
 import shutil
 from pathlib import Path
 
-import matplotlib.figure
 import numpy as np
 import pytest
 from PIL import Image
@@ -114,14 +113,3 @@ def test_the_picture_of_the_panel_is_what_chromium_shows(script, contents):
     with Image.open(FOLDER / script.PANEL) as stored:
         assert stored.size == shown.size
         assert difference(stored, panel.small(shown)) < MOST_DIFFERENCE, REMEDY.format(script.PANEL)
-
-
-def test_a_line_or_a_colour_that_is_missing_is_noticed(script):
-    def draw(**look):
-        figure = matplotlib.figure.Figure()
-        figure.add_subplot().plot([1, 2], [1, 2], color="red", **look)
-        return script.marks(figure)
-
-    kinds = [draw(), draw(linewidth=3), draw(linewidth=0), draw(marker="."), draw(linestyle=":")]
-    assert len({str(kind) for kind in kinds}) == len(kinds)
-    assert script.marks(matplotlib.figure.Figure(figsize=(2, 2))) == []

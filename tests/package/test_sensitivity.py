@@ -84,29 +84,3 @@ def test_more_noise_means_larger_errors_in_the_figure_and_the_table(script, erro
     for group, drawn in zip(script.GROUPS, errors, strict=True):
         np.testing.assert_allclose(lines[group].get_ydata(), np.clip(drawn, *script._LIMITS))
     assert f"{errors[0, -1]:.2g} (" in script.table("camera noise", found["camera noise"])
-
-
-def test_least_squares_is_worse_than_its_standard_errors_say_where_poses_are_rounded(script):
-    rounded = replace(
-        script.SETTINGS["method"], steps=200, scenario=script.BASE.replace(headings=36)
-    )
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(script.SETTINGS, "method", rounded)
-        found = script.errors_of("method", runs=2)
-    least_squares = found.values.index("least squares")
-    assert (found.over_standard_error[2:, least_squares] > script.DISHONEST).all()
-    figure = script.figure_of({"method": found})
-    hollow = [line for line in figure.axes[0].lines if line.get_markerfacecolor() == "white"]
-    assert sum(len(line.get_xdata()) for line in hollow) == np.sum(
-        found.over_standard_error > script.DISHONEST
-    )
-
-
-def test_a_parameter_that_is_not_found_is_infinitely_far_off(script, monkeypatch):
-    spin = replace(
-        script.SETTINGS["method"], scenario=script.BASE.replace(control=robsim.Spin()), steps=30
-    )
-    monkeypatch.setitem(script.SETTINGS, "method", spin)
-    found = script.errors_of("method", runs=1)
-    assert np.isinf(found.error).any()
-    assert script.figure_of({"method": found}).axes

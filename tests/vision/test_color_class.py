@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import robsim
@@ -100,51 +100,6 @@ def test_what_is_no_toml_names_the_file(color_file, tmp_path):
         load_colors(tmp_path / "no.toml")
     with pytest.raises((OSError, ValueError), match=re.escape(str(tmp_path))):
         load_colors(tmp_path)
-
-
-def load_any(path, content):
-    path.write_bytes(content)
-    try:
-        colors = load_colors(path)
-    except ValueError as error:
-        message = str(error)
-    else:
-        assert colors
-        assert all(isinstance(color, ColorClass) for color in colors)
-        return
-    assert str(path) in message
-
-
-@given(content=st.binary(max_size=200))
-def test_any_bytes_give_colors_or_a_value_error(tmp_path_factory, content):
-    load_any(tmp_path_factory.getbasetemp() / "bytes.toml", content)
-
-
-@settings(max_examples=60)
-@given(content=st.text(max_size=200) | st.text("[]redyuv=,0123456789.-'\"\n {}", max_size=60))
-def test_any_text_gives_colors_or_a_value_error(tmp_path_factory, content):
-    load_any(tmp_path_factory.getbasetemp() / "text.toml", content.encode("utf-8", "surrogatepass"))
-
-
-TOML_VALUES = st.recursive(
-    st.integers(-300, 300) | st.booleans() | st.sampled_from(["nan", "1.5", "'x'", "2020-01-01"]),
-    lambda values: st.lists(values, max_size=3),
-)
-
-
-@settings(max_examples=60)
-@given(value=TOML_VALUES | st.lists(st.integers(-1, 256), min_size=2, max_size=2))
-def test_any_value_gives_that_range_or_a_value_error(tmp_path_factory, value):
-    path = tmp_path_factory.getbasetemp() / "values.toml"
-    text = str(value).replace('"', "").replace("True", "true").replace("False", "false")
-    path.write_text(f"[red]\ny = {text}\n")
-    good = isinstance(value, list) and len(value) == 2
-    good = good and all(type(end) is int for end in value) and 0 <= value[0] <= value[1] <= 255
-    if good:
-        assert load_colors(path)[0].y == tuple(value)
-    else:
-        with pytest.raises(ValueError, match=r"\by\b.* of "):
-            load_colors(path)
 
 
 # --- ColorClass

@@ -5,9 +5,8 @@ import pytest
 
 import robsim
 from refusals import refuses
-from robsim import ColorClass, load_colors
+from robsim import ColorClass
 from robsim.vision import color_histograms, rgb_to_yuv
-from scenes import poses_within, renderer
 
 CHANNELS = ("y", "u", "v")
 RED, BLUE, FLOOR = (198, 36, 40), (30, 60, 220), (150, 148, 146)
@@ -51,20 +50,6 @@ REGIONS = {"red": (30, 30, 53, 53), "blue": (70, 70, 93, 93)}
 # --- histograms
 
 
-def test_histograms_by_hand():
-    image = np.zeros((4, 5, 3), np.uint8)
-    image[1, 2] = 255
-    image[2, 2] = (255, 0, 0)
-    histograms = color_histograms(image, (2, 1, 3, 2))
-    assert histograms.dtype == np.int64
-    assert histograms.shape == (3, 256)
-    # black twice: Y, U, V = 0, 128, 128; white: 255, 128, 128; red: 75, 84, 255
-    assert np.flatnonzero(histograms[0]).tolist() == [0, 75, 255]
-    assert np.flatnonzero(histograms[1]).tolist() == [84, 128]
-    assert histograms[1, 128] == 3
-    assert np.flatnonzero(histograms[2]).tolist() == [128, 255]
-
-
 def test_histograms_count_the_pixels_of_the_region(rng):
     image = rng.integers(0, 256, (40, 50, 3), dtype=np.uint8)
     yuv = rgb_to_yuv(image)[5:21, 10:31].reshape(-1, 3)
@@ -73,12 +58,6 @@ def test_histograms_count_the_pixels_of_the_region(rng):
     frame = robsim.Frame(image)
     np.testing.assert_array_equal(color_histograms(frame, (10, 5, 30, 20)), expected)
     np.testing.assert_array_equal(color_histograms(image[::-1], (10, 19, 30, 34)), expected)
-
-
-def test_a_blobs_box_is_a_region():
-    blob = robsim.find_blobs(scene(), load_colors())["red"][0]
-    assert blob.bounding_box == REGIONS["red"]
-    assert color_histograms(scene(), blob.bounding_box).sum() == 3 * 24**2
 
 
 def test_regions_lie_within_the_image():
@@ -159,27 +138,6 @@ def test_in_dim_light_a_colour_may_be_as_weak_as_all_are():
         assert color.v == (128 + weakest // 2, 255)
         with pytest.raises(ValueError, match="hardly any colour"):
             ColorClass.from_histograms(single(luma, 128, 128 + weakest - 1), name="red")
-
-
-@pytest.mark.parametrize("exposure", [0.15, 0.3])
-def test_what_is_trained_in_dim_light_is_found_there(rng, exposure):
-    draw, markers = renderer(resolution=(600, 600)), robsim.load_robot("lab").marker_layout()
-    plane_map = robsim.imaging.PlaneMap.scaled((600, 600), (1200, 1200))
-
-    def picture(pose):
-        return (draw.render(pose) * exposure + 0.5).astype(np.uint8)
-
-    classes = []
-    for name, place in (("red", markers.positions["right"]), ("blue", markers.positions["left"])):
-        u, v = plane_map.to_pixel(np.add((600, 600), place)).astype(int)
-        box = (u - 3, v - 3, u + 3, v + 3)
-        classes.append(ColorClass.from_region(picture((600, 600, 0)), box, name=name))
-    for pose in poses_within(rng, 8):
-        frame = robsim.Frame(picture(pose), plane_map=plane_map)
-        blobs = robsim.find_blobs(frame, classes, markers=markers)
-        found = robsim.locate(blobs, markers, plane_map)
-        assert found is not None
-        assert found.pose[:2] == pytest.approx(pose[:2], abs=2)
 
 
 def test_histograms_of_several_pictures_add_up():

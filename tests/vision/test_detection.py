@@ -75,13 +75,10 @@ def test_the_reasons(squares, reason, words):
     assert robsim.locate(blobs_of(*squares), KNOWN) is None
     assert detection.reason == reason
     assert words in detection.explanation
-
-
-def test_without_a_pair_there_are_no_numbers():
-    detection = detect(blobs_of(RED), KNOWN)
-    assert detection.pair is None
-    assert (detection.misfit, detection.runner_up) == (np.inf, np.inf)
-    assert np.isnan(detection.distance)
+    if len(squares) < 2:
+        assert detection.pair is None
+        assert (detection.misfit, detection.runner_up) == (np.inf, np.inf)
+        assert np.isnan(detection.distance)
 
 
 def test_the_pair_most_like_the_markers_is_named():
@@ -145,13 +142,6 @@ def test_a_step_has_the_detection_of_the_default_measurement():
     sim.measure = lambda step: robsim.Measurement((1, 2, 3))
     assert sim.step().detection is None
     assert robsim.Simulation(seed=1).step().detection is None
-
-
-def test_a_ready_measurement_has_no_detection():
-    frame = robsim.Simulation(seed=1).frame
-    experiment = robsim.Experiment([robsim.Observation(frame, measurement=(1, 2, 3)), None])
-    assert experiment.step().detection is None
-    assert experiment.missed_detections == []
 
 
 def missed(frames, **options):

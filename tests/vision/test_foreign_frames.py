@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-import camera_effects
 import robsim
-from camera_effects import photographed
-from foreign_accuracy import Errors, compared, counted, main, worse
+from foreign_accuracy import Errors, compared, counted, worse
 from foreign_frames import (
     BODY,
     CASES,
@@ -118,45 +116,6 @@ def test_the_plane_map_is_that_of_the_drawing(rng):
 # --- what the camera adds
 
 
-def spot():
-    levels = np.zeros((61, 61, 3))
-    levels[30, 30] = 255
-    return levels
-
-
-@pytest.mark.parametrize(("function", "variance"), [("blur", 3.0**2), ("motion", 9.0**2 / 12)])
-def test_blur_spreads_and_does_not_shift(rng, function, variance):
-    blurred = {
-        "blur": lambda: camera_effects._blurred(spot(), 3.0),
-        "motion": lambda: camera_effects._moved(spot(), 9.0, rng),
-    }[function]()[..., 0]
-    assert blurred.sum() == pytest.approx(255)
-    place = np.arange(61) - 30
-    shift = [blurred.sum(axis=axis) @ place / 255 for axis in (0, 1)]
-    np.testing.assert_allclose(shift, 0, atol=1e-9)
-    spread = sum(blurred.sum(axis=axis) @ place**2 for axis in (0, 1)) / 255
-    # bilinear weights add up to 1/4 px^2 for each axis
-    assert spread == pytest.approx(variance * (2 if function == "blur" else 1), rel=0.07)
-
-
-def test_a_mosaic_keeps_what_is_even_or_slanted():
-    row, column = np.mgrid[:20, :30]
-    levels = np.stack((50.0 + row, 100.0 + column, 150.0 + row + column), axis=-1)
-    seen = photographed(levels, Case(bayer=True), None)
-    np.testing.assert_allclose(seen[1:-1, 1:-1], levels[1:-1, 1:-1], atol=0.5)
-
-
-@pytest.mark.parametrize(
-    ("case", "spread"),
-    [(Case(gaussian=5), 12.75), (Case(uniform=5), 12.75 / np.sqrt(3))],
-)
-def test_noise_is_as_strong_as_that_of_the_simulation(rng, case, spread):
-    levels = np.full((300, 300, 3), 128.0)
-    assert photographed(levels, case, rng).std() == pytest.approx(spread, rel=0.01)
-    own = robsim.GaussianNoise(5) if case.gaussian else robsim.UniformNoise(5)
-    assert own.add(levels.astype(np.uint8), 1, 0).std() == pytest.approx(spread, rel=0.01)
-
-
 def test_a_case_gives_the_same_frames_whatever_else_is_drawn():
     first = [
         (frame.image.copy(), pose) for frame, pose in frames("tilted, Gaussian 10 %", SMALL, 2)
@@ -196,16 +155,6 @@ def test_worse_is_what_exceeds_the_spread():
     assert (np.sum(~errors.found), errors.false.sum(), errors.good.sum()) == (4, 2, 74)
     assert errors.nees == 1
     assert errors.rms()[0] == pytest.approx(0.1 * np.sqrt(2), rel=0.2)
-
-
-@pytest.mark.long
-def test_the_script_fails_only_where_the_fit_is_worse(monkeypatch, capsys):
-    monkeypatch.setattr("foreign_accuracy.VIEWS", NARROW)
-    arguments = ["--frames", "3", "--cases", "clean"]
-    assert main(arguments) == 0
-    monkeypatch.setattr("foreign_accuracy.worse", lambda new, old: ["place"])
-    assert main(arguments) == 1
-    assert "clean, markers of 20.9 px: place" in capsys.readouterr().out
 
 
 #: Of the blobs' centroids: rms in px of the work area, at most, for both sizes of markers.

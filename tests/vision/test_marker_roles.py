@@ -1,4 +1,4 @@
-"""Markers are called by where they sit on the robot, and found by their colours."""
+"""Markers are called by where they sit on the robot, and found by colours of any names."""
 
 import copy
 import pickle
@@ -9,24 +9,30 @@ import pytest
 
 import robsim
 from drawn_robots import box, painted
+from python_cameras import PATIENT, SteppedCamera
 from robsim import ColorClass
 from robsim._core import fitting_roles
 from robsim.gui import robot_panel
+from robsim.live import check_camera
 from robsim.robots import (
     RobotDefinition,
     add_robot,
+    check_colors,
     load_robot,
     robot_from_image,
     rotate_robot,
     save_robot,
 )
-from robsim.vision import Blob, MarkerLayout, detect
+from robsim.vision import Blob, MarkerLayout, detect, save_colors, train_markers
 
 COLORS = (
     ColorClass("green", u=(0, 116), v=(0, 104)),
     ColorClass("orange", u=(0, 92), v=(154, 255)),
 )
+NOTHING_IS_ORANGE = (COLORS[0], ColorClass("orange", u=(0, 1), v=(254, 255)))
 PAINTS = ((30, 150, 60, 255), (245, 130, 20, 255))
+NAMES = ("green", "orange")
+BY_ROLE = {"front": "green", "back": "orange"}
 FRONT, BACK = box(240, 150, 320, 250), box(80, 160, 160, 240)
 SQUARE = np.array([(-5.0, -5), (5, -5), (5, 5), (-5, 5)])
 
@@ -41,9 +47,17 @@ def robot(**changed):
         "alignment": 0,
         "outline": 199.5 + 195 * np.column_stack((np.cos(rim), np.sin(rim))),
         "markers": {"back": BACK, "front": FRONT},
-        "marker_colors": {"back": "orange", "front": "green"},
+        "marker_colors": BY_ROLE,
     }
     return RobotDefinition(**(values | changed))
+
+
+MARKERS = robot().marker_layout()
+
+
+def simulation(**options):
+    options = {"colors": COLORS, "robot": robot(), "measure": True, "headings": None} | options
+    return robsim.Simulation(**options, seed=4)
 
 
 # --- which roles markers have
@@ -143,21 +157,27 @@ def test_a_pair_is_by_role():
         robsim.Measurement((1, 2, 3), pair={"red": blobs["red"][0], "blue": blobs["blue"][0]})
 
 
+def test_wrong_names_of_colours():
+    for names in (
+        *({"right": "green", "left": other} for other in ("green", "", "a\nb", "x" * 41)),
+        *({"right": "green"}, BY_ROLE, NAMES),
+    ):
+        with pytest.raises((TypeError, ValueError), match="colors"):
+            MarkerLayout(40, 10, colors=names)
+
+
 # --- a robot
 
 
 def test_a_definition_keeps_the_order_and_cannot_be_changed():
     fruit = robot()
     assert list(fruit.markers) == ["front", "back"]
-    assert fruit.marker_colors == {"front": "green", "back": "orange"}
+    assert fruit.marker_colors == asdict(fruit)["marker_colors"] == BY_ROLE
     with pytest.raises(TypeError):
         fruit.markers["front"] = BACK
     for again in (replace(fruit), pickle.loads(pickle.dumps(fruit))):
         assert again == fruit
         assert hash(again) == hash(fruit)
-        with pytest.raises(ValueError, match="read-only"):
-            again.markers["front"][0] = 1
-    assert asdict(fruit)["marker_colors"] == {"front": "green", "back": "orange"}
     assert fruit != robot(marker_colors={})
     assert robot(marker_colors={}).marker_colors == {"front": "red", "back": "blue"}
 
@@ -171,6 +191,7 @@ def test_a_definition_whose_roles_are_wrong():
         ({"markers": {"red": FRONT, "blue": BACK}}, "markers"),
         ({"markers": {"front": FRONT}}, "markers"),
         ({"marker_colors": {"red": "green", "blue": "orange"}}, "marker_colors"),
+        ({"marker_colors": {"front": "green", "back": "green"}}, "marker_colors"),
         ({"markers": {"front": FRONT, "back": 5}}, r"markers\['back'\]"),
         ({"markers": {"front": FRONT, "back": FRONT - 9}}, "front marker.*back marker.*overlap"),
     ):
@@ -178,28 +199,99 @@ def test_a_definition_whose_roles_are_wrong():
             robot(**changed)
 
 
-def test_a_robot_with_green_in_front_and_orange_behind_is_saved_loaded_and_tracked(tmp_path):
-    save_robot(tmp_path, robot())
-    text = (tmp_path / "robot.toml").read_text()
-    assert '\n[markers.front]\ncolor = "green"\npolygon = [\n' in text
-    assert text.index("[markers.front]") < text.index("[markers.back]")
-    loaded = load_robot(tmp_path)
-    assert loaded.marker_colors == robot().marker_colors
+@pytest.mark.long
+def test_it_is_saved_loaded_and_tracked_by_a_file_of_these_colours(tmp_path):
+    save_colors(tmp_path / "colors.toml", COLORS)
+    save_robot(tmp_path / "fruit", robot())
+    loaded = load_robot(tmp_path / "fruit")
+    assert loaded.marker_colors == BY_ROLE
     np.testing.assert_array_equal(loaded.markers["back"], BACK)
-    sim = robsim.Simulation(
+    sim = simulation(
         robot=loaded,
-        colors=COLORS,
-        measure=True,
+        colors=tmp_path / "colors.toml",
         control=robsim.DriveAround(),
-        headings=None,
-        seed=2,
+        noise=robsim.GaussianNoise(5),
     )
     trace = sim.run(40)
-    assert trace.seen.mean() > 0.9
+    assert trace.seen.mean() > 0.95
     assert not trace.is_false.any()
-    assert trace.info.marker_colors == ("green", "orange")
-    assert sim.last_step.measurement.pair["front"].color == "green"
+    error = trace.error[trace.seen]
+    assert np.sqrt(np.square(error[:, :2]).sum(axis=1).mean()) < 0.1
+    assert np.degrees(np.abs(error[:, 2])).max() < 1
+    assert set(trace.blobs) == set(NAMES)
+    assert trace.info.marker_colors == NAMES
     assert sim.last_step.measurement.pair["front"] in sim.last_step.blobs["green"]
+    with pytest.raises(ValueError, match="green and orange"):
+        simulation(colors=robsim.load_colors()).run(1)
+
+
+def test_it_is_found_in_a_frame_also_in_dim_light():
+    frame = simulation(start=(300, 400, 0.7), resolution=(600, 600)).frame
+    dim = np.rint(frame.image * 0.2).astype(np.uint8)
+    for seen, atol in ((frame, 0.05), (robsim.Frame(dim, plane_map=frame.plane_map), 0.1)):
+        blobs = robsim.find_blobs(seen, COLORS, markers=MARKERS)
+        assert set(blobs) == set(NAMES)
+        found = detect(blobs, MARKERS, image=seen, colors=COLORS)
+        assert found.measurement is not None, found.explanation
+        assert found.by_second_chance == (seen is not frame)
+        np.testing.assert_allclose(found.measurement.pose, (300, 400, 0.7), atol=atol)
+        assert [blob.color for blob in found.measurement.pair.values()] == list(NAMES)
+
+
+def test_what_is_missing_is_called_by_its_name(tmp_path):
+    frame = simulation().frame
+    blobs = robsim.find_blobs(frame, COLORS, markers=MARKERS)
+    for name in NAMES:
+        found = detect(blobs | {name: []}, MARKERS)
+        assert found.reason == f"no {name} blob"
+        assert "blue" not in found.explanation
+    assert detect({name: [] for name in NAMES}, MARKERS).reason == "no blobs"
+    sim = simulation(colors=NOTHING_IS_ORANGE, adjust_background=lambda floor: 0 * floor + 150)
+    trace = sim.run(3)
+    assert [one.reason for one in sim.missed_detections] == ["no orange blob"]
+    trace.save(tmp_path / "run.npz")
+    assert (robsim.Trace.load(tmp_path / "run.npz").missed_reasons == "no orange blob").all()
+
+
+def test_a_scenario_and_a_session_keep_the_names(tmp_path):
+    positions = MarkerLayout.from_positions({"front": (20, 0), "back": (-20, 0)}, colors=BY_ROLE)
+    scenario = robsim.Scenario(robot=robot(), colors=COLORS, markers=positions, measure=True)
+    read = robsim.Scenario.from_toml(scenario.to_toml())
+    assert read.robot.marker_colors == BY_ROLE
+    assert read.markers == positions
+    frames = [robsim.Frame(simulation().frame.image, t=0.1 * k) for k in range(2)]
+    options = {"colors": COLORS, "robot": robot(), "measure": True}
+    with robsim.Experiment(frames, record=tmp_path / "session", **options) as experiment:
+        experiment.run()
+    session = robsim.sessions.Session(tmp_path / "session")
+    assert session.markers.colors == BY_ROLE
+    assert session.trace.seen.all()
+
+
+@pytest.mark.long
+def test_the_check_of_a_camera_names_them():
+    image = simulation(start=(600, 600, 0.7)).frame.image
+    reports = []
+    for colors in (COLORS, NOTHING_IS_ORANGE):
+        source = SteppedCamera(3 * [image], permits=4)
+        with robsim.Camera(source, area=(1200, 1200), **PATIENT) as camera:
+            reports.append(check_camera(camera, robot=robot(), colors=colors, seconds=300))
+    found, missed = reports
+    assert found["robot detected"].verdict == "good"
+    assert found["margin of orange"].value > 20
+    assert "orange" in missed["robot detected"].remedy
+
+
+def test_its_colours_are_trained_on_a_recording():
+    frames = [simulation(start=(x, 400, 0.3)).frame for x in (200, 900)]
+    green, orange = train_markers(frames, MARKERS, colors=COLORS)
+    assert (green.color.name, orange.color.name) == NAMES
+    blobs = robsim.find_blobs(frames[0], (green.color, orange.color), markers=MARKERS)
+    assert robsim.locate(blobs, MARKERS, image=frames[0]) is not None
+    with pytest.raises(ValueError, match=r"colors.*green and orange"):
+        train_markers(frames, MARKERS)
+    with pytest.raises(ValueError, match=r"regions.*'green' and 'orange'"):
+        train_markers(frames, MARKERS, regions={"red": (1, 1, 9, 9)})
 
 
 # --- drafts
@@ -219,11 +311,15 @@ def test_the_roles_of_a_draft_follow_from_its_heading(alignment, colors, user_fo
     for names in (("green", "orange"), ("orange", "green")):
         made = robot_from_image("a", image, alignment=alignment, colors=COLORS, marker_colors=names)
         assert list(made.marker_colors.items()) == list(colors.items())
+        assert check_colors(made, COLORS).ok
     assert add_robot("b", made, colors=COLORS).marker_colors == colors
     assert add_robot("c", robot(), alignment=alignment, colors=COLORS).marker_colors == colors
     tool = robot_panel(robot=robot(), colors=COLORS)
     tool.turn(alignment)
     assert tool.value.marker_colors == colors
+    tool.draw("orange", FRONT)
+    with pytest.raises(ValueError, match=r"green.*orange|orange.*green"):
+        _ = tool.value
     add_robot("d", robot(), colors=COLORS)
     rotate_robot("d", alignment)
     turned = load_robot("d")

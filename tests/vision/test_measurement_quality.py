@@ -39,29 +39,15 @@ def test_it_has_covariance_misfit_signal_to_noise_and_pair():
 
 
 def test_what_is_not_known_is_none():
-    measurement = robsim.Measurement((1, 2, 3))
-    assert (measurement.covariance, measurement.misfit) == (None, None)
-    assert (measurement.signal_to_noise, measurement.pair) == (None, None)
-    assert eval(repr(measurement), {"Measurement": robsim.Measurement}) == measurement
-    blobs = robsim.find_blobs(simulation().frame, COLORS, markers=MARKERS)
-    plain = robsim.locate(blobs, MARKERS, simulation().frame.plane_map)
-    assert plain.covariance is None
-    assert [blob.color for blob in plain.pair.values()] == ["red", "blue"]
-
-
-def test_one_by_hand_has_what_it_was_given():
+    plain = robsim.Measurement((1, 2, 3))
+    assert (plain.covariance, plain.misfit, plain.signal_to_noise, plain.pair) == 4 * (None,)
+    assert eval(repr(plain), {"Measurement": robsim.Measurement}) == plain
     blob = Blob("red", area=3, centroid=(1, 2), bounding_box=(0, 0, 3, 3))
-    measurement = robsim.Measurement(
-        (1, 2, 3),
-        covariance=np.eye(3),
-        misfit=1.5,
-        signal_to_noise=9,
-        pair={"right": blob, "left": blob},
-    )
+    known = {"misfit": 1.5, "signal_to_noise": 9, "pair": {"right": blob, "left": blob}}
+    measurement = robsim.Measurement((1, 2, 3), covariance=np.eye(3), **known)
     np.testing.assert_array_equal(measurement.covariance, np.eye(3))
     assert not measurement.covariance.flags.writeable
-    assert (measurement.misfit, measurement.signal_to_noise) == (1.5, 9)
-    assert measurement.pair == {"right": blob, "left": blob}
+    assert {name: getattr(measurement, name) for name in known} == known
 
 
 def test_more_noise_is_more_variance_and_less_signal():
@@ -82,15 +68,6 @@ def test_drawn_headings_and_whole_pixels_are_part_of_the_covariance():
     shares = np.diag(drawn.measurement.covariance - exact.measurement.covariance)
     expected = (pixel**2 / 12, pixel**2 / 12, (2 * np.pi / 36) ** 2 / 12)
     np.testing.assert_allclose(shares, expected, rtol=0.02)
-
-
-def test_frames_say_in_how_many_headings_the_robot_is_drawn():
-    image = np.zeros((4, 5, 3), np.uint8)
-    frame = robsim.Frame(image, headings=36)
-    assert frame.headings == copy.copy(frame).headings == 36
-    assert frame != robsim.Frame(image)
-    with pytest.raises(ValueError, match="headings"):
-        robsim.Frame(image, headings=0)
 
 
 def test_the_errors_are_as_large_as_the_covariance_says():
@@ -191,16 +168,6 @@ def test_reports_and_figures_show_what_measurements_say():
     plain = simulation(measure=lambda step: step.detection or (600, 600, 0)).run(3)
     assert robsim.pose_errors(plain, of="measurement").reported_sd is None
     assert not robsim.plot_traces(plain).axes[4].collections
-
-
-def test_the_report_says_what_drawn_headings_do_to_the_nees():
-    def remarks(**options):
-        sim = simulation(**options)
-        sim.estimate_state = robsim.reference.ExtendedKalmanFilter(sim.model)
-        return " ".join(robsim.pose_consistency(sim.run(10)).remarks)
-
-    assert "drawn in 36 headings, at whole pixels" in remarks()
-    assert "drawn in" not in remarks(headings=None)
 
 
 def test_the_batch_table_says_what_its_standard_errors_do_not_cover():

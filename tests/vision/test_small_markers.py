@@ -7,7 +7,7 @@ import robsim
 from detection_rates import CASES, measured, rates
 from robsim._core import expected_signal_to_noise, frame_noise, trusted_width
 from robsim.vision import MarkerLayout, SmallMarkersWarning, detect
-from scenes import AREA, false_poses, poses_within, renderer
+from scenes import AREA, poses_within, renderer
 
 LAB = robsim.load_robot("lab").marker_layout()
 COLORS = robsim.load_colors()
@@ -282,14 +282,3 @@ def test_no_warning_without_need():
         {"measure": lambda step: None},  # by code of one's own
     ):
         noisy_camera(**options).run(2)  # warnings are errors here
-
-
-def test_a_marker_of_a_pixel_is_too_small_for_any_camera():
-    with pytest.warns(SmallMarkersWarning, match=r"0\.9 px"):
-        noisy_camera(resolution=(50, 50), noise=None).run(2)
-
-
-def test_at_the_size_that_can_be_trusted_20_percent_of_noise_hide_hardly_a_robot():
-    errors = measured((240, 240), None, robsim.GaussianNoise(20), np.full((20, 3), 400.0))
-    assert np.isfinite(errors[:, 0]).sum() >= 18
-    assert not false_poses(errors).any()

@@ -142,14 +142,11 @@ def test_drift_shows_level_chroma_and_margin():
     assert trained.shares.tolist() == [1, 1]
     assert (trained.drift, trained.least_margin) == (40, 20)
     assert trained.is_at_risk
+    calm = train_color([picture(), picture(light=0.95)], [BOX] * 2, name="red")
+    assert not calm.is_at_risk
+    assert not calm.remarks
     rows = trained.to_dict()["levels"]
     assert rows["frame 1"] == {"y": 42, "u": 115, "v": 168, "margin": 20, "share": 1}
-
-
-def test_little_drift_leaves_the_margin():
-    trained = train_color([picture(), picture(light=0.95)], [BOX] * 2, name="red")
-    assert not trained.is_at_risk
-    assert not trained.remarks
 
 
 def test_a_long_table_shows_the_worst_frame():
@@ -162,12 +159,6 @@ def test_a_long_table_shows_the_worst_frame():
     assert f"{len(table.rows)} of 50" in trained.remarks[-1]
 
 
-def test_a_grey_region_is_named():
-    with pytest.raises(ValueError, match="hardly any colour") as caught:
-        train_color([picture(), picture(FLOOR)], [BOX] * 2, name="red")
-    assert "2 of 2" in caught.value.__notes__[0]
-
-
 def test_wrong_images_and_regions():
     for images, regions, words in (
         ([], BOX, "images"),
@@ -178,6 +169,9 @@ def test_wrong_images_and_regions():
     ):
         with pytest.raises((TypeError, ValueError), match=words):
             train_color(images, regions, name="red")
+    with pytest.raises(ValueError, match="hardly any colour") as caught:
+        train_color([picture(), picture(FLOOR)], [BOX] * 2, name="red")
+    assert "2 of 2" in caught.value.__notes__[0]
 
 
 # --- a recording
@@ -217,17 +211,11 @@ def test_colours_that_robsim_does_not_know_are_trained_from_regions_in_the_first
 
 
 def test_frames_without_the_robot_are_counted():
-    frames = [*drive([Case(), Case(exposure=0.8)]), frame_at(Case(), None, SIZE)]
-    red, _ = train_markers([frames[0], frames[2], frames[1]], MARKERS)
-    assert red.frames.tolist() == [0, 2]
-    assert red.missed == 1
-    assert red.to_dict()["missed"] == 1
-
-
-def test_observations_of_a_session_are_frames_too():
-    frames = [robsim.Observation(frame) for frame in drive([Case(), Case(exposure=0.8)])]
-    red, _ = train_markers([*frames, robsim.Observation()], MARKERS)
+    first, last = drive([Case(), Case(exposure=0.8)])
+    empty = frame_at(Case(), None, SIZE)
+    red, _ = train_markers([first, empty, robsim.Observation(last), robsim.Observation()], MARKERS)
     assert len(red.frames) == 2
+    assert red.missed == red.to_dict()["missed"] == 1
 
 
 def test_wrong_recordings():
