@@ -136,11 +136,6 @@ def exits(self, u, dt):
     sys.exit("enough")
 
 
-def sleeps(self, u, dt):
-    time.sleep(0.03)
-    ConstantVelocity.move(self, u, dt)
-
-
 class Grows(ConstantVelocity):
     calls = 0
 
@@ -247,8 +242,6 @@ def test_a_broken_state_estimator_is_told_its_cause_and_nothing_else(
     ],
 )
 def test_a_call_that_takes_longer_than_its_budget_is_told(check, base, piece):
-    """A quick one has no trouble even if other programs have the processor most of the time."""
-
     def slow(self, *arguments):
         time.sleep(0.03)
         return getattr(base, piece)(self, *arguments)
