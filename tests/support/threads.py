@@ -28,7 +28,7 @@ def in_thread(work):
 
 
 @contextlib.contextmanager
-def running(sim, steps=200_000):
+def running(sim, steps=10**8):
     """Let another thread run a simulation inside the context, and end the run with it."""
     before = sim.n_steps
     with in_thread(lambda: sim.run(steps)) as thread:
