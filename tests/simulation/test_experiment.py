@@ -180,6 +180,7 @@ def timed(frames, times):
     ]
 
 
+@pytest.mark.long
 def test_the_frames_own_times_are_those_of_the_steps_and_of_the_trace(run, tmp_path):
     seen = []
 
