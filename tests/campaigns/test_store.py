@@ -230,6 +230,11 @@ def test_where_the_file_system_allows_no_wal_there_is_a_journal(store, monkeypat
     assert [file.name for file in store.parent.iterdir()] == ["store.sqlite"]
 
 
+def test_an_empty_file_is_begun(store):
+    store.touch()
+    assert run(store).checksum == run().checksum
+
+
 @pytest.mark.long
 def test_a_disk_that_fills_up_leaves_what_is_there(store):
     expected = run(runs=500).checksum

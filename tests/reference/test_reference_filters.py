@@ -447,6 +447,13 @@ def test_two_filters_do_not_touch_each_other(rng):
             np.testing.assert_array_equal(estimates[0].pose, estimates[1].pose)
 
 
+def test_the_seed_makes_the_particles(rng):
+    z = rng.normal((600, 600, 0), (0.4, 0.4, 0.05), (5, 3))
+    runs = [filtered(ParticleFilter(seed=seed), z)[0] for seed in (1, 1, 2)]
+    np.testing.assert_array_equal(runs[0], runs[1])
+    assert not np.array_equal(runs[0], runs[2])
+
+
 def test_resampling_takes_each_particle_as_often_as_its_weight_says():
     particles = ParticleFilter(n_particles=1000)
     particles.particles = np.arange(1000.0)[:, None] * np.ones(6)
