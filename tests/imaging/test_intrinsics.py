@@ -54,13 +54,6 @@ def test_there_and_back_within_a_frame(distortion, pixel):
         assert np.hypot(*(np.array(pixel) - MATRIX[:2, 2])) > 0.9 * radius
 
 
-def test_ideal_pixels_need_no_way_back():
-    intrinsics = Intrinsics(MATRIX)
-    pixels = grid() * 1e3
-    assert np.array_equal(intrinsics.ideal(pixels), pixels)
-    assert np.array_equal(intrinsics.distorted(pixels), pixels)
-
-
 def test_a_lens_shows_nothing_beyond_where_it_would_fold():
     # r (1 - r^2 / 3) grows up to r = 1, where it is 2/3.
     intrinsics = Intrinsics(MATRIX, (-1 / 3, 0, 0, 0, 0))

@@ -138,17 +138,6 @@ def test_no_colour_that_belongs_to_a_class_is_taken_for_grey(path):
             np.testing.assert_array_equal(masks[1], yuv[..., channel] <= limit)
 
 
-def test_a_view_of_the_classes_of_a_frame():
-    frame = robsim.Simulation(robot="lab", resolution=(480, 480), seed=1).frame
-    masks = robsim.vision.classify(frame, robsim.load_colors())
-    found = robsim.find_blobs(frame, robsim.load_colors(), minimum_area=1)
-    assert list(masks) == ["blue", "red"]
-    for name, mask in masks.items():
-        assert mask.shape == (480, 480)
-        assert mask.dtype == bool
-        assert mask.sum() == sum(blob.area for blob in found[name]) > 0
-
-
 @pytest.mark.parametrize("smoothing", [1, 5])
 def test_a_region_is_an_image_of_its_own(rng, smoothing):
     image = rng.integers(0, 256, (60, 150, 3), dtype=np.uint8)

@@ -93,15 +93,6 @@ def test_several_regions_of_a_colour():
     assert score_color(scene(REGION), COLOR, [REGION, other], repeats=1).rate == 0
 
 
-def test_noise_needs_smoothing():
-    small = (40, 40, 47, 47)
-    image = scene(small)
-    smooth = score_color(image, COLOR, [small], smoothing=5)
-    plain = score_color(image, COLOR, [small], smoothing=1)
-    assert rates(smooth)["gaussian noise"] == (1, 1, 1, 1)
-    assert sum(rates(plain)["gaussian noise"]) < 2.5
-
-
 def test_the_rate_is_that_of_find_blobs():
     image, weak = scene(REGION), ColorClass("red", v=(201, 255))
     score = score_color(image, weak, [REGION], repeats=20, seed=3)
@@ -153,19 +144,6 @@ def test_what_is_refused():
         for value in values:
             with pytest.raises((TypeError, ValueError), match=name.removesuffix("s")):
                 score_color(**given | {name: value})
-
-
-@pytest.mark.long
-def test_the_shipped_colours_on_the_simulators_frame():
-    sim = robsim.Simulation(
-        robot="lab", start=(200, 200, 0), area=(400, 400), adjust_background=lambda floor: floor
-    )
-    red, blue = load_colors()
-    for color, region in ((red, (178, 213, 194, 230)), (blue, (178, 170, 194, 187))):
-        score = score_color(sim.frame, color, [region], repeats=2)
-        print(score)
-        assert score.widened_rate == 1
-        assert rates(score)["shadow"] == (1, 1, 1)
 
 
 def test_a_region_beside_the_colour_is_suspected():

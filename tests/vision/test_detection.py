@@ -1,4 +1,4 @@
-"""What `detect` says of its choice: the pair, its misfit, the reason when there is none."""
+"""The pose of a pair of blobs, its misfit, and the reason when there is none."""
 
 import copy
 import pickle
@@ -28,6 +28,43 @@ def blobs_of(*squares):
     for color, u, v, side in squares:
         image[v : v + side, u : u + side] = {"red": (220, 30, 30), "blue": (30, 60, 220)}[color]
     return robsim.find_blobs(image, robsim.load_colors())
+
+
+def located(markers, *squares, **options):
+    return robsim.locate(blobs_of(*squares), markers, **options)
+
+
+def test_the_pose_of_a_hand_made_pair():
+    # Blue above red: the line from blue to red points down, so that the robot faces right; the
+    # centre lies 14 px ahead of the midpoint.
+    x, y, heading = located(LAYOUT, BLUE, RED).pose
+    assert (x, y) == pytest.approx((100 + 14, 90))
+    assert heading == pytest.approx(0)
+
+
+def test_a_quarter_turn_to_the_right_is_plus_90_degrees():
+    x, y, heading = located(LAYOUT, ("red", 60, 90, 21), ("blue", 100, 90, 21)).pose
+    assert (x, y) == pytest.approx((90, 100 + 14))
+    assert heading == pytest.approx(np.pi / 2)
+
+
+def test_the_plane_map_takes_the_pose_to_the_work_area():
+    plane_map = robsim.imaging.PlaneMap.scaled((200, 200), (500, 500))
+    x, y, heading = located(MarkerLayout(100, 35), BLUE, RED, plane_map=plane_map).pose
+    assert (x, y) == pytest.approx(np.add(plane_map.to_world((100, 90)), (35, 0)))
+    assert heading == pytest.approx(0)
+
+
+def test_markers_in_any_place_give_the_pose(rng):
+    red, blue = np.add(rng.uniform(-30, 30, (2, 2)), [[40, 0], [-40, 0]])  # front, back
+    corners = 8 * np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
+    markers = MarkerLayout.from_markers({"front": red + corners, "back": blue + corners})
+    heading, centre = 0.7, np.array([101.0, 93.0])
+    turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
+    places = [np.rint(centre + turn @ place - 8).astype(int) for place in (red, blue)]
+    pose = located(markers, ("red", *places[0], 17), ("blue", *places[1], 17)).pose
+    np.testing.assert_allclose(pose[:2], centre, atol=1.0)
+    assert pose[2] == pytest.approx(heading, abs=0.02)
 
 
 def test_a_pair_that_fits():

@@ -6,57 +6,6 @@ from scenes import errors_of, false_poses, poses_within, renderer, rms
 from sizes import thorough
 
 
-def blob_image(*squares, size=(200, 200)):
-    """An image of squares: (colour, u, v, side)."""
-    image = np.full((*size, 3), 100, np.uint8)
-    for color, u, v, side in squares:
-        image[v : v + side, u : u + side] = {"red": (220, 30, 30), "blue": (30, 60, 220)}[color]
-    return image
-
-
-def located(image, markers, **options):
-    return robsim.locate(robsim.find_blobs(image, robsim.load_colors()), markers, **options)
-
-
-def test_the_pose_of_a_hand_made_pair():
-    # Blue above red: the line from blue to red points down, so that the robot faces right; the
-    # centre lies 14 px ahead of the midpoint.
-    image = blob_image(("blue", 90, 60, 21), ("red", 90, 100, 21))
-    x, y, heading = located(image, robsim.vision.MarkerLayout(40, 14)).pose
-    assert (x, y) == pytest.approx((100 + 14, 90))
-    assert heading == pytest.approx(0)
-
-
-def test_a_quarter_turn_to_the_right_is_plus_90_degrees():
-    image = blob_image(("red", 60, 90, 21), ("blue", 100, 90, 21))
-    x, y, heading = located(image, robsim.vision.MarkerLayout(40, 14)).pose
-    assert (x, y) == pytest.approx((90, 100 + 14))
-    assert heading == pytest.approx(np.pi / 2)
-
-
-def test_the_plane_map_takes_the_pose_to_the_work_area():
-    image = blob_image(("blue", 90, 60, 21), ("red", 90, 100, 21))
-    plane_map = robsim.imaging.PlaneMap.scaled((200, 200), (500, 500))
-    x, y, heading = located(image, robsim.vision.MarkerLayout(100, 35), plane_map=plane_map).pose
-    assert (x, y) == pytest.approx(np.add(plane_map.to_world((100, 90)), (35, 0)))
-    assert heading == pytest.approx(0)
-
-
-def test_markers_in_any_place_give_the_pose(rng):
-    red, blue = np.add(rng.uniform(-30, 30, (2, 2)), [[40, 0], [-40, 0]])  # front, back
-    corners = 8 * np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
-    markers = robsim.vision.MarkerLayout.from_markers(
-        {"front": red + corners, "back": blue + corners}
-    )
-    heading, centre = 0.7, np.array([101.0, 93.0])
-    turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
-    places = [np.rint(centre + turn @ place - 8).astype(int) for place in (red, blue)]
-    image = blob_image(("red", *places[0], 17), ("blue", *places[1], 17))
-    pose = located(image, markers).pose
-    np.testing.assert_allclose(pose[:2], centre, atol=1.0)
-    assert pose[2] == pytest.approx(heading, abs=0.02)
-
-
 @pytest.mark.long
 def test_continuous_rotation_in_light_shadow_and_at_its_edge(rng):
     errors = errors_of(renderer(), poses_within(rng, thorough(1000, 300)))
@@ -77,15 +26,6 @@ def test_parked_exactly_along_an_axis():
     ]
     errors = errors_of(renderer(), np.array(poses))
     assert np.hypot(errors[:, 0], errors[:, 1]).max() < 0.4
-
-
-def test_a_smaller_camera(rng):
-    errors = errors_of(
-        renderer(resolution=(480, 480)), poses_within(rng, 100), resolution=(480, 480)
-    )
-    place, heading = rms(errors)
-    assert place < 0.3
-    assert heading < 0.5
 
 
 def test_a_wrong_offset_oscillates_around_the_true_centre():
