@@ -1,7 +1,7 @@
 """Size and power of the package's statistical verdicts: how often each is given, and to whom.
 
-``./run statistics`` prints the table. A module of `families` has the campaigns whose runs are the
-trials, in ``TRIALS``. All such modules are found by themselves.
+``./run study statistics`` prints the table. A module of `families` has the campaigns whose runs
+are the trials, in ``TRIALS``. All such modules are found by themselves.
 """
 
 from size_and_power.row import Row

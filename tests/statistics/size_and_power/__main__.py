@@ -12,7 +12,7 @@ from size_and_power.table import as_json, as_markdown, family_names, measured
 
 def main() -> int:
     """Return 1 if a promise does not hold, 0 otherwise."""
-    parser = argparse.ArgumentParser(prog="./run statistics", description=__doc__)
+    parser = argparse.ArgumentParser(prog="./run study statistics", description=__doc__)
     parser.add_argument(
         "--trials", type=int, default=1000, help="default: 1000; fewer of what takes long"
     )
