@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
+from robsim.gui._panel.saved import SavedRecord
 from robsim.simulation import Experiment
 
 
@@ -141,3 +142,10 @@ def test_an_experiment_looks_for_the_new_robot(tmp_path):
         recorded.step()
         with pytest.raises(RuntimeError, match="colors cannot be changed while a session"):
             recorded.colors = recorded.colors
+
+
+def test_a_saved_run_says_that_its_pictures_show_the_last_one():
+    sim = simulation()
+    sim.run(3)
+    sim.robot = "sheep"
+    assert "sheep" in SavedRecord(sim.run(3)).remarks[0]

@@ -305,7 +305,12 @@ def test_reset_forgets_the_columns_too():
     assert "x_measured" not in trace.names
 
 
-def test_what_the_world_cannot_be_is_an_error():
+def test_what_cannot_be_run_is_an_error():
+    sim = robsim.Simulation(**SMALL)
+    for steps in ((), (-1,), (2**70,), (1.5,)):
+        with pytest.raises((TypeError, ValueError), match="steps"):
+            sim.run(*steps)
+    assert len(sim.run(0)) == 0
     sim = robsim.Simulation(measure=True, colors=[robsim.ColorClass("red", v=(164, 255))])
     with pytest.raises(ValueError, match="colors"):
         sim.run(1)
