@@ -92,17 +92,16 @@ def test_the_rewards_of_a_run_sum_to_what_was_done(name):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error", "words"),
+    ("arguments", "error", "named"),
     [
-        ({"task": "measure"}, ValueError, "park, follow, got 'measure'"),
-        ({"task": 3}, TypeError, "task must be a name or a Task, got 3"),
-        ({"task": robsim.tasks.Park(), "noise": 3}, TypeError, "noise beside it"),
-        ({"observation": "blobs"}, ValueError, "observation must be"),
-        ({"render_mode": "human"}, ValueError, "render_mode must be"),
+        ({"task": "measure"}, ValueError, "'measure'"),
+        ({"task": robsim.tasks.Park(), "noise": 3}, TypeError, "noise"),
+        ({"observation": "blobs"}, ValueError, "observation"),
+        ({"render_mode": "human"}, ValueError, "render_mode"),
     ],
 )
-def test_wrong_arguments(arguments, error, words):
-    with pytest.raises(error, match=words):
+def test_wrong_arguments(arguments, error, named):
+    with pytest.raises(error, match=named):
         robsim.gym.TaskEnv(**arguments)
 
 

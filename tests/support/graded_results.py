@@ -17,6 +17,9 @@ from robsim.assignments._results import (
 #: What stands in a hidden test, and is nobody's to see.
 SECRET = "kept secret"
 
+#: Where a submission fails.
+PLACE = {"slot": "estimate_state", "file": "estimate_state.py", "line": 23}
+
 _STATUSES = (PASSED, PARTIAL, FAILED, ERROR, NOT_RUN)
 
 
@@ -48,16 +51,7 @@ def graded(name="estimate", **changes):
         "sentence": "The estimate stays behind while the robot is hidden.",
         "scores": (score(),),
         "runs": 10,
-        "failed": (
-            FailedRun(
-                run=7,
-                reason="ValueError: no covariance",
-                slot="estimate_state",
-                step=17,
-                file="estimate_state.py",
-                line=23,
-            ),
-        ),
+        "failed": (FailedRun(run=7, reason="ValueError: no covariance", step=17, **PLACE),),
         "worst": 4,
         "picture": f"{name}.png",
         "caption": "The estimate is 43 px off in step 33.",
@@ -129,14 +123,8 @@ NASTY = (
     *("<script>alert(1)</script>", "</pre><img src=x onerror=alert(1)>", '"><b>', "&amp;", "'"),
     *("```\n# heading", "]]>", "<!--", "-->", "${7*7}", "{{7*7}}", "javascript:alert(1)"),
     *("=cmd|' /C calc'!A0", "+1+1", "-1+1", "@SUM(A1)", "\t=1+1", "\uff1d1+1", "a,b\r\nc;d"),
-    *(
-        "\x00\x07\x1b[31mred\x1b]0;title\x07",
-        "\ud800",
-        "\ufffe",
-        "\u202egnp.exe",
-        "\u2028",
-        "e\u0301" * 3,
-    ),
+    *("\x00\x07\x1b[31mred\x1b]0;title\x07", "\ud800", "\ufffe", "\u202egnp.exe", "\u2028"),
+    "e\u0301" * 3,
     *("a" + "\u0301" * 50, "x" * 500, "../../etc/passwd", "%00", "\N{PILE OF POO}", ""),
 )
 

@@ -70,18 +70,16 @@ def test_who_looks_at_a_frame_that_is_not_given_fails_at_home(task, remedy):
         return step.frame.t, 0.0
 
     trial = task(steps=3, runs=1).try_out(control=control, progress=False)
-    assert "RuntimeError: the frames are not given" in trial.failed[0]
-    assert f"use {remedy}" in trial.failed[0] or f"use step.{remedy}" in trial.failed[0]
-    assert "test_given.py:" in trial.failed[0]
+    for words in ("frames are not given", remedy, "test_given.py:"):
+        assert words in trial.failed[0]
 
 
 def test_blobs_are_for_whom_they_are_given():
     def control(step):
         return 0.1 * len(step.blobs["red"]), 0.0
 
-    assert (
-        ParkByBlobs(steps=3, runs=1, noise=0).try_out(control=control, progress=False).trace.u.any()
-    )
+    given = ParkByBlobs(steps=3, runs=1, noise=0).try_out(control=control, progress=False)
+    assert given.trace.u.any()
     assert "not given" in Park(steps=3, runs=1).try_out(control=control, progress=False).failed[0]
 
 
@@ -104,7 +102,7 @@ def test_samples_are_for_who_estimates_parameters():
     assert any(sample is not None for sample in seen)
 
 
-def test_what_is_not_given_hides_no_other_error(tmp_path):
+def test_what_is_not_given_hides_no_other_error():
     """It is asked which data of the step are missing, and the frame does not say so."""
 
     def control(step):
@@ -112,11 +110,8 @@ def test_what_is_not_given_hides_no_other_error(tmp_path):
             return step.frame
         return step.measurement.pose[0] if step.measurement is None else (0, 0)
 
-    task = Park(steps=40, runs=1, dropout=0.6)
-    assert (
-        "'NoneType' object has no attribute 'pose'"
-        in task.try_out(control=control, progress=False).failed[0]
-    )
+    trial = Park(steps=40, runs=1, dropout=0.6).try_out(control=control, progress=False)
+    assert "'NoneType' object has no attribute 'pose'" in trial.failed[0]
 
 
 def test_a_copy_of_a_step_has_no_more():

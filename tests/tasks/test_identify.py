@@ -43,8 +43,3 @@ def test_the_true_parameters_have_no_error_and_others_what_they_predict():
 def test_without_parameters_there_is_no_score():
     one = Identify(steps=30)
     assert np.isnan(list(one.score(one.simulation(seed=1).run(30)).values())).all()
-
-
-def test_mismatch_must_be_there():
-    with pytest.raises(ValueError, match="mismatch must be above 0"):
-        Identify(mismatch=0)

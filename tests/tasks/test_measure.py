@@ -36,12 +36,3 @@ def test_a_pose_of_a_hidden_robot_is_not_lost_if_it_is_right():
     one = Measure(steps=12, dropout=1)
     numbers = one.score(one.simulation(seed=1).run(12))
     assert numbers["lost"] == 0
-
-
-def test_the_sheet_has_the_values_and_the_scores():
-    text = Measure(noise=17).sheet
-    assert "17 %" in text
-    assert "| `NOISE` | `17` |" in text
-    assert "| error of the position | px | 40 % |" in text
-    assert "`robsim.reference`" in text
-    assert "robsim tasks try measure mine" in text

@@ -7,7 +7,6 @@ import pytest
 
 import robsim
 from robsim.tasks import Limit, Measure, Park, _trying
-from robsim.tasks._solutions import SHIPPED
 
 SHORT = {"steps": 40, "runs": 2}
 
@@ -43,7 +42,7 @@ def test_the_reference_is_as_good_as_itself_and_naive_is_not():
     assert set(own.statistics.values()) == {1.0}
     assert own.points == 1
     assert own.values == own.reference
-    naive = tried(task, SHIPPED / "measure" / "wrong" / "naive")
+    naive = tried(task, shipped(task, "naive").folder)
     assert naive.verdict == "no better than a naive solution"
     assert naive.points < 0.1
     assert naive.reference == own.reference
@@ -102,7 +101,7 @@ def test_runs_that_fail_are_told_with_their_line():
     assert list(trial.failed) == [0, 1]
     assert "KeyError: 'speed' (test_trying.py:" in str(trial)
     assert np.isnan(list(trial.statistics.values())).all()
-    with pytest.raises(ValueError, match="all have failed"):
+    with pytest.raises(ValueError, match="failed"):
         trial.figure()
 
 
@@ -125,43 +124,40 @@ def test_a_run_that_fails_takes_its_part_of_the_points():
 def test_a_broken_rule_is_told():
     trial = tried(Park(steps=5, runs=2), control=lambda step: (0, 3))
     assert trial.broken == (0, 1)
-    assert "runs against the rules: 2 (100 %); run 0: 3 V at step 0" in str(trial)
+    assert "3 V at step 0" in str(trial)
 
 
-def test_without_limits_there_is_no_verdict():
-    trial = tried(Park(steps=5, runs=1), control=lambda step: (0, 0))
-    assert trial.verdict is None
-    assert np.isnan(trial.points)
+def test_without_limits_there_is_no_verdict_and_another_seed_is_another_run():
+    task = Park(steps=5, runs=1)
+    trials = [tried(task, control=robsim.Spin, seed=seed) for seed in (4, 4, 5)]
+    assert trials[0].verdict is None
+    assert np.isnan(trials[0].points)
+    one, same, other = (trial.trace.pose_true for trial in trials)
+    assert np.array_equal(one, same)
+    assert not np.array_equal(one, other)
 
 
 def test_it_says_what_the_limits_are_worth():
     task = Measure(**SHORT)
-    text = str(tried(task, shipped(task, "reference"), runs=1))
-    assert "the limits are those of the task with its default parameters" in text
-    assert "the limits are for 2 runs" in text
-    assert json.loads(tried(task, shipped(task, "reference")).to_json())["points"] == 1
-
-
-def test_another_seed_is_another_run():
-    task = Park(steps=5, runs=1)
-    one, same, other = (tried(task, control=robsim.Spin, seed=seed).trace for seed in (4, 4, 5))
-    assert np.array_equal(one.pose_true, same.pose_true)
-    assert not np.array_equal(one.pose_true, other.pose_true)
+    trial = tried(task, shipped(task, "reference"), runs=1)
+    assert any("default parameters" in remark for remark in trial.remarks)
+    assert any("2 runs" in remark for remark in trial.remarks)
+    assert json.loads(trial.to_json())["points"] == 1
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    ("call", "named"),
     [
-        (lambda task: task.try_out(), "give a solution, a folder or a file, or callbacks by name"),
-        (lambda task: task.try_out("a", control=robsim.Spin), "give a solution, a folder or a"),
-        (lambda task: task.try_out(contrl=3), "the task park has no slot 'contrl': did you mean"),
-        (lambda task: task.try_out(control=robsim.GoToPoint(1, 2)), "^control must be a function"),
-        (lambda task: task.try_out(lambda step: (0, 0)), "callbacks are given by name"),
-        (lambda task: task.try_out(control=robsim.Spin, runs=0), "runs must lie within 1..1000"),
+        (lambda task: task.try_out(), "callbacks by name"),
+        (lambda task: task.try_out("a", control=robsim.Spin), "callbacks by name"),
+        (lambda task: task.try_out(contrl=3), "'contrl'"),
+        (lambda task: task.try_out(control=robsim.GoToPoint(1, 2)), "^control"),
+        (lambda task: task.try_out(lambda step: (0, 0)), "by name"),
+        (lambda task: task.try_out(control=robsim.Spin, runs=0), "runs"),
     ],
 )
-def test_what_is_wrong_is_named(call, message):
-    with pytest.raises((TypeError, ValueError), match=message):
+def test_what_is_wrong_is_named(call, named):
+    with pytest.raises((TypeError, ValueError), match=named):
         call(Park(steps=5, runs=1))
 
 
@@ -170,13 +166,9 @@ def test_files_that_are_missing_or_misspelled_are_named(tmp_path):
     with pytest.raises(FileNotFoundError):
         tried(task, tmp_path / "nothing")
     (tmp_path / "contrl.py").write_text("def control(step):\n    return 0, 0\n")
-    with pytest.raises(ValueError, match=r"must have control\.py; is contrl\.py meant to be"):
-        tried(task, tmp_path)
-    with pytest.raises(ValueError, match=r"contrl\.py must be control\.py"):
-        tried(task, tmp_path / "contrl.py")
-
-
-def test_what_a_file_raises_while_it_is_loaded_is_raised(tmp_path):
+    for path in (tmp_path, tmp_path / "contrl.py"):
+        with pytest.raises(ValueError, match=r"control\.py"):
+            tried(task, path)
     (tmp_path / "control.py").write_text("import nothing_of_that_name\n")
     with pytest.raises(ModuleNotFoundError, match="nothing_of_that_name"):
-        tried(Park(steps=5, runs=1), tmp_path)
+        tried(task, tmp_path)

@@ -6,7 +6,6 @@ import json
 import pytest
 
 from robsim.tasks import EstimateState, Measure, TaskCalibration, calibrate
-from robsim.tasks._marks.calibrate import calibration_seconds
 from robsim.tasks._marks.files import read_calibrations, write_calibrations
 
 TASK = EstimateState(steps=20, runs=2)
@@ -76,18 +75,10 @@ def test_wrong_solutions_fail_and_get_less(calibration):
 
 
 def test_what_is_printed_says_who_fails(calibration):
-    text = str(calibration)
-    assert "Limits of the task 'estimate', for 2 runs a test" in text
-    assert "no_q" in text
-    weak = dataclasses.replace(
-        calibration,
-        solutions=(
-            *calibration.solutions[:3],
-            dataclasses.replace(calibration.solutions[3], failing=9),
-        ),
-    )
+    no_q = dataclasses.replace(calibration.solutions[3], failing=9)
+    weak = dataclasses.replace(calibration, solutions=(*calibration.solutions[:3], no_q))
     assert weak.verdict == "some wrong solutions pass"
-    assert "not told from right in 95 % of the tests: 'no_q'" in str(weak)
+    assert "'no_q'" in str(weak)
 
 
 def test_the_same_call_goes_on_with_the_runs_that_are_kept(calibration, keep, monkeypatch):
@@ -102,15 +93,11 @@ def test_a_file_has_all_of_it(calibration, tmp_path):
     file = tmp_path / "limits.json"
     write_calibrations(file, {"one": calibration})
     assert read_calibrations(file) == {"one": calibration}
-    file.write_text(file.read_text().replace('"format": 1', '"format": 2'))
-    with pytest.raises(ValueError, match=r"limits.json has no calibrations: .*format 1"):
-        read_calibrations(file)
-    file.write_text('{"one": {"format": 1, "limits": {}}}')
-    with pytest.raises(ValueError, match=r"limits.json has no calibrations: no calibration: "):
-        read_calibrations(file)
-    file.write_text("[")
-    with pytest.raises(ValueError, match=r"limits\.json has no calibrations"):
-        read_calibrations(file)
+    text = file.read_text().replace('"format": 1', '"format": 2')
+    for broken in (text, '{"one": {"format": 1, "limits": {}}}', "["):
+        file.write_text(broken)
+        with pytest.raises(ValueError, match=r"limits\.json"):
+            read_calibrations(file)
 
 
 def test_what_changed_is_to_be_calibrated_again(calibration):
@@ -124,33 +111,25 @@ def test_what_changed_is_to_be_calibrated_again(calibration):
     assert known.stale(TASK).startswith("the solutions")
 
 
-def test_how_long_it_takes_is_told_before():
-    one = calibration_seconds(TASK, SOLUTIONS, false_fail=0.2, confidence=0.8)
-    assert 0.1 < one < 600
-
-
 def without(name):
     return [one for one in SOLUTIONS if one.name != name]
 
 
 @pytest.mark.parametrize(
-    ("solutions", "message"),
+    ("solutions", "named"),
     [
-        (without("larger_r"), "solutions must have right ones: first 'reference', and another"),
-        (without("reference"), "solutions must have right ones: first 'reference', and another"),
-        (without("naive"), "solutions must have a wrong one 'naive'"),
-        (Measure().solutions, "solutions must fill estimate_state, but 'reference' has measure"),
-        (
-            [SOLUTIONS[0], FAILING, *SOLUTIONS[2:]],
-            "the right solution 'larger_r' must not fail, but so it did: run 0: .*no such filter",
-        ),
+        (without("larger_r"), "another"),
+        (without("reference"), "first 'reference'"),
+        (without("naive"), "'naive'"),
+        (Measure().solutions, "estimate_state.*measure"),
+        ([SOLUTIONS[0], FAILING, *SOLUTIONS[2:]], "'larger_r'.*no such filter"),
     ],
 )
-def test_solutions_that_are_no_help_are_refused(solutions, message):
-    with pytest.raises(ValueError, match=message):
+def test_solutions_that_are_no_help_are_refused(solutions, named):
+    with pytest.raises(ValueError, match=named):
         calibrate(TASK, solutions, false_fail=0.5, confidence=0.5, progress=False)
 
 
 def test_too_few_tests_for_a_promise_are_refused():
-    with pytest.raises(ValueError, match=r"tests must lie within 299\.\."):
+    with pytest.raises(ValueError, match=r"tests.*299"):
         calibrate(TASK, SOLUTIONS, tests=298)

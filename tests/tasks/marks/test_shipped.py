@@ -7,26 +7,19 @@ from robsim.tasks import task
 from robsim.tasks._marks.calibration import POWER
 from robsim.tasks._marks.files import shipped_calibrations, shipped_limits
 from robsim.tasks._marks.tolerance import bound_rank
+from sizes import thorough
 
-KINDS = pytest.mark.parametrize("name", sorted(shipped_calibrations()))
+NAMES = sorted(shipped_calibrations())
 
 
-@KINDS
+@pytest.mark.parametrize("name", NAMES)
 def test_limits_are_those_of_the_task_and_its_solutions_as_they_are(name):
     calibration = shipped_calibrations()[name]
     assert calibration.stale(task(name)) is None, "run ./run limits"
     assert shipped_limits(task(name)) == calibration.limits
     assert calibration.limits.keys() == {score.name for score in task(name).scores}
-
-
-@KINDS
-def test_no_limits_ship_for_a_task_with_other_parameters(name):
-    assert shipped_limits(task(name, runs=11)) is None
-
-
-@KINDS
-def test_they_promise_1_percent_and_every_wrong_solution_fails(name):
-    calibration = shipped_calibrations()[name]
+    assert shipped_limits(task(name, runs=11)) is None  # other parameters
+    # They promise 1 %, and every wrong solution fails.
     assert (calibration.false_fail, calibration.confidence) == (0.01, 0.95)
     assert calibration.rank == bound_rank(calibration.tests, 0.01, 0.95)
     for one in calibration.solutions:
@@ -40,7 +33,7 @@ def test_they_promise_1_percent_and_every_wrong_solution_fails(name):
 
 
 @pytest.mark.slow
-@KINDS
+@pytest.mark.parametrize("name", thorough(NAMES, ["estimate"]))
 def test_a_few_tests_on_fresh_runs_come_out_as_promised(name):
     found = promises(shipped_calibrations()[name], graded=4, graded_wrong=2, seed=77)
     assert len(found) == len(task(name).solutions)
