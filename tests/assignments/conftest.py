@@ -7,6 +7,7 @@ import pytest
 
 from chromium_browser import running_chromium
 from robsim.assignments import Assignment, ClassResult
+from robsim.assignments._grading import work
 from robsim.tasks import Limit
 from small_assignments import assignment, drawn_quickly, solution
 
@@ -58,3 +59,17 @@ def graded_class(tmp_path_factory):
     with drawn_quickly():
         result = hw3.grade_class(folder / "subs", folder / "out")
     return GradedClass(hw3, folder / "subs", folder / "out", result)
+
+
+@pytest.fixture
+def ran(monkeypatch):
+    """The tests that are run in this process: student and name."""
+    ran = []
+    true = work.run_task_test
+
+    def counted(assignment, test, path, student, *others):
+        ran.append((student, test.name))
+        return true(assignment, test, path, student, *others)
+
+    monkeypatch.setattr(work, "run_task_test", counted)
+    return ran

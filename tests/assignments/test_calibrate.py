@@ -9,7 +9,6 @@ from robsim.assignments import Assignment, calibrate_assignment, new_assignment
 from robsim.assignments import _calibration as calibration
 from robsim.assignments._reading.limits_file import read_limits
 from robsim.grading import AssignmentError, Key
-from robsim.tasks._marks import calibrate as marks
 
 QUICK = {"false_fail": 0.5, "confidence": 0.5, "progress": False}
 
@@ -17,8 +16,8 @@ QUICK = {"false_fail": 0.5, "confidence": 0.5, "progress": False}
 @pytest.fixture(autouse=True)
 def _few(monkeypatch):
     """As few tests as show that it works."""
-    monkeypatch.setattr(marks, "PILOT_TESTS", 3)
-    monkeypatch.setattr(marks, "WRONG_TESTS", 2)
+    monkeypatch.setattr("robsim.tasks._marks.calibrate.PILOT_TESTS", 3)
+    monkeypatch.setattr("robsim.tasks._marks.calibrate.WRONG_TESTS", 2)
 
 
 @pytest.fixture

@@ -14,7 +14,6 @@ import pytest
 
 from clusters import local_cluster
 from robsim.assignments import Assignment, SubmissionResult
-from robsim.assignments._grading import work
 from robsim.grading import AssignmentError
 from robsim.tasks import Limit
 from small_assignments import LIMITS, TESTS, assignment, drawn_quickly, solution
@@ -47,20 +46,6 @@ def folders(graded_class, tmp_path):
     """Copies of the submissions of a class that was graded, and of what came of them."""
     subs = shutil.copytree(graded_class.submissions, tmp_path / "subs")
     return subs, shutil.copytree(graded_class.out, tmp_path / "out")
-
-
-@pytest.fixture
-def ran(monkeypatch):
-    """The tests that are run, by the student."""
-    ran = []
-    true = work.run_task_test
-
-    def counted(assignment, test, path, student, *others):
-        ran.append((student, test.name))
-        return true(assignment, test, path, student, *others)
-
-    monkeypatch.setattr(work, "run_task_test", counted)
-    return ran
 
 
 def result_of(out, student):

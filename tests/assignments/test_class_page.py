@@ -11,13 +11,14 @@ from html_outline import Outline
 from robsim.assignments._reports import program_of, write_class
 from robsim.assignments._reports.pages.floor import DrawnPath, floor_of
 from robsim.assignments._reports.pages.histogram import histogram
-from robsim.assignments._results import ERROR, FAILED, PASSED
 
 
 def results():
     return [
-        submission("s002", [graded(status=PASSED, points=4.0), hidden()]),
-        submission("s001", [graded(status=FAILED, points=0.0), hidden(status=ERROR, points=0.0)]),
+        submission("s002", [graded(status="passed", points=4.0), hidden()]),
+        submission(
+            "s001", [graded(status="failed", points=0.0), hidden(status="error", points=0.0)]
+        ),
         submission("müller", is_done=False),
     ]
 

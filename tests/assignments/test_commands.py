@@ -8,7 +8,6 @@ import pytest
 from commands import command
 from robsim.cli.assignment import calibrate, check, new, pack
 from robsim.cli.grading import grade
-from robsim.tasks._marks import calibrate as marks
 from small_assignments import solution
 
 
@@ -22,8 +21,8 @@ def run(line, *more, cwd, status=(0,)):
 
 @pytest.mark.slow
 def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
-    monkeypatch.setattr(marks, "PILOT_TESTS", 3)
-    monkeypatch.setattr(marks, "WRONG_TESTS", 2)
+    monkeypatch.setattr("robsim.tasks._marks.calibrate.PILOT_TESTS", 3)
+    monkeypatch.setattr("robsim.tasks._marks.calibrate.WRONG_TESTS", 2)
     run(new.EXAMPLE, "--no-calibrate", "--seed", "1", cwd=tmp_path)
     folder = tmp_path / "hw1"
     file = folder / "assignment.toml"

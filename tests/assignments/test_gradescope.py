@@ -9,7 +9,6 @@ import pytest
 from graded_results import SECRET, graded, hidden, submission
 from html_outline import Outline
 from robsim.assignments._reports import gradescope, write_gradescope
-from robsim.assignments._results import ERROR, NOT_RUN, PASSED
 
 VISIBILITIES = {"hidden", "after_due_date", "after_published", "visible"}
 FORMATS = {"text", "html", "simple_format", "md", "ansi"}
@@ -83,7 +82,7 @@ def results(tmp_path):
 
 
 def test_points_and_texts_are_there(results):
-    content = results(graded(), graded("second", status=PASSED, points=4.0))
+    content = results(graded(), graded("second", status="passed", points=4.0))
     first, second = content["tests"]
     assert content["score"] == 6.92
     assert (first["score"], first["max_score"], first["status"]) == (2.92, 4.0, "failed")
@@ -108,13 +107,15 @@ def test_of_hidden_tests_nothing_shows_but_points_and_sentence(results, when):
 
 
 def test_what_could_not_be_graded_has_no_score(results):
-    failed, other = results(graded(status=ERROR, whose="grader", points=0.0), graded("b"))["tests"]
+    failed, other = results(graded(status="error", whose="grader", points=0.0), graded("b"))[
+        "tests"
+    ]
     assert not {"score", "max_score"} & set(failed)
     assert "score" in other
 
 
 def test_a_result_of_half_way_is_valid():
-    half = submission(tests=[graded(status=NOT_RUN, points=0.0)], is_done=False)
+    half = submission(tests=[graded(status="not run", points=0.0)], is_done=False)
     check_results(gradescope(half))
     check_results(gradescope(submission(tests=[])))
     with pytest.raises(ValueError, match="hidden"):

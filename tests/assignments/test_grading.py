@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from graded_results import FailedRun
 from robsim.assignments._grading.marking import marked
 from robsim.assignments._grading.references import References
 from robsim.assignments._grading.seeds import seeds_of
 from robsim.assignments._grading.task_runs import graded_task, run_to_show
-from robsim.assignments._results import FailedRun
 from robsim.grading import AssignmentError, Key, SubmissionError
 from robsim.grading._calls.judging import judged
 from robsim.grading._graded_run import GradedSimulation, graded_run

@@ -4,7 +4,6 @@ from xml.etree import ElementTree
 
 from graded_results import graded, hidden, submission
 from robsim.assignments._reports import junit_xml
-from robsim.assignments._results import ERROR, NOT_RUN, PASSED
 
 # Attributes (required first) and children, of Jenkins' schema junit-10.
 SCHEMA = {
@@ -40,10 +39,10 @@ def check_element(element):
 def test_it_keeps_to_the_schema():
     check_element(ElementTree.fromstring(junit_xml([])))
     tests = [
-        graded("a", status=PASSED, points=4.0),
+        graded("a", status="passed", points=4.0),
         graded("b"),
-        graded("c", status=ERROR, whose="grader"),
-        graded("d", status=NOT_RUN),
+        graded("c", status="error", whose="grader"),
+        graded("d", status="not run"),
         hidden(),
     ]
     results = [submission("s001", tests), submission("müller <&>", tests[:2])]

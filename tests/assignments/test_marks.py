@@ -8,7 +8,6 @@ import pytest
 
 from graded_results import graded, hidden, submission
 from robsim.assignments._reports import marks_table
-from robsim.assignments._results import ERROR, PASSED
 
 
 def rows(results, **options):
@@ -18,7 +17,9 @@ def rows(results, **options):
 def test_pandas_reads_the_points():
     results = [
         submission("s001"),
-        submission("s002", [graded(status=PASSED, points=4.0), hidden(status=ERROR, points=0.0)]),
+        submission(
+            "s002", [graded(status="passed", points=4.0), hidden(status="error", points=0.0)]
+        ),
     ]
     table = pd.read_csv(io.StringIO(marks_table(results)), index_col="student")
     assert list(table.columns) == [

@@ -7,7 +7,6 @@ from PIL import Image
 
 from graded_results import NASTY, PROGRAM, graded, hidden, submission
 from robsim.assignments._reports import program_of, write_class, write_student
-from robsim.assignments._results import FAILED, PASSED
 
 pytestmark = pytest.mark.long
 
@@ -53,7 +52,7 @@ def student(tmp_path):
 def class_file(tmp_path):
     points = {"s10": 0.5, "s2": 4.0, "s1": 0.0, "<b>": 3.0}
     results = [
-        submission(name, [graded(points=each, status=PASSED if each == 4 else FAILED)])
+        submission(name, [graded(points=each, status="passed" if each == 4 else "failed")])
         for name, each in points.items()
     ]
     programs = {name: program_of({"state.py": PROGRAM.encode()}) for name in ("s1", "s2")}

@@ -6,12 +6,12 @@ import re
 import pytest
 from PIL import Image
 
-from graded_results import SECRET, graded, hidden, score, submission
+from graded_results import SECRET, FailedRun, graded, hidden, score, submission
 from html_outline import Outline
+from robsim.assignments import SubmissionResult
 from robsim.assignments._reports import for_student, student_text, write_student
 from robsim.assignments._reports.pages.class_page import class_page
 from robsim.assignments._reports.pages.student import student_page
-from robsim.assignments._results import ERROR, FAILED, NOT_RUN, FailedRun, SubmissionResult
 
 
 def png(color="red"):
@@ -107,7 +107,7 @@ def test_a_bar_holds_any_number():
 
 
 def test_where_the_grader_failed_no_points_are_shown():
-    test = graded(status=ERROR, whose="grader", points=0.0, most=3.0, scores=())
+    test = graded(status="error", whose="grader", points=0.0, most=3.0, scores=())
     result = submission(tests=[test, graded("second")])
     for text in (Outline(student_page(result, {})).text, student_text(result)):
         assert "3 of these 7 points" in text
@@ -128,7 +128,7 @@ def test_runs_that_failed_alike_are_told_together():
 
 
 def test_what_is_not_done_is_said():
-    result = submission(tests=[graded(status=NOT_RUN, points=0.0)], is_done=False)
+    result = submission(tests=[graded(status="not run", points=0.0)], is_done=False)
     for text in (student_page(result, {}), student_text(result)):
         assert "not run" in text
 
@@ -155,7 +155,7 @@ def test_all_files_of_a_submission_are_written(tmp_path):
 def test_pictures_of_before_are_shown_again(tmp_path):
     write_student(tmp_path, submission(), pictures={"estimate": png()})
     shown = (tmp_path / "index.html").read_text()
-    later = graded("later", picture=None, status=FAILED)
+    later = graded("later", picture=None, status="failed")
     write_student(tmp_path, submission(tests=[graded(), hidden(), later]))
     again = (tmp_path / "index.html").read_text()
     assert shown.count("<img") == again.count("<img") == 1

