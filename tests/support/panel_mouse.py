@@ -128,14 +128,6 @@ class Mouse:
         """Click a tab."""
         self.tab.get_by_role("tab", name=tab, exact=True).click()
 
-    def show(self, *names, on=True):
-        """Switch overlays of the picture."""
-        self.tab.click("button[name=show]")
-        for name in names:
-            self.tab.set_checked(f"input[name=show_{name}]", on)
-        self.tab.click("button[name=show]")
-        self.paint()
-
     def paint(self):
         painted = "new Promise((done) => requestAnimationFrame(() => setTimeout(done)))"
         self.tab.evaluate(painted)
@@ -146,13 +138,6 @@ class Mouse:
 
     def chart(self, label):
         return Chart(self, label)
-
-    def histogram(self, name):
-        """Return n, mean and std that stand beside the error of x, y or heading."""
-        label = self.tab.locator(f".robsim-histogram[aria-label^='Histogram of \u0394{name}']")
-        words = label.get_attribute("aria-label").replace("\u2212", "-")
-        found = re.search(r"measured . true: n (\d+), mean (\S+), std (\S+)$", words)
-        return found and (int(found[1]), float(found[2]), float(found[3]))
 
 
 class Chart:
@@ -174,13 +159,6 @@ class Chart:
     def count(self, ink):
         """Return how many pixels of a colour there are."""
         return int(self.inked(ink).sum())
-
-    def place(self, ink):
-        """Return the place on the screen of the rightmost pixel of a colour."""
-        rows, columns = np.nonzero(self.inked(ink))
-        last = columns.argmax()
-        box = self.over.bounding_box()
-        return box["x"] + float(columns[last]) - 1, box["y"] + float(rows[last])
 
     def at(self, part):
         """Return the place on the screen at a part of the width."""
