@@ -119,6 +119,7 @@ def test_the_same_seed_gives_the_same_score():
     assert [sweep.rates for sweep in first.sweeps[:2]] == [s.rates for s in other.sweeps[:2]]
 
 
+@pytest.mark.long
 def test_as_text_and_numbers():
     score = score_color(scene(REGION), ColorClass("red", v=(170, 255)), [REGION], repeats=1)
     change = f"widened by {score.margin}"

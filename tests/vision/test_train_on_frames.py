@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from foreign_frames import CASES, Case, frame_at, layout_of
+from foreign_frames import CASES, FADED, Case, frame_at, layout_of
 from refusals import refuses
 from robsim import ColorClass
 from robsim.vision import detect, surrounding_chroma, train_color, train_markers
@@ -42,34 +42,40 @@ def marker_boxes(frame, pose=POSE):
 # --- what counts as a colour
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        *("exposure 0.15", "faded", "faded, exposure 0.5", "faded, Gaussian 10 %"),
-        *("exposure 0.15, Gaussian 2 %", "exposure 0.3, Gaussian 10 %", "wooden floor at 0.3"),
-    ],
-)
-def test_weak_colours_that_stand_out_of_the_noise_are_trained_and_found(name):
+WEAK = {
+    "dark": Case(exposure=0.15),
+    "dark and noisy": Case(exposure=0.15, gaussian=2),
+    "dim and noisier": Case(exposure=0.3, gaussian=10),
+    "faded": Case(colors=FADED),
+    "faded and dim": Case(colors=FADED, exposure=0.5),
+    "faded and noisy": Case(colors=FADED, gaussian=10),
+    "wooden floor": CASES["wooden floor at 0.3"],
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("case", WEAK.values(), ids=WEAK)
+def test_weak_colours_that_stand_out_of_the_noise_are_trained_and_found(case):
     size = (600, 600)  # px, markers of 21 px
-    frame = frame_at(CASES[name], POSE, size)
+    frame = frame_at(case, POSE, size)
     classes = [
         ColorClass.from_region(frame, box_at(frame, MARKERS.positions[role], half=6), name=color)
         for role, color in MARKERS.colors.items()
     ]
     for pose in ((150.0, 400.0, 1.0), (480.0, 200.0, -2.0)):
-        seen = frame_at(CASES[name], pose, size)
+        seen = frame_at(case, pose, size)
         blobs = robsim.find_blobs(seen, classes, markers=MARKERS)
         measurement = detect(blobs, MARKERS, plane_map=seen.plane_map).measurement
         assert measurement is not None
         assert np.hypot(*(measurement.pose[:2] - pose[:2])) < 1
 
 
-@pytest.mark.parametrize("name", ["exposure 0.2", "clean", "faded, Gaussian 10 %", "yellow"])
-def test_what_is_grey_in_this_light_is_refused(name):
-    frame = frame_at(CASES[name], POSE, (600, 600))
-    for place in ((20, 0), (0, 46), (90, 0)):  # body, wheel, floor
-        with pytest.raises(ValueError, match="hardly any colour"):
-            ColorClass.from_region(frame, box_at(frame, place), name="red")
+def test_what_is_grey_in_this_light_is_refused():
+    for case in (Case(exposure=0.2), Case(), WEAK["faded and noisy"], CASES["yellow"]):
+        frame = frame_at(case, POSE, (600, 600))
+        for place in ((20, 0), (0, 46), (90, 0)):  # body, wheel, floor
+            with pytest.raises(ValueError, match="hardly any colour"):
+                ColorClass.from_region(frame, box_at(frame, place), name="red")
 
 
 def test_a_class_of_a_weak_colour_keeps_out_what_is_around_it():
