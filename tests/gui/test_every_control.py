@@ -190,13 +190,13 @@ def use_picture(mouse):
     assert whole.is_hidden()
     tab.click("button[name=show]")
     for switch in tab.locator(".robsim-show-list input").all():
-        before = mouse.picture()
-        was = switch.is_checked()
+        was, name = switch.is_checked(), switch.get_attribute("name")
+        is_seen = name in ("show_truth", "show_planned", "show_object_trace", "show_covariance")
+        before = mouse.picture() if is_seen else None
         switch.click()
         assert switch.is_checked() != was
-        mouse.paint()
-        name = switch.get_attribute("name")
-        if name in ("show_truth", "show_planned", "show_object_trace", "show_covariance"):
+        if is_seen:
+            mouse.paint()
             assert (mouse.picture() != before).any(), name
         switch.click()
     tab.click("button[name=show]")

@@ -148,21 +148,13 @@ def ask(server, method, path):
     return urlopen(Request(f"{server.address}/{path}", headers=headers, method=method))
 
 
-def test_a_panel_in_a_notebook(lab, file, server):
-    check_it_runs_beside_a_busy_cell_until_that_is_interrupted(lab)
-    check_a_cell_that_is_run_again_ends_the_run_that_it_showed(lab)
-    lab.run(0)
-    shown(lab, "paused")
-    check_a_saved_notebook_keeps_the_picture_of_the_last_pause(lab, file, server)
-
-
 TOOL = """import robsim
 tool = robsim.gui.color_panel()
 tool"""
 LOADED = ".robsim-tool-source:text-is('photo.png')"
 
 
-def test_a_tool_takes_a_file_and_trains_a_colour(chromium, server):
+def check_a_tool_takes_a_file_and_trains_a_colour(chromium, server):
     image = np.full((600, 800, 3), (120, 122, 118), np.uint8)
     image[200:400, 300:500] = 210, 40, 30
     image += np.random.default_rng(1).integers(0, 20, image.shape).astype(np.uint8)
@@ -187,5 +179,12 @@ def test_a_tool_takes_a_file_and_trains_a_colour(chromium, server):
     context.close()
 
 
-def test_what_is_measured_are_frames_in_their_order(chromium, server, monkeypatch):
+def test_a_panel_and_a_tool_in_a_notebook(chromium, lab, file, server, monkeypatch):
+    """All in one test: the server starts once, whoever runs it."""
+    check_it_runs_beside_a_busy_cell_until_that_is_interrupted(lab)
+    check_a_cell_that_is_run_again_ends_the_run_that_it_showed(lab)
+    lab.run(0)
+    shown(lab, "paused")
+    check_a_saved_notebook_keeps_the_picture_of_the_last_pause(lab, file, server)
+    check_a_tool_takes_a_file_and_trains_a_colour(chromium, server)
     assert_order(monkeypatch, in_lab, lambda s: in_lab.measure_notebook(chromium, server, s))
