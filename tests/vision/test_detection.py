@@ -178,8 +178,9 @@ def test_a_step_has_the_detection_of_the_default_measurement():
     assert step.detection == detect(step.blobs, sim.markers, image=step.frame)
     sim.measure = lambda step: robsim.Measurement((1, 2, 3))
     assert sim.step().detection is None
-    frame = robsim.Simulation(seed=1).step().frame
-    ready = robsim.Experiment([robsim.Observation(frame, measurement=(1, 2, 3)), None])
+    unmeasured = robsim.Simulation(seed=1).step()
+    assert unmeasured.detection is None
+    ready = robsim.Experiment([robsim.Observation(unmeasured.frame, measurement=(1, 2, 3)), None])
     assert ready.step().detection is None
     assert ready.missed_detections == []
 
