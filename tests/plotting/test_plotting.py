@@ -389,7 +389,7 @@ def make_parameters(steps=400, **changes):
 def estimated():
     """A trace with online estimates and its figure."""
     trace = make_parameters()
-    return trace, render(plot_parameters(trace))
+    return trace, render(plot_parameters(trace), layout=False)
 
 
 def errors_of(axes):
@@ -578,7 +578,7 @@ def blobs_of(frame):
 
 def test_frame_is_in_work_area_pixels_with_y_downwards():
     axes = plot_frame(make_frame())
-    render(axes.figure)
+    render(axes.figure, layout=False)
     assert axes.get_xlim() == (-0.5, 1199.5)
     assert axes.get_ylim() == (799.5, -0.5)
     (image,) = axes.images
@@ -675,7 +675,7 @@ def test_the_heading_of_a_goal_is_an_arrow():
 def test_path_up_to_a_step():
     trace = make_trace(60)[10:]
     axes = plot_frame(make_frame(), trace=trace, k=30)
-    render(axes.figure)
+    render(axes.figure, layout=False)
     (path,) = lines(axes, style.TRUE)
     np.testing.assert_array_equal(path.get_xydata(), trace.pose_true[:21, :2])
     (path,) = lines(plot_frame(make_frame(), trace=trace), style.TRUE)
@@ -694,7 +694,7 @@ def test_a_camera_at_an_angle_is_shown_in_its_own_pixels():
     # Never seen: there is no measured place to map.
     trace = make_trace(seen=np.zeros(60, dtype=bool))
     axes = plot_frame(frame, blobs=blobs_of(frame), measurement=measurement, trace=trace)
-    render(axes.figure)
+    render(axes.figure, layout=False)
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("u (pixels)", "v (pixels)")
     assert axes.get_ylim() == (39.5, -0.5)
     np.testing.assert_allclose(axes.patches[0].get_xy().max(axis=0), (31.5, 11.5))
@@ -720,8 +720,12 @@ def test_the_parameters_say_how_well_they_are_excited():
     def shown(controller):
         options = {"boundary": "unlimited", "estimate_parameters": True, "seed": 1}
         trace = robsim.Simulation(control=controller, **options).run(300)
-        figure = render(plot_parameters(trace), layout=False)
-        return [text for axes in figure.axes for text in written(axes) if "excited" in text]
+        return [
+            text
+            for axes in plot_parameters(trace).axes
+            for text in written(axes)
+            if "excited" in text
+        ]
 
     assert shown(robsim.Spin()).count("not excited") > 8
     assert "not excited" not in shown(robsim.DriveAround())
