@@ -7,6 +7,7 @@ import pytest
 
 import robsim
 from robsim import _core
+from sizes import thorough
 
 pytestmark = pytest.mark.sanitized
 
@@ -75,54 +76,62 @@ def test_an_answer_as_it_should_be_is_taken():
     assert (trace.pose_estimated == 0).all()
 
 
-def bad(slot, *parts, **said):
-    return pytest.param(slot, lambda m: answer(m, "u", "estimate", *parts, **said), id=str(said))
+def bad(*parts, **said):
+    return lambda message: answer(message, "u", "estimate", *parts, **said)
 
 
-@pytest.mark.parametrize(
-    ("slot", "reply"),
-    [
-        bad("control", numbers=[(INPUT, np.nan)]),
-        bad("control", numbers=[(INPUT + 8, np.inf)]),
-        bad("control", numbers=[(INPUT, -12.1)]),
-        bad("estimate_state", numbers=[(ESTIMATE + 16, np.nan)]),
-        bad("estimate_state", numbers=[(ESTIMATE, 1e10)]),
-        bad("estimate_state", numbers=[(ESTIMATE + 24, -1e-3)]),
-        bad("estimate_state", numbers=[(ESTIMATE + 24, 1.0), (ESTIMATE + 32, 0.1)]),
-        bad("estimate_state", numbers=[(ESTIMATE + 24, np.inf)]),
-        bad("estimate_state", words=[(N_STATES, 1)], end=struct.pack("<d", np.nan)),
-        bad("estimate_state", words=[(N_STATES, 1025)], end=bytes(8 * 1025)),
-        bad("measure", "measured", numbers=[(MEASURED, np.inf)]),
-        bad("measure", "measured", "covariance", numbers=[(MEASURED + 24, -1.0)]),
-        bad("measure", "measured", numbers=[(MEASURED + 96, np.inf)]),
-        bad("measure", words=[(N_BLOBS, 1)], end=struct.pack("<2d", np.inf, 0)),
-        bad("estimate_parameters", "parameters", numbers=[(PARAMETERS, np.nan)]),
-        bad("estimate_parameters", "errors", numbers=[(ERRORS, np.inf)]),
-        bad("estimate_parameters", words=[(DONE, 14)]),
-        bad("estimate_parameters", words=[(DONE, 16)]),
-        bad("estimate_parameters", words=[(PARTS, 1024)]),
-        bad("estimate_parameters", words=[(MISSED, 99)]),
-        bad("estimate_parameters", words=[(N_BLOBS, 1 << 31)]),
-        bad("estimate_parameters", words=[(N_STATES, 1)]),
-        bad("estimate_parameters", words=[(K, 7)]),
-        bad("estimate_parameters", end=b"x"),
-        bad("estimate_parameters", "frame"),
-        pytest.param("estimate_parameters", lambda m: b"", id="empty"),
-        pytest.param("estimate_parameters", lambda m: good(m)[:-1], id="short"),
-        pytest.param("control", lambda m: answer(m, "estimate"), id="no input"),
-        pytest.param("estimate_state", lambda m: answer(m, "u"), id="no estimate"),
+#: What cannot be an answer, by the slot that is told.
+BAD = {
+    "control": [
+        bad(numbers=[(INPUT, np.nan)]),
+        bad(numbers=[(INPUT + 8, np.inf)]),
+        bad(numbers=[(INPUT, -12.1)]),
+        lambda message: answer(message, "estimate"),
     ],
-)
-def test_an_answer_that_cannot_be_is_refused_with_slot_and_step(slot, reply):
-    with pytest.raises(Refused) as refused:
-        run(lambda m: reply(m) if struct.unpack_from("<q", m)[0] == 1 else good(m))
-    assert refused.value.args[:2] == (slot, 1)
+    "estimate_state": [
+        bad(numbers=[(ESTIMATE + 16, np.nan)]),
+        bad(numbers=[(ESTIMATE, 1e10)]),
+        bad(numbers=[(ESTIMATE + 24, -1e-3)]),
+        bad(numbers=[(ESTIMATE + 24, 1.0), (ESTIMATE + 32, 0.1)]),
+        bad(numbers=[(ESTIMATE + 24, np.inf)]),
+        bad(words=[(N_STATES, 1)], end=struct.pack("<d", np.nan)),
+        bad(words=[(N_STATES, 1025)], end=bytes(8 * 1025)),
+        lambda message: answer(message, "u"),
+    ],
+    "measure": [
+        bad("measured", numbers=[(MEASURED, np.inf)]),
+        bad("measured", "covariance", numbers=[(MEASURED + 24, -1.0)]),
+        bad("measured", numbers=[(MEASURED + 96, np.inf)]),
+        bad(words=[(N_BLOBS, 1)], end=struct.pack("<2d", np.inf, 0)),
+    ],
+    "estimate_parameters": [
+        bad("parameters", numbers=[(PARAMETERS, np.nan)]),
+        bad("errors", numbers=[(ERRORS, np.inf)]),
+        bad(words=[(DONE, 14)]),
+        bad(words=[(DONE, 16)]),
+        bad(words=[(PARTS, 1024)]),
+        bad(words=[(MISSED, 99)]),
+        bad(words=[(N_BLOBS, 1 << 31)]),
+        bad(words=[(N_STATES, 1)]),
+        bad(words=[(K, 7)]),
+        bad(end=b"x"),
+        bad("frame"),
+        lambda message: b"",
+        lambda message: good(message)[:-1],
+    ],
+}
+
+
+@pytest.mark.parametrize("slot", STAGES)
+def test_an_answer_that_cannot_be_is_refused_with_slot_and_step(slot):
+    for number, reply in enumerate(BAD[slot]):
+        with pytest.raises(Refused) as refused:
+            run(lambda m, reply=reply: reply(m) if struct.unpack_from("<q", m)[0] == 1 else good(m))
+        assert refused.value.args[:2] == (slot, 1), number
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in range(1, 9))]
-)
+@pytest.mark.parametrize("seed", range(thorough(9, 1)))
 def test_random_answers_are_taken_or_refused(seed):
     """Each bit may be wrong; what gets through is finite."""
     rng = np.random.default_rng(seed)

@@ -12,61 +12,54 @@ def message(*arrays):
     return b"".join(bytes(part) for part in to_parts(as_arrays("array", arrays)))
 
 
-@pytest.mark.parametrize(
-    ("value", "dtype"),
-    [
-        (0.5, "f8"),
-        (7, "i8"),
-        (True, "u1"),
-        ([[1, 2], [3, 4]], "i8"),
-        ([1.0, np.nan, -np.inf], "f8"),
-        (np.arange(24, dtype=np.uint8).reshape(2, 3, 4), "u1"),
-        (np.arange(6, dtype=">f4").reshape(2, 3).T, "f8"),
-        (np.array([2**63 - 1], np.uint64), "i8"),
-        (np.zeros((0, 5)), "f8"),
-        ([], "f8"),
-    ],
-)
-def test_an_array_comes_as_it_was_sent(value, dtype):
-    (came,) = from_message(message(value))
-    np.testing.assert_array_equal(came, np.asarray(value))
-    assert (came.dtype, came.shape) == (np.dtype(dtype), np.shape(value))
-    assert came.flags.writeable
-    assert came.flags.owndata
-
-
-def test_many_arrays_keep_their_order():
-    came = from_message(message(*([i] * i for i in range(5))))
-    assert [array.tolist() for array in came] == [[i] * i for i in range(5)]
+def test_arrays_come_as_they_were_sent():
+    sent = {
+        "f8": [
+            0.5,
+            [1.0, np.nan, -np.inf],
+            np.arange(6, dtype=">f4").reshape(2, 3).T,
+            [],
+            [[]] * 3,
+        ],
+        "i8": [7, [[1, 2], [3, 4]], np.array([2**63 - 1], np.uint64)],
+        "u1": [True, np.arange(24, dtype=np.uint8).reshape(2, 3, 4)],
+    }
+    for dtype, values in sent.items():
+        came = from_message(message(*values))
+        assert len(came) == len(values)
+        for one, value in zip(came, values, strict=True):
+            np.testing.assert_array_equal(one, np.asarray(value))
+            assert (one.dtype, one.shape) == (np.dtype(dtype), np.shape(value))
+            assert one.flags.writeable
+            assert one.flags.owndata
     assert from_message(message()) == []
 
 
-@pytest.mark.parametrize(
-    ("value", "error", "told"),
-    [
-        ("text", TypeError, "x must be an array of real numbers, got 'text'"),
-        (None, TypeError, "x must be an array of real numbers, got None"),
-        (1j, TypeError, "real numbers"),
-        ([[1, 2], [3]], ValueError, "x must be an array of numbers"),
-        (np.zeros((1, 1, 1, 1)), ValueError, "at most 3 axes, got 4"),
-        (np.array([2**63], np.uint64), ValueError, "integers below"),
-    ],
-)
-def test_what_is_no_array_is_named(value, error, told):
-    with pytest.raises(error, match=told):
-        as_array("x", value)
+def test_what_is_no_array_of_real_numbers_is_refused():
+    assert as_array("x", np.zeros((1, 1, 1))).ndim == 3
+    for value, error in (
+        ("text", TypeError),
+        (1j, TypeError),
+        ([[1, 2], [3]], ValueError),
+        (np.zeros((1, 1, 1, 1)), ValueError),
+        (np.array([2**63], np.uint64), ValueError),
+    ):
+        with pytest.raises(error, match=r"\bx\b"):
+            as_array("x", value)
 
 
 def test_too_much_is_refused():
-    with pytest.raises(ValueError, match="there may be 16 arguments, got 17"):
+    assert len(as_arrays("argument", [0] * 16)) == 16
+    with pytest.raises(ValueError, match="16 arguments, got 17"):
         as_arrays("argument", [0] * 17)
-    with pytest.raises(ValueError, match="the arguments may have 64 MiB in all, got 95 MiB"):
-        as_arrays("argument", [np.zeros(10**8, np.uint8)])
+    whole = np.broadcast_to(np.uint8(0), 64 << 20)
+    as_arrays("argument", [whole])
+    with pytest.raises(ValueError, match=r"arguments .* 64 MiB"):
+        as_arrays("argument", [whole, [1]])
 
 
-@pytest.mark.parametrize(
-    "body",
-    [
+def test_bytes_that_are_none_are_refused():
+    for body in (
         b"",
         b"abc",
         struct.pack("<I", 1),
@@ -79,11 +72,9 @@ def test_too_much_is_refused():
         struct.pack("<IBB3Q", 1, 0, 3, 2**63, 2**63, 2**63) + bytes(8),
         struct.pack("<IBB3Q", 1, 0, 3, 2**63, 2**63, 0),
         struct.pack("<IBB3Q", 1, 0, 3, 0, 2**62, 2**62),
-    ],
-)
-def test_bytes_that_are_none_are_refused(body):
-    with pytest.raises(ValueError, match=r"^(an array|arrays)"):
-        from_message(body)
+    ):
+        with pytest.raises(ValueError, match=r"^(an array|arrays)"):
+            from_message(body)
 
 
 def test_random_bytes_are_taken_or_refused(rng):

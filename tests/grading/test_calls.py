@@ -1,18 +1,17 @@
 """Functions of a submission are called with arrays: the numbers come, or whose fault it is."""
 
+import dataclasses
 import re
 
 import numpy as np
 import pytest
 
 import robsim
-from graded import folder_of
+from graded import PATIENT, folder_of
 from robsim.grading import Limits, Submission, SubmissionError
 from submissions import notebook
 
-pytestmark = pytest.mark.long
-
-QUICK = Limits(call=0.4, first_call=5.0, run=20.0)
+pytestmark = [pytest.mark.long, pytest.mark.usefixtures("patient_grader")]
 
 FIT = """
     import numpy as np
@@ -36,7 +35,7 @@ FUNCTIONS = ("line", "parts", "counted")
 
 def of(tmp_path, text=FIT, functions=FUNCTIONS, name="mine", **options):
     folder = folder_of(tmp_path / "s", **{name: text})
-    return Submission(folder, functions=functions, limits=QUICK, **options)
+    return Submission(folder, functions=functions, **{"limits": PATIENT} | options)
 
 
 def failure(tmp_path, *lines, **options):
@@ -92,26 +91,20 @@ def test_calls_in_one_go_share_a_process_and_single_ones_do_not(tmp_path):
     assert graded.calls("counted", []) == []
 
 
-@pytest.mark.parametrize("kind", ["one file", "file named after it", "folder", "notebook"])
-def test_each_kind_of_submission_can_have_functions(tmp_path, kind):
-    text = "import helper\ndef f(x): return helper.twice(x)\n"
-    helper = "def twice(x): return 2 * x\n"
-    folder = tmp_path / "s"
-    if kind == "notebook":
-        folder = notebook(tmp_path / "s.ipynb", helper, "def f(x): return twice(x)", "1 / 0")
-    elif kind == "one file":
-        folder = tmp_path / "s.py"
-        folder.write_text(helper + "def f(x): return twice(x)\n")
-    elif kind == "file named after it":
-        folder = tmp_path / "f.py"
-        folder.write_text(helper + "def f(x): return twice(x)\ndef g(x): return -x\n")
-    else:
-        folder_of(folder, f=text, helper=helper)
-    functions = ("f", "g") if "named" in kind else "f"
-    graded = Submission(folder, functions=functions)
-    assert graded.call("f", [1, 2]).tolist() == [2, 4]
-    if "named" in kind:
-        assert graded.call("g", 3) == -3
+def test_each_kind_of_submission_can_have_functions(tmp_path):
+    helper, f = "def twice(x): return 2 * x\n", "def f(x): return twice(x)\n"
+    one_file = tmp_path / "s.py"
+    one_file.write_text(helper + f)
+    named_after_it = tmp_path / "f.py"
+    named_after_it.write_text(f"{helper}{f}def g(x): return -x\n")
+    folder = folder_of(tmp_path / "s", f=f"from helper import twice\n{f}", helper=helper)
+    cells = notebook(tmp_path / "s.ipynb", helper, f, "1 / 0")
+    for path in (one_file, named_after_it, folder, cells):
+        functions = ("f", "g") if path == named_after_it else "f"
+        graded = Submission(path, functions=functions, limits=PATIENT)
+        assert graded.call("f", [1, 2]).tolist() == [2, 4]
+        if path == named_after_it:
+            assert graded.call("g", 3) == -3
 
 
 def test_slots_and_functions_stand_beside_each_other_and_only_what_is_used_is_loaded(tmp_path):
@@ -120,48 +113,40 @@ def test_slots_and_functions_stand_beside_each_other_and_only_what_is_used_is_lo
         control="def control(step): return 0.1, 0.2",
         fit="1 / 0\ndef fit(x): return x",
     )
-    graded = Submission(folder, slots="control", functions=("fit", "other"))
+    graded = Submission(folder, slots="control", functions=("fit", "other"), limits=PATIENT)
     assert (graded.slots, graded.functions) == (("control",), ("fit",))
-    assert repr(graded) == "<Submission 's': fills control; defines fit>"
     assert (graded.run(robsim.Scenario(), steps=3, seed=1).u == [0.1, 0.2]).all()
     with pytest.raises(SubmissionError, match=r"fit.py, line 1: ZeroDivisionError"):
         graded.call("fit", 1)
     with pytest.raises(SubmissionError, match="s has no function other"):
         graded.call("other", 1)
-    with pytest.raises(
-        ValueError, match="name must be one of functions, fit, other, got 'control'"
-    ):
+    with pytest.raises(ValueError, match=r"\bname\b"):
         graded.call("control", 1)
 
 
-@pytest.mark.parametrize(
-    ("line", "message", "number"),
-    [
+def test_what_goes_wrong_is_told_with_function_and_line(tmp_path):
+    for line, message, number in (
         ("return x[7]", r"^f, mine.py, line 4: IndexError", 4),
-        ("return None", "TypeError: the result must be an array of real numbers, got None$", None),
-        ("return 'a'", "real numbers, got 'a'$", None),
-        ("return x * np.nan", "^f: the result must be all finite$", None),
-        ("return np.zeros((2, 2, 2, 2))", "at most 3 axes, got 4$", None),
-        ("return (0,) * 17", "there may be 16 results, got 17$", None),
-        ("return np.zeros(10**7)", "the results may have 64 MiB in all, got 76 MiB$", None),
-        ("return np.zeros(10**9)", "it asked for more than 1 GiB$", 4),
+        ("return None", "TypeError: .* real numbers", None),
+        ("return x * np.nan", "^f: .* finite", None),
+        ("return np.zeros((2, 2, 2, 2))", "3 axes", None),
+        ("return (0,) * 17", "16 results, got 17", None),
+        ("return np.zeros(10**7)", "64 MiB in all, got 76 MiB", None),
+        ("return np.zeros(10**9)", "more than 1 GiB$", 4),
         ("raise SystemExit(0)", "line 4: SystemExit: 0$", 4),
         ("os._exit(0)", r"^f: its process ended by itself \(exit code 0\)$", None),
-        ("return x.undefined", "^f, mine.py, line 4: AttributeError", 4),
-    ],
-)
-def test_what_goes_wrong_is_told_with_function_and_line(tmp_path, line, message, number):
-    error = failure(tmp_path, line)
-    assert re.search(message, str(error)), str(error)
-    assert error.line == number
+    ):
+        error = failure(tmp_path, line)
+        assert re.search(message, str(error)), str(error)
+        assert error.line == number
 
 
 def test_each_call_has_its_time_and_the_first_one_more(tmp_path):
     text = "import time\ndef f(seconds):\n    time.sleep(seconds)\n    return 0\n"
-    graded = of(tmp_path, text, "f")
-    assert graded.calls("f", [(0.6,), (0.0,)]) == [0, 0]
-    with pytest.raises(SubmissionError, match=r"^f took longer than 0.4 s \(in call 2 of 3\)$"):
-        graded.calls("f", [(0.0,), (9.0,), (0.0,)])
+    graded = of(tmp_path, text, "f", limits=Limits(call=0.1, first_call=300.0, run=600.0))
+    assert graded.call("f", 0.3) == 0
+    with pytest.raises(SubmissionError, match=r"^f took longer than 0.1 s \(in call 2 of 3\)$"):
+        graded.calls("f", [(0.0,), (600.0,), (0.0,)])
 
 
 def test_a_result_of_another_shape_is_refused(tmp_path):
@@ -177,32 +162,20 @@ def test_a_result_of_another_shape_is_refused(tmp_path):
     ).shape == (1,)
 
 
-def test_wrong_arguments_are_named(tmp_path):
+def test_a_shape_that_cannot_be_is_refused(tmp_path):
     graded = of(tmp_path)
-    for arguments, options, told in (
-        (("a",), {}, "the argument must be an array of real numbers"),
-        ((1, None), {}, "argument 2 must be"),
-        ((1,), {"shape": 3}, "shape must be a tuple"),
-        ((1,), {"shape": ("a",)}, "shape must have lengths"),
-        ((1,), {"finite": 1}, "finite"),
-    ):
-        with pytest.raises((TypeError, ValueError), match=told):
-            graded.call("line", *arguments, **options)
-    with pytest.raises(ValueError, match="slots must have what it may fill"):
+    for shape in (3, ("a",)):
+        with pytest.raises((TypeError, ValueError), match="shape"):
+            graded.call("line", 1, shape=shape)
+    with pytest.raises(ValueError, match="slots"):
         graded.run(robsim.Scenario(), steps=1)
 
 
 def test_a_submission_without_what_is_wanted_says_so(tmp_path):
     for files, told in (
-        (
-            {"lines": "def f(x): return x"},
-            r"lines.py defines no function .*: define line\(\.\.\.\)",
-        ),
-        ({"a": "def f(x): return x", "b": ""}, "s has no line.py: it has"),
-        (
-            {"line": "def lines(x): return x"},
-            r"line.py (must|.*:) define line\(\.\.\.\)",
-        ),
+        ({"lines": "def f(x): return x"}, r"lines.py defines no function .*define line\("),
+        ({"a": "def f(x): return x", "b": ""}, "s has no line.py"),
+        ({"line": "def lines(x): return x"}, r"line.py .*define line\("),
     ):
         folder = tmp_path / next(iter(files)) / "s"
         folder.parent.mkdir()
@@ -221,8 +194,8 @@ def test_large_tables_can_be_handed_in_where_the_teacher_lets_them(tmp_path):
     np.save(folder / "table.npy", np.ones(500_000))
     with pytest.raises(SubmissionError, match="has more than 1 MiB"):
         Submission(folder, functions="f")
-    limits = Limits(submission_file_size=5 << 20, file_size=1000)
+    limits = dataclasses.replace(PATIENT, submission_file_size=5 << 20, file_size=1000)
     assert Submission(folder, functions="f", limits=limits).call("f") == 500_000
-    few = Limits(submission_file_size=5 << 20, submission_files=1)
+    few = dataclasses.replace(limits, submission_files=1)
     with pytest.raises(SubmissionError, match="more than 1 files"):
         Submission(folder, functions="f", limits=few)

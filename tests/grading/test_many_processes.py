@@ -1,16 +1,16 @@
 """Graded runs in threads, processes and a cluster: the same numbers, and nothing is left."""
 
-import logging
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 import numpy as np
 import pytest
 
 import robsim
-from graded import honest, where
+from clusters import local_cluster
+from graded import PATIENT, honest, where
 from robsim.grading import Key, Submission
 from waiting import wait_for
 
@@ -23,32 +23,9 @@ SCENARIO = robsim.Scenario(
 
 
 @contextmanager
-def of_dask(folder):
-    """A client of Dask, with two processes on loopback."""
-    distributed = pytest.importorskip("distributed")
-    with (
-        distributed.LocalCluster(
-            n_workers=2,
-            threads_per_worker=1,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",
-            local_directory=str(folder),
-            silence_logs=logging.CRITICAL,
-        ) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        yield client
-
-
-@contextmanager
 def of_the_library(folder):
     with ThreadPoolExecutor(2) as pool:
         yield pool
-
-
-@contextmanager
-def given(value):
-    yield value
 
 
 @pytest.fixture(scope="module")
@@ -56,31 +33,44 @@ def folder(tmp_path_factory):
     return honest(tmp_path_factory.mktemp("handed_in") / "s", SLOTS)
 
 
-def runs(folder, executor, *, key=None, seed=None):
-    submission = Submission(folder, slots=SLOTS, key=key)
-    options = {"runs": 12, "steps": 10, "metrics": "pose_errors", "test": "ekf"}
-    result = submission.runs(SCENARIO, seed=seed, executor=executor, **options)
+def runs(folder, executor, **options):
+    submission = Submission(folder, slots=SLOTS, key=options.pop("key", None), limits=PATIENT)
+    options |= {"runs": 6, "steps": 8, "metrics": "pose_errors", "test": "ekf"}
+    result = submission.runs(SCENARIO, executor=executor, **options)
     assert not result.failed.any(), result["error"]
     return result
 
 
+BY_KEY, BY_SEED = {"key": Key(bytes(32))}, {"seed": 3}
+
+
+@pytest.fixture(scope="module")
+def here(folder):
+    """What this process computes."""
+    return [runs(folder, None, **options) for options in (BY_KEY, BY_SEED)]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("options", [{"key": Key(bytes(32))}, {"seed": 3}], ids=["key", "seed"])
 @pytest.mark.parametrize(
     "executor",
-    [lambda folder: given("threads"), lambda folder: given(2), of_the_library, of_dask],
+    [
+        lambda folder: nullcontext("threads"),
+        lambda folder: nullcontext(2),
+        of_the_library,
+        local_cluster,
+    ],
     ids=["threads", "processes", "library", "dask"],
 )
-def test_the_numbers_are_the_same_whatever_did_the_runs(folder, executor, options, tmp_path):
-    here = runs(folder, None, **options)
+def test_the_numbers_are_the_same_whatever_did_the_runs(folder, here, executor, tmp_path):
     with executor(tmp_path) as engine:
-        assert runs(folder, engine, **options).checksum == here.checksum
-    assert len(np.unique(here["pose_errors_x_rmse"])) == 12
+        there = [runs(folder, engine, **options) for options in (BY_KEY, BY_SEED)]
+    for one, other in zip(here, there, strict=True):
+        assert one.checksum == other.checksum
+        assert len(np.unique(one["pose_errors_x_rmse"])) == 6
 
 
 def test_without_a_key_and_a_seed_no_two_are_the_same(folder):
-    options = {"runs": 2, "steps": 3, "metrics": "pose_errors"}
-    one, other = (Submission(folder, slots=SLOTS).runs(SCENARIO, **options) for _ in range(2))
+    one, other = (runs(folder, None) for _ in range(2))
     assert one.checksum != other.checksum
 
 
@@ -88,8 +78,8 @@ def test_without_a_key_and_a_seed_no_two_are_the_same(folder):
 @pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
 def test_each_process_has_workers_of_its_own_and_leaves_nothing(folder, monkeypatch, tmp_path):
     monkeypatch.setenv("TMPDIR", str(tmp_path))  # of the processes
-    submission = Submission(folder, slots=SLOTS)
-    result = submission.runs(SCENARIO, runs=24, steps=3, metrics=where, executor=2)
+    submission = Submission(folder, slots=SLOTS, limits=PATIENT)
+    result = submission.runs(SCENARIO, runs=8, steps=3, metrics=where, executor=2)
     assert not result.failed.any(), result["error"]
     pairs = set(zip(result["where_grader"], result["where_zygote"], strict=True))
     graders, zygotes = (set(map(int, ids)) for ids in zip(*pairs, strict=True))

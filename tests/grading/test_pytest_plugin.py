@@ -9,15 +9,25 @@ from xml.etree import ElementTree
 
 import pytest
 
-from graded import folder_of
-from robsim.grading import GraderError, IsolationError, Key, SubmissionError, _pytest_plugin
+import robsim
+from graded import PATIENT, folder_of
+from robsim.grading import (
+    AssignmentError,
+    GraderError,
+    IsolationError,
+    Key,
+    Submission,
+    SubmissionError,
+    _pytest_plugin,
+)
 from robsim.grading._pytest_plugin import Grading
 
 TESTS = """
 import pytest
 import robsim
 
-pytestmark = pytest.mark.robsim_submission(slots="control")
+LIMITS = robsim.grading.Limits(call=300.0, first_call=300.0, run=600.0)
+pytestmark = pytest.mark.robsim_submission(slots="control", limits=LIMITS)
 SCENARIO = robsim.Scenario(resolution=(200, 200), measure=True)
 
 
@@ -66,9 +76,9 @@ OUTCOMES = {
     "test_begins": "passed",
     "test_ends": "submission: control at step 3, control.py, line 5: ValueError: ",
     "test_with_a_callback_of_the_teachers": "assignment: a callback of the assignment has failed: "
-    "estimate_state at step 0, grade.py, line 22: ZeroDivisionError",
+    "estimate_state at step 0, grade.py, line 23: ZeroDivisionError",
     "test_measures": "submission: mine has no measure.py",
-    "test_wrong_option": "assignment: robsim_submission has no option 'slot': did you mean 'slots'",
+    "test_wrong_option": "assignment: robsim_submission has no option 'slot'",
     "test_wrong_slot": "assignment: robsim_submission: slots",
     "test_asks_too_much": "AssertionError: assert 2 == 3",
 }
@@ -116,28 +126,21 @@ def assert_as_told(run, folder):
 
 
 @pytest.mark.long
-def test_a_failure_says_whose_it_is(class_room):
-    run = graded(class_room, "--robsim-submission=mine", "grade.py", "--junitxml=results.xml")
+@pytest.mark.parametrize("processes", [(), pytest.param(("-n", "2"), marks=pytest.mark.slow)])
+def test_a_failure_says_whose_it_is(class_room, processes):
+    options = ("--robsim-submission=mine", "--junitxml=results.xml", *processes)
+    run = graded(class_room, *options, "grade.py")
     assert_as_told(run, class_room)
-    assert re.search(r"^submission: .*mine$", run.stdout, re.MULTILINE)
-    assert re.search(r"^isolation: process", run.stdout, re.MULTILINE)
-
-
-@pytest.mark.slow
-def test_the_same_is_told_where_several_processes_test(class_room):
-    options = ("--robsim-submission=mine", "-n", "2", "--junitxml=results.xml")
-    assert_as_told(graded(class_room, *options, "grade.py"), class_room)
+    if not processes:
+        assert re.search(r"^submission: .*mine$", run.stdout, re.MULTILINE)
+        assert re.search(r"^isolation: process", run.stdout, re.MULTILINE)
 
 
 @pytest.mark.long
 def test_it_is_off_unless_asked_for(class_room):
     (class_room / "test_others.py").write_text(
-        "import sys, pytest\n"
-        "@pytest.fixture\n"
-        "def submission():\n"
-        "    return 'our own'\n"
-        "def test_own_fixture(submission):\n"
-        "    assert submission == 'our own'\n"
+        "import sys, pytest\n@pytest.fixture\ndef submission(): return 'our own'\n"
+        "def test_own_fixture(submission):\n    assert submission == 'our own'\n"
         "    assert 'robsim' not in sys.modules\n"
     )
     run = graded(class_room, "test_others.py")
@@ -169,37 +172,48 @@ def test_robsim_is_not_compiled_anew(tmp_path):
     assert "1 passed" in run.stdout, run.stdout
 
 
+HARMS = "open('harm', 'w')\ndef test_passes(): pass\n"
+
+
 @pytest.mark.long
-@pytest.mark.parametrize(
-    "above", [None, pytest.param("[pytest]\ntestpaths = tests\n", marks=pytest.mark.slow)]
-)
-@pytest.mark.parametrize("arguments", [(), (".",), ("tests_of_mine",), ("grade.py",)])
-def test_nothing_of_a_submission_is_run_by_pytest(class_room, arguments, above):
+@pytest.mark.parametrize("above", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_nothing_of_a_submission_is_run_by_pytest(class_room, above):
     """Neither what pytest collects, nor what a pytest.ini names."""
-    if above is not None:  # a pytest.ini whose folders are not those of the class room
-        (class_room.parent / "pytest.ini").write_text(above)
-    mine = folder_of(class_room / "tests_of_mine", control="def control(step): return 0, 0")
+    if above:  # a pytest.ini whose folders are not those of the class room
+        (class_room.parent / "pytest.ini").write_text("[pytest]\ntestpaths = tests\n")
+    mine = folder_of(class_room / "of_mine", control="def control(step): return 0, 0")
     for name in ("conftest.py", "test_mine.py", "evil.py"):
-        (mine / name).write_text("open('harm', 'w')\ndef test_passes(): pass\n")
-    (mine / "pytest.ini").write_text("[pytest]\naddopts = -p tests_of_mine.evil\n")
-    run = graded(class_room, "--robsim-submission=tests_of_mine", "-k", "test_begins", *arguments)
-    if "tests_of_mine" not in arguments:  # which says: take its pytest.ini
-        assert not (class_room / "harm").exists()
-    if arguments == ("grade.py",):
+        (mine / name).write_text(HARMS)
+    (mine / "pytest.ini").write_text("[pytest]\naddopts = -p of_mine.evil\n")
+    run = graded(class_room, "--robsim-submission=of_mine", "-k", "test_begins")
+    assert run.returncode == 4, run.stdout
+    assert not (class_room / "harm").exists()
+    if not above:
+        run = graded(class_room, "--robsim-submission=of_mine", "-k", "test_begins", "grade.py")
         assert "1 passed" in run.stdout, run.stdout
-    else:
-        assert run.returncode == 4
-        assert "Name your files of tests" in run.stderr
+        assert not (class_room / "harm").exists()
 
 
-def grading(folder, arguments=(), **options):
+def test_files_of_tests_and_a_submission_are_apart(class_room, monkeypatch):
+    monkeypatch.chdir(class_room)
+    for place in (".", "mine", "mine/control.py", "mine/control.py::test"):
+        with pytest.raises(pytest.UsageError, match="apart"):
+            grading(class_room, tests=place)
+    grading(class_room, tests="grade.py::test_begins")
+    monkeypatch.chdir(class_room / "mine")
+    with pytest.raises(pytest.UsageError, match="run pytest in another one"):
+        grading(class_room, tests="../grade.py")
+
+
+def grading(folder, arguments=(), tests=None, **options):
     """The plugin for a command line."""
-    names = ("submission", "slots", "isolation", "key")
-    values = {f"robsim_{name}": options.get(name) for name in names}
-    values |= {"robsim_submission": str(folder / "mine"), "robsim_isolation": "auto"}
-    values |= {f"robsim_{name}": value for name, value in options.items()}
+    values = dict.fromkeys(("slots", "key")) | {"isolation": "auto"}
+    values |= {"submission": str(folder / "mine")} | options
     config = SimpleNamespace(
-        known_args_namespace=SimpleNamespace(file_or_dir=[str(folder / "grade.py")], **values),
+        known_args_namespace=SimpleNamespace(
+            file_or_dir=[tests or str(folder / "grade.py")],
+            **{f"robsim_{name}": value for name, value in values.items()},
+        ),
         getini=lambda name: [],
         invocation_params=SimpleNamespace(args=arguments),
     )
@@ -220,70 +234,58 @@ def test_the_nearest_marker_says_what_a_submission_may_do(class_room):
     assert plugin.submission_for(item()).slots == ("control",)
     with pytest.raises(SubmissionError, match=re.escape("measure.py")):
         plugin.submission_for(item({"slots": "measure"}, {"slots": "control"}))
+    with pytest.raises(AssignmentError, match="slots"):
+        grading(class_room).submission_for(item())
     options = {"imports": ["robsim"], "masked": ["robsim.locate"], "frames": True}
     task = plugin.submission_for(item(options, {"slots": "control", "frames": False}))._task
     assert (task.rules.slots, task.rules.imports) == (("control",), ("robsim",))
     assert (task.rules.masked, task.frames) == (("robsim.locate",), True)
 
 
-def test_tests_that_do_not_say_what_may_be_filled_are_asked(class_room):
-    with pytest.raises(_pytest_plugin.AssignmentError, match="which slots may the submission fill"):
-        grading(class_room).submission_for(item())
-
-
-def test_the_key_makes_runs_that_come_again(class_room):
-    key = Key(bytes(range(32)))
-    key.write(class_room / "key")
-    plugin = grading(class_room, key=str(class_room / "key"))
-    assert plugin.submission_for(item({"slots": "control"}))._key == key
+def test_a_key_that_others_can_read_is_refused(class_room):
+    Key(bytes(range(32))).write(class_room / "key")
+    grading(class_room, key=str(class_room / "key"))
     (class_room / "key").chmod(0o644)
     with pytest.raises(pytest.UsageError, match="--robsim-key: others can read"):
         grading(class_room, key=str(class_room / "key"))
 
 
-def test_what_is_not_there_is_told(class_room):
-    with pytest.raises(pytest.UsageError, match=r"--robsim-submission: there is no .*yours"):
+def test_a_submission_that_is_not_named_as_it_must_be_is_refused(class_room):
+    with pytest.raises(pytest.UsageError, match="there is no"):
         grading(class_room, submission=str(class_room / "yours"))
-
-
-def test_a_path_after_a_blank_is_refused(class_room):
-    """Since pytest looks for its pytest.ini there before any plugin is asked."""
-    with pytest.raises(pytest.UsageError, match=r"write --robsim-submission=.*mine, with '='"):
+    # After a blank pytest would look for its pytest.ini there, before any plugin is asked.
+    with pytest.raises(pytest.UsageError, match="with '='"):
         grading(class_room, arguments=("--robsim-submission", "mine", "grade.py"))
 
 
-@pytest.mark.parametrize("name", ["scipy.py", "json.py", "numpy"])
-def test_a_submission_takes_no_modules_place(class_room, name):
-    (class_room / name).touch()
-    with pytest.raises(pytest.UsageError, match=f"{name} has the name of a module"):
-        grading(class_room, submission=str(class_room / name))
+def test_a_submission_takes_no_modules_place(class_room):
     (class_room / "handed_in").mkdir()
-    (class_room / name).rename(class_room / "handed_in" / name)
-    grading(class_room, submission=str(class_room / "handed_in" / name))
+    for name in ("scipy.py", "json.py", "numpy"):
+        for folder in (class_room, class_room / "handed_in"):
+            (folder / name).touch()
+        with pytest.raises(pytest.UsageError, match=f"{name} has the name of a module"):
+            grading(class_room, submission=str(class_room / name))
+        grading(class_room, submission=str(class_room / "handed_in" / name))
 
 
-def test_the_folder_of_a_submission_is_no_place_to_grade_in(class_room, monkeypatch):
-    monkeypatch.chdir(class_room / "mine")
-    with pytest.raises(pytest.UsageError, match="run pytest in another one"):
-        grading(class_room)
+def test_without_isolation_nothing_is_run(class_room, monkeypatch):
+    for error, status in ((IsolationError, 3), (GraderError, 2)):
 
+        def check_isolation(isolation, error=error):
+            raise error(f"{isolation}: no")
 
-@pytest.mark.parametrize(("error", "status"), [(IsolationError, 3), (GraderError, 2)])
-def test_without_isolation_nothing_is_run(class_room, monkeypatch, error, status):
-    def check_isolation(isolation):
-        raise error(f"{isolation}: no")
-
-    monkeypatch.setattr(_pytest_plugin, "check_isolation", check_isolation)
-    plugin = grading(class_room, isolation="strict")
-    with pytest.raises(pytest.exit.Exception, match="strict: no") as ended:
-        plugin.pytest_sessionstart(SimpleNamespace(config=SimpleNamespace()))
-    assert ended.value.returncode == status
+        monkeypatch.setattr(_pytest_plugin, "check_isolation", check_isolation)
+        plugin = grading(class_room, isolation="strict")
+        with pytest.raises(pytest.exit.Exception, match="strict: no") as ended:
+            plugin.pytest_sessionstart(SimpleNamespace(config=SimpleNamespace()))
+        assert ended.value.returncode == status
 
 
 FUNCTIONS = """
 import pytest, robsim
 
-pytestmark = pytest.mark.robsim_submission(slots="control", functions="double")
+LIMITS = robsim.grading.Limits(call=300.0, first_call=300.0, run=600.0)
+pytestmark = pytest.mark.robsim_submission(slots="control", functions="double", limits=LIMITS)
 SCENARIO = robsim.Scenario(resolution=(100, 100), start="random")
 
 @pytest.mark.parametrize("number", [1, 2])
@@ -301,16 +303,17 @@ def test_function_alone(submission):
 
 @pytest.mark.long
 def test_functions_are_called_and_each_test_has_worlds_of_its_own(tmp_path):
-    folder_of(
-        tmp_path / "mine",
-        control="def control(step): return 0, 0",
-        double="def double(x): return 2 * x",
-    )
+    code = {"control": "def control(step): return 0, 0", "double": "def double(x): return 2 * x"}
+    mine = folder_of(tmp_path / "mine", **code)
     (tmp_path / "grade.py").write_text(FUNCTIONS)
-    Key(bytes(range(32))).write(tmp_path / "key")
-    for _ in range(2):
-        run = graded(tmp_path, "--robsim-submission=mine", "--robsim-key=key", "grade.py")
-        assert run.returncode == 0, run.stdout
-    one, two, *again = (tmp_path / "starts").read_text().splitlines()
-    assert one != two
-    assert again == [one, two]
+    key = Key(bytes(range(32)))
+    key.write(tmp_path / "key")
+    run = graded(tmp_path, "--robsim-submission=mine", "--robsim-key=key", "grade.py")
+    assert run.returncode == 0, run.stdout
+    started = (tmp_path / "starts").read_text().splitlines()
+    assert len({*started}) == 2
+    scenario = robsim.Scenario(resolution=(100, 100), start="random")
+    for number in (1, 2):
+        test = f"grade::test_double[{number}]"
+        again = Submission(mine, slots="control", key=key, test=test, limits=PATIENT)
+        assert str(again.run(scenario, steps=1).pose_true[0].tolist()) == started[number - 1]

@@ -2,6 +2,7 @@
 
 import html
 import json
+import pickle
 import re
 import xml.etree.ElementTree as ElementTree
 
@@ -9,8 +10,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robsim.grading._errors import SubmissionError
-from robsim.grading._texts import ErrorText, clean_line, clean_text, error_text, fenced
+import robsim
+from robsim.grading import (
+    AssignmentError,
+    GraderError,
+    GradingError,
+    SubmissionError,
+    clean_text,
+    fenced,
+)
+from robsim.grading._texts import ErrorText, clean_line, error_text
 
 NASTY = [
     "\x1b[31mred\x1b]0;title\x07", "a\0b", "\u202egnp.exe", "\ud800", "\ufffe\uffff",
@@ -31,10 +40,10 @@ def harmless(text):
     return True
 
 
-@pytest.mark.parametrize("text", NASTY)
-def test_what_does_harm_stands_as_escapes(text):
-    assert harmless(clean_text(text))
-    assert "\n" not in clean_line(text)
+def test_what_does_harm_stands_as_escapes():
+    for text in NASTY:
+        assert harmless(clean_text(text))
+        assert "\n" not in clean_line(text)
 
 
 @pytest.mark.long
@@ -64,9 +73,8 @@ def test_a_long_text_is_cut_before_it_is_looked_at():
 
     assert clean_text("x" * 100_000_000) == "x" * 3996 + " ..."
     assert clean_text(Counted("x")) == "<Counted>"  # which may do anything when it is cut
-    with pytest.raises(TypeError, match="text must be text, got 3"):
-        clean_text(3)
-    with pytest.raises(ValueError, match="most must lie within"):
+    assert clean_text("xx", 0) == ""
+    with pytest.raises(ValueError, match="most"):
         clean_text("x", -1)
     assert clean_line(3) == "<int>"
 
@@ -80,29 +88,18 @@ def raised(code, **names):
     raise AssertionError("nothing was raised")
 
 
-ENDLESS = "while True:\n            pass"
-
-
-@pytest.mark.parametrize("body", ["raise SystemExit(0)", "raise KeyboardInterrupt", ENDLESS,
-                                  "return 'x' * 10**12", "import os; os._exit(0)"])  # fmt: skip
 @pytest.mark.parametrize("method", ["__str__", "__repr__", "__getattribute__", "__getattr__"])
-def test_nothing_of_the_students_is_called_for_a_text(body, method):
-    arguments = "self, *a"
-    code = f"""
-class Mine(Exception):
-    def {method}({arguments}):
-        {body}
-
-class Plain:
-    def {method}({arguments}):
-        {body}
-"""
-    for last in ("raise Mine('why')", "raise Mine(Plain())", "raise ValueError(Plain(), 3)",
-                 "raise KeyError(Plain())", "raise ValueError([Plain()])"):  # fmt: skip
-        text = error_text(raised(code + last))
-        assert text.type in ("Mine", "ValueError", "KeyError")
-        assert len(str(text)) < 200
-        assert text.file == "control.py"
+def test_nothing_of_the_students_is_called_for_a_text(method):
+    for body in ("raise SystemExit(0)", "raise KeyboardInterrupt", "while True: pass",
+                 "return 'x' * 10**12", "import os; os._exit(0)"):  # fmt: skip
+        define = f"    def {method}(self, *a):\n        {body}\n"
+        code = f"class Mine(Exception):\n{define}\nclass Plain:\n{define}\n"
+        for last in ("raise Mine('why')", "raise Mine(Plain())", "raise ValueError(Plain(), 3)",
+                     "raise KeyError(Plain())", "raise ValueError([Plain()])"):  # fmt: skip
+            text = error_text(raised(code + last))
+            assert text.type in ("Mine", "ValueError", "KeyError")
+            assert len(str(text)) < 200
+            assert text.file == "control.py"
 
 
 def test_names_of_classes_are_cleaned_and_their_metaclass_is_not_asked():
@@ -128,27 +125,18 @@ def test_a_message_of_any_length_is_short():
         assert len(error_text(raised(code)).message) <= 4000, code
 
 
-@pytest.mark.parametrize(
-    ("code", "message"),
-    [
+def test_an_ordinary_exception_says_what_python_says():
+    for code, message in (
         ("{}['gain']", "'gain'"),
-        ("1 / 0", "division by zero"),
-        ("import not_there", "No module named 'not_there'"),
         ("open('not_there')", "[Errno 2] No such file or directory: 'not_there'"),
         ("raise ValueError('a', 3)", "('a', 3)"),
-        ("import numpy; numpy.zeros(3) @ numpy.zeros(4)", "matmul: Input operand 1 has a mismatch"),
         ("raise ValueError", ""),
-        ("x = (", "'(' was never closed"),
-    ],
-)
-def test_an_ordinary_exception_says_what_python_says(code, message):
-    error = raised(f"compile({code!r}, 'control.py', 'exec')" if code == "x = (" else code)
-    assert error_text(error).message.startswith(message)
+        ("compile('x = (', 'control.py', 'exec')", "'(' was never closed"),
+    ):
+        assert error_text(raised(code)).message.startswith(message)
 
 
 def test_slot_step_and_the_students_own_lines():
-    import robsim
-
     code = (
         "def control(step):\n    return helper(step.k)\n\n\ndef helper(k): return 1 / (k - 2), 1\n"
     )
@@ -199,7 +187,7 @@ ANYTHING = st.recursive(
 
 
 @pytest.mark.long
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.dictionaries(FIELDS, ANYTHING) | ANYTHING)
 def test_whatever_a_worker_tells_is_cleaned(value):
     data = json.dumps(value).encode()
@@ -213,7 +201,22 @@ def test_whatever_a_worker_tells_is_cleaned(value):
     assert text.step is None or text.step >= 0
 
 
-@pytest.mark.parametrize("data", [b"", b"[" * 10_000, b"\xff", b"x" * 20_000, b"3", b"[]"])
-def test_what_is_no_text_of_an_error_is_refused(data):
-    with pytest.raises(ValueError, match="an error must"):
-        ErrorText.from_json(data)
+def test_what_is_no_text_of_an_error_is_refused():
+    for data in (b"", b"[" * 10_000, b"\xff", b"x" * 20_000, b"3", b"[]"):
+        with pytest.raises(ValueError, match="an error must"):
+            ErrorText.from_json(data)
+
+
+def test_an_error_says_whose_fault_it_is_and_where_beyond_a_process_too():
+    for kind, whose in (
+        (SubmissionError, "submission"),
+        (AssignmentError, "assignment"),
+        (GraderError, "grader"),
+    ):
+        error = kind("control.py is a link", slot="control", step=3, file="control.py", line=4)
+        for each in (error, pickle.loads(pickle.dumps(error))):
+            assert isinstance(each, GradingError)
+            assert type(each) is kind
+            assert each.whose == whose
+            assert each.message == str(each) == "control.py is a link"
+            assert (each.slot, each.step, each.file, each.line) == ("control", 3, "control.py", 4)

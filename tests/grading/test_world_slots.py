@@ -5,10 +5,10 @@ import re
 import pytest
 
 import robsim
-from graded import assert_same_trace, folder_of, ran, ran_here
+from graded import PATIENT, assert_same_trace, folder_of, ran, ran_here
 from robsim.grading import AssignmentError, Limits, Submission, SubmissionError
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.usefixtures("patient_grader")]
 
 SLOTS = ("adjust_background", "evaluate_model")
 SCENARIO = robsim.Scenario(
@@ -31,15 +31,16 @@ BACKGROUND = """
 
 def world(tmp_path, model=MODEL, slots="evaluate_model", **options):
     folder = folder_of(tmp_path / "s", evaluate_model=model)
-    limits = Limits(call=0.4, first_call=5.0, run=20.0)
-    return Submission(folder, slots=slots, **({"limits": limits} | options))
+    return Submission(folder, slots=slots, **({"limits": PATIENT} | options))
 
 
-def failure(tmp_path, line):
+def failure(tmp_path, line, k=3, **options):
     start = "import numpy as np\ndef evaluate_model(world):\n"
-    text = f"{start}    if world.k == 3: {line}\n    return 1, 2, 3\n"
+    text = f"{start}    if world.k == {k}: {line}\n    return 1, 2, 3\n"
     with pytest.raises(SubmissionError) as failed:
-        world(tmp_path, text).run(SCENARIO, steps=6, seed=1)
+        world(tmp_path, text, **options).run(SCENARIO, steps=6, seed=1)
+    assert (failed.value.slot, failed.value.step) == ("evaluate_model", k)
+    assert getattr(failed.value, "__notes__", []) == []
     return failed.value
 
 
@@ -66,33 +67,28 @@ def test_callbacks_of_the_teachers_are_run_here(tmp_path):
 
     graded = world(tmp_path)
     assert (graded.run(SCENARIO, steps=3, seed=1, control=control).u == [0.1, 0.2]).all()
-    with pytest.raises(AssignmentError, match="control at step 3"):
+    with pytest.raises(AssignmentError, match="control at step 3") as failed:
         graded.run(SCENARIO, steps=6, seed=1, control=control)
+    assert (failed.value.slot, failed.value.step) == ("control", 3)
     result = graded.runs(SCENARIO, runs=2, steps=5, metrics="tracking", seed=1)
     assert not result.failed.any()
 
 
-@pytest.mark.parametrize(
-    ("line", "message", "number"),
-    [
+def test_what_goes_wrong_is_the_submissions_fault_with_its_step(tmp_path):
+    for line, message, number in (
         ("1 / 0", "^evaluate_model at step 3, evaluate_model.py, line 3: ZeroDivisionError", 3),
-        (
-            "return 1, 2",
-            r"^evaluate_model at step 3: .* an array of shape \(3,\), got \(2,\)$",
-            None,
-        ),
-        ("return 1, 2, np.nan", "^evaluate_model at step 3: the result must be all finite", None),
-        ("return 1e300, 2, 3", "^evaluate_model at step 3: no robot gets to", None),
-        ("return 'abc'", "^evaluate_model at step 3: TypeError: the result must be", None),
-        ("[0 for _ in iter(int, 1)]", "^evaluate_model took longer than 0.4 s at step 3", None),
+        ("return 1, 2", r"^evaluate_model at step 3: .* \(3,\), got \(2,\)$", None),
+        ("return 1, 2, np.nan", "^evaluate_model at step 3: .* finite", None),
+        ("return 1e300, 2, 3", "^evaluate_model at step 3: ", None),
+        ("return 'abc'", "^evaluate_model at step 3: TypeError", None),
         ("import os; os._exit(0)", "^evaluate_model at step 3: its process ended by itself", None),
-    ],
-)
-def test_what_goes_wrong_is_the_submissions_fault_with_its_step(tmp_path, line, message, number):
-    error = failure(tmp_path, line)
-    assert re.search(message, str(error)), str(error)
-    assert (error.slot, error.step, error.line) == ("evaluate_model", 3, number)
-    assert getattr(error, "__notes__", []) == []
+    ):
+        error = failure(tmp_path, line)
+        assert re.search(message, str(error)), str(error)
+        assert error.line == number
+    limits = Limits(call=0.3, first_call=300.0, run=600.0)
+    hangs = failure(tmp_path, "[0 for _ in iter(int, 1)]", k=2, limits=limits)
+    assert "evaluate_model took longer than 0.3 s" in str(hangs)
 
 
 def test_a_background_of_another_kind_is_refused(tmp_path):
@@ -104,7 +100,9 @@ def test_a_background_of_another_kind_is_refused(tmp_path):
         text = f"def adjust_background(background):\n    return {line}\n"
         folder = folder_of(tmp_path / "s", adjust_background=text)
         with pytest.raises(SubmissionError, match=told) as failed:
-            Submission(folder, slots="adjust_background").run(SCENARIO, steps=2, seed=1)
+            Submission(folder, slots="adjust_background", limits=PATIENT).run(
+                SCENARIO, steps=2, seed=1
+            )
         assert failed.value.slot == "adjust_background"
 
 
@@ -117,5 +115,5 @@ def test_its_process_has_the_record_and_nothing_else_of_the_world(tmp_path):
             return len(found), 2, 3
         """
     scenario = SCENARIO.replace(boundary="unlimited")
-    trace = world(tmp_path, looks, limits=Limits()).run(scenario, steps=3, seed=1)
+    trace = world(tmp_path, looks).run(scenario, steps=3, seed=1)
     assert (trace.pose_true[1:, 0] == 0).all()

@@ -6,10 +6,14 @@ import textwrap
 import numpy as np
 
 import robsim
+from robsim.grading import Limits
 from robsim.grading._graded_run import all_here, graded_run
 from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import Rules, read_submission
 from robsim.grading._tasks.task import Task
+
+#: Minutes: honest code never comes to them, on a busy machine neither.
+PATIENT = Limits(call=300.0, first_call=300.0, run=600.0, cpu=300.0)
 
 HONEST = {
     "define_model": """
@@ -79,10 +83,14 @@ def honest(folder, slots):
 def task_of(folder, slots, **options):
     """What is to be run of a submission; `options`: of a `Task`, or callbacks of the teacher's."""
     rules = Rules(slots=tuple(slots))
-    known = {
-        name: options.pop(name) for name in ("frames", "limits", "isolation") if name in options
-    }
-    return Task(submission=read_submission(folder, rules), rules=rules, callbacks=options, **known)
+    frames = options.pop("frames", None)
+    return Task(
+        submission=read_submission(folder, rules),
+        rules=rules,
+        callbacks=options,
+        frames=frames,
+        limits=PATIENT,
+    )
 
 
 def ran(folder, slots, scenario, *, steps=20, seed=1, **options):
