@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 
 from fuzzing import LONGEST_MESSAGE, SEEDS, fuzzed
-from robsim.grading._errors import SubmissionError
+from robsim.grading import SubmissionError
 from robsim.grading._submissions import SubmissionFiles, read_submission
-from submissions import BOTH, PLAIN, packed
+from submissions import BOTH, PLAIN
 
 pytestmark = [pytest.mark.fuzz, pytest.mark.filterwarnings("ignore:Duplicate name")]
 
@@ -21,7 +21,7 @@ MOST_MEMORY = 100 * 2**20  # bytes, for some kB that are handed in
 
 def attempt(path, counts):
     """Read a submission; it may be refused, and nothing else."""
-    found, refusal = None, ""
+    refusal = None
     tracemalloc.start()
     try:
         found = read_submission(path, BOTH)
@@ -31,13 +31,14 @@ def attempt(path, counts):
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
     assert peak < MOST_MEMORY
-    counts["refused" if found is None else "read"] += 1
-    if found is None:
-        assert refusal.isprintable(), ascii(refusal)
-        assert 0 < len(refusal) < LONGEST_MESSAGE
-    else:
+    if refusal is None:
+        counts["read"] += 1
         assert SubmissionFiles.from_message(found.to_message()) == found
         assert found.slots
+    else:
+        counts["refused"] += 1
+        assert refusal.isprintable(), ascii(refusal)
+        assert 0 < len(refusal) < LONGEST_MESSAGE
 
 
 def mutated(rng, content):
@@ -72,7 +73,7 @@ NAMES = [
     "con",
     "x.ipynb",
     "\u202e",
-    "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa",
+    "a" * 141,
     "/abs",
     "__MACOSX/x",
     "\xe9",
@@ -85,7 +86,7 @@ NAMES = [
 ]
 
 
-CONTENTS = [PLAIN, PLAIN, PLAIN, PLAIN, "", "x" * 5000, "def (", "\0", "import helper"]
+CONTENTS = [PLAIN, "", "x" * 5000, "def (", "\0", "import helper"]
 
 
 def random_zip(rng):
@@ -97,9 +98,7 @@ def random_zip(rng):
             info.compress_type = rng.choice((0, 8, 8, 8))
             kinds = (0, 0o100644, 0o100644, 0o100644, 0o100644, 0o120777, 0o010644)
             info.external_attr = rng.choice(kinds) << 16
-            archive.writestr(
-                info, rng.choice((PLAIN, "", "x" * 5000, "def (", "\0", "import helper"))
-            )
+            archive.writestr(info, rng.choice(CONTENTS))
     return buffer.getvalue()
 
 
@@ -208,7 +207,3 @@ def test_random_submissions(tmp_path_factory, make, suffix, is_often_read):
     read_some()
     assert counts["refused"]
     assert counts["read"] or not is_often_read, "what is always refused tests nothing"
-
-
-def test_a_whole_zip_is_read(tmp_path):
-    attempt(packed(tmp_path / "s001.zip", {"control.py": PLAIN}), {"read": 0, "refused": 0})

@@ -37,11 +37,11 @@ def told(mine, words):
     return error
 
 
-@pytest.mark.parametrize("target", ["../secret.py", "/etc/passwd", "nothing", "helper.py", "."])
-def test_links_are_not_followed(mine, target):
-    (mine / "helper.py").symlink_to(target)
-    error = told(mine, "s001: 'helper.py' is a link: put the file itself in its place")
-    assert error.file == "helper.py"
+def test_links_are_not_followed(mine):
+    for target in ("../secret.py", "/etc/passwd", "nothing", "helper.py", "."):
+        (mine / "helper.py").symlink_to(target)
+        assert told(mine, "s001: 'helper.py' is a link").file == "helper.py"
+        (mine / "helper.py").unlink()
 
 
 def test_a_linked_folder_is_not_followed(mine, tmp_path):
@@ -62,12 +62,12 @@ def test_a_zip_that_is_all_there_is_is_no_link(by_descriptor, tmp_path):
     folder = tmp_path / "s002"
     folder.mkdir()
     (folder / "mine.zip").symlink_to(tmp_path / "secret.zip")
-    told(folder, "mine.zip is a link: put the file itself in its place")
+    told(folder, "mine.zip is a link")
 
 
 def test_pipes_keep_nobody(mine, tmp_path):
     os.mkfifo(mine / "helper.py")
-    told(mine, "s001: 'helper.py' is a pipe: remove it")
+    told(mine, "s001: 'helper.py' is a pipe")
     os.mkfifo(tmp_path / "s002.py")
     told(tmp_path / "s002.py", "s002.py is a pipe")
 
@@ -76,7 +76,7 @@ def test_sockets_are_refused(mine, monkeypatch):
     monkeypatch.chdir(mine)  # its path may be too long for a socket
     with socket.socket(socket.AF_UNIX) as server:
         server.bind("helper.py")
-        told(mine, "s001: 'helper.py' is a socket: remove it")
+        told(mine, "s001: 'helper.py' is a socket")
 
 
 def test_devices_are_refused(mine):
@@ -84,61 +84,53 @@ def test_devices_are_refused(mine):
         os.mknod(mine / "helper.py", 0o20666, os.makedev(1, 5))  # zeros without end
     except OSError:
         pytest.skip("may not make devices")
-    told(mine, "s001: 'helper.py' is a device: remove it")
+    told(mine, "s001: 'helper.py' is a device")
+
+
+def becomes_a_link(path, secret):
+    if path.is_dir():
+        path.rename(path.with_name("old"))
+    else:
+        path.unlink()
+    path.symlink_to(secret if path.suffix else secret.parent / "other")
+
+
+def becomes_a_pipe(path, secret):
+    path.unlink()
+    os.mkfifo(path)
 
 
 @pytest.mark.parametrize("by_descriptor", [True], indirect=True)
-def test_what_changes_while_it_is_read_is_not_followed(mine, tmp_path, monkeypatch):
-    """Between the look and the opening each file becomes a link to another."""
-    real = os.stat
-
-    def swapped(path, **options):
-        status = real(path, **options)
-        if path == "control.py":
-            (mine / "control.py").unlink()
-            (mine / "control.py").symlink_to(tmp_path / "secret.py")
-        return status
-
-    monkeypatch.setattr(reader.os, "stat", swapped)
-    told(mine, "s001: 'control.py' cannot be read")
-
-
-@pytest.mark.parametrize("by_descriptor", [True], indirect=True)
-def test_a_file_that_becomes_a_pipe_keeps_nobody(mine, monkeypatch):
-    real = os.stat
-
-    def swapped(path, **options):
-        status = real(path, **options)
-        if path == "control.py":
-            (mine / "control.py").unlink()
-            os.mkfifo(mine / "control.py")
-        return status
-
-    monkeypatch.setattr(reader.os, "stat", swapped)
-    told(mine, "s001: 'control.py' is a pipe")
-
-
-@pytest.mark.parametrize("by_descriptor", [True], indirect=True)
-def test_a_folder_that_becomes_a_link_is_not_followed(mine, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        ("control.py", becomes_a_link, "'control.py' cannot be read"),
+        ("lib", becomes_a_link, "'lib' cannot be read"),
+        ("control.py", becomes_a_pipe, "'control.py' is a pipe"),
+    ],
+)
+def test_what_changes_while_it_is_read_is_not_followed(
+    mine, tmp_path, monkeypatch, name, change, words
+):
+    """Between the look and the opening each file or folder becomes something else."""
     write(tmp_path / "other", helper=SECRET)
     write(mine / "lib", helper="")
     real = os.stat
 
     def swapped(path, **options):
         status = real(path, **options)
-        if path == "lib":
-            (mine / "lib").rename(tmp_path / "old")
-            (mine / "lib").symlink_to(tmp_path / "other", target_is_directory=True)
+        if path == name:
+            change(mine / name, tmp_path / "secret.py")
         return status
 
     monkeypatch.setattr(reader.os, "stat", swapped)
-    told(mine, "s001: 'lib' cannot be read")
+    told(mine, f"s001: {words}")
 
 
 def test_files_of_any_size(mine):
     with (mine / "hole.bin").open("wb") as file:
         file.truncate(2**40)
-    told(mine, "s001: 'hole.bin' has more than 1 MiB: make it smaller")
+    told(mine, "s001: 'hole.bin' has more than 1 MiB")
 
 
 def test_a_file_that_grows_is_cut_off(mine, monkeypatch):
@@ -155,7 +147,7 @@ def test_too_many_files_and_too_deep_folders(mine):
     few = Rules(slots=("control",), files=10)
     for i in range(10):
         (mine / f"{i}.txt").touch()
-    assert "s001 has more than 10 files: hand in what counts" in str(refused(mine, few))
+    assert "s001 has more than 10 files" in str(refused(mine, few))
     for i in range(200):
         (mine / f".{i}").touch()
     assert "s001 has more than 200 files and folders" in str(refused(mine, few))
@@ -183,7 +175,7 @@ def test_a_file_that_may_not_be_read(mine, monkeypatch):
         return real(path, flags, *others, **options)
 
     monkeypatch.setattr(reader.os, "open", denied)
-    told(mine, "'control.py' cannot be read: give the permission to read it (chmod -R u+rX)")
+    told(mine, "'control.py' cannot be read")
 
 
 def test_no_descriptor_is_left_open(mine):

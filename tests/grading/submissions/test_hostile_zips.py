@@ -1,6 +1,7 @@
 """Zips that are made to harm who opens them: refused in words, and nothing else happens."""
 
 import io
+import os
 import random
 import stat
 import struct
@@ -30,64 +31,54 @@ def with_raw_name(path, name, raw):
     return path
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("../control.py", "leads out of the folder"),
-        ("a/../../control.py", "leads out of the folder"),
-        (".git/../../x", "leads out of the folder"),
-        ("a/..", "leads out of the folder"),
-        ("/etc/passwd", "is an absolute path"),
-        ("//server/share", "is an absolute path"),
-        ("C:/x.py", "is an absolute path"),
-        ("c:x.py", "is an absolute path"),
-        ("a\\..\\x.py", "leads out of the folder"),
-        ("a\\x.py", "has \\ in its name"),
-        ("a\nb.py", "characters in its name that cannot be seen"),
-        ("a\x1b[31m.py", "characters in its name that cannot be seen"),
-        ("\u202eyp.lortnoc", "characters in its name that cannot be seen"),
-        ("a\u200b.py", "characters in its name that cannot be seen"),
-        ("a\u00a0.py", "characters in its name that cannot be seen"),
-        ("a\ufffe.py", "characters in its name that cannot be seen"),
-        ("con.py", "has the name of a device under Windows"),
-        ("x/AUX", "has the name of a device under Windows"),
-        ("lpt1.tar.py", "has the name of a device under Windows"),
-        ("a .py/b", None),
-        ("a /b.py", "ends in a space or a dot"),
-        ("a./b.py", "ends in a space or a dot"),
-        ("what?.py", "has ? in its name"),
-        ("ab:stream.py", "has : in its name"),
-        ("x" * 151, "has too long a name"),
-        ("x" * 90 + "/" + "y" * 90 + "/" + "z" * 90, "has too long a path"),
-        ("a/" * 9 + "b", "has too long a path"),
-        ("notes.zip", "is an archive inside the submission"),
-        ("notes.TAR", "is an archive inside the submission"),
-        ("Control.py", "and 'control.py' are one file on some systems"),
-        ("control.py/x", "and 'control.py' are one file on some systems|is there twice"),
-        ("CONTROL.PY/x.py", "and 'control.py' are one file on some systems"),
-        ("\uff43ontrol.py", "and 'control.py' are one file on some systems"),
+HARM = {
+    "leads out of the folder": [
+        *("../control.py", "a/../../control.py", ".git/../../x", "a/..", "a\\..\\x.py"),
     ],
-)  # fmt: skip
-def test_names_that_do_harm_somewhere(tmp_path, name, words):
-    path = packed(tmp_path / "s001.zip", {"control.py": PLAIN, entry(name): "x = 1"})
-    if words is None:
+    "is an absolute path": ["/etc/passwd", "//server/share", "C:/x.py", "c:x.py"],
+    "characters in its name that cannot be seen": [
+        *("a\nb.py", "a\x1b[31m.py", "\u202eyp.lortnoc", "a\u200b.py", "a\u00a0.py"),
+        "a\ufffe.py",
+    ],
+    "has the name of a device": ["con.py", "x/AUX", "lpt1.tar.py"],
+    "ends in a space or a dot": ["a /b.py", "a./b.py"],
+    "in its name": ["a\\x.py", "what?.py", "ab:stream.py"],
+    "has too long a": [
+        *("x" * 151, "x" * 5000, "a/" * 9 + "b", "/".join(("x" * 90, "y" * 90, "z" * 90))),
+    ],
+    "is an archive inside": ["notes.zip", "notes.TAR"],
+    "one file on some systems": [
+        "Control.py",
+        "CONTROL.PY/x.py",
+        "\uff43ontrol.py",
+    ],
+}
+
+
+@pytest.mark.parametrize("words", HARM)
+def test_names_that_do_harm_somewhere(tmp_path, words):
+    for name in HARM[words]:
+        path = packed(tmp_path / "s001.zip", {"control.py": PLAIN, entry(name): "x = 1"})
+        error = str(refused(path))
+        assert words in error
+        assert error.startswith("s001.zip: ")
+        assert error.isprintable()
+        assert os.listdir(tmp_path) == ["s001.zip"]
+
+
+def test_names_that_do_none(tmp_path):
+    for name in ("a .py/b", "x" * 150, "a/" * 7 + "b"):
+        path = packed(tmp_path / "s001.zip", {"control.py": PLAIN, entry(name): "x = 1"})
         assert name in read_submission(path, CONTROL).sources
-        return
-    error = refused(path)
-    assert any(each in str(error) for each in words.split("|")), error
-    assert str(error).startswith("s001.zip: ")
-    assert str(error).isprintable()
-
-
-def test_names_of_two_spellings_are_one(tmp_path):
-    files = {"control.py": PLAIN, "ä.py": "", "ä.py".replace("ä", "a\u0308"): ""}
-    assert "'ä.py' is there twice" in str(refused(packed(tmp_path / "s001.zip", files)))
 
 
 @pytest.mark.filterwarnings("ignore:Duplicate name")
 def test_a_file_that_is_there_twice(tmp_path):
-    files = {"control.py": PLAIN, entry("control.py"): "other"}
-    assert "'control.py' is there twice" in str(refused(packed(tmp_path / "s001.zip", files)))
+    for name, again in (("control.py", "control.py/x"), ("\u00e4.py", "a\u0308.py")):
+        for second in (name, again):
+            files = {"control.py": PLAIN, entry(name): "", entry(second): "other"}
+            error = refused(packed(tmp_path / "s001.zip", files))
+            assert f"'{name}' is there twice" in str(error)
 
 
 def test_a_null_character_ends_no_name(tmp_path):
@@ -95,20 +86,12 @@ def test_a_null_character_ends_no_name(tmp_path):
     assert "has a null character in its name" in str(refused(path))
 
 
-@pytest.mark.parametrize(
-    ("kind", "words"),
-    [
-        (stat.S_IFLNK, "is a link: put the file itself in its place"),
-        (stat.S_IFIFO, "is no file, but a device or a pipe"),
-        (stat.S_IFCHR, "is no file, but a device or a pipe"),
-        (stat.S_IFSOCK, "is no file, but a device or a pipe"),
-    ],
-)
-def test_what_is_no_file(tmp_path, kind, words):
-    files = {"control.py": PLAIN, entry("helper.py", kind | 0o777): "/etc/passwd"}
-    error = refused(packed(tmp_path / "s001.zip", files))
-    assert str(error).startswith(f"s001.zip: 'helper.py' {words}")
-    assert error.file == "helper.py"
+def test_what_is_no_file(tmp_path):
+    for kind in (stat.S_IFLNK, stat.S_IFIFO, stat.S_IFCHR, stat.S_IFSOCK):
+        files = {"control.py": PLAIN, entry("helper.py", kind | 0o777): "/etc/passwd"}
+        error = refused(packed(tmp_path / "s001.zip", files))
+        assert ("link" if kind == stat.S_IFLNK else "a device or a pipe") in str(error)
+        assert error.file == "helper.py"
 
 
 def test_a_password(tmp_path):
@@ -117,14 +100,14 @@ def test_a_password(tmp_path):
     content[6] |= 1
     content[content.index(b"PK\x01\x02") + 8] |= 1
     path.write_bytes(content)
-    assert "'control.py' is encrypted: pack it without a password" in str(refused(path))
+    assert "'control.py' is encrypted" in str(refused(path))
 
 
-@pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
-def test_an_unusual_compression(tmp_path, method):
-    info = entry("control.py", compress_type=method)
-    error = refused(packed(tmp_path / "s001.zip", {info: PLAIN}))
-    assert "is compressed in an unusual way" in str(error)
+def test_an_unusual_compression(tmp_path):
+    for method in (zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA):
+        info = entry("control.py", compress_type=method)
+        error = refused(packed(tmp_path / "s001.zip", {info: PLAIN}))
+        assert "is compressed in an unusual way" in str(error)
 
 
 @pytest.mark.long
@@ -132,12 +115,12 @@ def test_bombs(tmp_path):
     zeros = packed(tmp_path / "s001.zip", {"control.py": PLAIN, "zeros": bytes(900_000)})
     assert "'zeros' is more than 100 times larger than packed" in str(refused(zeros))
     large = packed(tmp_path / "s002.zip", {"control.py": PLAIN, "zeros": bytes(50_000_000)})
-    assert "more than 1 MiB: make it smaller" in str(refused(large, Rules(ratio=10_000)))
+    assert "more than 1 MiB" in str(refused(large, Rules(ratio=10_000)))
     each = random.Random(1).randbytes(900_000)
     many = packed(
         tmp_path / "s003.zip", {"control.py": PLAIN} | {f"{i}.bin": each for i in range(6)}
     )
-    assert "has more than 5 MiB in all: hand in what counts" in str(refused(many))
+    assert "has more than 5 MiB in all" in str(refused(many))
     files = {"control.py": PLAIN} | {f"{i}.txt": "x" for i in range(100)}
     assert "has more than 100 files" in str(refused(packed(tmp_path / "s004.zip", files)))
     folders = {"control.py": PLAIN} | {f"{i}/": "" for i in range(1999)}
@@ -172,16 +155,9 @@ def test_entries_that_share_their_bytes_count_each(tmp_path):
     assert "twice" in str(refused(tmp_path / "s001.zip", Rules(ratio=10_000)))
 
 
-@pytest.mark.parametrize("content", [b"", b"PK\x05\x06", b"hello" * 100, b"PK\x03\x04" * 1000])
-def test_what_is_no_zip(tmp_path, content):
-    (tmp_path / "s001.zip").write_bytes(content)
-    error = str(refused(tmp_path / "s001.zip"))
-    assert error.startswith("s001.zip cannot be read as a zip (")
-    assert error.endswith("): pack it again")
-
-
-def test_a_zip_that_is_cut_off(tmp_path):
-    content = packed(tmp_path / "s001.zip", {"control.py": PLAIN * 100}).read_bytes()
-    for length in range(0, len(content), 7):
-        (tmp_path / "s001.zip").write_bytes(content[:length])
-        refused(tmp_path / "s001.zip")
+def test_what_is_no_zip_or_cut_off(tmp_path):
+    whole = packed(tmp_path / "s001.zip", {"control.py": PLAIN * 100}).read_bytes()
+    contents = [b"PK\x05\x06", b"hello" * 100, b"PK\x03\x04" * 1000]
+    for content in (*contents, *(whole[:length] for length in range(0, len(whole), 7))):
+        (tmp_path / "s001.zip").write_bytes(content)
+        assert str(refused(tmp_path / "s001.zip")).startswith("s001.zip cannot be read as a zip (")
