@@ -8,6 +8,8 @@ import pytest
 from robsim.grading import _isolation
 from robsim.grading._isolation import Limits
 
+MINUTES = 300.0  # s: nothing here waits for so long, on a busy machine neither
+
 
 @pytest.fixture(scope="package")
 def entries(tmp_path_factory):
@@ -52,7 +54,7 @@ def worker(entries):
                     path=(entries,),
                     limits=Limits(**limits),
                 )
-            ours.settimeout(60)
+            ours.settimeout(MINUTES)
             with started:
                 ours.sendall(source.encode())
                 yield started, ours
@@ -66,7 +68,7 @@ def ended(worker):
 
     def run(source, **options):
         with worker(source, **options) as (started, _):
-            ending = started.wait(60)
+            ending = started.wait(MINUTES)
         return ending, started.output
 
     return run

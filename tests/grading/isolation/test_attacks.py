@@ -28,7 +28,7 @@ def tried(worker):
 
     def run(source, **options):
         with worker(source, **options) as (started, _):
-            started.wait(60)
+            started.wait(300)
         return started.layers, started.output
 
     return run
@@ -139,10 +139,9 @@ print("fine")
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("isolation", ["process", "auto"])
-def test_honest_code_runs(tried, isolation):
-    _, output = tried(HONEST, isolation=isolation)
-    assert output == "fine\n"
+def test_honest_code_runs(tried):
+    for isolation in ("process", "auto"):
+        assert tried(HONEST, isolation=isolation)[1] == "fine\n"
 
 
 @pytest.mark.slow
@@ -210,19 +209,16 @@ def test_what_is_hidden_cannot_be_read(tried):
     assert beside == "reached"
 
 
-@pytest.mark.parametrize("alone", [CALLS, NETWORK])
-def test_the_network_is_closed(tried, alone):
+def test_the_network_is_closed(tried):
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
-        code = f"socket.create_connection(('127.0.0.1', {port}), timeout=5)"
-        layers, output = tried(attempt(code), without=only(alone))
-    if not layers.holds(alone):
-        pytest.skip(layers[alone].text)
-    assert "refused" in output
+        code = f"socket.create_connection(('127.0.0.1', {port}), timeout=300)"
+        for alone in (CALLS, NETWORK):
+            layers, output = tried(attempt(code), without=only(alone))
+            assert "refused" in output or not layers.holds(alone)
 
 
-@pytest.mark.parametrize("alone", [CALLS, USER, PIDS, FILES])
-def test_the_memory_of_the_grader_is_closed(tried, alone):
+def test_the_memory_of_the_grader_is_closed(tried):
     secret = ctypes.create_string_buffer(b"truth")
     where = ctypes.addressof(secret)
     opened = f"f = open('/proc/{GRADER}/mem', 'rb'); f.seek({where}); f.read(5)"
@@ -232,8 +228,9 @@ import struct
 a = struct.pack('QQ', ctypes.addressof(to), 5); b = struct.pack('QQ', {where}, 5)
 if libc.process_vm_readv({GRADER}, a, 1, b, 1, 0) < 0: raise OSError(ctypes.get_errno(), '')
 """
-    _, output = tried(attempt(opened) + attempt(copied), without=only(alone))
-    assert output.count("refused") == 2, output
+    for alone in (CALLS, USER, PIDS, FILES):
+        _, output = tried(attempt(opened) + attempt(copied), without=only(alone))
+        assert output.count("refused") == 2, (alone, output)
 
 
 def test_own_numbers_and_a_user_hold_a_bomb(tried):
@@ -256,25 +253,23 @@ print(count)
 
 def test_the_check_tries_all_and_says_what_held():
     report = check_isolation()
-    text = str(report)
-    assert "isolation: process" in text
+    assert "isolation: process" in str(report)
     assert set(report.closed) == {"files", "processes", "network", "the grader's memory"}
-    held = {name: refused for name, (refused, _) in report.attempts.items()}
-    if report.closed["files"]:
-        assert held["read a file"]
-        assert held["change a file"]
-        assert held["write outside its folder"]
-        assert held["read what is hidden"]
-    if report.closed["processes"]:
-        assert held["signal the grader"]
-    if report.closed["network"]:
-        assert held["connect"]
-        assert held["send a packet"]
-    assert held["open the grader's memory"]
-    assert held["copy the grader's memory"]
-    assert held["trace the grader"]
+    tried = {
+        "files": [
+            "read a file",
+            "change a file",
+            "write outside its folder",
+            "read what is hidden",
+        ],
+        "processes": ["signal the grader"],
+        "network": ["connect", "send a packet"],
+    }
+    for what, names in tried.items():
+        assert all(report.attempts[name][0] for name in names) or not report.closed[what]
+    for name in ("open the grader's memory", "copy the grader's memory", "trace the grader"):
+        assert report.attempts[name][0]
     assert bool(report) == report.strict == (report.verdict == "closed")
-    assert report.to_dict()["title"] == "Isolation of submissions"
 
 
 def test_the_check_sees_what_a_bare_process_leaves_open():
@@ -288,16 +283,16 @@ def test_the_check_sees_what_a_bare_process_leaves_open():
 def test_strict_is_refused_where_something_is_open(worker):
     for left_out in ((CALLS,), (CALLS, NETWORK), ALL):
         with (
-            pytest.raises(IsolationError, match="isolation='strict' needs files, processes"),
+            pytest.raises(IsolationError, match="'strict'"),
             worker("print(1)", isolation="strict", without=(*left_out, NETWORK, FILES)),
         ):
             pass
 
 
 def test_all_layers_hold_on_a_machine_that_has_them(tried):
-    layers, _ = tried("print(1)", isolation="auto")
     from robsim.grading._isolation._layers.landlock import landlock_abi
 
+    layers, _ = tried("print(1)", isolation="auto")
     assert layers.holds(FILES) == (landlock_abi() > 0)
     if os.uname().machine in ("x86_64", "aarch64"):
         assert layers.holds(CALLS)

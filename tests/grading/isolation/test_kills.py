@@ -1,6 +1,7 @@
-"""Zygotes and workers that are killed at any moment: found, replaced, and nothing is left."""
+"""Graders, zygotes and workers that are killed at any moment: told, and nothing is left."""
 
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -12,9 +13,15 @@ from pathlib import Path
 
 import pytest
 
+from graded import assert_same_trace
+from red_team import HONEST
+from red_team.ground import SCENARIO, ground, more_left
+from robsim.grading import GradingError
 from robsim.grading._isolation import _process
 from robsim.grading._isolation._processes import zygotes as _zygotes
 from robsim.grading._isolation._processes.zygotes import close_zygotes
+from sizes import thorough
+from waiting import wait_for
 
 pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux"),
@@ -22,6 +29,13 @@ pytestmark = [
 ]
 
 WAITS = "channel.sendall(b'x'); import time; time.sleep(600)"
+
+#: What is said of what was killed, by whose fault it is: of a worker nobody knows who did it.
+KILLED = {
+    "submission": r"(\w+ )?at (the start|step \d+): its process was ended by signal SIGKILL",
+    "grader": "the worker was lost: the process that starts workers was killed"
+    "|a worker was killed 5 times while it was started",
+}
 
 
 def zygotes():
@@ -37,15 +51,11 @@ def gone(process):
     return status.rpartition(")")[2].split()[0] in "ZX"
 
 
-def wait_until(condition):
-    deadline = time.monotonic() + 30
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-
-
 def children_of(process):
-    children = Path(f"/proc/{process}/task/{process}/children").read_text()
+    try:
+        children = Path(f"/proc/{process}/task/{process}/children").read_text()
+    except OSError:
+        return []
     return [int(child) for child in children.split()]
 
 
@@ -65,9 +75,9 @@ def test_a_killed_zygote_takes_its_workers_along_and_is_replaced(worker, ended):
         (zygote,) = zygotes()
         _, (process,) = split(zygote.process)
         os.kill(zygote.process, signal.SIGKILL)
-        ending = started.wait(60)
+        ending = started.wait(300)
         assert "the process that starts workers was killed" in ending.text
-        wait_until(lambda: gone(process))
+        wait_for(lambda: gone(process))
     base = zygote.base
     assert ended("print(1)")[1] == "1\n"
     assert not os.path.exists(base)
@@ -82,7 +92,7 @@ def test_a_killed_worker_is_said(worker):
         (zygote,) = zygotes()
         _, (process,) = split(zygote.process)
         os.kill(process, signal.SIGKILL)
-        assert started.wait(60).text == "its process was ended by signal SIGKILL"
+        assert started.wait(300).text == "its process was ended by signal SIGKILL"
 
 
 def test_a_zygote_that_hangs_is_killed_and_replaced(worker, ended, monkeypatch):
@@ -102,7 +112,7 @@ def test_closing_ends_workers_and_folders(worker):
         channel.recv(1)
         bases = [zygote.base for zygote in zygotes()]
         close_zygotes()
-        assert started.wait(60).over
+        assert started.wait(300).over
     assert not [base for base in bases if os.path.exists(base)]
 
 
@@ -118,7 +128,7 @@ def test_a_zygote_that_is_killed_while_it_ends_a_user_loses_no_user(ended, monke
         if not killed:
             killed.append(zygote.process)
             os.kill(zygote.process, signal.SIGKILL)
-            wait_until(lambda: gone(zygote.process))
+            wait_for(lambda: gone(zygote.process))
         plain(zygote, number)
 
     monkeypatch.setattr(_zygotes.ZygoteProcess, "end_user", end_user)
@@ -127,32 +137,6 @@ def test_a_zygote_that_is_killed_while_it_ends_a_user_loses_no_user(ended, monke
     assert ended("print(1)")[1] == "1\n"
     assert killed
     assert user not in users._taken
-
-
-GRADER = """
-import os, socket, sys, threading
-from robsim.grading._isolation import start_worker
-from robsim.grading._isolation._processes import zygotes as _zygotes
-ours, theirs = socket.socketpair()
-worker = start_worker(entry="isolation_entry:run", channel=theirs, path=(sys.argv[1],))
-theirs.close()
-ours.sendall(b"channel.sendall(b'x'); import time; time.sleep(600)")
-ours.recv(1)
-(zygote,) = _zygotes._zygotes.values()
-children = open(f"/proc/{zygote.process}/task/{zygote.process}/children").read()
-print(zygote.process, zygote.base, children, flush=True)
-threading.Event().wait()
-"""
-
-
-def test_a_killed_grader_leaves_nothing(entries):
-    command = [sys.executable, "-c", GRADER, entries]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as grader:
-        zygote, base, *workers = grader.stdout.readline().split()
-        assert workers
-        grader.kill()
-    wait_until(lambda: all(gone(process) for process in (zygote, *workers)))
-    wait_until(lambda: not os.path.exists(base))
 
 
 def test_a_forked_grader_has_zygotes_of_its_own(ended):
@@ -166,63 +150,104 @@ def test_a_forked_grader_has_zygotes_of_its_own(ended):
     assert ended("print(2)")[1] == "2\n"
 
 
-@pytest.mark.slow
-def test_kills_at_random_moments(worker, rng):
-    """Each worker gives its answer or says that it was lost; no run hangs, nothing is left."""
-    stop = threading.Event()
-
-    def kill():
-        while not stop.wait(float(rng.uniform(0.05, 0.5))):
-            with suppress(OSError):  # it is gone by itself
-                targets = [zygote.process for zygote in zygotes()]
-                targets = [p for target in targets for part in split(target) for p in part]
-                if targets:
-                    os.kill(int(rng.choice(targets)), signal.SIGKILL)
-
-    killer = threading.Thread(target=kill)
-    killer.start()
-    answers = []
-    try:
-        for _ in range(100):
-            try:
-                with worker("channel.sendall(b'x')") as (started, channel):
-                    try:
-                        answers.append(channel.recv(1))
-                    except OSError:
-                        answers.append(b"")
-                    assert started.wait(60).over
-            except BrokenPipeError:
-                answers.append(b"")
-    finally:
-        stop.set()
-        killer.join()
-    assert answers.count(b"x") > 50
-    close_zygotes()
-
-
-@pytest.mark.slow
-def test_three_hundred_runs_at_flat_memory(ended):
-    def resident():
-        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-
-    def opened():
-        return len(os.listdir("/proc/self/fd"))
-
-    ended("print(1)")
-    before, files, (zygote, *_) = resident(), opened(), zygotes()
-    wait_until(lambda: not os.listdir(zygote.base))
-    held = len(os.listdir(f"/proc/{zygote.process}/fd")) + 1  # that of a worker which is just over
-    for _ in range(300):
-        ended("x = bytearray(10_000_000); print(len(x))")
-    assert resident() - before < 20e6
-    assert opened() == files
-    wait_until(lambda: len(os.listdir(f"/proc/{zygote.process}/fd")) <= held)
-    assert os.listdir(zygote.base) == []
-
-
 def test_a_socket_that_is_held_keeps_nothing_alive(worker):
     """A grader that only closes its channel: the worker reads the end of it, and goes on."""
     with worker("channel.recv(1); print('the end')") as (started, channel):
         channel.shutdown(socket.SHUT_WR)
-        assert started.wait(60).text == "its process ended by itself (exit code 0)"
+        assert started.wait(300).text == "its process ended by itself (exit code 0)"
     assert started.output == "the end\n"
+
+
+def wait_until_gone(processes, base=None):
+    wait_for(lambda: all(map(gone, processes)) and not (base and os.path.exists(base)))
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("patient_grader")
+def test_a_run_gives_its_bytes_or_says_what_was_killed(tmp_path, rng):
+    """A run beside which nothing is killed is whole, whatever was killed before."""
+
+    def kill(moment, choice):
+        time.sleep(moment)
+        targets = [zygote.process for zygote in zygotes()]
+        targets += [child for target in targets for child in children_of(target)]
+        if targets:
+            with suppress(OSError):  # it is gone by itself
+                os.kill(targets[int(choice * len(targets))], signal.SIGKILL)
+
+    with ground(tmp_path) as place:
+        first = place.outcome(HONEST).trace
+        before, said = place.left(), []
+        for number in range(thorough(40, 16)):
+            killer = threading.Thread(target=kill, args=(rng.uniform(0, 0.15), rng.random()))
+            if number % 2:
+                killer.start()
+            try:
+                trace = place.submission(HONEST).run(SCENARIO, steps=30, test="x")
+            except GradingError as error:
+                said.append((number % 2, error.whose, str(error)))
+            else:
+                assert_same_trace(trace, first)
+            if number % 2:
+                killer.join()
+        for killed, whose, text in said:
+            assert killed, text
+            assert re.fullmatch(KILLED[whose], text), text
+        assert_same_trace(place.outcome(HONEST).trace, first)
+        # Those zygotes are others.
+        assert more_left({**before, "of zygotes": []}, {**place.left(), "of zygotes": []}) == {}
+    close_zygotes()
+
+
+GRADER = """
+import sys
+from pathlib import Path
+from red_team import HONEST
+from red_team.ground import ground
+from robsim.grading._isolation._processes import zygotes
+with ground(Path(sys.argv[1])) as place:
+    while True:
+        place.outcome(HONEST)
+        (zygote,) = zygotes._zygotes.values()
+        print(zygote.process, zygote.base, flush=True)
+"""
+
+
+def grader(folder, **environment):
+    """A process that grades for ever; its zygote, and the folder of that."""
+    support = str(Path(__file__).parents[2] / "support")
+    started = subprocess.Popen(
+        [sys.executable, "-c", GRADER, str(folder)],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": support, **environment},
+    )
+    zygote, base = started.stdout.readline().split()
+    return started, int(zygote), base
+
+
+def test_a_grader_that_is_killed_at_any_moment_leaves_nothing(tmp_path, rng):
+    for _ in range(thorough(4, 1)):
+        started, zygote, base = grader(tmp_path)
+        with started:
+            time.sleep(float(rng.uniform(0, 0.3)))
+            processes = [zygote, *children_of(zygote)]
+            started.kill()
+        wait_until_gone(processes, base)
+
+
+@pytest.mark.slow
+def test_what_grader_and_zygote_leave_that_are_killed_together_the_next_grader_removes(tmp_path):
+    scratch, folder = tmp_path / "scratch", tmp_path / "class"
+    scratch.mkdir()
+    folder.mkdir()
+    for _ in range(2):
+        started, zygote, base = grader(folder, TMPDIR=str(scratch))
+        with started:
+            assert os.listdir(scratch) == [os.path.basename(base)]
+            processes = [*children_of(zygote), zygote, started.pid]
+            os.kill(zygote, signal.SIGSTOP)
+            started.kill()
+            os.kill(zygote, signal.SIGKILL)
+        wait_until_gone(processes)
+        assert os.path.exists(base)

@@ -11,40 +11,35 @@ from robsim.grading._isolation import Limits, start_worker
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
 
-LEVELS = ["none", "process", "auto"]
-
 
 @pytest.mark.long
-@pytest.mark.parametrize("isolation", LEVELS)
-def test_the_entry_gets_the_channel_and_the_memory(worker, isolation):
+def test_the_entry_gets_the_channel_and_the_memory(worker):
     memory = os.memfd_create("frames")
     os.write(memory, b"pixels")
     source = "import os; channel.sendall(b'%d ' % len(memory) + os.pread(memory[0], 9, 0))"
-    with worker(source, isolation=isolation, memory=[memory]) as (started, channel):
-        assert channel.recv(99) == b"1 pixels"
-        assert started.wait(60).text == "its process ended by itself (exit code 0)"
-        assert channel.recv(99) == b""
+    for isolation in ("none", "process", "auto"):
+        with worker(source, isolation=isolation, memory=[memory]) as (started, channel):
+            assert channel.recv(99) == b"1 pixels"
+            assert started.wait(300).text == "its process ended by itself (exit code 0)"
+            assert channel.recv(99) == b""
     os.close(memory)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("source", "text"),
-    [
+def test_how_a_worker_ended_is_said_in_words(ended):
+    for source, text in (
         ("raise SystemExit(3)", "its process ended by itself (exit code 3)"),
         ("import os; os._exit(0)", "its process ended by itself (exit code 0)"),
         ("1 / 0", "its process ended by itself (exit code 1)"),
         ("import ctypes; ctypes.string_at(0)", "its process was ended by signal SIGSEGV"),
         ("bytearray(2 << 30)", "its process asked for more than 1 GiB of memory"),
-    ],
-)
-def test_how_a_worker_ended_is_said_in_words(ended, source, text):
-    ending, _ = ended(source)
-    assert ending.text == text
-    assert ending.over
-    assert ending.cpu_seconds >= 0
-    assert ending.max_rss > 1 << 20
-    assert not ending.left
+    ):
+        ending, _ = ended(source)
+        assert ending.text == text
+        assert ending.over
+        assert ending.cpu_seconds >= 0
+        assert ending.max_rss > 1 << 20
+        assert not ending.left
 
 
 @pytest.mark.long
@@ -89,7 +84,7 @@ time.sleep(600)
 
 
 def test_a_worker_that_runs_says_so_and_is_ended(worker):
-    with worker("import time; print('here'); channel.sendall(b'x'); time.sleep(99)") as (
+    with worker("import time; print('here'); channel.sendall(b'x'); time.sleep(600)") as (
         w,
         channel,
     ):
@@ -107,7 +102,7 @@ def test_workers_of_many_threads_at_once(worker):
 
     def one(number):
         with worker(f"print({number})") as (started, _):
-            started.wait(60)
+            started.wait(300)
         outputs.append(started.output)
 
     threads = [threading.Thread(target=one, args=(number,)) for number in range(6)]
@@ -120,33 +115,33 @@ def test_workers_of_many_threads_at_once(worker):
 
 def test_nothing_of_the_grader_is_in_a_worker(ended, monkeypatch):
     monkeypatch.setenv("ROBSIM_SECRET", "7")
-    _, output = ended(
-        "import os, sys; print([*os.environ], sys.argv, sorted(map(int, os.listdir('/dev/fd'))))",
-        isolation="process",
-    )
+    looks = "import os, sys; print(len(os.listdir('/dev/fd')), [*os.environ], sys.argv)"
+    _, output = ended(looks, isolation="process")
     assert "ROBSIM_SECRET" not in output
     assert "['-c']" in output
-    assert "[0, 1, 2, 3" in output
-    assert output.count(",") < 30
+    assert int(output.split()[0]) < 8
 
 
-@pytest.mark.long
-def test_each_worker_is_fresh(ended):
-    source = "import robsim; print(hasattr(robsim, 'mark')); robsim.mark = 1"
-    assert [ended(source)[1] for _ in range(2)] == ["False\n"] * 2
+def test_limits_are_limited():
+    least = {"memory": 64 << 20, "output": 0, "file_size": 0, "folder_size": 0, "open_files": 16}
+    least |= {"threads": 1, "submission_files": 1, "submission_size": 1, "submission_file_size": 1}
+    for name, value in least.items():
+        assert getattr(Limits(**{name: value}), name) == value
+        with pytest.raises(ValueError, match=rf"\b{name}\b"):
+            Limits(**{name: value - 1})
+    for name in ("call", "first_call", "run", "cpu"):
+        Limits(**{name: 1e6})
+        for value in (0.0, 1.1e6):
+            with pytest.raises(ValueError, match=rf"\b{name}\b"):
+                Limits(**{name: value})
 
 
-def test_wrong_arguments_are_refused():
+def test_what_cannot_be_started_is_refused():
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        with pytest.raises(ValueError, match="isolation must be one of 'auto'"):
-            start_worker(entry="a:b", channel=theirs, isolation="Auto")
-        with pytest.raises(ValueError, match="entry must be 'module:function'"):
-            start_worker(entry="a", channel=theirs)
-    with pytest.raises(ValueError, match="memory must lie within"):
-        Limits(memory=1)
-    with pytest.raises(TypeError, match="call must be a number"):
-        Limits(call="1")
+        for name, wrong in (("isolation", {"isolation": "Auto"}), ("entry", {"entry": "a"})):
+            with pytest.raises(ValueError, match=name):
+                start_worker(**{"entry": "a:b", "channel": theirs} | wrong)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from red_team import ATTACKS, HONEST, LAYERS, PROCESS
-from red_team.ground import SCENARIO, check_after, check_outcome, ground
+from red_team.ground import SCENARIO, STEPS_AFTER, check_after, check_outcome, ground
 from robsim.grading import check_isolation
 from robsim.grading._isolation._processes.zygotes import close_zygotes
+from sizes import thorough
 
 pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="looks at what is left by /proc"),
@@ -32,6 +33,10 @@ SAMPLE = (
 #: What may come to something else where the process alone holds it.
 BARE = [name for name, attack in ATTACKS.items() if attack.runs_bare and attack.held_by == LAYERS]
 BARE += ["memory by process_vm_readv", "trace", "write to the ring", "threads that spin"]
+BARE_SAMPLE = [
+    *("the teacher's files", "files outside its folder", "a daemon", "a fork that answers, too"),
+    *("threads that spin", "trace"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +54,11 @@ def place(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def first(place):
-    """The traces of an honest submission, before all attacks."""
-    traces = {level: place.outcome(HONEST, isolation=level) for level in ("auto", "process")}
-    assert all(outcome.points == 1 for outcome in traces.values()), traces
-    return {level: outcome.trace for level, outcome in traces.items()}
+    """The first traces of an honest submission, before all attacks; it has its point."""
+    levels = ("auto", "process")
+    for level in levels:
+        assert place.outcome(HONEST, isolation=level).points == 1
+    return {n: place.outcome(HONEST, isolation=n, steps=STEPS_AFTER).trace for n in levels}
 
 
 def attacked(place, first, name, isolation, shut_in):
@@ -79,7 +85,7 @@ def test_the_others_get_nowhere(place, first, shut_in, name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", BARE)
+@pytest.mark.parametrize("name", thorough(BARE, BARE_SAMPLE))
 def test_with_the_process_alone_none_has_points_and_nothing_runs_on(place, first, name):
     attacked(place, first, name, "process", False)
 

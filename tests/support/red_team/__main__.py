@@ -8,7 +8,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from red_team import ATTACKS, HONEST, LAYERS, Attack
-from red_team.ground import Ground, check_after, check_outcome, ground
+from red_team.ground import STEPS_AFTER, Ground, check_after, check_outcome, ground
 from robsim.grading._isolation._processes.zygotes import close_zygotes
 from small_machine import small_machine
 
@@ -57,7 +57,10 @@ def main() -> None:
 def show(attacks: list[Attack]) -> None:
     """Run attacks, and print a line for each."""
     with tempfile.TemporaryDirectory() as folder, ground(Path(folder)) as place:
-        first = {level: place.outcome(HONEST, isolation=level) for level in ("auto", "process")}
+        first = {
+            level: place.outcome(HONEST, isolation=level, steps=STEPS_AFTER)
+            for level in ("auto", "process")
+        }
         print(f"{'attack':<42}{'shut in':<12}{'process':<12}what it tries")
         for attack in attacks:
             said = {}

@@ -10,43 +10,27 @@ from typing import Any
 #: ITS_OWN: the points of its honest answers, as the harm is beside them.
 NOTHING, ITS_OWN = "nothing", "its own"
 
+#: Limits that only what hangs comes to, on a busy machine, too; and those of what hangs.
+PATIENT = {"call": 300.0, "first_call": 300.0, "run": 600.0, "cpu": 300.0}
+SHORT = {"call": 0.4, "first_call": 5.0, "run": 8.0, "cpu": 8.0}
+
 #: Where it is held: by the process alone, by the layers that shut it in, by nothing here.
 PROCESS, LAYERS = "process", "layers"
 
 
 @dataclass(frozen=True)
 class Attack:
-    """A submission that tries something.
-
-    Attributes
-    ----------
-    name, about : str
-        Its name, and what it tries, in a line.
-    code : str
-        Its module: ``cheat(step)`` returns a pose that it says, or None; or the slot itself.
-    comes_to : str
-        NOTHING or ITS_OWN.
-    held_by : str
-        PROCESS: it gets nowhere whatever shuts it in. LAYERS: only where the layers of Linux hold.
-    why : str
-        Why the process alone does not hold it.
-    runs_bare : bool
-        Whether it is tried with the process alone, too; what could stop other processes is not.
-    says : str
-        A pattern that its error, if any, must match.
-    limits : dict
-        Limits other than those of all.
-    """
+    """A submission that tries something: its module, or what the module does in `cheat(step)`."""
 
     name: str
-    about: str
-    code: str
+    about: str  # what it tries, in a line
+    code: str  # ``cheat(step)`` returns a pose that it says, or None; or the slot itself
     comes_to: str = NOTHING
-    held_by: str = PROCESS
-    why: str = ""
-    runs_bare: bool = True
-    says: str = ""
-    limits: dict[str, Any] = field(default_factory=dict)
+    held_by: str = PROCESS  # LAYERS: it gets nowhere only where the layers of Linux hold
+    why: str = ""  # the process alone does not hold it
+    runs_bare: bool = True  # it is tried with the process alone; not what could stop others
+    says: str = ""  # a pattern that its error, if any, must match
+    limits: dict[str, Any] = field(default_factory=dict)  # other than those of all
 
 
 # A submission says "REACHED" when it got what it wanted; what it wanted is the rest of the line.
@@ -101,7 +85,7 @@ def wire():
 def ring():
     """The descriptor of the frames: one that can be mapped."""
     import mmap
-    for number in range(3, 64):
+    for number in range(3, 4096):
         try:
             mmap.mmap(number, 4096, mmap.MAP_SHARED, mmap.PROT_READ)
         except (OSError, ValueError):
@@ -133,5 +117,4 @@ HONEST = Attack(
     "answers as well as it can, also where the machine is slow",
     "cheat = honest",
     ITS_OWN,
-    limits={"call": 10.0, "run": 60.0},
 )

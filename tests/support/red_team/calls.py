@@ -71,7 +71,6 @@ CALLS = [
         "returns 200 MiB",
         returns("return np.zeros((5000, 5000))"),
         says="may have 64 MiB in all, got 190 MiB",
-        limits={"call": 5.0},
     ),
     Attack(
         "a result of another shape",
@@ -133,9 +132,12 @@ CALLS = [
     Attack(
         "a result by a thread",
         "has a thread that sends results of its own",
-        "def speak():\n    one = wire()\n    while True:\n"
+        "spoken = threading.Event()\ndef speak():\n    one = wire()\n    while True:\n"
         "        one.sendall(struct.pack('<HHIIBB3Qddd', 8, 0, 54, 1, 0, 1, 3, 0, 0, 9, 9, 9))\n"
-        + returns("threading.Thread(target=speak, daemon=True).start()", "return theta"),
+        "        spoken.set()\n"
+        + returns(
+            "threading.Thread(target=speak, daemon=True).start()", "spoken.wait()", "return theta"
+        ),
         says="more than one|must be|shape|longer|fill|heads",
     ),
     Attack(
@@ -154,7 +156,6 @@ CALLS = [
             "return theta",
         ),
         ITS_OWN,
-        limits={"call": 5.0},
     ),
 ]
 

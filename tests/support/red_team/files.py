@@ -1,6 +1,6 @@
 """Attacks on files: those of the grader and of others, what is left behind, what fills a disk."""
 
-from red_team.attack import ITS_OWN, LAYERS, Attack
+from red_team.attack import ITS_OWN, LAYERS, SHORT, Attack
 
 _SAME_USER = "the process alone has the rights of the grader's user"
 
@@ -94,6 +94,7 @@ def cheat(step):
         os.mkfifo("fifo")
         open("fifo").read()
 """,
+        limits=SHORT,
     ),
     Attack(
         "folders without end",

@@ -8,7 +8,6 @@ import re
 import socket
 import textwrap
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -19,13 +18,15 @@ import numpy as np
 
 import robsim
 from graded import assert_same_trace
-from red_team.attack import HONEST, ITS_OWN, PROCESS, Attack, file_of
+from red_team.attack import HONEST, ITS_OWN, PATIENT, PROCESS, SHORT, Attack, file_of
 from red_team.calls import CALLS, HONEST_FIT
 from robsim.grading import Key, Limits, Submission, SubmissionError
 from robsim.grading._isolation._processes import zygotes
 from robsim.trace import Trace
+from waiting import wait_for
 
 STEPS = 30
+STEPS_AFTER = 8  # of the honest run that comes after an attack
 LIMIT = 4.0  # px, rms: an honest answer has 2.2, dead reckoning 8.2
 KEY = Key(bytes(range(32)))
 SCENARIO = robsim.Scenario(
@@ -38,10 +39,8 @@ SCENARIO = robsim.Scenario(
     mismatch=robsim.ParameterMismatch(0.2),
     control=robsim.DriveAround(),
 )
-_SETTLES = 5.0  # s
-_LIMITS = {"call": 0.4, "first_call": 5.0, "run": 8.0, "cpu": 8.0, "output": 1 << 14}
-# Of attacks that say something else than that time is over: they say it on slow machines, too.
-_PATIENT = _LIMITS | {"call": 20.0, "first_call": 20.0, "run": 30.0}
+#: What any error may be where the machine is busy.
+_SLOW = "took longer than|closed its connection"
 
 
 def points(trace: Trace) -> float:
@@ -52,21 +51,11 @@ def points(trace: Trace) -> float:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a submission.
-
-    Attributes
-    ----------
-    points : float
-        Of 1.
-    error : str
-        What the grader says; empty = the run came to its end.
-    output : str
-        What it printed.
-    """
+    """What came of a submission: points of 1, and what the grader says if the run had no end."""
 
     points: float
     error: str
-    output: str
+    output: str  # what it printed
     trace: Trace | None = None
 
     @property
@@ -112,20 +101,22 @@ class Ground:
             "slots": "estimate_state",
             "masked": ["robsim.reference"],
             "frames": True,
-            "limits": Limits(**{**_limits_of(attack), **attack.limits}),
+            "limits": Limits(output=1 << 14, **{**_limits_of(attack), **attack.limits}),
             "key": KEY,
             "student": "one of a class",
         }
         return Submission(file, **{**settings, **options})
 
     def outcome(self, attack: Attack, scenario: robsim.Scenario = SCENARIO, **run: Any) -> Outcome:
-        """Run an attack; `run`: a seed, or options of the submission."""
-        seed = {"seed": run.pop("seed")} if "seed" in run else {}
+        """Run an attack; `run`: a seed, a number of steps, or options of the submission."""
+        given = {"steps": STEPS} | {
+            name: run.pop(name) for name in ("seed", "steps") if name in run
+        }
         submission = self.submission(attack, **run)
         if attack in CALLS:
             return _called(submission)
         try:
-            trace = submission.run(scenario, steps=STEPS, test="x", **seed)
+            trace = submission.run(scenario, test="x", **given)
         except SubmissionError as error:
             return Outcome(0.0, str(error), submission.output)
         return Outcome(points(trace), "", submission.output, trace)
@@ -154,7 +145,7 @@ class Ground:
 
 
 def _limits_of(attack: Attack) -> dict[str, Any]:
-    return _PATIENT if attack.says and "took longer" not in attack.says else _LIMITS
+    return SHORT if "took longer" in attack.says else PATIENT
 
 
 def _called(submission: Submission) -> Outcome:
@@ -209,13 +200,11 @@ def ground(folder: Path) -> Iterator[Ground]:
 
 def check_after(place: Ground, before: dict[str, Any], first: Trace, **options: Any) -> None:
     """Check that nothing is left, and that the next honest submission gets what it would have."""
-    trace = place.outcome(HONEST, **options).trace
+    trace = place.outcome(HONEST, steps=STEPS_AFTER, **options).trace
     assert trace is not None
     assert_same_trace(trace, first)
-    deadline = time.monotonic() + _SETTLES
-    while more_left(before, place.left()) and time.monotonic() < deadline:
-        time.sleep(0.02)  # a zygote closes what it had of the last worker
-    assert more_left(before, place.left()) == {}
+    # A zygote closes what it had of the last worker.
+    wait_for(lambda: more_left(before, place.left()) == {})
 
 
 def more_left(before: dict[str, Any], after: dict[str, Any]) -> dict[str, Any]:
@@ -239,7 +228,7 @@ def check_outcome(attack: Attack, outcome: Outcome, *, shut_in: bool) -> None:
     if shut_in or attack.held_by == PROCESS:
         assert outcome.reached == [], f"it has reached {outcome.reached}"
     if outcome.error:
-        assert re.search(attack.says, outcome.error), outcome.error
+        assert re.search(f"{attack.says}|{_SLOW}", outcome.error), outcome.error
         assert outcome.error.replace("\n", "").replace("\t", "").isprintable()
         assert len(outcome.error) < 4200
     assert outcome.output.replace("\n", "").replace("\t", "").isprintable()

@@ -1,6 +1,6 @@
 """Attacks by processes: exits, signals, forks, threads, sockets, memory, time."""
 
-from red_team.attack import ITS_OWN, LAYERS, Attack
+from red_team.attack import ITS_OWN, LAYERS, SHORT, Attack
 
 _CAN = "any process may start others, and have sockets"
 
@@ -83,7 +83,7 @@ def cheat(step):
         ITS_OWN,
         LAYERS,
         _CAN,
-        limits={"run": 3.0},
+        limits=SHORT | {"run": 3.0},
     ),
     Attack(
         "200 processes",
@@ -143,7 +143,7 @@ def cheat(step):
 """,
         ITS_OWN,
         says="took longer|processor time",
-        limits={"run": 3.0},
+        limits={"run": 1.5},
     ),
     Attack(
         "processor time beside honest answers",
@@ -155,11 +155,11 @@ def spin():
     while True: hashlib.sha256(data).digest()
 def cheat(step):
     if step.k == 0: threading.Thread(target=spin, daemon=True).start()
-    time.sleep(0.3)
+    while time.process_time() < 0.1 * step.k: time.sleep(0.01)
     return honest(step)
 """,
         says="more than 1 s of processor time",
-        limits={"cpu": 1.0, "call": 2.0},
+        limits={"cpu": 1.0},
     ),
     Attack(
         "threads that outlive",
@@ -294,7 +294,6 @@ def cheat(step):
         ),
         held_by=LAYERS,
         why=_CAN,
-        limits={"call": 3.0},
     ),
     Attack(
         "abstract sockets",
@@ -322,5 +321,6 @@ def cheat(step):
 """,
         ITS_OWN,
         says=".",
+        limits=SHORT,
     ),
 ]

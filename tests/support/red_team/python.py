@@ -265,7 +265,6 @@ def cheat(step): return [cheat(step)] if step.k > 1 else None
             "        found += gc.get_referents(value)\n"
             "raise LookupError"
         ),
-        limits={"call": 10.0},
     ),
     Attack(
         "a masked module by pickle",

@@ -71,7 +71,6 @@ def cheat(step):
                     look([value], "an object")
                 found += gc.get_referents(value)
 """,
-        limits={"call": 10.0},
     ),
     Attack(
         "samples of the truth",
@@ -95,7 +94,6 @@ def cheat(step):
             if os.path.exists(f"/proc/{number}") or number == {grader}:
                 tries("memory of another", lambda: open(f"/proc/{number}/mem", "rb"))
 """,
-        limits={"call": 5.0},
     ),
     Attack(
         "memory by process_vm_readv",
@@ -178,22 +176,22 @@ def clean(slot):
     steps = np.abs(np.diff(pixels.astype(int), axis=1)).mean()  # 23 with the noise of the task
     return pixels.all(axis=2).mean() > 0.9 and steps < 12
 def watch():
-    size = -(-3 * 240 * 240 // 65536) * 65536
-    memory = mmap.mmap(ring(), 8 * size, mmap.MAP_SHARED, mmap.PROT_READ)
-    slots = [slice(slot * size, (slot + 1) * size) for slot in range(8)]
     while not any(clean(memory[slot]) for slot in slots):
         looked.set()
     reached("a clean frame")
     looked.set()
+size = -(-3 * 240 * 240 // 65536) * 65536
+slots = [slice(slot * size, (slot + 1) * size) for slot in range(8)]
 looked = threading.Event()
 def cheat(step):
+    global memory
     if step.k == 0:
+        memory = mmap.mmap(ring(), 8 * size, mmap.MAP_SHARED, mmap.PROT_READ)
         threading.Thread(target=watch, daemon=True).start()
         looked.wait()
     return honest(step)
 """,
         ITS_OWN,
-        limits={"call": 2.0},
     ),
     Attack(
         "guess the seed of a frame",
@@ -217,7 +215,6 @@ def stream(seed):
     from robsim._base.seeds import seed_sequence, stream_number
     return stream_number(seed_sequence(seed), "noise")
 """,
-        limits={"call": 10.0},
     ),
     Attack(
         "the seed of the robot half",
@@ -243,7 +240,6 @@ def cheat(step):
     elif step.measurement is not None and not poses:
         poses.append(np.asarray(step.measurement.pose, float))
 """,
-        limits={"call": 10.0},
     ),
     Attack(
         "dead reckoning",

@@ -1,6 +1,6 @@
 """Attacks on the wire: messages that are none, not due, or say what cannot be."""
 
-from red_team.attack import ITS_OWN, Attack
+from red_team.attack import ITS_OWN, SHORT, Attack
 
 # Where the numbers of an answer lie: see step_message.cpp. The pose, the covariance and the input
 # are the last 14 numbers. The bodies are changed on their way.
@@ -31,7 +31,12 @@ def speech(*lines: str) -> str:
 
 
 WIRE = [
-    Attack("garbage", "sends random bytes", speech("one.sendall(os.urandom(4096))")),
+    Attack(
+        "garbage",
+        "sends random bytes",
+        speech("one.sendall(os.urandom(4096))"),
+        says="estimate_state at step 2: the worker has sent",
+    ),
     Attack(
         "a length of 2 GiB",
         "says that a message is longer than memory",
@@ -236,6 +241,6 @@ def cheat(step):
 """,
         ITS_OWN,
         says=".",
-        limits={"run": 2.0},
+        limits=SHORT | {"run": 1.0},
     ),
 ]
