@@ -1,4 +1,4 @@
-"""What statistical marks promise: ./run study marks draws notebooks/site/marks.png, prints its numbers.
+"""What marks promise: `./run study marks` draws notebooks/site/marks.png and prints its numbers.
 
 All solutions of a task, right and wrong ones, are run in tests as they are graded: what these come
 to, how many points that gives, and how well more runs tell right from wrong.

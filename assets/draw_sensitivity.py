@@ -313,7 +313,9 @@ def table(name: str, errors: Errors) -> str:
 
 def main() -> int:
     """Run the campaigns, draw the figure, print the numbers."""
-    parser = argparse.ArgumentParser(prog="./run study sensitivity", description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(
+        prog="./run study sensitivity", description=__doc__.split("\n")[0]
+    )
     parser.add_argument("--runs", type=int, default=RUNS, help=f"default: {RUNS}")
     parser.add_argument("--only", nargs="+", choices=SETTINGS, default=list(SETTINGS))
     parser.add_argument("--jobs", type=int, help="processes; default: this one")

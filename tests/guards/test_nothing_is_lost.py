@@ -35,8 +35,7 @@ KEPT = {
     ),
     "kill -9 of a session": (
         "sessions/test_killed.py",
-        "test_a_killed_run_loses_at_most_its_last_second",
-        "test_many_killed_runs_lose_at_most_their_last_second",
+        "test_killed_runs_lose_at_most_their_last_second",
     ),
     "kill -9 of a campaign": (
         "campaigns/test_faults.py",
