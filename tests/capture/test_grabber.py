@@ -136,29 +136,6 @@ def test_what_is_no_image_is_told():
         robsim.Camera(SteppedCamera([np.zeros((4, 4), np.uint8)], permits=1), **PATIENT)
 
 
-@pytest.mark.slow
-@pytest.mark.long
-@pytest.mark.skipif(
-    sanitizers.ADDRESS or sanitizers.THREAD, reason="the sanitizers keep what was freed"
-)
-def test_a_long_stream_needs_no_more_memory():
-    import resource
-
-    source = EndlessCamera(numbered(3)[2], 30_000)
-    with robsim.Camera(source, **PATIENT) as camera:
-        taken = 0
-        sizes = []
-        for frame in camera:
-            taken += 1
-            assert frame.image[0, 0, 0] == 2
-            if taken % 100 == 0:
-                sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-        counts = camera.counts
-    assert counts.grabbed == 30_000
-    assert counts.delivered == taken == counts.grabbed - counts.dropped
-    assert sizes[-1] - sizes[len(sizes) // 4] < 2000  # kB; a frame leaked each time: 50 000
-
-
 class TestTheEnd:
     def test_the_thread_ends_with_close(self, source):
         before = grabber_threads()
@@ -178,38 +155,6 @@ class TestTheEnd:
         assert gone() is None
         assert grabber_threads() == before
         assert source.calls == ["open", "close"]
-
-    def test_the_thread_ends_if_opening_fails(self):
-        before = grabber_threads()
-        with pytest.raises(FrameTimeoutError, match=r"open_timeout = 0\.05 s"):
-            robsim.Camera(SteppedCamera([]), open_timeout=0.05)
-        assert grabber_threads() == before
-
-    def test_a_reader_that_waits_is_told_of_a_close(self, source):
-        camera = robsim.Camera(source, **PATIENT)
-        camera.read()
-        told = []
-
-        def read():
-            with pytest.raises(ValueError, match="closed"):
-                camera.read()
-            told.append(True)
-
-        with in_thread(read):
-            camera.close()
-        assert told
-
-    @pytest.mark.long
-    def test_a_camera_that_hangs_is_left_behind(self):
-        endless = EndlessCamera(numbered(1)[0])
-        before = grabber_threads()
-        camera = robsim.Camera(endless, **PATIENT)
-        endless.hangs.set()
-        assert endless.is_hanging.wait(300)
-        camera.close()
-        assert grabber_threads() > before
-        endless.goes_on.set()
-        wait_for(lambda: grabber_threads() == before)
 
     def test_a_camera_whose_end_was_read_can_go(self):
         with robsim.Camera(EndlessCamera(numbered(1)[0], 3), **PATIENT) as camera:

@@ -44,6 +44,7 @@ def test_a_good_picture_has_no_fault():
     report = check(picture())
     assert kinds(report) == set()
     assert report["marker width"].value == pytest.approx(23, abs=1)
+    assert report.to_dict()["findings"]["marker width"]["verdict"] == "good"
     assert report["scatter of the position"].value < 1e-6
     assert report.seen == report.frames == 8
     assert np.abs(report.measurement.pose[:2] - (200, 180)).max() < 1
@@ -126,15 +127,6 @@ def test_two_robots_are_named():
     assert "one robot" in str(report)
 
 
-def test_its_numbers_come_as_data():
-    report = check(picture())
-    row = report.to_dict()["findings"]["marker width"]
-    assert row["verdict"] == "good"
-    assert row["unit"] == "px"
-    with pytest.raises(KeyError, match="frame rate"):
-        report["width"]
-
-
 def test_a_single_frame_tells_nothing_of_the_rate():
     with Camera(EndlessCamera(picture(), 1), area=SIZE, **PATIENT) as camera:
         report = check_camera(camera, robot="lab", seconds=300)
@@ -144,8 +136,6 @@ def test_a_single_frame_tells_nothing_of_the_rate():
 
 
 def test_wrong_arguments_are_named():
-    with pytest.raises(TypeError, match="camera"):
-        check_camera(0)
     with Camera(EndlessCamera(picture()), **PATIENT) as camera:
         with pytest.raises(TypeError, match="motors"):
             check_camera(camera, motors=print)

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import robsim
 import sanitizers
 from interpreter import LONGER_AND_LONGER, keep_interpreter
 from motor_lines import example
@@ -26,7 +25,7 @@ from robsim.motors import (
     SerialMotors,
     UdpMotors,
 )
-from threads import in_thread, together
+from threads import in_thread
 from waiting import wait_for
 
 pytestmark = [
@@ -100,22 +99,6 @@ def test_it_keeps_the_robot_going_while_python_does_something_else(robot):
         heard = np.diff([event.t for event in robot.events if event.kind == "input"])
         assert "timeout" not in kinds(robot) or heard.max() >= 0.3
         assert robot.counts.old == 0
-
-
-def test_stop_is_told_again_and_again(robot, motors):
-    motors((1, 1))
-    motors.stop()
-    wait_for(lambda: kinds(motors).count("stop") >= 5)
-    wait_for(lambda: robot.input[0] == 0)
-    assert "timeout" not in kinds(robot)
-
-
-def test_it_stops_the_robot_where_no_input_follows(robot):
-    with motors_of(robot, ttl=SHORT, hold=0.1) as motors:
-        sent = motors((1, 1))
-        wait_for(lambda: kinds(motors).count("stop") >= 8)
-        assert stop_of(motors) >= sent + 0.1
-        wait_for(lambda: "stop" in kinds(robot))
 
 
 def test_the_watchdog_needs_no_interpreter():
@@ -408,34 +391,6 @@ def test_what_is_out_of_range_is_refused():
         UdpMotors("127.0.0.1", 9, ttl=ttl).close()
 
 
-def test_inputs_that_are_none_are_refused_and_the_robot_goes_on(robot, motors):
-    motors((1, 1))
-    for u in ((np.nan, 0), (1,), (1000, 0)):
-        with pytest.raises(ValueError, match="u"):
-            motors(u)
-    wait_for(lambda: robot.input[0] == 1)
-
-
-def test_it_serves_several_threads(robot, motors):
-    def again(call):
-        def work():
-            for _ in range(100):
-                call()
-
-        return work
-
-    together(
-        again(lambda: motors((1, 1))),
-        again(lambda: motors((2, 2))),
-        again(motors.stop),
-        again(lambda: motors.events),
-        again(lambda: robot.mean(0, time.monotonic())),
-    )
-    motors.close()
-    wait_for(lambda: robot.input[0] == 0)
-    assert robot.counts.damaged == robot.counts.foreign == 0
-
-
 def test_the_python_robot_of_the_page_obeys():
     robot = {}
     exec(example("python"), robot)
@@ -472,13 +427,3 @@ def test_recorded_motors_keep_what_came():
     with pytest.raises(LineError, match="closed"):
         motors((1, 1))
     assert RecordedMotors().inputs.shape == (0, 2)
-
-
-def test_an_experiment_drives_a_robot_at_the_end_of_a_line(robot, motors):
-    frames = [robsim.Frame(np.zeros((60, 60, 3), np.uint8), t=0.2 * k) for k in range(5)]
-    with robsim.Experiment(frames, send=motors, measure=None, area=(60, 60)) as experiment:
-        experiment.control = lambda step: (1 + step.k, 1)
-        experiment.run()
-    sent = [event.u[0] for event in motors.events if event.kind == "input"]
-    assert sent == [1, 2, 3, 4, 5]
-    wait_for(lambda: robot.input[0] == 0)

@@ -84,16 +84,6 @@ def test_blank_lines_and_carriage_returns_mean_nothing(robot, sender):
     assert counts(robot) == (1, 0, 0, 0)
 
 
-def test_a_datagram_holds_whole_lines(robot, sender):
-    text = drive_line(1)
-    sender.send(text[:10])  # no line ends in it: nothing to count
-    say(robot, sender, text[10:], drive_line(2))
-    assert counts(robot) == (1, 1, 0, 0)
-    sender.send(drive_line(3) + drive_line(4, 3.0))
-    wait_for(lambda: robot.counts.valid == 3)
-    assert robot.input[0] == 3
-
-
 @pytest.mark.long
 def test_only_newer_lines_are_obeyed():
     for last, number, is_obeyed in (
@@ -217,14 +207,6 @@ def test_a_stream_comes_in_any_pieces(rng):
         assert robot.input[0] == 7
 
 
-def test_random_bytes_do_it_no_harm(robot, sender, rng):
-    for _ in range(300):
-        sender.send(rng.bytes(rng.integers(1, 200)))
-    # Its socket may be full of the bytes: again, until it came through.
-    wait_for(lambda: sender.send(drive_line(1, 5.0)) or robot.input[0] == 5)
-    assert robot.counts.valid == 1
-
-
 def test_it_refuses_what_is_no_line(robot):
     with pytest.raises(LineError, match="another program"):
         MotorReceiver(robot.port)
@@ -236,16 +218,6 @@ def test_it_refuses_what_is_no_line(robot):
         MotorReceiver(65536)
     with pytest.raises(ValueError, match="actuation_delay"):
         MotorReceiver(actuation_delay=-1)
-
-
-def test_closing_frees_the_port():
-    robot = MotorReceiver()
-    robot.close()
-    robot.close()
-    assert robot.is_closed
-    assert "closed" in repr(robot)
-    with MotorReceiver(robot.port):
-        pass
 
 
 def test_events_are_values(robot, sender):

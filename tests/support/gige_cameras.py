@@ -13,7 +13,7 @@ import robsim
 from needs import needs_extension
 from python_cameras import PATIENT
 from robsim import _core
-from robsim.capture import NoCameraError
+from robsim.capture import CameraBusyError, NoCameraError, UnpluggedError
 from robsim.live import GigeServer, SimulatedLab
 from robsim.motors import UdpMotors
 from waiting import wait_for
@@ -44,12 +44,12 @@ def served(scenario=SCENARIO, *, fps=FPS, **options):
 
 
 def opened(url=URL, **options):
-    """Open a camera; on a busy machine a server may not answer in the time that it has."""
+    """Open a camera; on a busy machine client or server may be late, and it is lost again."""
 
     def attempt():
         try:
             return robsim.Camera(url, **PATIENT | options)
-        except NoCameraError:
+        except (NoCameraError, CameraBusyError, UnpluggedError):
             return None
 
     return wait_for(attempt)

@@ -1,0 +1,78 @@
+"""A live run from end to end, on a camera and a robot that do what the test says."""
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import robsim
+import sessions
+from python_cameras import PATIENT, SteppedCamera
+from robsim.motors import MotorReceiver, UdpMotors
+from robsim.sessions import Session
+from waiting import wait_for
+
+
+def test_a_robot_is_stopped_while_frames_stop_and_driven_when_they_return(tmp_path):
+    pytest.importorskip("cv2")
+    images, poses = sessions.driven()
+    source = SteppedCamera(itertools.cycle(images), permits=1)
+    frames = SimpleNamespace(flow=True, seen={})
+
+    def control(step):
+        frames.seen[step.k] = step.frame.index
+        if frames.flow:
+            source.permits.release()
+        return 1 + step.k / 100, 0.5
+
+    def drive_on(steps):
+        end = experiment.n_steps + steps
+        while experiment.n_steps < end:
+            try:
+                experiment.run(end - experiment.n_steps)
+            except TimeoutError:  # a busy machine
+                source.permits.release()
+
+    with (
+        robsim.Camera(source, area=sessions.AREA, **PATIENT) as camera,
+        MotorReceiver() as robot,
+        UdpMotors("127.0.0.1", robot.port, ttl=60, hold=1000) as motors,
+        robsim.Experiment(
+            camera,
+            send=motors,
+            measure=True,
+            control=control,
+            frame_timeout=0.3,
+            record=tmp_path / "run",
+        ) as experiment,
+    ):
+        drive_on(6)
+        frames.flow = False
+        with pytest.raises(TimeoutError, match="frame_timeout"):
+            experiment.run(1000)
+        wait_for(lambda: robot.events[-1].kind == "stop")
+        stopped = robot.events[-1].t
+        n = experiment.n_steps
+        frames.flow = True
+        source.permits.release()
+        drive_on(6)
+    trace = experiment.trace
+    assert len(trace) == n + 6
+    np.testing.assert_array_equal(trace.u, [(1 + k / 100, 0.5) for k in range(n + 6)])
+    shown = [frames.seen[k] % len(poses) for k in range(n + 6)]
+    np.testing.assert_allclose(trace.pose_measured, poses[shown], atol=1e-9)
+
+    # The robot heard all of it, stood when no frame came, and stands.
+    inputs = {round(event.u[0], 4): event.t for event in robot.events if event.kind == "input"}
+    assert [*inputs] == trace.u[:, 0].round(4).tolist()
+    assert inputs[round(1 + (n - 1) / 100, 4)] < stopped < inputs[round(1 + n / 100, 4)]
+    assert robot.events[-1].kind == "stop"
+    assert "timeout" not in {event.kind for event in robot.events}
+
+    session = Session(tmp_path / "run")
+    assert session.is_complete
+    np.testing.assert_array_equal(session.trace.u, trace.u)
+    kept = [observation.frame for observation in session]
+    assert any(kept)
+    assert all(frame is None or frame.index == frames.seen[k] for k, frame in enumerate(kept))
