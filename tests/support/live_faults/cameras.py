@@ -20,6 +20,8 @@ KINDS = (*SOFTWARE, *wired.KINDS)
 FPS = 50
 DT = 1 / FPS  # s
 FILE_FRAMES = 45
+LONG = 300  # s
+PATIENCE = {"open_timeout": LONG}  # of a busy machine
 OTHER_SIZE = (64, 48)
 
 
@@ -45,7 +47,7 @@ class LabFrames(Frames):
         self.lab = lab
 
     def go_wrong(self, how):
-        self.lab.stall(30) if how == "stall" else self.lab.unplug()
+        self.lab.stall(LONG) if how == "stall" else self.lab.unplug()
 
 
 @contextmanager
@@ -58,7 +60,7 @@ def simulated_lab(rng):
         )
     with robsim.live.SimulatedLab(scenario, fps=FPS, faults=faults) as lab:
         made = LabFrames(lab)
-        with robsim.Camera(lab) as camera:
+        with robsim.Camera(lab, **PATIENCE) as camera:
             made.frames = camera
             yield made
 
@@ -84,7 +86,7 @@ class ServedFrames(Frames):
             elif self.order == "size":
                 yield other
             elif self.order == "stall":
-                self.server.released.wait(30)
+                self.server.released.wait(LONG)
                 return
             else:
                 yield picture
@@ -100,7 +102,7 @@ def http_server(rng):
     made = ServedFrames()
     made.server = MjpegServer(made.parts)
     made.url = made.server.url
-    with made.server, robsim.Camera(made.server.url, fps=FPS) as camera:
+    with made.server, robsim.Camera(made.server.url, fps=FPS, **PATIENCE) as camera:
         made.frames = camera
         yield made
 
@@ -113,7 +115,7 @@ def played_file(rng):
     try:
         for k in range(FILE_FRAMES):
             Path(folder, f"{k:03d}.jpg").write_bytes(pictures()[0][k % len(images)])
-        with robsim.Camera(folder, fps=FPS) as camera:
+        with robsim.Camera(folder, fps=FPS, **PATIENCE) as camera:
             made.frames = camera
             yield made
     finally:
@@ -139,7 +141,7 @@ class GeneratedFrames(Frames):
             if self.order == "ends":
                 return
             if self.order == "stall":
-                self.released.wait(30)
+                self.released.wait(LONG)
             if self.order == "size":
                 image = image[: OTHER_SIZE[1], : OTHER_SIZE[0]].copy()
             if self.order == "order":

@@ -1,6 +1,5 @@
 """Rounds in a process of their own, which ends in the middle of a run; and that process."""
 
-import ctypes
 import faulthandler
 import json
 import multiprocessing
@@ -19,7 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
+import gige_cameras
 import robsim
+from interpreter import keep_interpreter
 from robsim.sessions import Session
 from waiting import wait_for
 
@@ -27,7 +28,7 @@ from . import cameras, robots, wired
 from .rounds import input_of
 
 LOST_AT_MOST = 1.0  # s, of a session that is killed
-HARD_LIMIT = 40  # s
+HARD_LIMIT = 300  # s
 STOPPED = 0.8  # s
 EVERY = 4  # each so many rounds one is in a process of its own
 
@@ -217,50 +218,42 @@ def play(number, seed, slack, kinds=cameras.SOFTWARE):
 # The child.
 
 
-def end_by_itself(told):
-    """Return what ends the process from within a callback, if anything does."""
-    end = told["end"]
+def say():
+    print(time.monotonic(), flush=True)
 
-    def say():
-        print(time.monotonic(), flush=True)
 
-    def act():
-        if end == "SIGKILL, interpreter held":
-            ctypes.PyDLL(None).usleep(20_000_000)
-        elif end == "SIGKILL, a fork lives on":
-            process = multiprocessing.get_context("fork").Process(target=time.sleep, args=(2,))
-            process.start()
-        elif end == "abort()":
-            say()
-            os.abort()
-        elif end == "_exit()":
-            say()
-            os._exit(7)
-        elif end == "sys.exit()":
-            say()
-            sys.exit(5)
-        elif end == "error in callback":
-            say()
-            raise ZeroDivisionError("of the fault")
-
-    return act, say
+def end_by_itself(end):
+    """End the process from within a callback, if it ends so."""
+    if end == "SIGKILL, interpreter held":
+        keep_interpreter(cameras.LONG)
+    if end == "SIGKILL, a fork lives on":
+        multiprocessing.get_context("fork").Process(target=time.sleep, args=(2,)).start()
+    if end in ("abort()", "_exit()", "sys.exit()", "error in callback"):
+        say()
+    if end == "abort()":
+        os.abort()
+    if end == "_exit()":
+        os._exit(7)
+    if end == "sys.exit()":
+        sys.exit(5)
+    if end == "error in callback":
+        raise ZeroDivisionError("of the fault")
 
 
 def main(told):
     faulthandler.dump_traceback_later(HARD_LIMIT - 5)
     signal.signal(signal.SIGINT, signal.default_int_handler)
     rng = random.Random(told["seed"])
-    act, say = end_by_itself(told)
 
     def control(step):
         if step.k == told["k"]:
-            act()
+            end_by_itself(told["end"])
         if step.k == 1:
             print("drives", flush=True)
         return input_of(step.k)
 
     if told["url"]:
-        frames = robsim.Camera(told["url"], area=told["area"])
+        frames = gige_cameras.opened(told["url"], area=told["area"])
     else:
         made = cameras.MADE[told["camera"]](rng)
         frames = made.__enter__().frames
@@ -270,23 +263,23 @@ def main(told):
     experiment = robsim.Experiment(
         frames,
         send=motors,
-        frame_timeout=60,
+        frame_timeout=300,
         area=(300, 300) if told["camera"] == "generator" else None,
         control=control,
         record=told["record"],
     )
     with experiment if told["has_with"] else nullcontext():
-        drive(told, experiment, say)
+        drive(told, experiment)
 
 
-def drive(told, experiment, say):
+def drive(told, experiment):
     if "step()" in told["end"]:
         while experiment.n_steps < max(told["k"], 3):
             experiment.step()
         if told["end"] == "end after step()":
             say()
         else:
-            time.sleep(60)
+            time.sleep(cameras.LONG)
     elif told["end"] == "end beside a run":
         threading.Thread(target=experiment.run, args=(3000,), daemon=True).start()
         while experiment.n_steps < told["k"]:

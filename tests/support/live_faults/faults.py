@@ -1,7 +1,6 @@
 """What goes wrong in a round, when, and by when the robot must stand."""
 
 import atexit
-import ctypes
 import gc
 import os
 import resource
@@ -12,6 +11,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from interpreter import keep_interpreter
 from robsim.capture import CaptureError
 from robsim.motors import LineError
 
@@ -55,7 +55,7 @@ def raising(error):
 
 
 def hold(made):
-    ctypes.PyDLL(None).usleep(int(1e6 * (made.frame_timeout + 0.3)))
+    keep_interpreter(made.frame_timeout + 0.3)
     made.marks["returned"] = time.monotonic()
 
 
@@ -64,7 +64,7 @@ def fall_asleep(made):
 
 
 def never_end(made):
-    end = time.monotonic() + 20
+    end = time.monotonic() + cameras.LONG
     while time.monotonic() < end:
         pass
     raise AssertionError("time_limit did not end a callback")
@@ -115,7 +115,7 @@ def fork(made):
                 atexit._run_exitfuncs()
         finally:
             os._exit(0)
-    end = time.monotonic() + 20
+    end = time.monotonic() + cameras.LONG
     while os.waitpid(child, os.WNOHANG) == (0, 0):
         if time.monotonic() > end:
             os.kill(child, signal.SIGKILL)

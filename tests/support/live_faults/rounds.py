@@ -10,7 +10,7 @@ import threading
 import time
 import traceback
 import warnings
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +23,7 @@ from . import cameras, faults, robots
 STAGES = ("estimate_parameters", "measure", "estimate_state", "control")
 STEPS = 25  # of a run that nothing ends before
 LAST_FAULT = 14  # step
-SOON = 15  # s, for what needs no time but may be held up
+SOON = 300  # s, for what needs no time but may be held up
 
 
 def input_of(k):
@@ -330,29 +330,18 @@ def held():
     return len(os.listdir("/proc/self/task")), len(os.listdir("/proc/self/fd"))
 
 
-def names_of_threads():
-    names = []
-    for task in os.listdir("/proc/self/task"):
-        try:
-            names.append(Path("/proc/self/task", task, "comm").read_text().strip())
-        except OSError:
-            continue
-    return sorted(names), sorted(thread.name for thread in threading.enumerate())
-
-
-def descriptors():
-    found = []
+def whose():
+    """Threads of Python, and what descriptors lead to."""
+    files = []
     for number in os.listdir("/proc/self/fd"):
-        try:
-            found.append(os.readlink(f"/proc/self/fd/{number}"))
-        except OSError:
-            continue
-    return sorted(found)
+        with suppress(OSError):
+            files.append(os.readlink(f"/proc/self/fd/{number}"))
+    return sorted(thread.name for thread in threading.enumerate()), sorted(files)
 
 
 def play(number, seed, slack, kinds=cameras.SOFTWARE, patience=SOON):
     """Run a round with a camera of these kinds; return what a line of the table needs."""
-    before, threads, files = held(), names_of_threads(), descriptors()
+    before, those = held(), whose()
     made = Round(number, seed, slack, kinds)
     start = time.monotonic()
     folder = tempfile.mkdtemp()
@@ -367,10 +356,7 @@ def play(number, seed, slack, kinds=cameras.SOFTWARE, patience=SOON):
     while any(now > was for now, was in zip(held(), before, strict=True)):
         gc.collect()
         if time.monotonic() > end:
-            made.fail(
-                f"left behind: threads {names_of_threads()} after {threads}; "
-                f"files {set(descriptors()) - set(files)}"
-            )
+            made.fail(f"left behind: {whose()} after {those}")
             break
         time.sleep(0.01)
     return {

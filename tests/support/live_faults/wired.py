@@ -12,7 +12,7 @@ from waiting import wait_for
 KINDS = ("firewire", "gige")
 SIZE = (160, 120)  # px
 FPS = {"firewire": 30, "gige": 50}
-LONG = 30  # s
+LONG = 300  # s
 
 
 class ServedLab:
@@ -28,7 +28,7 @@ class ServedLab:
 
     def go_wrong(self, how):
         """Let something happen now."""
-        getattr(self, how.replace(" ", "_"))()
+        self.acts()[how]()
 
 
 class OnFireWire(ServedLab):
@@ -42,33 +42,23 @@ class OnFireWire(ServedLab):
         super().__init__(lab)
         self.bus = VirtualBus(lab)
         self.environment = self.bus.environment
+        self.close = self.bus.close
 
-    def stall(self):
-        self.bus.stall(LONG)
+    def acts(self):
+        return {
+            "stall": lambda: self.bus.stall(LONG),
+            "unplug": self.bus.unplug,
+            "plugged in again": self.replug,
+            "bus reset": self.bus.reset,
+            "bus loses power": lambda: self.bus.reset(power_fails=True),
+            "no channel": lambda: self.replug(channels=True),
+            "no bandwidth": lambda: self.replug(bandwidth=True),
+        }
 
-    def unplug(self):
-        self.bus.unplug()
-
-    def plugged_in_again(self):
+    def replug(self, **refused):
+        self.bus.refuse(**refused)
         self.bus.unplug()
         self.bus.plug_in()
-
-    def bus_reset(self):
-        self.bus.reset()
-
-    def bus_loses_power(self):
-        self.bus.reset(power_fails=True)
-
-    def no_channel(self):
-        self.bus.refuse(channels=True)
-        self.plugged_in_again()
-
-    def no_bandwidth(self):
-        self.bus.refuse(bandwidth=True)
-        self.plugged_in_again()
-
-    def close(self):
-        self.bus.close()
 
 
 class OnGige(ServedLab):
@@ -79,21 +69,21 @@ class OnGige(ServedLab):
         self.server = GigeServer(lab)
         self.url = self.server.url
 
-    def stall(self):
-        self.lab.stall(LONG)
+    def acts(self):
+        return {
+            "stall": lambda: self.lab.stall(LONG),
+            "unplug": self.lab.unplug,
+            "plugged in again": self.replug,
+            "dead server": self.close,
+            "server starts anew": self.start_anew,
+        }
 
-    def unplug(self):
-        self.lab.unplug()
-
-    def plugged_in_again(self):
+    def replug(self):
         self.lab.unplug()
         self.lab.plug_in()
 
-    def dead_server(self):
-        self.server.close()
-
-    def server_starts_anew(self):
-        self.server.close()
+    def start_anew(self):
+        self.close()
         self.server = GigeServer(self.lab)
 
     def close(self):
@@ -128,7 +118,7 @@ def opened(kind, rng):
             wait_for(needs_extension("firewire").cameras)
         options = {"frame_timeout": 0.3, "reopen": rng.random() < 0.5}
         try:
-            with robsim.Camera(made.url, area=made.area, **options) as camera:
+            with gige_cameras.opened(made.url, area=made.area, **options) as camera:
                 made.frames = camera
                 yield made
         finally:
