@@ -17,6 +17,6 @@ def running_chromium():
     if program is None:
         pytest.skip("needs chromium")
     with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=program, args=ARGUMENTS)
+        browser = driver.chromium.launch(executable_path=program, args=ARGUMENTS, timeout=300_000)
         yield browser
         browser.close()
