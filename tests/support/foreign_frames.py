@@ -142,8 +142,8 @@ FADED = ((150.0, 80.0, 75.0), (75.0, 85.0, 120.0))
 
 CASES = {
     "clean": Case(),
-    **{f"Gaussian {p} %": Case(gaussian=p) for p in (2, 5, 10, 20, 40)},
-    **{f"uniform {p} %": Case(uniform=p) for p in (2, 5, 10, 20, 40)},
+    **{f"Gaussian {p} %": Case(gaussian=p) for p in (5, 10, 20, 40)},
+    **{f"uniform {p} %": Case(uniform=p) for p in (10, 20, 40)},
     "blur 1": Case(blur=1),
     "blur 3": Case(blur=3),
     "blur 1, Gaussian 20 %": Case(blur=1, gaussian=20),
@@ -153,36 +153,27 @@ CASES = {
     "Bayer": Case(bayer=True),
     "Bayer, raw Gaussian 2 %": Case(bayer=True, gaussian=2),
     "gradient .3-1.2": Case(gradient=(0.3, 1.2)),
-    "gradient .2-1.0": Case(gradient=(0.2, 1.0)),
-    **{f"exposure {e}": Case(exposure=e) for e in (0.15, 0.2, 0.3, 0.35, 0.5, 1.5, 2, 3)},
+    **{f"exposure {e}": Case(exposure=e) for e in (0.15, 0.2, 0.3, 0.5, 3)},
     **{
         f"exposure {e}, Gaussian {p} %": Case(exposure=e, gaussian=p)
-        for e, p in ((0.15, 2), (0.3, 5), (0.3, 10), (0.5, 5), (0.6, 40))
+        for e, p in ((0.3, 5), (0.5, 5), (0.6, 40))
     },
     "faded": Case(colors=FADED),
     "faded, exposure 0.5": Case(colors=FADED, exposure=0.5),
     "faded, Gaussian 5 %": Case(colors=FADED, gaussian=5),
-    "faded, Gaussian 10 %": Case(colors=FADED, gaussian=10),
     "reddish": Case(cast=(1.3, 1, 0.8)),
     "bluish": Case(cast=(0.85, 1, 1.4)),
     "yellow": Case(cast=(1.4, 1, 0.5)),
     "blue at 0.3": Case(exposure=0.3, cast=(0.6, 1, 1.3)),
     "wooden floor at 0.3": Case(exposure=0.3, floor=(185.0, 140.0, 95.0)),
     "green floor at 0.3": Case(exposure=0.3, floor=(110.0, 160.0, 100.0)),
-    "shadow's edge": Case(shadow=True),
     "shadow's edge, Gaussian 10 %": Case(shadow=True, gaussian=10),
     "hidden 10 %, grey": Case(hidden=0.1),
-    "hidden 10 %, grey, Gaussian 10 %": Case(hidden=0.1, gaussian=10),
-    "hidden 10 %, white": Case(hidden=0.1, hidden_by=WHITE),
-    "hidden 25 %, grey": Case(hidden=0.25),
     "hidden 25 %, white": Case(hidden=0.25, hidden_by=WHITE),
-    "defined 5 % too large": Case(defined_size=1.05),
-    "defined 5 % too small": Case(defined_size=0.95),
     "defined 5 % too large, Gaussian 10 %": Case(defined_size=1.05, gaussian=10),
     "defined 5 % too far apart": Case(defined_distance=1.05),
     "defined 5 % too far apart, Gaussian 10 %": Case(defined_distance=1.05, gaussian=10),
     "tilted": Case(tilted=True),
-    "tilted, Gaussian 2 %": Case(tilted=True, gaussian=2),
     "tilted, Gaussian 10 %": Case(tilted=True, gaussian=10),
     "other markers": Case(robot="other"),
     "other markers, Gaussian 10 %": Case(robot="other", gaussian=10),
@@ -353,15 +344,6 @@ def picture(case, view, pose, rng):
     return photographed(levels, case, rng)
 
 
-def frames_of(case, view, count, seed, *, empty=False):
-    """Yield frames and the poses in them: None on an empty floor."""
-    plane_map = view.plane_map(case.tilted)
-    for index in range(count):
-        rng = np.random.default_rng((seed, *view.resolution, index, empty))
-        pose = None if empty else view.pose_in_view(rng, case.robot, case.tilted)
-        yield robsim.Frame(picture(case, view, pose, rng), plane_map=plane_map), pose
-
-
 def frame_at(case, pose, size, seed=0):
     """A frame of a camera above an area of 600 x 600 px; pose None: no robot."""
     view = View(size, size[0] / 600)
@@ -370,8 +352,10 @@ def frame_at(case, pose, size, seed=0):
 
 
 def frames(name, view, count):
-    """Yield frames of a case and the poses in them.
-
-    The seed is that of the case's name, so that a new case changes no other.
-    """
-    yield from frames_of(CASES[name], view, count, zlib.crc32(name.encode()))
+    """Yield frames of a case and the poses in them; the seed is that of the case's name."""
+    case, seed = CASES[name], zlib.crc32(name.encode())
+    plane_map = view.plane_map(case.tilted)
+    for index in range(count):
+        rng = np.random.default_rng((seed, *view.resolution, index, False))
+        pose = view.pose_in_view(rng, case.robot, case.tilted)
+        yield robsim.Frame(picture(case, view, pose, rng), plane_map=plane_map), pose
