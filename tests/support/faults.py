@@ -8,6 +8,7 @@ raises an AssertionError at the first fault that leaves something else than the 
 import _testcapi
 import ctypes
 import errno
+import itertools
 import os
 import signal
 import sys
@@ -70,54 +71,50 @@ def robot(i):
     )
 
 
-def store_robot(folder, i):
-    os.environ["ROBSIM_DATA"] = str(folder)
+def of_robots(write, read):
+    """The writer of what a user keeps of robots, in a folder."""
+
+    def there(folder):
+        os.environ["ROBSIM_DATA"] = str(folder)
+
+    def write_there(folder, i):
+        there(folder)
+        write(i)
+
+    def read_there(folder):
+        there(folder)
+        return read()
+
+    return write_there, read_there
+
+
+def store_robot(i):
     robots.add_robot("mine", robot(i), overwrite=True, ignore_colors=True)
 
 
-def stored_robot(folder):
-    os.environ["ROBSIM_DATA"] = str(folder)
-    found = robots.load_robot("mine")
-    return [found == robot(i) for i in (0, 1)].index(True)
-
-
-def rotate_robot(folder, i):
-    os.environ["ROBSIM_DATA"] = str(folder)
+def rotate_robot(i):
     if i == 0:
-        store_robot(folder, 0)
-    elif rotated(folder) == 0:
+        store_robot(0)
+    elif rotated() == 0:
         robots.rotate_robot("mine", 90)
 
 
-def rotated(folder):
-    os.environ["ROBSIM_DATA"] = str(folder)
+def rotated():
     return [0.0, 90.0].index(robots.load_robot("mine").alignment)
 
 
-def remove_robot(folder, i):
-    os.environ["ROBSIM_DATA"] = str(folder)
+def remove_robot(i):
     if i == 0:
-        store_robot(folder, 0)
+        store_robot(0)
     elif "mine" in robots.robot_names():
         robots.remove_robot("mine")
 
 
-def is_removed(folder):
-    os.environ["ROBSIM_DATA"] = str(folder)
+def is_removed():
     if "mine" in robots.robot_names():
         robots.load_robot("mine")
         return 0
     return 1
-
-
-def choose_robot(folder, i):
-    os.environ["ROBSIM_DATA"] = str(folder)
-    robots.set_default_robot(("sheep", "robot2")[i])
-
-
-def robot_in_use(folder):
-    os.environ["ROBSIM_DATA"] = str(folder)
-    return ("sheep", "robot2").index(robots.default_robot())
 
 
 RANGES = [(0, 100), (0, 200)]
@@ -157,10 +154,13 @@ WRITERS = {
     ),
     "mkv": versions(lambda f, i: imaging.save_video(f, pictures(i), fps=5), video_level, "v.mkv"),
     "mp4": versions(lambda f, i: imaging.save_video(f, pictures(i), fps=5), video_level, "v.mp4"),
-    "settings": (choose_robot, robot_in_use),
-    "robot": (store_robot, stored_robot),
-    "rotated robot": (rotate_robot, rotated),
-    "removed robot": (remove_robot, is_removed),
+    "settings": of_robots(
+        lambda i: robots.set_default_robot(("sheep", "robot2")[i]),
+        lambda: ("sheep", "robot2").index(robots.default_robot()),
+    ),
+    "robot": of_robots(store_robot, lambda: [robot(0), robot(1)].index(robots.load_robot("mine"))),
+    "rotated robot": of_robots(rotate_robot, rotated),
+    "removed robot": of_robots(remove_robot, is_removed),
 }
 
 # Calls that may fail without harm: at worst, a hidden file waits for the next writer.
@@ -173,10 +173,6 @@ def visible(folder):
         for file in folder.rglob("*")
         if file.is_file() and not any(part[0] == "." for part in file.relative_to(folder).parts)
     )
-
-
-def open_files():
-    return len(os.listdir("/proc/self/fd"))
 
 
 def descriptors():
@@ -219,12 +215,10 @@ def check(name, folder, call, old_files):
 def fail_each(name, folder, faults, error):
     """Let each call of a writer fail in turn; return how many there were."""
     write, read = WRITERS[name]
-    number = 0
-    while True:
-        number += 1
+    for number in itertools.count(1):
         write(folder, 0)
         assert read(folder) == 0
-        old_files, before = visible(folder), open_files()
+        old_files, before = visible(folder), descriptors()
         faults.arm(folder, number, error)
         raised = None
         try:
@@ -233,15 +227,16 @@ def fail_each(name, folder, faults, error):
             raised = caught
         call = faults.disarm()
         del_tracebacks(raised)
-        assert open_files() == before, (name, call, number, "descriptors")
+        assert descriptors() == before, (name, call, number, "descriptors")
         if not call:
             assert raised is None, (name, raised)
-            return number - 1
+            break
         assert raised is not None or call in HARMLESS, (name, call, number, "not told")
         if isinstance(raised, OSError):
             assert ".robsim-part" not in str(raised), (name, call, str(raised))
         version = check(name, folder, call, old_files)
         assert raised is not None or version == 1, (name, call, number, "neither told nor done")
+    return number - 1
 
 
 def del_tracebacks(error):
@@ -250,28 +245,32 @@ def del_tracebacks(error):
         error = error.__cause__ or error.__context__
 
 
+def killed_at(faults, folder, number, work):
+    """Do work in a child, kill it at one of its calls; return whether there was one."""
+    child = os.fork()
+    if child == 0:
+        try:
+            faults.arm(folder, number, 0)
+            work()
+        except BaseException:
+            traceback.print_exc()
+            os._exit(1)
+        os._exit(0)
+    status = os.waitpid(child, 0)[1]
+    assert os.WIFSIGNALED(status) or status == 0, number
+    return os.WIFSIGNALED(status)
+
+
 def kill_each(name, folder, faults):
     """Kill a child at each call of a writer in turn; return how many there were."""
     write, _ = WRITERS[name]
-    number = 0
-    while True:
-        number += 1
+    for number in itertools.count(1):
         write(folder, 0)
         old_files = visible(folder)
-        child = os.fork()
-        if child == 0:
-            try:
-                faults.arm(folder, number, 0)
-                write(folder, 1)
-            except BaseException:
-                traceback.print_exc()
-                os._exit(1)
-            os._exit(0)
-        status = os.waitpid(child, 0)[1]
-        if not os.WIFSIGNALED(status):
-            assert status == 0, (name, number)
-            return number - 1
+        if not killed_at(faults, folder, number, lambda: write(folder, 1)):
+            break
         check(name, folder, number, old_files)
+    return number - 1
 
 
 def kill_at_random(name, folder, faults):

@@ -5,10 +5,9 @@ A program of its own, started with faults.c preloaded: ``python session_faults.p
 """
 
 import errno
-import os
+import itertools
 import sys
 import tempfile
-import traceback
 import warnings
 from pathlib import Path
 
@@ -44,10 +43,9 @@ def check(folder, call, *, is_told):
 
 def fail_each(parent, error):
     """Let each call fail once; return how many there were."""
-    broken, number = faults.Faults(), 0
-    while True:
-        number += 1
-        folder, before = parent / f"{error} {number}", faults.open_files()
+    broken = faults.Faults()
+    for number in itertools.count(1):
+        folder, before = parent / f"{error} {number}", faults.descriptors()
         broken.arm(folder, number, error)
         told = ""
         try:
@@ -56,34 +54,30 @@ def fail_each(parent, error):
             told = str(caught)
             assert not (folder / "frames.mkv").exists()
         call = broken.disarm()
-        assert faults.open_files() == before, (call, number)
+        assert faults.descriptors() == before, (call, number)
         check(folder, call, is_told=bool(told))
         if not call:
             assert not told
-            return number - 1
+            break
         # A disk without hard links gets its names in another way.
         assert told or call in (*faults.HARMLESS, "link"), (call, number)
+    return number - 1
 
 
 def kill_each(parent):
     """Kill a child at each call in turn; return how many there were."""
-    broken, number = faults.Faults(), 0
-    while True:
-        number += 1
+    broken = faults.Faults()
+    for number in itertools.count(1):
         folder = parent / f"killed {number}"
-        child = os.fork()
-        if child == 0:
-            try:
-                broken.arm(folder, number, 0)
-                os._exit(1 if record(folder) else 0)
-            except BaseException:
-                traceback.print_exc()
-            os._exit(1)
-        status = os.waitpid(child, 0)[1]
-        check(folder, number, is_told=os.WIFSIGNALED(status))
-        if not os.WIFSIGNALED(status):
-            assert status == 0, number
-            return number - 1
+
+        def work(folder=folder):
+            assert not record(folder)
+
+        was_killed = faults.killed_at(broken, folder, number, work)
+        check(folder, number, is_told=was_killed)
+        if not was_killed:
+            break
+    return number - 1
 
 
 def main(parent, kind):
