@@ -6,8 +6,6 @@ Each right solution of each task is graded so many times: it may have less than 
 rarely as its calibration says. Each wrong one is to have less in at least 95 % of 200 tests.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys
@@ -16,7 +14,7 @@ from pathlib import Path
 
 from scipy.stats import binomtest
 
-from robsim.tasks import TASKS, SolutionMarks, TaskCalibration, task
+from robsim.tasks import TASKS, SolutionMarks, task
 from robsim.tasks._marks.calibrate import marks_of
 from robsim.tasks._marks.calibration import POWER
 from robsim.tasks._marks.files import shipped_calibrations
@@ -35,7 +33,7 @@ class Promise:
     false_fail: float
 
     @property
-    def holds(self) -> bool:
+    def holds(self):
         """Whether what came is compatible with what was promised."""
         failing, tests = self.marks.failing, self.marks.tests
         if self.marks.is_right:
@@ -45,7 +43,7 @@ class Promise:
         return bool(binomtest(failing, tests, promised, alternative=side).pvalue > IMPROBABLE)
 
     @property
-    def row(self) -> str:
+    def row(self):
         """A row of the table."""
         marks = self.marks
         low, high = (100 * share for share in marks.rate_interval)
@@ -63,16 +61,7 @@ HEAD = (
 )
 
 
-def promises(
-    calibration: TaskCalibration,
-    *,
-    graded: int,
-    graded_wrong: int,
-    seed: int,
-    jobs: int | None = None,
-    keep: Path | None = None,
-    progress: bool = False,
-) -> list[Promise]:
+def promises(calibration, *, graded, graded_wrong, keep=None, **options):
     """Grade the solutions of a task anew, and return what came of each."""
     one = task(calibration.task, **calibration.parameters)
     reference = one.solutions[0]
@@ -80,15 +69,8 @@ def promises(
     for is_right, tests in ((True, graded), (False, graded_wrong)):
         chosen = [solution for solution in one.solutions if solution.is_right == is_right]
         store = keep and keep / f"{one.name}-{'right' if is_right else 'wrong'}.sqlite"
-        runs = runs_of(
-            one,
-            chosen if is_right else [reference, *chosen],
-            tests,
-            seed=seed,
-            executor=jobs,
-            store=store,
-            progress=progress,
-        )
+        asked = chosen if is_right else [reference, *chosen]
+        runs = runs_of(one, asked, tests, store=store, **options)
         for solution in chosen:
             sets = sets_of(one, runs[solution.name], runs[reference.name])
             marks = marks_of(one, solution, sets, dict(calibration.limits))
@@ -96,7 +78,7 @@ def promises(
     return promised
 
 
-def main() -> int:
+def main():
     """Print the table; return 1 if a promise does not hold."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--graded", type=int, default=1000, help="of each right one; default: 1000")
@@ -110,16 +92,13 @@ def main() -> int:
         given.keep.mkdir(parents=True, exist_ok=True)
     print(HEAD)
     broken = False
+    options = {
+        **{"graded": given.graded, "graded_wrong": given.graded_wrong, "seed": given.seed},
+        **{"executor": given.jobs or len(os.sched_getaffinity(0)), "keep": given.keep},
+    }
     for name in given.only:
-        found = promises(
-            shipped_calibrations()[name],
-            graded=given.graded,
-            graded_wrong=given.graded_wrong,
-            seed=given.seed,
-            jobs=given.jobs or len(os.sched_getaffinity(0)),
-            keep=given.keep,
-            progress=sys.stderr.isatty(),
-        )
+        calibration = shipped_calibrations()[name]
+        found = promises(calibration, **options, progress=sys.stderr.isatty())
         print(*(promise.row for promise in found), sep="\n", flush=True)
         broken |= not all(promise.holds for promise in found)
     return int(broken)

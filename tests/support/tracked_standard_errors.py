@@ -41,16 +41,9 @@ def main():
     parser.add_argument("--steps", type=int, default=800)
     parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args()
-    result = robsim.campaign(
-        SCENARIO,
-        vary=WORLDS,
-        metrics={"z2": deviations},
-        runs=given.runs,
-        steps=given.steps,
-        seed=0,
-        executor=given.jobs,
-        on_error="raise",
-    )
+    options = {"runs": given.runs, "steps": given.steps, "executor": given.jobs, "seed": 0}
+    metrics = {"z2": deviations}
+    result = robsim.campaign(SCENARIO, vary=WORLDS, metrics=metrics, on_error="raise", **options)
     summary = result.summary()
     print(f"{given.runs} runs of {given.steps} steps: rms of {' / '.join(AXES)}")
     for world, means in zip(summary.groups, np.sqrt(summary.mean), strict=True):
