@@ -279,7 +279,8 @@ def drive(told, experiment):
         if told["end"] == "end after step()":
             say()
         else:
-            time.sleep(cameras.LONG)
+            while True:  # a signal that comes just before a sleep does not end it
+                time.sleep(0.1)
     elif told["end"] == "end beside a run":
         threading.Thread(target=experiment.run, args=(3000,), daemon=True).start()
         while experiment.n_steps < told["k"]:
