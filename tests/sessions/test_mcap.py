@@ -9,8 +9,7 @@ from PIL import Image
 import robsim
 import sessions
 from robsim.sessions import Session
-from robsim.sessions._rows import Row
-from sessions import AREA, numbered, record
+from sessions import AREA, Row, numbered, record
 
 pytest.importorskip("cv2")
 reader = pytest.importorskip("mcap.reader")

@@ -12,9 +12,7 @@ import pytest
 import robsim
 import sessions
 from robsim.sessions import Session
-from robsim.sessions._rows import Row
-from robsim.sessions._writer import SessionWriter
-from sessions import AREA, SETUP, check_agreement, numbered, record, row_time
+from sessions import AREA, SETUP, Row, SessionWriter, check_agreement, numbered, record, row_time
 
 pytest.importorskip("cv2")
 

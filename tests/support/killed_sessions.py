@@ -12,10 +12,10 @@ import time
 import traceback
 from pathlib import Path
 
+import cv2  # noqa: F401 - what all children need
 import numpy as np
 
 import sessions
-from robsim.imaging._opencv import load_opencv
 from robsim.sessions import Session
 from waiting import wait_for
 
@@ -67,7 +67,6 @@ def check(folder, killed):
 
 def main(parent, seed, count):
     rng = np.random.default_rng(int(seed))
-    load_opencv("what all children need")
     sessions.driven()
     n_killed = must = 0
     while n_killed < int(count) or must == 0:

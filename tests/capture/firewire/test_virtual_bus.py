@@ -13,12 +13,11 @@ import pytest
 
 import robsim
 from needs import needs_extension
-from robsim import _core
 
 pytestmark = [pytest.mark.slow, pytest.mark.sanitized]
 
 CASES = sorted(Path(__file__).with_name("on_the_bus").glob("case_*.py"))
-LIBRARY = Path(_core.__file__).parent / "preloaded" / "virtual_bus.so"
+LIBRARY = Path(robsim.__file__).parent / "preloaded" / "virtual_bus.so"
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.stem)
