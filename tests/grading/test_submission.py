@@ -272,9 +272,9 @@ def test_hundreds_of_runs_leave_nothing_behind(tmp_path):
                 failed += 1
         return failed
 
-    failures(range(20))
-    before, count = held(), thorough(280, 60)
-    assert count / 4 < failures(range(20, 20 + count)) < count * 3 / 4
+    failures(range(10))
+    before, count = held(), thorough(280, 40)
+    assert count / 4 < failures(range(10, 10 + count)) < count * 3 / 4
     after = held()
     assert after[0] < before[0] + 20e6, (before, after)
     assert after[1:] == before[1:]

@@ -59,6 +59,10 @@ def children_of(process):
     return [int(child) for child in children.split()]
 
 
+def wait_until_gone(processes, base=None):
+    wait_for(lambda: all(map(gone, processes)) and not (base and os.path.exists(base)))
+
+
 def split(process):
     """The processes of a zygote, two where it is not root's, and its workers."""
     below = [split(child) for child in children_of(process)]
@@ -68,24 +72,7 @@ def split(process):
     return [process, *own], workers
 
 
-def test_a_killed_zygote_takes_its_workers_along_and_is_replaced(worker, ended):
-    close_zygotes()
-    with worker(WAITS) as (started, channel):
-        channel.recv(1)
-        (zygote,) = zygotes()
-        _, (process,) = split(zygote.process)
-        os.kill(zygote.process, signal.SIGKILL)
-        ending = started.wait(300)
-        assert "the process that starts workers was killed" in ending.text
-        wait_for(lambda: gone(process))
-    base = zygote.base
-    assert ended("print(1)")[1] == "1\n"
-    assert not os.path.exists(base)
-    (other,) = zygotes()
-    assert other.process != zygote.process
-
-
-def test_a_killed_worker_is_said(worker):
+def test_a_killed_worker_is_said_and_a_killed_zygote_takes_its_workers_along(worker, ended):
     close_zygotes()
     with worker(WAITS) as (started, channel):
         channel.recv(1)
@@ -93,6 +80,17 @@ def test_a_killed_worker_is_said(worker):
         _, (process,) = split(zygote.process)
         os.kill(process, signal.SIGKILL)
         assert started.wait(300).text == "its process was ended by signal SIGKILL"
+    with worker(WAITS) as (started, channel):
+        channel.recv(1)
+        _, workers = split(zygote.process)
+        os.kill(zygote.process, signal.SIGKILL)
+        ending = started.wait(300)
+        assert "the process that starts workers was killed" in ending.text
+        wait_until_gone(workers)
+    assert ended("print(1)")[1] == "1\n"
+    assert not os.path.exists(zygote.base)
+    (other,) = zygotes()
+    assert other.process != zygote.process
 
 
 def test_a_zygote_that_hangs_is_killed_and_replaced(worker, ended, monkeypatch):
@@ -158,10 +156,6 @@ def test_a_socket_that_is_held_keeps_nothing_alive(worker):
     assert started.output == "the end\n"
 
 
-def wait_until_gone(processes, base=None):
-    wait_for(lambda: all(map(gone, processes)) and not (base and os.path.exists(base)))
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("patient_grader")
 def test_a_run_gives_its_bytes_or_says_what_was_killed(tmp_path, rng):
@@ -178,7 +172,7 @@ def test_a_run_gives_its_bytes_or_says_what_was_killed(tmp_path, rng):
     with ground(tmp_path) as place:
         first = place.outcome(HONEST).trace
         before, said = place.left(), []
-        for number in range(thorough(40, 16)):
+        for number in range(thorough(40, 12)):
             killer = threading.Thread(target=kill, args=(rng.uniform(0, 0.15), rng.random()))
             if number % 2:
                 killer.start()
