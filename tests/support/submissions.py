@@ -5,7 +5,7 @@ import zipfile
 
 import pytest
 
-from robsim.grading._errors import SubmissionError
+from robsim.grading import SubmissionError
 from robsim.grading._submissions import Rules, SubmissionFiles, loaded_slots, read_submission
 
 CONTROL = Rules(slots=("control",))

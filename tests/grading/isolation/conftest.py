@@ -5,8 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from robsim.grading import _isolation
-from robsim.grading._isolation import Limits
+from robsim.grading import Limits, _isolation
 
 MINUTES = 300.0  # s: nothing here waits for so long, on a busy machine neither
 

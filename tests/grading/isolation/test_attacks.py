@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import robsim
-from robsim.grading._isolation import IsolationError, check_isolation
+from robsim.grading import IsolationError, check_isolation
 from robsim.grading._isolation._layers.layer import CALLS, FILES, NETWORK, PIDS, USER
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="layers are for Linux")

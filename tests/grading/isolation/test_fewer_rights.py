@@ -28,7 +28,7 @@ mask = sum(1 << number for number in keep)
 words = (mask & 0xFFFFFFFF, mask & 0xFFFFFFFF, 0, mask >> 32, mask >> 32, 0)
 calls._libc.capset(struct.pack("<Ii", 0x20080522, 0), struct.pack("<6I", *words))
 assert not calls.has_capability(21)
-from robsim.grading._isolation import check_isolation
+from robsim.grading import check_isolation
 from robsim.grading._isolation._processes.zygotes import close_zygotes
 report = check_isolation()
 close_zygotes()

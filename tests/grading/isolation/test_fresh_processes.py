@@ -5,7 +5,8 @@ import threading
 
 import pytest
 
-from robsim.grading._isolation import IsolationError, _start, check_isolation
+from robsim.grading import IsolationError, check_isolation
+from robsim.grading._isolation import _start
 
 pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="not on Windows"),

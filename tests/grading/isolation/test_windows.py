@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from robsim.grading._isolation import IsolationError, check_isolation
+from robsim.grading import IsolationError, check_isolation
 
 if sys.platform != "win32":
     pytest.skip("these are workers of Windows", allow_module_level=True)

@@ -7,7 +7,8 @@ import threading
 
 import pytest
 
-from robsim.grading._isolation import Limits, start_worker
+from robsim.grading import Limits
+from robsim.grading._isolation import start_worker
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
 
