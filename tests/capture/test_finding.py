@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import robsim
+from commands import command
 from needs import needs_extension
 from robsim.capture import (
     CameraBusyError,
@@ -83,6 +84,16 @@ def test_without_a_library_it_is_said_what_to_install(monkeypatch, module, packa
     for source in sources:
         with pytest.raises(NoBackEndError, match=package.split()[-1]):
             robsim.Camera(source)
+
+
+def test_the_command_says_the_same():
+    run = command("cameras")
+    assert run.exit_code == 0
+    report = find_cameras()
+    for sentence in report.found:
+        assert f"found: {sentence}" in run.stdout
+    for sentence in report.missing:
+        assert f"missing: {sentence}" in run.stdout
 
 
 @pytest.mark.long

@@ -391,6 +391,14 @@ def test_what_is_out_of_range_is_refused():
         UdpMotors("127.0.0.1", 9, ttl=ttl).close()
 
 
+def test_an_input_that_is_refused_leaves_the_robot_driving(robot, motors):
+    motors((1, 1))
+    for u in ((np.nan, 0), (1,), (1000, 0)):
+        with pytest.raises(ValueError, match="u"):
+            motors(u)
+    wait_for(lambda: robot.input[0] == 1)
+
+
 def test_the_python_robot_of_the_page_obeys():
     robot = {}
     exec(example("python"), robot)

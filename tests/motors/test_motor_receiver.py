@@ -84,6 +84,16 @@ def test_blank_lines_and_carriage_returns_mean_nothing(robot, sender):
     assert counts(robot) == (1, 0, 0, 0)
 
 
+def test_a_datagram_holds_whole_lines(robot, sender):
+    text = drive_line(1)
+    sender.send(text[:10])  # no line ends in it: nothing to count
+    say(robot, sender, text[10:], drive_line(2))
+    assert counts(robot) == (1, 1, 0, 0)
+    sender.send(drive_line(3) + drive_line(4, 3.0))
+    wait_for(lambda: robot.counts.valid == 3)
+    assert robot.input[0] == 3
+
+
 @pytest.mark.long
 def test_only_newer_lines_are_obeyed():
     for last, number, is_obeyed in (

@@ -108,6 +108,13 @@ def test_the_default_video_shifts_poses_by_less_than_a_tenth_of_a_pixel(recorded
     assert np.abs(error).max() > 0  # it is not lossless
 
 
+def test_players_show_the_video(recorded):
+    recording = robsim.Recording(recorded / "frames.mkv")
+    assert recording.count == 25
+    assert recording.dt == pytest.approx(0.2)
+    assert [sessions.number_of(frame) for frame in recording] == list(range(25))
+
+
 LENS = robsim.imaging.Intrinsics(
     [[1 / 3e-3, 0, 159.5], [0, 333.3, 119.5], [0, 0, 1]], (-0.1, 0.01, 1e-3, -2 / 3e3, 0.1 + 0.2)
 )
