@@ -116,8 +116,9 @@ void bind_training(py::module_& module, Class<ColorClass>& color_class) {
             const PixelBox box = region_from(region, "region");
             const std::string of = name_from(name);
             const NativeWork work(pixels_of(view));
-            return color_from_histograms(of, color_histograms(view, box),
-                                         {percentile, margin, limit_y}, chroma_around(view, box));
+            const ColorHistograms histograms = color_histograms(view, box);  // checks the region
+            return color_from_histograms(of, histograms, {percentile, margin, limit_y},
+                                         chroma_around(view, box));
           },
           py::arg("image"), py::arg("region"), py::kw_only(), py::arg("name"),
           py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
