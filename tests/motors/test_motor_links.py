@@ -105,8 +105,8 @@ def test_the_watchdog_needs_no_interpreter():
     for seconds in LONGER_AND_LONGER:
         with MotorReceiver() as robot, motors_of(robot, ttl=SHORT) as motors:
             watchdog = Watchdog(motors)
-            watchdog.arm(0.1)
             motors((1, 1))
+            watchdog.arm(0.1)
             start = time.monotonic()
             keep_interpreter(seconds)
             end = time.monotonic()
