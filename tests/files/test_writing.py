@@ -6,17 +6,14 @@ import stat
 import subprocess
 import sys
 import threading
-import warnings
 from pathlib import Path
-from subprocess import PIPE
 
 import numpy as np
 import pytest
 
 import robsim
 from robsim import imaging
-from robsim._base.files import PartialFile, copy_files, open_whole, write_whole
-from robsim._base.files.leftovers import create_hidden, sweep
+from robsim._base.files import copy_files, open_whole, write_whole
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="links, modes and pipes of POSIX")
 
@@ -105,14 +102,6 @@ def test_a_device_stays_one(tmp_path):
     assert caught.value.filename == str(link)
 
 
-def test_what_has_no_name_any_more_is_written_into(tmp_path):
-    with open(tmp_path / "gone", "w+b") as file:
-        os.unlink(tmp_path / "gone")
-        write_whole(Path(f"/proc/self/fd/{file.fileno()}"), b"content")
-        assert file.read() == b"content"
-    assert names(tmp_path) == []
-
-
 def test_a_name_may_be_as_long_as_the_system_allows(tmp_path, saver):
     suffix, save = saver
     for length in (222, 255):
@@ -181,78 +170,27 @@ def test_content_is_on_the_disk_before_it_has_its_name_and_the_name_after_it(tmp
     assert calls == ["fsync", "replace", "fsync of the folder"]
 
 
-def test_a_copy_takes_the_place_of_nothing_that_came_in_the_meantime(tmp_path, monkeypatch):
+def test_a_copy_takes_the_place_of_nothing_that_is_there(tmp_path):
     source = tmp_path / "source"
     source.write_text("ours")
-    part = PartialFile(tmp_path / "copy")
-    (tmp_path / "copy").write_text("theirs")
-    with pytest.raises(FileExistsError):
-        part.commit(overwrite=False)
-    part.discard()
-    assert (tmp_path / "copy").read_text() == "theirs"
     assert copy_files([source], tmp_path / "new") == [tmp_path / "new/source"]
-    assert names(tmp_path) == ["copy", "new", "source"]
-
-
-# --- what is left behind
-
-
-def test_a_writer_that_is_forgotten_leaves_nothing(tmp_path):
-    part = PartialFile(tmp_path / "file")
-    assert len(names(tmp_path)) == 1
-    del part
-    assert names(tmp_path) == []
-
-
-def test_only_what_a_dead_writer_left_is_swept(tmp_path):
-    mine = [".robsim-part-mine", ".robsim-part-" + 31 * "0", ".hidden.npz", f".run.{32 * '0'}.npz"]
-    for name in mine:
-        (tmp_path / name).write_text("mine")
-    (tmp_path / f".robsim-part-{32 * '1'}").symlink_to(mine[0])
-    (tmp_path / f".robsim-part-{32 * '2'}").mkdir()
-    kept = names(tmp_path)
-    (tmp_path / f".robsim-part-{32 * '3'}.mkv").write_text("left")
-    path, descriptor = create_hidden(tmp_path, "", 0o600)
-    sweep(tmp_path)
-    assert names(tmp_path) == sorted([*kept, path.name])
-    os.close(descriptor)  # its writer dies
-    write_whole(tmp_path / "file", b"")
-    assert names(tmp_path) == sorted([*kept, "file"])
+    (tmp_path / "new/source").write_text("theirs")
+    with pytest.raises(FileExistsError):
+        copy_files([source], tmp_path / "new")
+    assert (tmp_path / "new/source").read_text() == "theirs"
+    assert names(tmp_path / "new") == ["source"]
 
 
 @pytest.mark.long
-def test_two_processes_sweep_one_folder_and_lose_nothing(tmp_path):
+def test_two_processes_write_into_one_folder_and_lose_nothing(tmp_path):
     program = (
         "import sys; from pathlib import Path; from robsim._base.files import write_whole\n"
         "for i in range(100): write_whole(Path(sys.argv[1]) / f'{sys.argv[2]}{i % 3}', b'x')"
     )
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        runs = [
-            subprocess.Popen([sys.executable, "-c", program, str(tmp_path), name])
-            for name in ("a", "b")
-        ]
+    commands = [[sys.executable, "-c", program, str(tmp_path), name] for name in ("a", "b")]
+    runs = [subprocess.Popen(command) for command in commands]
     assert [run.wait(300) for run in runs] == [0, 0]
     assert names(tmp_path) == ["a0", "a1", "a2", "b0", "b1", "b2"]
-
-
-@pytest.mark.long
-def test_a_killed_video_is_swept_by_the_next_start(tmp_path):
-    pytest.importorskip("cv2")
-    program = (
-        "import sys, numpy as np; from robsim.imaging import VideoWriter\n"
-        "video = VideoWriter(sys.argv[1], fps=5); video.write(np.zeros((16, 16, 3), np.uint8))\n"
-        "print('writing', flush=True); sys.stdin.read()"
-    )
-    command = [sys.executable, "-c", program, str(tmp_path / "v.mkv")]
-    with subprocess.Popen(command, stdin=PIPE, stdout=PIPE) as run:
-        assert run.stdout.readline() == b"writing\n"
-        write_whole(tmp_path / "other", b"")
-        assert len(names(tmp_path)) == 2  # it is alive
-        run.kill()
-        run.wait(300)
-    write_whole(tmp_path / "other", b"")
-    assert names(tmp_path) == ["other"]
 
 
 # --- nobody writes in another way
