@@ -132,38 +132,23 @@ def long():
     return trace, plot_traces(trace)
 
 
-def test_traces_have_six_panels_a_plan_and_three_histograms(usual):
-    _, figure = usual
-    labels = [axes.get_ylabel() for axes in figure.axes]
-    errors = ("x error\n(px)", "y error\n(px)", "heading error\n(deg)")
-    for label in ("x (px)", "heading (deg)", *errors):
-        assert labels.count(label) == 1
-    assert labels.count("y (px)") == 2  # over the steps, and of the plan
-    assert labels.count("") == 3
-    assert tuple(figure.get_size_inches()) == (10, 8)
-    assert figure.get_dpi() == 110
-    assert figure.get_suptitle().startswith("60 steps of 0.2 s, robot seen in all, rmse 0.")
-
-
-def test_true_and_measured_values_are_where_they_belong(usual):
+def test_true_and_measured_values_and_their_errors_are_where_they_belong(usual):
     trace, figure = usual
-    axes = panel(figure, "x (px)")
-    (true,) = lines(axes, style.TRUE)
+    assert len(figure.axes) == 10
+    (true,) = lines(panel(figure, "x (px)"), style.TRUE)
     np.testing.assert_array_equal(true.get_ydata(), trace.pose_true[:, 0])
-    (measured,) = lines(axes, style.MEASURED)
+    (measured,) = lines(panel(figure, "x (px)"), style.MEASURED)
     np.testing.assert_array_equal(measured.get_xdata(), trace.k)
     np.testing.assert_array_equal(measured.get_ydata(), trace.pose_measured[:, 0])
-    assert len(axes.get_lines()) == 2
-    labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["measured", "true"]
-
-
-def test_the_truth_lies_on_the_measurement_and_is_narrower():
-    for axes in (panel(plot_traces(make_trace(1000)), "x (px)"), plan(plot_traces(make_trace()))):
-        (measured,), true = lines(axes, style.MEASURED), lines(axes, style.TRUE)[0]
-        assert axes.get_lines().index(true) > axes.get_lines().index(measured)
-        assert true.get_zorder() >= measured.get_zorder()
-        assert true.get_linewidth() < measured.get_markersize() / 2  # a dot is half its marker
+    (dx,) = lines(panel(figure, "x error\n(px)"), style.MEASURED)
+    np.testing.assert_array_equal(dx.get_ydata(), trace.error[:, 0])
+    (turn,) = lines(panel(figure, "heading error\n(deg)"), style.MEASURED)
+    np.testing.assert_allclose(turn.get_ydata(), np.rad2deg(trace.error[:, 2]))
+    (true,) = lines(panel(figure, "heading (deg)"), style.TRUE)
+    heading = np.asarray(true.get_ydata())
+    assert np.isnan(heading).sum() == 2  # 60 steps of 10 degrees: past 180 and past 540
+    assert np.nanmax(np.abs(heading)) <= 180
+    assert np.nanmax(np.abs(np.diff(heading))) < 11
 
 
 def test_what_was_not_seen_is_black_where_it_was_last_seen(rich):
@@ -177,36 +162,12 @@ def test_what_was_not_seen_is_black_where_it_was_last_seen(rich):
     np.testing.assert_array_equal(estimated.get_ydata(), trace.pose_estimated[:, 0])
 
 
-def test_heading_is_in_degrees_within_half_a_turn_and_its_line_breaks_at_the_wrap(usual):
-    axes = panel(usual[1], "heading (deg)")
-    (true,) = lines(axes, style.TRUE)
-    values = np.asarray(true.get_ydata())
-    assert np.isnan(values).sum() == 2  # 60 steps of 10 degrees: past 180 and past 540
-    assert np.nanmin(values) >= -180
-    assert np.nanmax(values) <= 180
-    assert np.nanmax(np.abs(np.diff(values))) < 11
-    assert axes.get_ylim() == (-188, 188)
-
-
-def test_blobs_are_drawn_only_when_asked_for_in_x_and_y(rich, usual):
-    _, figure = rich
-    (dots,) = lines(panel(figure, "x (px)"), "red")
+def test_blobs_are_drawn_only_when_asked_for(rich, usual):
+    (dots,) = lines(panel(rich[1], "x (px)"), "red")
     values = np.asarray(dots.get_ydata())
     assert np.count_nonzero(values == 100) == 60
     assert dots.get_xdata()[values == 300] == [5]
-    (dots,) = lines(panel(figure, "y (px)"), "red")
-    assert np.count_nonzero(np.asarray(dots.get_ydata()) == 200) == 60
-    assert lines(panel(figure, "x (px)"), style.GUIDE)  # no colour of that name
-    assert not lines(panel(figure, "heading (deg)"), "red")
     assert not lines(panel(usual[1], "x (px)"), "red")
-
-
-def test_errors_are_measured_minus_true(usual):
-    trace, figure = usual
-    (dx,) = lines(panel(figure, "x error\n(px)"), style.MEASURED)
-    np.testing.assert_array_equal(dx.get_ydata(), trace.error[:, 0])
-    (turn,) = lines(panel(figure, "heading error\n(deg)"), style.MEASURED)
-    np.testing.assert_allclose(turn.get_ydata(), np.rad2deg(trace.error[:, 2]))
 
 
 def test_histograms_are_of_all_steps_in_which_the_robot_was_seen():
@@ -223,29 +184,15 @@ def test_histograms_are_of_all_steps_in_which_the_robot_was_seen():
         assert top - height <= error.max() <= top
 
 
-def test_errors_are_dots_with_a_line_then_dots_then_ranges(long, usual):
-    (few,) = lines(panel(usual[1], "x error\n(px)"), style.MEASURED)
-    assert few.get_linewidth() > 0
-    (some,) = lines(panel(plot_traces(make_trace(301)), "x error\n(px)"), style.MEASURED)
-    assert (some.get_linewidth(), some.get_marker()) == (0, ".")
+def test_many_errors_are_drawn_as_ranges_and_as_an_image(long):
     trace, figure = long
     axes = panel(figure, "x error\n(px)")
     assert not lines(axes, style.MEASURED)
     widest, inner = (band.get_paths()[0].vertices[:, 1] for band in axes.collections)
     error = trace.error[:, 0]
     assert (widest.min(), widest.max()) == (error.min(), error.max())
-    # about one standard deviation to either side
-    assert 0.2 < np.median(inner[inner > 0]) < 0.4
-    legend = figure.legends[0]
-    labels = [text.get_text() for text in legend.get_texts()]
-    assert labels == ["measured", "true", "all errors", "68 % of them"]
-    sizes = [
-        mark.get_markersize()
-        for mark in legend.legend_handles
-        if getattr(mark, "get_marker", str)() == "."
-    ]
-    assert sizes
-    assert min(sizes) >= 8  # the dots themselves are tiny
+    assert 0.2 < np.median(inner[inner > 0]) < 0.4  # one standard deviation to either side
+    assert all(line.get_rasterized() for line in panel(figure, "x (px)").get_lines())
 
 
 def test_the_bell_curve_has_the_area_of_the_histogram_and_its_numbers_are_printed(long):
@@ -259,13 +206,6 @@ def test_the_bell_curve_has_the_area_of_the_histogram_and_its_numbers_are_printe
     assert place[np.argmax(height)] == pytest.approx(error.mean(), abs=0.02)
     assert axes.get_title(loc="left") == f"mean {error.mean():.3f}, sd {error.std():.3f} px"
     assert not axes.texts
-
-
-def test_long_runs_are_drawn_as_images_in_vector_files(long, usual):
-    for (_, figure), expected in ((long, True), (usual, False)):
-        for label in ("x (px)", "heading (deg)"):
-            drawn = panel(figure, label).get_lines()
-            assert [bool(line.get_rasterized()) for line in drawn] == [expected] * 2
 
 
 def test_a_false_pose_does_not_hide_the_others(rich):
@@ -295,7 +235,7 @@ def test_plan_has_the_y_axis_downwards_and_equal_scales(usual):
 def test_without_tracking_there_are_the_upper_rows_only():
     figure = render(plot_traces(make_trace(tracked=False)), layout=False)
     assert len(figure.axes) == 4
-    assert figure.get_suptitle() == "60 steps of 0.2 s, not measured"
+    assert "not measured" in figure.get_suptitle()
 
 
 def test_one_valid_step_and_none():
@@ -308,19 +248,15 @@ def test_one_valid_step_and_none():
     assert len(figure.axes) == 4
 
 
-def test_a_single_step_is_a_dot_of_every_colour_and_is_called_so():
+def test_a_single_step_is_a_dot_of_every_colour():
     trace = make_trace(1, more={"pose_estimated": np.ones((1, 3))}, boundary="unlimited")
     figure = render(plot_traces(trace, show_blobs=True), layout=False)
     for color in (style.TRUE, style.MEASURED, style.ESTIMATED):
         (dot,) = lines(panel(figure, "x (px)"), color)
         assert dot.get_marker() == "."
-    assert figure.get_suptitle().startswith("1 step of 0.2 s, ")
-    assert panel(figure, "x (px)").get_xlim() == (-0.5, 0.5)
-    low, high = panel(figure, "x error\n(px)").get_ylim()
-    assert low <= 0 <= high
 
 
-def test_a_pose_held_while_the_heading_turns_on_past_180_degrees_stays_in_the_panel():
+def test_what_is_drawn_lies_in_its_panel():
     def turn(poses):
         poses[:, 2] = robsim.wrap_angle(3.0 + 0.1 * np.arange(60))
 
@@ -333,22 +269,13 @@ def test_a_pose_held_while_the_heading_turns_on_past_180_degrees_stays_in_the_pa
     low, high = axes.get_ylim()
     assert len(points(held)) == 50
     assert low < points(held)[:, 1].min() <= points(held)[:, 1].max() < high
-
-
-def test_the_scales_suit_what_is_drawn():
     change = {"pose_measured": lambda poses: np.add(poses, (14, 0, 0), out=poses)}
     figure = plot_traces(make_trace(noise=0.0, change=change))  # a constant error
     low, high = panel(figure, "x error\n(px)").get_ylim()
     assert low < 14 < high
-    low, high = panel(figure, "y error\n(px)").get_ylim()
-    assert low < 0 < high
-    texts = [axes.get_title(loc="left") for axes in histograms(figure)]
-    zero = "mean 0.000, sd 0.000"
-    assert texts == ["mean 14.000, sd 0.000 px", f"{zero} px", f"{zero} deg"]
     figure = plot_traces(make_trace(noise=1e-13))  # rounding errors do not look like errors
     low, high = panel(figure, "x error\n(px)").get_ylim()
     assert low < -1e-4 < 1e-4 < high
-    assert max(bar.get_width() for bar in histograms(figure)[1].patches) == 60
     change = {"pose_true": lambda poses: np.add(poses, (5000, 0, 0), out=poses)}
     axes = plan(plot_traces(make_trace(boundary="unlimited", tracked=False, change=change)))
     assert axes.yaxis_inverted()
@@ -357,11 +284,6 @@ def test_the_scales_suit_what_is_drawn():
 
 
 # all figures
-
-
-def test_figures_show_themselves_in_a_notebook(usual):
-    assert plot_batch(make_report())._repr_png_().startswith(b"\x89PNG")
-    assert isinstance(usual[1], style.NotebookFigure)
 
 
 def test_the_users_settings_stay():
@@ -403,33 +325,30 @@ def written(axes):
 
 def test_parameters_are_errors_on_a_logarithmic_axis(estimated):
     trace, figure = estimated
-    assert figure.get_suptitle().startswith("Online parameter estimates from truth")
-    assert tuple(figure.get_size_inches()) == (9, 7)
-    assert figure.get_dpi() == 110
     for axis, axes in enumerate(figure.axes):
-        assert axes.get_ylabel() == f"{('x', 'y', 'heading')[axis]}: error"
         assert axes.get_yscale() == "log"
-        assert axes.get_xlabel() == ("step k (of 0.2 s)" if axis == 2 else "")
         true = np.array(THETA_TRUE[axis])
         errors = np.abs(trace.parameters[:, axis] - true)
         scale = [*np.abs(true[:4]), 1]  # that of d1 is absolute
         for i, curve in enumerate(errors_of(axes)):
             expected = errors[:, i] / scale[i]
             np.testing.assert_allclose(curve.get_ydata(), np.where(expected > 0, expected, np.nan))
-
-
-def test_the_way_to_the_true_value_is_in_the_picture_but_not_the_first_jump(estimated):
-    low, high = estimated[1].axes[0].get_ylim()
-    last = errors_of(estimated[1].axes[0])[0].get_ydata()
-    assert low < np.nanquantile(last, 0.1)
+    low, high = figure.axes[0].get_ylim()
+    assert low < np.nanquantile(errors_of(figure.axes[0])[0].get_ydata(), 0.1)
     assert 100 <= high < 1000  # 10 000 %; the first estimates are worse
-    labels = [label.get_text() for label in estimated[1].axes[1].get_yticklabels()]
-    assert {"1000 %", "0.1 %"} & set(labels)
 
 
 def test_true_values_and_last_estimates_stand_beside_the_curves(estimated):
     assert written(estimated[1].axes[1])[-3:] == ["d1Y (px)", "8.3333e-06", "31.9"]
-    assert {"a1Y", "1.9375", "true", "last"} <= set(written(estimated[1].axes[1]))
+
+    def forget(parameters):
+        parameters[:30] = np.nan
+        parameters[:, 10:] = np.nan
+
+    figure = plot_parameters(make_parameters(40, change={"parameters": forget}))
+    assert written(figure.axes[2])[2:5] == ["a1P", "1.8333", "none"]
+    with pytest.raises(robsim.trace.NotRecordedError, match="parameters"):
+        plot_parameters(make_trace())
 
 
 def test_figures_are_drawn_into_given_axes():
@@ -446,20 +365,6 @@ def test_figures_are_drawn_into_given_axes():
     given = Figure().add_subplot()
     assert plot_frame(make_frame(), ax=given) is given
     assert given.images
-
-
-def test_parameters_that_were_not_estimated():
-    with pytest.raises(robsim.trace.NotRecordedError, match="parameters"):
-        plot_parameters(make_trace())
-
-
-def test_parameters_estimated_for_a_part_of_the_run():
-    def forget(parameters):
-        parameters[:30] = np.nan
-        parameters[:, 10:] = np.nan
-
-    figure = plot_parameters(make_parameters(40, change={"parameters": forget}))
-    assert written(figure.axes[2])[2:5] == ["a1P", "1.8333", "none"]
 
 
 def test_parameters_without_a_truth_show_the_way_to_the_last_estimate():
@@ -508,7 +413,6 @@ def test_batch_shows_the_relative_deviation_and_of_d1_the_absolute_one():
     online = np.array(THETA_TRUE) * 1.1
     online[1, 4] = 31.9
     axes = plot_batch(make_report(online=online))
-    assert axes.get_xscale() == "log"
     batch, off = drawn(axes, style.BATCH), drawn(axes, style.ESTIMATED)
     assert len(batch) == len(off) == 15
     assert batch[0.0] == pytest.approx(1e-12, rel=1e-3)
@@ -517,29 +421,16 @@ def test_batch_shows_the_relative_deviation_and_of_d1_the_absolute_one():
     low, high = axes.get_xlim()
     assert batch[14 + 1.2] == low  # exact: it points to the left edge
     assert high > 31.9
-    assert axes.yaxis_inverted()
     hollow = [line for line in axes.get_lines() if line.get_markerfacecolor() == "white"]
     assert sorted(len(points(line)) for line in hollow) == [2, 2]  # d1P is exact
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["batch", "online"]
-    axes = plot_batch(make_report(batch=NOTHING))
-    render(axes.figure)
-    assert max(axes.get_position().p0) < 0.1
-    assert axes.get_xlim()[0] < 1e-3
-    assert not drawn(axes, style.BATCH)
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["batch"]
-    assert "online" not in written(axes)
-
-
-def test_batch_prints_the_values():
-    online = NOTHING.copy()
-    online[1, 4] = 31.9
-    report = make_report(online=online)
-    axes = plot_batch(report)
-    printed = [text.get_text() for text in axes.texts]
+    printed = written(axes)
     assert printed.count("8.3333e-06") == 4  # true and batch, X and Y
     assert printed.count("31.9") == 1
-    assert printed.count("not determined") == 14
-    assert axes.get_title(loc="left") == report.title
+    axes = plot_batch(make_report(batch=NOTHING))
+    render(axes.figure)
+    assert not drawn(axes, style.BATCH)
+    assert "not determined" in written(axes)
+    assert axes.figure._repr_png_().startswith(b"\x89PNG")  # as a notebook shows it
 
 
 def test_batch_without_a_truth_shows_the_relative_standard_errors():
@@ -576,42 +467,28 @@ def blobs_of(frame):
     return robsim.find_blobs(frame, robsim.load_colors(), minimum_area=1)
 
 
-def test_frame_is_in_work_area_pixels_with_y_downwards():
-    axes = plot_frame(make_frame())
+def test_a_frame_is_in_work_area_pixels_with_boxes_of_blobs_and_the_heading():
+    frame = make_frame(marker=(30, 10))
+    measurement = robsim.Measurement((600.0, 400.0, np.deg2rad(30)))
+    axes = plot_frame(frame, blobs=blobs_of(frame), measurement=measurement)
     render(axes.figure, layout=False)
     assert axes.get_xlim() == (-0.5, 1199.5)
     assert axes.get_ylim() == (799.5, -0.5)
-    (image,) = axes.images
-    assert tuple(image.get_extent()) == (-0.5, 1199.5, 799.5, -0.5)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x (px)", "y (px)")
+    assert tuple(axes.images[0].get_extent()) == (-0.5, 1199.5, 799.5, -0.5)
     assert axes.get_title(loc="left") == "frame 12, t = 2.40 s"
-    assert tuple(axes.figure.get_size_inches()) == (7, 7)
-    assert axes.figure.get_dpi() == 110
-
-
-def test_blobs_have_a_box_around_their_pixels_and_a_cross():
-    frame = make_frame(marker=(30, 10))
-    axes = plot_frame(frame, blobs=blobs_of(frame))
     (box,) = axes.patches
     assert same_color(box.get_edgecolor(), "red")
     corners = box.get_xy()[:4]
     # Columns 29..31, rows 9..11, each 20 work-area pixels wide.
     np.testing.assert_allclose(corners.min(axis=0), (29 * 20 - 0.5, 9 * 20 - 0.5))
     np.testing.assert_allclose(corners.max(axis=0), (32 * 20 - 0.5, 12 * 20 - 0.5))
-    (cross,) = lines(axes, "white")
+    (cross,) = [line for line in lines(axes, "white") if len(points(line)) == 1]
     np.testing.assert_allclose(cross.get_xydata(), [[30.5 * 20 - 0.5, 10.5 * 20 - 0.5]])
-
-
-def test_heading_line_goes_right_and_down_at_30_degrees():
-    measurement = robsim.Measurement((600.0, 400.0, np.deg2rad(30)))
-    axes = plot_frame(make_frame(), measurement=measurement)
-    line = lines(axes, style.MEASURED)[0]
-    start, end = line.get_xydata()
+    start, end = lines(axes, style.MEASURED)[0].get_xydata()
     np.testing.assert_allclose(start, (600, 400))
     np.testing.assert_allclose(end - start, 80 * np.array((np.cos(np.pi / 6), 0.5)))
-    on_screen = axes.transData.transform([start, end])
-    assert on_screen[1, 0] > on_screen[0, 0]
-    assert on_screen[1, 1] < on_screen[0, 1]  # pixels of the screen count upwards
+    title = plot_frame(make_frame(), blobs={"red": []}).get_title(loc="left")
+    assert title.endswith(", not seen")
 
 
 def test_outline_stands_at_the_measured_pose():
@@ -628,22 +505,10 @@ def test_outline_stands_at_the_measured_pose():
         plot_frame(make_frame(), measurement=measurement, outline=[1, 2, 3])
 
 
-def test_not_seen_is_said_when_blobs_are_shown_without_a_pose():
-    seen = robsim.Measurement((600, 400, 0))
-    for options, is_said in (
-        ({"blobs": {"red": []}}, True),
-        ({}, False),
-        ({"blobs": {"red": []}, "measurement": seen}, False),
-    ):
-        title = plot_frame(make_frame(), **options).get_title(loc="left")
-        assert title.endswith(", not seen") is is_said
-
-
 def test_the_robot_stands_at_the_end_of_its_path_with_its_outline():
     trace = make_trace(robot="lab")
     (outline,) = plot_frame(make_frame(), trace=trace, k=20).patches
     pose, lab = trace.pose_measured[20], robsim.load_robot("lab")
-    assert same_color(outline.get_edgecolor(), style.MEASURED)
     offsets = outline.get_xy()[:-1] - pose[:2]
     expected = np.linalg.norm(lab.to_robot_frame(lab.outline), axis=1)
     np.testing.assert_allclose(np.linalg.norm(offsets, axis=1), expected)
@@ -653,23 +518,16 @@ def test_the_robot_stands_at_the_end_of_its_path_with_its_outline():
     assert not plot_frame(make_frame(), trace=make_trace(robot="gone")).patches
 
 
-def test_goals_are_rings_above_everything():
+def test_goals_are_rings_and_their_headings_arrows():
     axes = plot_frame(make_frame(), trace=make_trace(), goals=[(900, 300), (100, 200)])
     (ring,) = [line for line in lines(axes, style.GOAL) if line.get_marker() == "o"]
     np.testing.assert_array_equal(ring.get_xydata(), [(900, 300), (100, 200)])
-    assert ring.get_markerfacecolor() == "none"
-    assert ring.get_zorder() == max(drawn.get_zorder() for drawn in axes.get_lines())
-    assert "goal" in [text.get_text() for text in axes.get_legend().get_texts()]
+    assert not axes.texts
     with pytest.raises(ValueError, match="goals"):
         plot_frame(make_frame(), goals=(900, 300, 0, 0))
-
-
-def test_the_heading_of_a_goal_is_an_arrow():
-    axes = plot_frame(make_frame(), goals=(900, 300, np.pi / 2))
-    (arrow,) = axes.texts
+    (arrow,) = plot_frame(make_frame(), goals=(900, 300, np.pi / 2)).texts
     assert arrow.xy == pytest.approx((900, 300 + 80))  # its tip
     assert arrow.get_position() == pytest.approx((900, 300))
-    assert not plot_frame(make_frame(), goals=(900, 300)).texts
 
 
 def test_path_up_to_a_step():
