@@ -1,6 +1,7 @@
 """Honest submissions by the slots that they fill, and runs of them with and without a worker."""
 
 import os
+import sys
 import textwrap
 
 import numpy as np
@@ -11,6 +12,9 @@ from robsim.grading._graded_run import all_here, graded_run
 from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import Rules, read_submission
 from robsim.grading._tasks.task import Task
+
+if sys.platform != "win32":
+    from robsim.grading._isolation._processes import zygotes
 
 #: Minutes: honest code never comes to them, on a busy machine neither.
 PATIENT = Limits(call=300.0, first_call=300.0, run=600.0, cpu=300.0)
@@ -137,7 +141,5 @@ def random_scenario(rng):
 
 def where(trace):
     """A metric: the process that grades a run, and the one that starts its workers."""
-    from robsim.grading._isolation._processes import zygotes  # not on Windows
-
     (process,) = [zygote.process for zygote in zygotes._zygotes.values()]
     return {"grader": os.getpid(), "zygote": process}

@@ -1,11 +1,19 @@
 """The red team of the grader: submissions that try to get points, or out.
 
-``PYTHONPATH=tests/support python -m red_team`` runs all of them, with all that shuts them in here
-and with the process alone, and prints what came of each. They act in their own workers, against
-the grader that has started them, and the files and ports that are made for them.
+They act in their own workers, against the grader that has started them, and the files and ports
+that are made for them. Not covered by any attack here, nor by the grader:
+
+- faults of the kernel and of the processor, side channels in time or caches;
+- with the process alone (macOS; Linux without its layers): what reads or changes files, connects,
+  starts processes, or signals others of the same user;
+- masked modules that robsim itself needs in a worker (evaluation, vision, ...), and masked names:
+  code that searches memory finds them; robsim.reference is not among them;
+- samples of the truth, where an assignment lets a submission identify parameters from the truth:
+  they go to submissions that fill the parameter estimator, and no other stage;
+- public seeds: who knows the seed knows the noise; a copy of somebody else's solution.
 """
 
-from red_team.attack import HONEST, ITS_OWN, LAYERS, NOTHING, PROCESS, Attack
+from red_team.attack import HONEST, LAYERS, Attack
 from red_team.calls import CALLS
 from red_team.files import FILES
 from red_team.process import PROCESSES
@@ -15,4 +23,4 @@ from red_team.wire import WIRE
 
 ATTACKS = {attack.name: attack for attack in (*TRUTH, *FILES, *PROCESSES, *WIRE, *PYTHON, *CALLS)}
 
-__all__ = ["ATTACKS", "HONEST", "ITS_OWN", "LAYERS", "NOTHING", "PROCESS", "Attack"]
+__all__ = ["ATTACKS", "HONEST", "LAYERS", "Attack"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,11 +27,40 @@ class Attack:
     about: str  # what it tries, in a line
     code: str  # ``cheat(step)`` returns a pose that it says, or None; or the slot itself
     comes_to: str = NOTHING
-    held_by: str = PROCESS  # LAYERS: it gets nowhere only where the layers of Linux hold
     why: str = ""  # the process alone does not hold it
     runs_bare: bool = True  # it is tried with the process alone; not what could stop others
     says: str = ""  # a pattern that its error, if any, must match
     limits: dict[str, Any] = field(default_factory=dict)  # other than those of all
+
+    @property
+    def held_by(self) -> str:
+        """LAYERS: it gets nowhere only where the layers of Linux hold."""
+        return LAYERS if self.why else PROCESS
+
+
+def kind(module: Callable[[str], str]) -> Callable[..., Callable[[str], Attack]]:
+    """Return a kind of attack, ``kind(name, about, comes_to, ...)(lines)``, by its module."""
+
+    def begun(name: str, about: str, comes_to: str = NOTHING, **options: Any) -> Any:
+        """Return what makes the attack of its lines; who has points answers as well."""
+
+        def of(lines: str) -> Attack:
+            code = module(textwrap.dedent(lines).strip("\n"))
+            if module is in_step_2 and comes_to == ITS_OWN:
+                code += "\n    return honest(step)"
+            return Attack(name, about, f"\n{code}\n", comes_to, **options)
+
+        return of
+
+    return begun
+
+
+def in_step_2(lines: str) -> str:
+    return f"def cheat(step):\n    if once(step):\n{textwrap.indent(lines, ' ' * 8)}"
+
+
+attack = kind(str)
+at_once = kind(in_step_2)
 
 
 # A submission says "REACHED" when it got what it wanted; what it wanted is the rest of the line.

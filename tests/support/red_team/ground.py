@@ -8,8 +8,7 @@ import re
 import socket
 import textwrap
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,11 +16,10 @@ from typing import Any
 import numpy as np
 
 import robsim
-from graded import assert_same_trace
+from graded import assert_same_trace, zygotes
 from red_team.attack import HONEST, ITS_OWN, PATIENT, PROCESS, SHORT, Attack, file_of
 from red_team.calls import CALLS, HONEST_FIT
 from robsim.grading import Key, Limits, Submission, SubmissionError
-from robsim.grading._isolation._processes import zygotes
 from robsim.trace import Trace
 from waiting import wait_for
 
@@ -73,20 +71,11 @@ class Ground:
     port: int
     token: str = field(default_factory=lambda: f"red-team-{os.getpid()}")
 
-    @property
-    def secret(self) -> Path:
-        return self.folder / "key"
-
-    @property
-    def places(self) -> dict[str, str]:
-        """What attacks know of this place."""
-        return {
-            "folder": str(self.folder),
-            "secret": str(self.secret),
-            "token": self.token,
-            "grader": str(os.getpid()),
-            "port": str(self.port),
-        }
+    def __post_init__(self) -> None:
+        self.secret = self.folder / "key"
+        places = {"folder": self.folder, "secret": self.secret, "token": self.token}
+        places |= {"grader": os.getpid(), "port": self.port}
+        self.places = {name: str(value) for name, value in places.items()}  # what attacks know
 
     def submission(self, attack: Attack, **options: Any) -> Submission:
         """Return an attack as somebody hands it in."""
@@ -94,18 +83,19 @@ class Ground:
         if attack in CALLS:
             begun = dataclasses.replace(attack, code=HONEST_FIT + textwrap.dedent(attack.code))
             file.write_text(file_of(begun, self.places, end=""))
-            options = {"slots": (), "functions": "fit", **options}
+            options = {"slots": (), "functions": "fit"} | options
         else:
             file.write_text(file_of(attack, self.places))
-        settings: dict[str, Any] = {
+        limits = SHORT if "took longer" in attack.says else PATIENT
+        settings = {
             "slots": "estimate_state",
             "masked": ["robsim.reference"],
             "frames": True,
-            "limits": Limits(output=1 << 14, **{**_limits_of(attack), **attack.limits}),
+            "limits": Limits(output=1 << 14, **limits | attack.limits),
             "key": KEY,
             "student": "one of a class",
         }
-        return Submission(file, **{**settings, **options})
+        return Submission(file, **settings | options)
 
     def outcome(self, attack: Attack, scenario: robsim.Scenario = SCENARIO, **run: Any) -> Outcome:
         """Run an attack; `run`: a seed, a number of steps, or options of the submission."""
@@ -126,7 +116,7 @@ class Ground:
         return {
             "files": [str(path) for path in self._marked()],
             "secret": self.secret.read_text(),
-            "processes": len(_children()),
+            "processes": len(descendants()),
             "scratch": [n for zygote in _zygotes() for n in os.listdir(zygote.base)],
             "threads": threading.active_count(),
             "descriptors": len(os.listdir("/proc/self/fd")),
@@ -141,11 +131,11 @@ class Ground:
     def _marked(self) -> list[Path]:
         folders = ["/tmp", "/var/tmp", "/dev/shm", "/dev/mqueue", "/root", str(self.folder)]
         folders += [zygote.base for zygote in _zygotes()]
-        return [Path(f, n) for f in folders for n in _listed(f) if self.token in n]
-
-
-def _limits_of(attack: Attack) -> dict[str, Any]:
-    return SHORT if "took longer" in attack.says else PATIENT
+        found = []
+        for folder in folders:
+            with suppress(OSError):
+                found += [Path(folder, n) for n in os.listdir(folder) if self.token in n]
+        return found
 
 
 def _called(submission: Submission) -> Outcome:
@@ -160,35 +150,26 @@ def _called(submission: Submission) -> Outcome:
     return Outcome(float(np.allclose(results, right)), "", submission.output)
 
 
-def _listed(folder: str) -> list[str]:
-    try:
-        return os.listdir(folder)
-    except OSError:
-        return []
-
-
 def _zygotes() -> list[Any]:
     return [zygote for zygote in zygotes._zygotes.values() if zygote.alive]
 
 
-def _children() -> list[int]:
-    """The processes that this one has started, and those that they have."""
+def descendants(*, with_zombies: bool = True) -> set[int]:
+    """The processes that this one has started, and those that they have or adopt."""
     parents = {}
-    for name in os.listdir("/proc"):
-        if name.isdigit():
-            try:
-                fields = Path(f"/proc/{name}/stat").read_text().rpartition(")")[2].split()
-            except OSError:
-                continue
-            parents[int(name)] = int(fields[1])
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        with suppress(OSError):
+            fields = Path(f"/proc/{name}/stat").read_text().rpartition(")")[2].split()
+            if with_zombies or fields[0] != "Z":
+                parents[int(name)] = int(fields[1])
     found = {os.getpid()}
     while more := {process for process, parent in parents.items() if parent in found} - found:
         found |= more
-    return sorted(found - {os.getpid()})
+    return found - {os.getpid()}
 
 
 @contextmanager
-def ground(folder: Path) -> Iterator[Ground]:
+def ground(folder: Path) -> Any:
     """Give a ground in an empty folder that others may write to, too."""
     folder.chmod(0o777)
     with socket.create_server(("127.0.0.1", 0)) as server:
@@ -209,17 +190,14 @@ def check_after(place: Ground, before: dict[str, Any], first: Trace, **options: 
 
 def more_left(before: dict[str, Any], after: dict[str, Any]) -> dict[str, Any]:
     """Return what there is more, or is changed; processes of others may have ended meanwhile."""
-    counted = {"processes", "threads", "descriptors"}
     of_zygotes = "of zygotes"
-    more = {
+    before, after = ({**left, of_zygotes: sum(left[of_zygotes])} for left in (before, after))
+    counted = {"processes", "threads", "descriptors", of_zygotes}
+    return {
         name: (before[name], value)
         for name, value in after.items()
         if (value > before[name] if name in counted else value != before[name])
-        and name != of_zygotes
     }
-    if sum(after[of_zygotes]) > sum(before[of_zygotes]):
-        more[of_zygotes] = (before[of_zygotes], after[of_zygotes])
-    return more
 
 
 def check_outcome(attack: Attack, outcome: Outcome, *, shut_in: bool) -> None:

@@ -1,38 +1,33 @@
 """Attacks within Python: patches, objects that lie, modules that are masked, texts."""
 
-from red_team.attack import ITS_OWN, LAYERS, Attack
+import textwrap
+
+from red_team.attack import ITS_OWN, Attack, at_once, attack, in_step_2, kind
 
 _READS = "the file of a module can be read where files are not closed"
 
-# What is masked is robsim.reference; whoever has its filter says so.
-_FILTER = """
-def cheat(step):
-    if once(step):
-        tries("robsim.reference", get)
-"""
+
+def _masked(lines: str) -> str:
+    """What is masked is robsim.reference; whoever has its filter says so."""
+    get = f"def get():\n{textwrap.indent(lines, '    ')}\n"
+    return get + in_step_2('tries("robsim.reference", get)')
 
 
-def masked(code: str) -> str:
-    return f"\ndef get():\n    {code.strip().replace(chr(10), chr(10) + '    ')}\n{_FILTER}"
-
-
-def returned(*lines: str) -> str:
-    """A slot that returns what is no estimate at a step."""
-    *before, last = lines
-    body = "\n".join(before)
+def _returned(lines: str) -> str:
+    """A slot that returns what is no estimate at a step: the last of these lines."""
+    before, _, last = lines.rpartition("\n")
     return f"""
-{body}
+{before}
 def estimate_state(step):
     plain = robsim.Estimate((0.0, 0.0, 0.0), np.eye(3))
     return ({last}) if once(step) else plain
 """
 
 
+masked, returned = kind(_masked), kind(_returned)
+
 PYTHON = [
-    Attack(
-        "patched metrics",
-        "lets all measures of robsim say 0, and the trace its own pose",
-        """
+    attack("patched metrics", "lets all measures of robsim say 0, and the trace its own pose")("""
 import robsim.evaluation, robsim.trace
 for module in [m for n, m in sys.modules.items() if n.startswith("robsim")]:
     for name, value in list(vars(module).items()):
@@ -41,50 +36,43 @@ for module in [m for n, m in sys.modules.items() if n.startswith("robsim")]:
 robsim.Trace.pose_true = property(lambda self: self.pose_estimated)
 def cheat(step):
     return None
-""",
-    ),
-    Attack(
+"""),
+    attack(
         "patched core",
         "puts classes of its own in the place of those of robsim._core",
-        """
+        ITS_OWN,
+        says=".",
+    )("""
 import robsim._core
 class Estimate(robsim.Estimate):
     pose = property(lambda self: np.full(3, np.nan))
 robsim._core.Estimate = robsim.Estimate = Estimate
 cheat = honest
-""",
-        ITS_OWN,
-        says=".",
-    ),
-    Attack(
-        "patched checks",
-        "lets the checks of its own half pass all, and gives NaN",
-        """
+"""),
+    attack(
+        "patched checks", "lets the checks of its own half pass all, and gives NaN", says="finite"
+    )("""
 for name, module in list(sys.modules.items()):
     if name.startswith("robsim._base.checks") or name.endswith("callbacks.checks"):
         for each in list(vars(module)):
             if each.startswith("check"): setattr(module, each, lambda *a, **k: a and a[-1])
 def cheat(step):
     return (np.nan, 0, 0) if once(step) else None
-""",
-        says="finite",
-    ),
-    Attack(
+"""),
+    attack(
         "patched Python",
         "replaces print, open, len, isinstance and import for all modules",
-        """
+        says=".",
+    )("""
 import builtins
 def cheat(step):
     if once(step):
         for name in ("isinstance", "len", "open", "__import__", "type", "repr"):
             setattr(builtins, name, lambda *a, **k: 1)
-""",
-        says=".",
-    ),
-    Attack(
-        "import hooks",
-        "puts a finder before all others that ends the process",
-        """
+"""),
+    attack(
+        "import hooks", "puts a finder before all others that ends the process", says="exit code 0"
+    )("""
 class Finder:
     def find_spec(self, name, path=None, target=None):
         os._exit(0)
@@ -92,245 +80,185 @@ def cheat(step):
     if once(step):
         sys.meta_path.insert(0, Finder())
         import wave
-""",
-        says="exit code 0",
-    ),
-    Attack(
-        "audit hooks",
-        "refuses everything that Python does from now on",
-        """
-def cheat(step):
-    if once(step):
-        def hook(*event): raise SystemExit(0)
-        sys.addaudithook(hook)
-        open("x")
-""",
-        says=".",
-    ),
-    Attack(
+"""),
+    at_once("audit hooks", "refuses everything that Python does from now on", says=".")("""
+def hook(*event): raise SystemExit(0)
+sys.addaudithook(hook)
+open("x")
+"""),
+    attack(
         "trace functions",
         "is called in each line of its caller, and changes its variables",
-        """
+        says=".",
+    )("""
 def watch(frame, event, arg):
     raise SystemExit(0)
 def cheat(step):
     if once(step):
         sys.setprofile(watch)
         threading.setprofile(watch)
-""",
-        says=".",
-    ),
+"""),
     Attack(
         "recursion", "calls itself", "def cheat(step): return cheat(step)", says="RecursionError"
     ),
-    Attack(
+    attack(
         "recursion without a bottom",
         "calls itself, after it has taken the limit away",
-        """
+        says="SIGSEGV|RecursionError|MemoryError|took longer|emory",
+    )("""
 sys.setrecursionlimit(10**9)
 def cheat(step): return [cheat(step)] if step.k > 1 else None
-""",
-        says="SIGSEGV|RecursionError|MemoryError|took longer|emory",
-    ),
-    Attack(
-        "deep lists",
-        "gives a covariance of 100000 lists in each other",
-        returned("deep = []", "for _ in range(100_000): deep = [deep]", "((0, 0, 0), deep)"),
-        says=".",
-    ),
-    Attack("a generator", "yields estimates", returned("(x for x in [1])"), says="Estimate"),
+"""),
+    returned("deep lists", "gives a covariance of 100000 lists in each other", says=".")("""
+deep = []
+for _ in range(100_000): deep = [deep]
+((0, 0, 0), deep)
+"""),
+    returned("a generator", "yields estimates", says="Estimate")("(x for x in [1])"),
     Attack(
         "a coroutine",
         "is an async function",
         "async def estimate_state(step): return robsim.Estimate((0, 0, 0), np.eye(3))",
         says=".",
     ),
-    Attack("nothing", "returns None", returned("None"), says="Estimate"),
-    Attack(
-        "__array__ that lies",
-        "is another array each time that it is looked at",
-        returned(
-            "class Lies:",
-            "    n = 0",
-            "    def __array__(self, *a, **k):",
-            "        Lies.n += 1",
-            "        return np.full(3, np.nan if Lies.n > 1 else 1.0)",
-            "    def __len__(self): return 3",
-            "    def __getitem__(self, i): return np.nan",
-            "robsim.Estimate(Lies(), np.eye(3))",
-        ),
-        says=".",
-    ),
-    Attack(
-        "__float__ that lies",
-        "is another number each time, or ends Python",
-        returned(
-            "class Lies(float):",
-            "    def __float__(self): sys.exit(0)",
-            "    def __index__(self): sys.exit(0)",
-            "robsim.Estimate([Lies(1), Lies(2), Lies(3)], np.eye(3))",
-        ),
-        says="",
-    ),
-    Attack(
-        "an array of a class of its own",
-        "is an ndarray whose every method is its own",
-        returned(
-            "class Mine(np.ndarray):",
-            "    def __array_finalize__(self, other): pass",
-            "    def __array_ufunc__(self, *a, **k): return True",
-            "    def __getitem__(self, i): os._exit(0)",
-            "robsim.Estimate(np.zeros(3).view(Mine), np.full((3, 3), np.nan).view(Mine))",
-        ),
-        says=".",
-    ),
-    Attack(
-        "a tuple of a class of its own",
-        "says that it has another length than it has",
-        returned(
-            "class Pair(tuple):",
-            "    def __len__(self): return 2",
-            "    def __iter__(self): return iter((np.nan, np.inf, 1e9))",
-            "robsim.Estimate(Pair((1.0, 2.0, 3.0)), np.eye(3))",
-        ),
-        says=".",
-    ),
-    Attack(
+    returned("nothing", "returns None", says="Estimate")("None"),
+    returned("__array__ that lies", "is another array each time that it is looked at", says=".")("""
+class Lies:
+    n = 0
+    def __array__(self, *a, **k):
+        Lies.n += 1
+        return np.full(3, np.nan if Lies.n > 1 else 1.0)
+    def __len__(self): return 3
+    def __getitem__(self, i): return np.nan
+robsim.Estimate(Lies(), np.eye(3))
+"""),
+    returned("__float__ that lies", "is another number each time, or ends Python", says="")("""
+class Lies(float):
+    def __float__(self): sys.exit(0)
+    def __index__(self): sys.exit(0)
+robsim.Estimate([Lies(1), Lies(2), Lies(3)], np.eye(3))
+"""),
+    returned(
+        "an array of a class of its own", "is an ndarray whose every method is its own", says="."
+    )("""
+class Mine(np.ndarray):
+    def __array_finalize__(self, other): pass
+    def __array_ufunc__(self, *a, **k): return True
+    def __getitem__(self, i): os._exit(0)
+robsim.Estimate(np.zeros(3).view(Mine), np.full((3, 3), np.nan).view(Mine))
+"""),
+    returned(
+        "a tuple of a class of its own", "says that it has another length than it has", says="."
+    )("""
+class Pair(tuple):
+    def __len__(self): return 2
+    def __iter__(self): return iter((np.nan, np.inf, 1e9))
+robsim.Estimate(Pair((1.0, 2.0, 3.0)), np.eye(3))
+"""),
+    returned(
         "100 MB of states",
         "gives further states that no message holds",
-        returned("robsim.Estimate((0, 0, 0), np.eye(3), state=np.zeros(12_000_000))"),
         says="1024|longer|bytes|memory",
+    )("robsim.Estimate((0, 0, 0), np.eye(3), state=np.zeros(12_000_000))"),
+    returned("1e308", "estimates a pose at the end of numbers", says=".")(
+        "robsim.Estimate((1e308, 0, 0), np.eye(3))"
     ),
-    Attack(
-        "1e308",
-        "estimates a pose at the end of numbers",
-        returned("robsim.Estimate((1e308, 0, 0), np.eye(3))"),
-        says=".",
-    ),
-    Attack(
-        "a masked module by importlib",
-        "imports it by the machinery below import",
-        masked(
-            "import importlib\n"
-            "return importlib.import_module('robsim.reference').ExtendedKalmanFilter"
-        ),
-    ),
-    Attack(
-        "a masked module by its loader",
-        "makes its spec from its file",
-        masked(
-            "import importlib.util as u\n"
-            "path = os.path.join(os.path.dirname(robsim.__file__), 'reference', '__init__.py')\n"
-            "spec = u.spec_from_file_location('mine', path)\n"
-            "module = u.module_from_spec(spec)\n"
-            "spec.loader.exec_module(module)\n"
-            "return module.ExtendedKalmanFilter"
-        ),
-        held_by=LAYERS,
-        why=_READS,
-    ),
-    Attack(
+    masked("a masked module by importlib", "imports it by the machinery below import")("""
+import importlib
+return importlib.import_module('robsim.reference').ExtendedKalmanFilter
+"""),
+    masked("a masked module by its loader", "makes its spec from its file", why=_READS)("""
+import importlib.util as u
+path = os.path.join(os.path.dirname(robsim.__file__), 'reference', '__init__.py')
+spec = u.spec_from_file_location('mine', path)
+module = u.module_from_spec(spec)
+spec.loader.exec_module(module)
+return module.ExtendedKalmanFilter
+"""),
+    masked(
         "a masked module by its source",
         "reads its file, and those that Python has compiled",
-        masked(
-            "import glob\n"
-            "base = os.path.join(os.path.dirname(robsim.__file__), 'reference')\n"
-            "names = glob.glob(base + '/**/*.py*', recursive=True) or [base + '/__init__.py']\n"
-            "return [open(name, 'rb').read() for name in names]"
-        ),
-        held_by=LAYERS,
         why=_READS,
-    ),
-    Attack(
+    )("""
+import glob
+base = os.path.join(os.path.dirname(robsim.__file__), 'reference')
+names = glob.glob(base + '/**/*.py*', recursive=True) or [base + '/__init__.py']
+return [open(name, 'rb').read() for name in names]
+"""),
+    masked(
         "a masked module without its mask",
         "takes the finder that masks it away, and imports",
-        masked(
-            "sys.meta_path[:] = [f for f in sys.meta_path if 'Masked' not in repr(f)]\n"
-            "import builtins\n"
-            "return builtins.__import__('robsim.reference').reference.ExtendedKalmanFilter"
-        ),
-        held_by=LAYERS,
         why=_READS,
-    ),
-    Attack(
-        "a masked module in memory",
-        "looks for it in sys.modules and among all objects",
-        masked(
-            "seen, found = set(), gc.get_objects() + [sys.modules]\n"
-            "while found and len(seen) < 300_000:\n"
-            "    value = found.pop()\n"
-            "    if id(value) not in seen:\n"
-            "        seen.add(id(value))\n"
-            "        if getattr(value, '__name__', '') == 'ExtendedKalmanFilter': return value\n"
-            "        found += gc.get_referents(value)\n"
-            "raise LookupError"
-        ),
-    ),
-    Attack(
-        "a masked module by pickle",
-        "lets pickle import it",
-        masked(
-            "import pickle\nreturn pickle.loads(b'crobsim.reference\\nExtendedKalmanFilter\\n.')"
-        ),
-    ),
-    Attack(
+    )("""
+sys.meta_path[:] = [f for f in sys.meta_path if 'Masked' not in repr(f)]
+import builtins
+return builtins.__import__('robsim.reference').reference.ExtendedKalmanFilter
+"""),
+    masked("a masked module in memory", "looks for it in sys.modules and among all objects")("""
+seen, found = set(), gc.get_objects() + [sys.modules]
+while found and len(seen) < 300_000:
+    value = found.pop()
+    if id(value) not in seen:
+        seen.add(id(value))
+        if getattr(value, '__name__', '') == 'ExtendedKalmanFilter': return value
+        found += gc.get_referents(value)
+raise LookupError
+"""),
+    masked("a masked module by pickle", "lets pickle import it")("""
+import pickle
+return pickle.loads(b'crobsim.reference\\nExtendedKalmanFilter\\n.')
+"""),
+    attack(
         "control characters in an exception",
         "colours, bells, NUL, right to left, marks and broken characters",
-        """
+        says="ValueError",
+    )("""
 def cheat(step):
     letters = "a\\u0301\\u0301\\u0301\\u0301" * 99
     raise ValueError("\\x1b[2J\\x07\\x00\\u202e" + letters + "\\ud800")
-""",
-        says="ValueError",
-    ),
+"""),
     Attack(
         "a text of 50 MB",
         "raises an exception that long",
         "def cheat(step): raise ValueError('x' * 50_000_000)",
         says="ValueError: x+",
     ),
-    Attack(
+    attack(
         "a class with any name",
         "raises an exception whose class is called as a report",
-        """
+        says="points",
+    )("""
 def cheat(step):
     raise type("\\n\\x1b[32m100 of 100 points </pre><script>", (Exception,), {})("x")
-""",
-        says="points",
-    ),
-    Attack(
-        "__str__ that exits",
-        "raises an exception whose text ends Python",
-        """
+"""),
+    attack(
+        "__str__ that exits", "raises an exception whose text ends Python", says="Bad|exit code 0"
+    )("""
 class Bad(Exception):
     def __str__(self): os._exit(0)
     __repr__ = __str__
     __class__ = property(__str__)
 def cheat(step): raise Bad(Bad())
-""",
-        says="Bad|exit code 0",
-    ),
-    Attack(
+"""),
+    attack(
         "exceptions in a circle",
         "raises one that is its own cause, with notes and a group",
-        """
+        says="ExceptionGroup",
+    )("""
 def cheat(step):
     error = BaseExceptionGroup("g", [ExceptionGroup("h", [ValueError("x")] * 100)] * 100)
     error.__context__ = error
     error.__notes__ = [object()] * 1000
     raise error
-""",
-        says="ExceptionGroup",
-    ),
-    Attack(
+"""),
+    attack(
         "somebody else's fault",
         "raises the error that says that the assignment is broken",
-        """
+        says=r"line \d+: AssignmentError: the key cannot be read",
+    )("""
 from robsim.grading import AssignmentError
 def cheat(step): raise AssignmentError("the key cannot be read: tell your teacher")
-""",
-        says=r"line \d+: AssignmentError: the key cannot be read",
-    ),
+"""),
     Attack(
         "Ctrl-C",
         "raises KeyboardInterrupt, as if the teacher had pressed it",
@@ -343,25 +271,22 @@ def cheat(step): raise AssignmentError("the key cannot be read: tell your teache
         "def cheat(step): raise (StopIteration if step.k % 2 else GeneratorExit)",
         says="StopIteration|GeneratorExit",
     ),
-    Attack(
+    attack(
         "names of files",
         "compiles code whose file is called as one of the grader's",
-        """
+        says="ZeroDivisionError",
+    )("""
 exec(compile("def fails(): 1 / 0", "{secret}", "exec"))
 def cheat(step): fails()
-""",
-        says="ZeroDivisionError",
-    ),
-    Attack(
-        "output as a report",
-        "prints what a test says when it has passed, HTML, and ends of lines",
-        """
+"""),
+    attack(
+        "output as a report", "prints what a test says when it has passed, HTML, and ends of lines"
+    )("""
 def cheat(step):
     print("\\x1b[1A\\x1b[32m===== 3 passed in 0.01s =====\\r\\n]]></failure>")
     print("<script>alert(1)</script>")
     sys.stderr.write("\\x9b31m\\u2028\\u0085")
-""",
-    ),
+"""),
     Attack(
         "bytes that are no text",
         "prints all bytes",
