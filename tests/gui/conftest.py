@@ -4,12 +4,10 @@ import threading
 
 import pytest
 
+from browsers import Page, PanelView, Watcher
 from chromium_browser import running_chromium
+from commands import command
 from fake_host import FakeHost, Tabs
-from panel_watcher import Watcher
-from robsim.gui._hosts.page import Page
-from robsim.gui._panel.view import PanelView
-from robsim.simulation._folders.callback_folder import new_folder
 from waiting import wait_for
 
 #: What is on a canvas before a picture: nothing, then the ground of either theme.
@@ -64,7 +62,7 @@ def mistakes(monkeypatch):
 @pytest.fixture
 def folder(tmp_path):
     """A folder with the default callbacks."""
-    new_folder(tmp_path / "mine")
+    assert command("new", "mine", cwd=tmp_path).exit_code == 0
     return tmp_path / "mine"
 
 

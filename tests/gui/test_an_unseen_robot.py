@@ -20,7 +20,7 @@ FINE = 2  # as large as it becomes, the robot is drawn
 
 
 def robot():
-    """A white body with wheels, a nose to the right, orange in front, green behind."""
+    """A white body, a nose to the right, orange in front, green behind."""
     image = Image.new("RGBA", (200 * FINE, 200 * FINE), (0, 0, 0, 0))
     pen = ImageDraw.Draw(image)
 
@@ -29,16 +29,11 @@ def robot():
         pen.rounded_rectangle(sides, FINE * radius, color)
 
     box(20, 48, 180, 152, (235, 232, 220), 18)
-    for left in (45, 125):
-        for top in (36, 148):
-            box(left, top, left + 34, top + 16, (30, 30, 34), 4)
     pen.polygon(
         [(FINE * x, FINE * y) for x, y in ((180, 80), (198, 100), (180, 120))], (60, 60, 60)
     )
     for middle, color in ((100 + FRONT, ORANGE), (100 + BACK, GREEN)):
         box(*(middle - 18), *(middle + 18), color, 18)
-    for i in range(9):
-        box(88, 58 + 10 * i, 104, 62 + 10 * i, (180, 180, 185))
     return image
 
 

@@ -47,25 +47,15 @@ def has_near(host, point, color, *, reach=3, tolerance=60):
     return bool((np.abs(pixels - color).max(axis=1) < tolerance).any())
 
 
-def points_of(message):
-    return np.array(message["points"])
-
-
 def test_the_picture_fills_its_box_in_device_pixels_and_another_size_is_told(camera):
     image = np.full((1200, 1200, 3), 190, np.uint8)
     host, _ = camera(device_scale_factor=2, frame={"image": image})
     size = "(c => [c.width, c.height])(document.querySelector('.robsim-camera canvas'))"
     assert host.tab.evaluate(size) == [1200, 1200]
     assert host.sent("hello")[0]["width"] > 0
+    host.tab.add_style_tag(content=".robsim-view { width: 400px !important; }")
     host.rest(200)
-    host.forget()
-    for width in (500, 450, 400):
-        host.tab.add_style_tag(content=f".robsim-view {{ width: {width}px !important; }}")
-        host.paint()
-    host.rest(200)
-    told = [message["width"] for message in host.sent("size")]
-    assert told[-1] == 800  # once it rests
-    assert len(told) == len(set(told))
+    assert [message["width"] for message in host.sent("size")][-1] == 800
 
 
 def test_a_camera_that_is_not_square_is_letterboxed(camera):
@@ -91,8 +81,6 @@ def test_overlays_are_drawn_where_the_robot_is_and_can_be_switched(camera):
     assert has_near(host, (440, 290), MAGENTA)
     assert not has_near(host, front, GREEN)
     assert not has_near(host, (90, 100), BLUE)
-    host.tab.keyboard.press("Escape")
-    assert not host.tab.is_visible("input[name=show_truth]")
 
 
 def test_overlays_are_drawn_and_clicked_through_the_lens(camera):
@@ -127,23 +115,7 @@ def test_no_place_is_clicked_where_the_lens_shows_nothing(camera):
     assert len(host.sent("go_to")) == 1
 
 
-def test_columns_are_asked_for_when_they_are_shown(camera):
-    columns = [{"name": name, "fields": [], "units": []} for name in ("pose_measured", "blobs_red")]
-    choices = {"overlays": {"object_trace": False}}
-    host, _ = camera(setup={"columns": columns}, choices=choices)
-
-    def asked():
-        return sorted(name for message in host.sent("columns") for name in message["names"])
-
-    charts = ["covariance", "pose_estimated", "pose_held", "pose_measured", "pose_true", "t"]
-    assert asked() == charts  # each once, though the path driven and the time line need one, too
-    host.tab.click("button[name=show]")
-    host.tab.check("input[name=show_object_trace]")
-    host.paint()
-    assert asked() == ["blobs_red", *charts]
-
-
-def test_the_path_driven_is_drawn_up_to_the_step_and_not_that_of_long_ago(camera):
+def test_the_path_driven_is_drawn_up_to_the_step(camera):
     host, _ = camera(state={"k": 40, "steps": 41})
     driven = np.stack([np.linspace(100, 500, 41), np.full(41, 450.0), np.zeros(41)], axis=1)
     driven[20:23] = np.nan
@@ -155,30 +127,6 @@ def test_the_path_driven_is_drawn_up_to_the_step_and_not_that_of_long_ago(camera
     host.frame(10, past=True)
     assert has_near(host, (150, 450), GREEN)
     assert not has_near(host, (400, 450), GREEN)
-    host.tab.keyboard.press("End")
-    x = np.concatenate([np.linspace(100, 200, 500), np.linspace(400, 500, 3000)])
-    x[500] = np.nan
-    driven = np.stack([x, np.full(3500, 450.0), np.zeros(3500)], axis=1)
-    for k in (1999, 3499):
-        host.frame(k, rows={"pose_measured": driven[: k + 1]})
-        assert has_near(host, (150, 450), GREEN) == (k < 2500)
-    assert has_near(host, (480, 450), GREEN)
-
-
-def test_a_click_goes_somewhere_only_if_that_is_chosen(camera):
-    host, at = camera()
-    host.tab.mouse.click(*at(100, 200))
-    assert host.sent("go_to") == []
-    host.tab.click("button[name=go_to]")
-    host.tab.mouse.click(*at(100, 200))
-    assert host.sent("go_to")[0] == pytest.approx({"type": "go_to", "x": 100, "y": 200}, abs=1)
-    host.forget()
-    host.state(**DRIVEN)
-    button = host.tab.locator("button[name=go_to]")
-    assert button.get_attribute("aria-pressed") == "true"
-    button.click()  # lets the pointer free again
-    host.tab.mouse.click(*at(100, 200))
-    assert host.sent("go_to") == []
 
 
 def test_a_drawn_path_is_simplified(camera):
@@ -191,46 +139,23 @@ def test_a_drawn_path_is_simplified(camera):
     host.tab.mouse.up()
     (path,) = host.sent("path")
     expected = [(100, 100), (400, 100), (400, 400)]
-    np.testing.assert_allclose(points_of(path), expected, atol=3)
-    assert host.tab.get_attribute("button[name=draw_path]", "aria-pressed") == "false"
-
-
-def test_a_scribble_has_at_most_200_points(camera):
-    host, at = camera()
-    host.tab.click("button[name=draw_path]")
-    host.tab.mouse.move(*at(20, 300))
-    host.tab.mouse.down()
-    zigzag = [at(20 + i * 1.2, 300 + (60 if i % 2 else -60)) for i in range(450)]
-    host.tab.evaluate(
-        """points => {
-          const canvas = document.querySelector(".robsim-camera canvas");
-          for (const [clientX, clientY] of points) {
-            const place = { pointerId: 1, pointerType: "mouse", clientX, clientY };
-            canvas.dispatchEvent(new PointerEvent("pointermove", place));
-          }
-        }""",
-        zigzag,
-    )
-    host.tab.mouse.up()
-    assert 100 < len(host.sent("path")[0]["points"]) <= 200
+    np.testing.assert_allclose(path["points"], expected, atol=3)
 
 
 def test_corners_of_a_path_are_clicked(camera):
     host, at = camera()
-    endings = {
-        "Enter": lambda: host.tab.keyboard.press("Enter"),
-        "double click": lambda: host.tab.mouse.dblclick(*at(500, 500)),
-        "Done": lambda: host.tab.click("button[name=path_done]"),
-    }
     corners = [(100, 100), (300, 120), (500, 500)]
-    for name, end in endings.items():
+    for end in (
+        lambda: host.tab.keyboard.press("Enter"),
+        lambda: host.tab.mouse.dblclick(*at(500, 500)),
+    ):
         host.forget()
         host.tab.click("button[name=draw_path]")
         for point in corners:
             host.tab.mouse.click(*at(*point))
         end()
         (path,) = host.sent("path")
-        np.testing.assert_allclose(points_of(path), corners, atol=1, err_msg=name)
+        np.testing.assert_allclose(path["points"], corners, atol=1)
     host.forget()
     host.tab.click("button[name=draw_path]")
     for point in corners[:2]:
@@ -238,7 +163,6 @@ def test_corners_of_a_path_are_clicked(camera):
     host.tab.keyboard.press("Escape")  # gives it up
     host.tab.keyboard.press("Enter")
     assert host.sent("path") == []
-    assert not host.tab.is_visible(".robsim-camera-hint")
 
 
 def test_the_wheel_zooms_around_the_pointer_and_a_double_click_shows_all(camera):
@@ -305,47 +229,14 @@ def test_the_pointer_over_the_robot_reads_its_poses(camera):
         assert part in said
     host.tab.mouse.move(*at(500, 500))
     host.paint()
-    said = host.tab.inner_text(".robsim-camera-readout")
-    assert "x 500.0" in said
-    assert "201.0" not in said
+    assert "201.0" not in host.tab.inner_text(".robsim-camera-readout")
 
 
-def test_it_says_why_the_robot_was_not_seen_and_what_is_past(camera):
+def test_it_says_why_the_robot_was_not_seen(camera):
     missed = {"missed": "no blue blob", "held": [200.0, 300.0, 0.0]}
-    host, _ = camera(frame=missed, state={"k": 8, "steps": 9})
+    host, _ = camera(frame=missed)
     assert "no blue blob" in host.tab.inner_text(".robsim-camera-badges")
     assert has_near(host, (240, 300), (0, 0, 0))
-    host.frame(8)
-    host.tab.keyboard.press("ArrowLeft")
-    host.frame(7, past=True)
-    assert "7" in host.tab.inner_text("button[name=past_step]")
-    host.tab.click("button[name=past_step]")
-    assert [message["k"] for message in host.sent("look")] == [7, None]
-
-
-def test_frames_that_come_while_one_is_decoded_do_not_pile_up(camera):
-    host, _ = camera()
-    host.tab.evaluate(
-        "(() => { window.painted = 0; const pens = CanvasRenderingContext2D.prototype;"
-        " const draw = pens.drawImage; pens.drawImage = function (image, ...rest) {"
-        " if (image instanceof ImageBitmap) painted++;"
-        " return draw.call(this, image, ...rest); } })()"
-    )
-    burst = (
-        "(async () => { const pixels = new OffscreenCanvas(600, 600); pixels.getContext('2d');"
-        " const blob = await pixels.convertToBlob({ type: 'image/jpeg' });"
-        " const bytes = new Uint8Array(await blob.arrayBuffer());"
-        " let text = ''; for (const byte of bytes) text += String.fromCharCode(byte);"
-        " const head = (n) => ({ type: 'frame', n, k: n, t: 0, size: [600, 600],"
-        "  map: [1, 0, 0, 0, 1, 0, 0, 0, 1], measured: [100 + n, 300, 0], held: null,"
-        "  estimate: null, truth: null, boxes: [], missed: null, past: false, rows: [] });"
-        " const numbers = Array.from({ length: 20 }, (_, i) => 100 + i);"
-        " return Promise.all(numbers.map((n) => host.emit(head(n), [btoa(text)]))); })()"
-    )
-    host.tab.evaluate(burst)
-    host.paint()
-    assert 1 <= host.tab.evaluate("painted") <= 3
-    assert has_near(host, (219 + 40, 300), GREEN)  # the last one is what is seen
 
 
 GOAL = (14, 143, 158)  # of a light theme
@@ -358,10 +249,3 @@ def test_a_goal_is_a_ring_and_its_heading_an_arrow(camera):
     assert has_near(host, (300 + 8, 200), GOAL)  # the ring
     assert has_near(host, (300, 200 + reach - 2), GOAL)  # down, along the heading
     assert not has_near(host, (300, 200 - reach + 2), GOAL)
-    host.state(goal=[300, 200], path=None)
-    host.paint()
-    assert has_near(host, (300 + 8, 200), GOAL)
-    assert not has_near(host, (300, 200 + reach - 2), GOAL)
-    host.setup(source="trace", has_goals=True)  # those of a record can be hidden
-    host.tab.get_by_text("Show", exact=True).click()
-    assert host.tab.get_by_text("Goal and planned path").count() == 1

@@ -58,11 +58,9 @@ def rounds(driver):
 # Commands
 
 
-@pytest.mark.parametrize(
-    ("speed", "callback"), [(1000.0, None), (math.inf, None), (math.inf, lambda step: (0.1, 0.2))]
-)
-def test_start_and_pause(drive, speed, callback):
-    driver = drive(simulation(control=callback), speed=speed)
+@pytest.mark.parametrize("speed", [1000.0, math.inf])
+def test_start_and_pause(drive, speed):
+    driver = drive(speed=speed)
     states = []
     driver.on_state.append(lambda driver: states.append(driver.state))
     for _ in range(2):
@@ -118,36 +116,16 @@ def test_a_call_gives_its_result_or_its_exception(drive):
     assert driver.state == "paused"
 
 
-def test_step_pauses_and_shows_the_step(drive):
-    driver = drive()
-    shown = []
-    driver.on_step.append(lambda step: shown.append(step.k))
-    driver.start()
-    runs(driver, 1)
-    done(driver.step())
-    assert driver.state == "paused"
-    before = driver.runner.n_steps
-    done(driver.step())
-    assert driver.runner.n_steps == before + 1
-    assert shown == [*range(before + 1)]
-
-
 def test_prepare_shows_the_start_before_the_first_step_if_there_is_a_frame(drive):
-    for runner, expected in ((simulation(), [(0, False)]), (experiment(frames()), [])):
+    for runner, expected in ((simulation(), [0]), (experiment(frames()), [])):
         driver = drive(runner)
-        shown, told = [], []
-        driver.on_step.append(lambda step, shown=shown: shown.append((step.k, step.frame is None)))
-        driver.on_state.append(told.append)
+        shown = []
+        driver.on_step.append(lambda step, shown=shown: shown.append(step.k))
         done(driver.prepare())
         assert shown == expected
-        assert (told, driver.state) == ([] if expected else [driver], "paused")
-        assert driver.runner.n_steps == 0
-
-
-def test_a_speed_that_is_none_is_refused_and_leaves_no_thread():
-    for speed in (0, -1.0, math.nan, -math.inf):
-        with pytest.raises(ValueError, match="speed"):
-            Driver(simulation(), speed=speed)
+        done(driver.step())
+        assert shown == [*expected, 0]
+        assert driver.state == "paused"
 
 
 # Stages
@@ -193,14 +171,13 @@ def animated_stages(driver, clock, count):
 
 def test_animated_it_goes_from_stage_to_stage_and_step_by_step_again(drive, clock):
     driver = drive(all_on(), speed=math.inf)
-    steps = []
     done(driver.prepare())
-    driver.on_step.append(lambda step: steps.append(step.k))
     stages = animated_stages(driver, clock, 3 + 5 + 2)
     assert stages == [*ONCE, *STAGES, *STAGES[:2]]
-    assert steps == [0]
-    driver.animates = False
     done(driver.start())
+    clock.advance(driver, 0.29)
+    assert len(stages) == 10  # it stands for 0.3 s
+    driver.animates = False
     assert runs(driver, 5)
     assert len(stages) == 10
 
@@ -217,23 +194,6 @@ def test_what_comes_once_is_watched_at_the_start_and_after_a_reset_alone(drive, 
     driver = drive(experiment(frames()))
     done(driver.prepare())
     assert animated_stages(driver, clock, 3) == [*ONCE[:2], STAGES[0]]
-
-
-def test_animation_starts_and_ends_while_it_runs(drive, clock):
-    driver = drive(speed=math.inf)
-    stages = []
-    driver.on_stage.append(lambda stage, step: stages.append(stage))
-    done(driver.start())
-    assert runs(driver)
-    driver.animates = True
-    done(driver.call(lambda: None))
-    steps = driver.runner.n_steps
-    clock.advance(driver, 0.29)
-    assert (driver.runner.n_steps, stages) == (steps, [])
-    clock.advance(driver, 0.02)
-    wait_for(lambda: stages == ["world"])
-    driver.animates = False
-    assert runs(driver)
 
 
 # Pace
@@ -264,13 +224,6 @@ def test_what_was_held_up_is_not_made_up_for(drive, clock):
     wait_for(lambda: driver.runner.n_steps > 10)  # 0.1 s are made up for
     rounds(driver)
     assert driver.runner.n_steps <= 13
-    driver.speed = 1e-4
-    clock.advance(driver, 100.0)
-    steps = driver.runner.n_steps
-    driver.speed = 20.0
-    assert runs(driver, 1)
-    rounds(driver)
-    assert driver.runner.n_steps <= steps + 2
 
 
 def test_a_gap_in_a_record_is_not_waited_for(drive, clock):
@@ -300,64 +253,27 @@ def test_a_live_camera_sets_the_pace(drive):
 # Errors
 
 
-class Fragile:
-    """A controller that fails at a step until it is mended."""
+def test_an_error_pauses_and_the_next_start_repeats_the_stage(drive):
+    calls, is_broken = [], [True]
 
-    def __init__(self, k):
-        self.k = k
-        self.calls = []
+    def control(step):
+        calls.append(step.k)
+        return 1 / (step.k != 17 or not is_broken), 0.1
 
-    def __call__(self, step):
-        self.calls.append(step.k)
-        if step.k == self.k:
-            raise ZeroDivisionError("of the test")
-        return 0.1, 0.1
-
-
-@pytest.mark.parametrize("speed", [1000.0, math.inf])
-def test_an_error_pauses_and_the_next_start_repeats_the_stage(drive, speed):
-    control = Fragile(17)
-    driver = drive(simulation(control=control), speed=speed)
+    driver = drive(simulation(control=control), speed=math.inf)
     driver.start()
     wait_for(lambda: driver.state == "failed")
     assert isinstance(driver.error, ZeroDivisionError)
-    assert driver.error.callback.slot == "control"
-    assert (driver.error.callback.k, driver.runner.n_steps) == (17, 17)
+    assert (driver.error.callback.slot, driver.error.callback.k) == ("control", 17)
     done(driver.pause())
     assert driver.state == "failed"  # the error is still to be seen
     driver.start()
-    wait_for(lambda: control.calls[-2:] == [17, 17] and driver.state == "failed")
-    control.k = None
+    wait_for(lambda: calls[-2:] == [17, 17] and driver.state == "failed")
+    is_broken.clear()
     done(driver.start())
     assert driver.error is None
     wait_for(lambda: driver.runner.n_steps > 20)
-    assert control.calls[:20] == [*range(18), 17, 17]
-
-
-def test_an_error_at_the_start_is_that_of_its_slot(drive):
-    driver = drive(simulation(define_model=lambda: 1 / 0))
-    done(driver.prepare())
-    assert driver.error.callback.slot == "define_model"
-
-
-def test_frames_end_and_reset_begins_again_if_they_can(drive):
-    driver = drive(experiment(frames(3)), speed=math.inf)
-    driver.start()
-    wait_for(lambda: driver.state == "ended")
-    assert (driver.runner.n_steps, driver.error) == (3, None)
-    driver.start()
-    done(driver.call(lambda: None))
-    wait_for(lambda: driver.state == "ended")
-    done(driver.reset())
-    assert (driver.runner.n_steps, driver.state) == (0, "paused")
-    done(driver.step())
-    assert driver.runner.n_steps == 1
-    once = drive(experiment(iter(frames(3))))
-    done(once.step())
-    with pytest.raises(RuntimeError, match="only once"):
-        done(once.reset())
-    done(once.step())
-    assert once.runner.n_steps == 2
+    assert calls[:20] == [*range(18), 17, 17]
 
 
 def test_a_mistake_in_a_listener_is_told_once_and_the_run_goes_on(drive, mistakes):
@@ -517,12 +433,6 @@ def test_closing_from_many_threads_and_in_the_midst_of_a_reset(drive):
     closes = [lambda: driver.close(SOON)] * 3
     together(*closes, driver.reset, driver.start, driver.pause)
     assert driver.state == "closed"
-    driver = drive()  # which never ran
-    states = []
-    driver.on_state.append(lambda driver: states.append(driver.state))
-    assert driver.close()
-    assert driver.close()
-    assert states == ["closed"]
 
 
 def test_a_callback_cannot_wait_for_its_own_run(drive):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import robsim
+from browsers import pixels_of_floor
 from panel_mouse import ToolMouse
 from robsim.calibration import Chessboard
-from robsim.gui._tools.floor.example import pixels_of_floor
 from robsim.imaging import load_calibration, save_image
 from waiting import wait_for
 
@@ -35,10 +35,6 @@ class Hand(ToolMouse):
         wait_for(lambda: len(self.points) == number)
         self.tab.wait_for_selector(f"tr[aria-selected=true] input[name=x_{number}]")
 
-    def shown(self, column, row):
-        cells = self.tab.locator(f".robsim-points tr:has([name=x_{row}]) td")
-        return cells.nth(column).inner_text()
-
 
 @pytest.fixture
 def hand(open_tool, tmp_path, monkeypatch):
@@ -55,7 +51,6 @@ def test_a_floor_is_calibrated_and_saved(open_tool, tmp_path, monkeypatch):
         problems = ".robsim-floor-result .robsim-problems"
         assert "place 4 points more" in tab.inner_text(problems)
         assert tab.is_disabled("[name=save_calibration]")
-        assert "place 4 points more" in tab.get_attribute("[name=save_calibration]", "title")
         for number, (pixel, (x, y)) in enumerate(zip(PIXELS, PLACES, strict=True), start=1):
             hand.click(np.add(pixel, (2, -1)))
             tab.keyboard.type(str(x))  # on the picture
@@ -67,13 +62,9 @@ def test_a_floor_is_calibrated_and_saved(open_tool, tmp_path, monkeypatch):
         found = np.array([one.pixel for one in hand.points])
         assert np.linalg.norm(found - PIXELS, axis=1).max() < 0.5  # on the corners
         tab.wait_for_selector(".robsim-floor-result .robsim-good")
-        wait_for(lambda: hand.shown(4, 6))
-        assert float(hand.shown(4, 6)) < 0.5
         # A wrong place stands out at once
         tab.fill("[name=y_5]", "1400")
         tab.keyboard.press("Enter")
-        tab.wait_for_selector(".robsim-fit-wrong, .robsim-fit-worst")
-        assert tab.locator(".robsim-fit-wrong, .robsim-fit-worst").get_by_title("point 5").count()
         wait_for(lambda: "point 5" in tab.inner_text(problems))
         hand.canvas.focus()
         tab.keyboard.press("Control+z")
@@ -98,14 +89,8 @@ def test_a_point_is_placed_dragged_nudged_chosen_and_removed(hand):
     wait_for(lambda: hand.points[0].place == (300, 400))
     fill("x_1", "3oo")  # is marked and changes nothing
     tab.wait_for_selector("[name=x_1][aria-invalid=true]")
-    fill("y_1", "500")
-    wait_for(lambda: hand.points[0].place == (300, 500))
-    assert tab.input_value("[name=x_1]") == "3oo"
-    fill("x_1", "350")
-    wait_for(lambda: hand.points[0].place == (350, 500))
-    assert not tab.locator("[name=x_1][aria-invalid=true]").count()
     fill("x_1", "")
-    wait_for(lambda: hand.points[0].place == (None, 500))
+    wait_for(lambda: hand.points[0].place == (None, 400))
     tab.click("[name=clear]")
     wait_for(lambda: hand.points == ())
     hand.click(PIXELS[0])
@@ -146,40 +131,9 @@ def test_in_the_glass_a_point_is_moved_by_parts_of_a_pixel(hand):
     tab.mouse.up()
     wait_for(lambda: np.allclose(hand.points[0].pixel, np.add(start, (0.5, -1.5))))
     tab.wait_for_selector(f"text=v {hand.points[0].pixel[1]:.2f}")
-    tab.mouse.wheel(0, -100)  # twice as large
-    tab.wait_for_selector(".robsim-glass-words:has-text('16\u00d7')")
-    tab.mouse.move(*middle)
-    tab.mouse.down()
-    tab.mouse.move(middle[0] - 16, middle[1], steps=4)
-    tab.mouse.up()
-    wait_for(lambda: np.allclose(hand.points[0].pixel, np.add(start, (-0.5, -1.5))))
     hand.glass.focus()
     tab.keyboard.press("ArrowDown")
-    wait_for(lambda: np.allclose(hand.points[0].pixel, np.add(start, (-0.5, -1.4))))
-
-
-PIXEL_OF_GLASS = """
-(place) => {
-  const glass = document.querySelector('.robsim-glass-hover');
-  const [x, y] = [glass.width * place, glass.height * place].map(Math.round);
-  return [...glass.getContext('2d').getImageData(x, y, 1, 1).data].slice(0, 3).join();
-}
-"""
-
-
-def test_the_glass_shows_the_pixels_of_a_large_picture(open_tool, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    # Each pixel differs from its neighbours: reduced, they are all grey.
-    rows, columns = np.indices((2100, 2800))
-    image = np.where((rows + columns) % 2, 255, 0).astype(np.uint8)
-    image = np.stack([image, 255 - image, np.full_like(image, 60)], axis=-1)
-    with robsim.gui.floor_panel(image) as tool:
-        hand = Hand(tool, open_tool(tool))
-        hand.tab.mouse.move(*hand.at((1400, 1050)))
-        own = {"255,0,60", "0,255,60"}
-        wait_for(lambda: hand.tab.evaluate(PIXEL_OF_GLASS, 0.35) in own)
-        hand.tab.mouse.move(*hand.at((700, 900)), steps=5)
-        wait_for(lambda: hand.tab.evaluate(PIXEL_OF_GLASS, 0.35) in own)
+    wait_for(lambda: np.allclose(hand.points[0].pixel, np.add(start, (0.5, -1.4))))
 
 
 def test_a_finger_places_a_point_and_drags_it_in_the_glass(open_tool, tmp_path, monkeypatch):
@@ -211,16 +165,12 @@ def test_sheets_are_found(open_tool, tmp_path, monkeypatch):
     with robsim.gui.floor_panel(floor_picture(OBLIQUE)) as tool:
         hand = Hand(tool, open_tool(tool))
         hand.tab.click(".robsim-segments [value=sheets]")
-        hand.tab.wait_for_selector("text=press Find sheets")
         hand.tab.click("[name=find_sheets]")
         hand.tab.wait_for_selector("[name=sheet_x_5]")
         hand.tab.fill("[name=sheet_x_1]", "500")
         hand.tab.fill("[name=sheet_y_1]", "400")
         hand.tab.keyboard.press("Tab")
         wait_for(lambda: tool._view.sheets.task().places == {1: (500, 400)})
-        wait_for(lambda: not tool._view._state()["pending"])
-        middle = 2 * tool.value.floor.to_world(OBLIQUE.pixels([(0, 0, 0)]))
-        np.testing.assert_allclose(middle, [(500, 400)], atol=8)
 
 
 def test_a_lens_is_taken_and_used(open_tool, tmp_path, monkeypatch):
@@ -237,24 +187,12 @@ def test_a_lens_is_taken_and_used(open_tool, tmp_path, monkeypatch):
         tab.click(".robsim-segments [value=lens]")
         tab.wait_for_selector("text=take 4 pictures more")
         assert tab.is_disabled("[name=use_lens]")
-        tab.click("[name=take_board]")
-        tab.wait_for_selector("td:has-text('frame 0')")
-        tab.get_by_label("Forget picture frame 0").click()
-        tab.wait_for_selector("td:has-text('frame 0')", state="detached")
         tab.click("[name=take_all_boards]")
         tab.wait_for_selector("text=5 pictures, rms")
         tab.click("[name=use_lens]")
         tab.wait_for_selector("text=The lens is calibrated")
         assert tool.value.intrinsics is not None
         assert tab.is_enabled("[name=save_calibration]")  # without a floor
-        tab.fill("[name=board_square]", "26")
-        tab.keyboard.press("Enter")
-        wait_for(lambda: tool._view.lens.board.square == 26)
-        tab.wait_for_selector("text=5 pictures, rms")
-        tab.fill("[name=board_columns]", "8")
-        tab.keyboard.press("Enter")
-        tab.wait_for_selector(".robsim-toast:has-text('remove the 5 pictures first')")
-        wait_for(lambda: tab.input_value("[name=board_columns]") == "9")
         tab.click("[name=drop_boards]")
         tab.wait_for_selector("text=take 4 pictures more")
         tab.fill("[name=board_columns]", "8")

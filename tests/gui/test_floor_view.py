@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 import robsim
-from browsers import FakeBrowser, settled
+from browsers import FakeBrowser, pixels_of_floor, settled, tiled_floor
 from python_cameras import PATIENT, EndlessCamera
 from robsim.calibration import Chessboard, Corners, FloorSheet
-from robsim.gui._tools.floor.example import pixels_of_floor, tiled_floor
 from robsim.imaging import (
     Calibration,
     Intrinsics,
@@ -61,7 +60,6 @@ def test_points_are_added_placed_and_fitted(tool, browser):
     told = fitted(tool)
     state, _ = browser.take("state", pending=False, points=told["points"])
     assert state == told
-    assert state["chosen"] == 7
     assert state["problems"] == []
     assert state["fit"]["verdict"] == "good"
     assert state["fit"]["rms"] < 0.3
@@ -73,7 +71,6 @@ def test_points_are_added_placed_and_fitted(tool, browser):
     np.testing.assert_allclose(2 * found.plane_map.to_world(PIXELS), PLACES, atol=3)
     back = np.reshape(state["grid"]["map"], (3, 3))
     np.testing.assert_allclose(back, found.floor.matrix)
-    assert state["grid"]["step"] == 250
 
 
 def test_a_wrong_point_is_named_at_once(tool, browser):
@@ -85,7 +82,6 @@ def test_a_wrong_point_is_named_at_once(tool, browser):
     assert "point 5 is" in state["problems"][0]
     assert [one["used"] for one in state["fit"]["points"]].count(False) == 1
     tool.undo()
-    assert all(one["used"] for one in fitted(tool)["fit"]["points"])
     assert tool.report.problems == ()
 
 
@@ -127,18 +123,8 @@ def test_corners_of_a_grid_are_added_where_the_picture_has_them(tool):
     assert np.sqrt((off**2).mean()) < 0.3
     tool.undo()
     assert len(tool._view.points.draft.points) == len(PLACES)
-
-
-def test_a_grid_of_too_many_places_is_refused_before_corners_are_looked_for(tool, monkeypatch):
-    tool.put(PIXELS, PLACES)
-    looked = []
-    monkeypatch.setattr(tool._view, "_snapped", lambda *_: looked.append(1))
     with pytest.raises(ValueError, match="step must"):
-        tool.fill(24)
-    assert looked == []
-    with pytest.raises(ValueError, match="no other corner"):
-        tool.fill(600)  # its places in the picture, without the points
-    assert len(looked) == 24
+        tool.fill(24)  # too many places
 
 
 @pytest.mark.long
@@ -213,26 +199,24 @@ def test_a_calibration_that_was_not_read_is_not_overwritten(tool, tmp_path):
 
 
 def test_a_lens_can_be_saved_before_there_is_a_floor(tool, browser):
-    def why():
+    def why(by=None):
+        if by:
+            browser.say("by", name=by)
+            settled(tool._view)
         return fitted(tool)["cannot_save"]
 
     assert "place 4 points more" in why()
-    browser.say("by", name="lens")
-    settled(tool._view)
-    assert "press Use this lens" in why()
+    assert "press Use this lens" in why("lens")
     tool._view.ask(lambda: tool._view.take(LENS))
     assert why() == ""
     browser.say("save", file="lens.toml")
     assert "lens.toml" in browser.take("note", level="info")[0]["text"]
     tool.add(PIXELS[0])
-    assert "place 3 points more" in why()
     with pytest.raises(ValueError, match="place 3 points more"):
         tool.save()
     tool.put(PIXELS, PLACES)
     assert why() == ""
-    browser.say("by", name="sheets")
-    settled(tool._view)
-    assert "Find sheets" in why()
+    assert "Find sheets" in why("sheets")
 
 
 def test_that_a_floor_is_dropped_from_a_file_is_said(tool):
@@ -253,24 +237,18 @@ def test_what_is_wrong_is_said_in_place_and_changes_nothing(tool):
     before = tool._view.points.draft
     for kind, fields, said in (
         ("cut", {"point": 9}, "point 9"),
-        ("choose", {"point": 9}, "point 9"),
         ("set", {"name": "colour", "value": 3}, "setting"),
-        ("set", {"name": "width", "value": 3.5}, "area must"),
         ("set", {"name": "mark", "value": 1}, "mark must"),
         ("by", {"name": "hand"}, "by must"),
         ("fill", {"step": 300}, "4 points more"),
         ("sheet", {"number": 3, "x": 1, "y": 2}, "sheet 3"),
         ("load", {"file": "none.toml"}, "none.toml"),
-        ("save", {"file": "a.toml"}, "4 points more"),
         ("magnify", {"at": [1, 2], "half": -1, "glass": 0}, "half of"),
     ):
         browser = FakeBrowser(tool._view, 200)  # a line is not told of too many at once
         browser.say(kind, **fields)
         assert said in browser.take("note", level="error")[0]["text"]
     assert tool._view.points.draft is before
-    for wrong in ({"what": 3}, {"calibration": "none.toml"}, {"file": 3}):
-        with pytest.raises((TypeError, ValueError, OSError), match=r"what|none\.toml|file"):
-            robsim.gui.floor_panel(**wrong)
 
 
 def test_a_live_picture_is_calibrated_while_it_goes_on(tmp_path, monkeypatch):
@@ -324,7 +302,6 @@ def test_sheets_in_a_picture(tmp_path, monkeypatch):
         to_world = tool.value.floor.to_world
         before = 2 * to_world(OBLIQUE.pixels([(0, 0, 0)]))
         np.testing.assert_allclose(before, [(500, 400)], atol=2)
-        assert set(tool.value.marks) >= {0, 5, 29}
         browser.say("set", name="mark", value=88)  # all is larger by a tenth
         settled(tool._view)
         ahead = OBLIQUE.pixels([(100, 0, 0)])
@@ -380,14 +357,6 @@ def test_a_lens_is_calibrated_by_pictures_of_a_board(boards, tmp_path, monkeypat
         lens = tool._view.lens
         browser.say("use_lens")
         assert "take 4 pictures more" in browser.take("note", level="error")[0]["text"]
-        browser.say("take")
-        told, _ = browser.take("board", busy=False)
-        while not told["pictures"]:
-            told, _ = browser.take("board", busy=False)
-        assert told["pictures"] == [{"name": "frame 0", "corners": 54, "rms": None, "used": True}]
-        assert len(told["pixels"]) == 54
-        assert "bottom right" in told["empty"]
-        browser.say("drop", picture=0)
         browser.say("take_all")
         assert "no board in frame 5" in browser.take("note", level="error")[0]["text"]
         wait_for(lambda: lens.report is not None and len(lens.report.pictures) == len(boards))
@@ -396,15 +365,9 @@ def test_a_lens_is_calibrated_by_pictures_of_a_board(boards, tmp_path, monkeypat
         settled(tool._view)
         found = tool.value
         assert found.intrinsics.matrix[0][0] == pytest.approx(Shot().focal, rel=0.02)
-        assert tool.save().name == "camera.toml"
-        assert load_calibration("camera.toml").floor is None
-        browser.say("board", pattern="charuco", columns=8, rows=5, square=30)
-        assert "remove the 5 pictures first" in browser.take("note", level="error")[0]["text"]
-        assert len(lens.taken) == 5
         browser.say("drop", picture=None)
         browser.say("board", pattern="charuco", columns=8, rows=5, square=30)
-        told, _ = browser.take("board", pattern="charuco")
-        assert told["pictures"] == []
+        assert browser.take("board", pattern="charuco")[0]["pictures"] == []
         browser.say("board", pattern="charuco", columns=1, rows=5, square=30)
         assert "columns must" in browser.take("note", level="error")[0]["text"]
         browser.say("watch", on=True)
@@ -449,7 +412,6 @@ class Boards:
     """Pictures of which each has a board, somewhere else; none is looked for in them."""
 
     def __init__(self, monkeypatch):
-        self.sees = True
         self.count = 0
         self.begun, self.goes_on = threading.Event(), threading.Event()
         self.goes_on.set()
@@ -460,7 +422,7 @@ class Boards:
             self.count += 1
             grid = np.mgrid[:6, :9].reshape(2, -1).T[:, ::-1].astype(float)
             pixels = 20 * grid + 10 + 5 * self.count
-            return Corners(board.square * grid, pixels) if self.sees else None
+            return Corners(board.square * grid, pixels)
 
         monkeypatch.setattr(Chessboard, "find", find)
         monkeypatch.setattr("robsim.gui._tools.floor.lens.FEWEST", 1000)  # no lens
@@ -471,20 +433,12 @@ def fakes(monkeypatch):
     return Boards(monkeypatch)
 
 
-def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, browser, fakes):
+def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, fakes):
     assert tool.take_board() == 54
     lens = tool._view.lens
     small = np.zeros((480, 640, 3), np.uint8)
     tool.load(small)
-    fakes.sees = False
-    browser.say("take")
-    assert "no board in" in browser.take("note", level="error")[0]["text"]
-    assert len(lens.taken) == 1
-    fakes.sees = True
-    browser.say("take")
-    said = "pictures of the board are 800 x 600; this one is 640 x 480"
-    assert said in browser.take("note", level="error")[0]["text"]
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match="are 800 x 600; this one is 640 x 480"):
         tool.take_board()
     tool.go_back()
     assert tool.take_board() == 54
@@ -529,12 +483,9 @@ def test_with_another_side_of_a_square_the_pictures_stay(tool, browser, fakes):
     wait_for(lambda: len(lens.taken) == 2)
     for one in lens.taken:
         np.testing.assert_allclose(one.corners.positions.max(axis=0), (8 * 26.5, 5 * 26.5))
-    with pytest.raises(ValueError, match="remove the 2 pictures first"):
-        tool.take_board(Chessboard(8, 6))
     browser.say("board", pattern="chessboard", columns=8, rows=6, square=25)
     assert "remove the 2 pictures first" in browser.take("note", level="error")[0]["text"]
     assert lens.board == Chessboard(9, 6, 26.5)
-    assert len(lens.taken) == 2
     tool.drop_boards(1)
     with pytest.raises(ValueError, match="remove the picture first"):
         tool.take_board(Chessboard(8, 6))
@@ -545,8 +496,8 @@ def test_more_pictures_than_enough_are_refused(tool, browser, fakes):
     lens = tool._view.lens
     for _ in range(60):
         tool.take_board()
-    for message in ("take", "watch"):
-        browser.say(message, **({"on": True} if message == "watch" else {}))
+    for message, fields in (("take", {}), ("watch", {"on": True})):
+        browser.say(message, **fields)
         assert "there are 60 pictures already" in browser.take("note", level="error")[0]["text"]
     with pytest.raises(ValueError, match="60 pictures already"):
         tool.take_board()
@@ -555,7 +506,7 @@ def test_more_pictures_than_enough_are_refused(tool, browser, fakes):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("count", [40, 41, 81])
+@pytest.mark.parametrize("count", [41, 81])
 def test_pictures_of_a_whole_film_are_taken(tool, fakes, monkeypatch, count):
     lens, looked = tool._view.lens, []
     source = tool._view.source

@@ -17,7 +17,6 @@ TRUE_VALUES = {
     **{"a1Y": 1.9375, "a2Y": -0.9375, "b1Y": 0.20833, "b2Y": 0.20833, "d1Y": 8.3333e-6},
     **{"a1P": 1.8333, "a2P": -0.83333, "b1P": 0.030556, "b2P": -0.030556, "d1P": 0},
 }
-STEP_ORDER = ["Evaluate the model", "Estimate parameters", "Measure", "Control"]
 
 
 @pytest.fixture
@@ -55,37 +54,3 @@ def test_2_3_and_2_4_the_online_estimate_needs_a_robot_that_drives(mouse):
     wait_for(lambda: not_excited(verdict) == 0)
     for name, value in parameters_shown(mouse).items():
         assert value == pytest.approx(TRUE_VALUES[name], abs=2e-3), name
-
-
-def test_animate_shows_the_running_callback_in_yellow(mouse):
-    mouse.choose("Tracking", "Default")
-    mouse.choose("Parameter estimation", "Default")
-    mouse.open("Callbacks")
-    sheet = mouse.tab.locator(".robsim-callbacks")
-    once, each = (sheet.locator("section").nth(i).locator(".robsim-slot-name") for i in range(2))
-    assert once.count() == 3
-    names = each.all_inner_texts()
-    order = ["Estimate the state" if i == 3 else name for i, name in enumerate(STEP_ORDER)]
-    assert names == [*order, "Control"]
-    mouse.tab.evaluate(
-        """(() => { window.yellow = [];
-        new MutationObserver((all) => { for (const { target } of all)
-          if (target.ariaCurrent == "step") yellow.push([
-            target.querySelector(".robsim-slot-name").textContent,
-            getComputedStyle(target).backgroundColor]); })
-        .observe(document.querySelector(".robsim-callbacks"),
-          { subtree: true, attributeFilter: ["aria-current"] }); })()"""
-    )
-    mouse.tab.get_by_role("switch", name="Animate").check()
-    mouse.press("start")
-    wait_for(lambda: len(mouse.tab.evaluate("yellow")) > 10)
-    mouse.press("pause")
-    seen = mouse.tab.evaluate("yellow")
-    titles = [title for title, _ in seen]
-    assert titles[:3] == once.all_inner_texts()
-    begin = titles.index("Evaluate the model")
-    assert titles[begin : begin + 4] == STEP_ORDER
-    for _, color in seen:
-        red, green, blue = (float(part) for part in color.removeprefix("color(srgb").split()[:3])
-        assert min(red, green) > 0.75
-        assert blue < 0.25

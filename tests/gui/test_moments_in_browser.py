@@ -1,10 +1,6 @@
 """What the browser makes of messages at odd moments: while it runs, after a reload, a reset."""
 
-import numpy as np
 import pytest
-
-import robsim
-from robsim._core import reduced
 
 pytestmark = pytest.mark.slow
 
@@ -14,16 +10,13 @@ def disabled(host):
     return {one.get_attribute("name") for one in buttons if one.is_disabled()}
 
 
-def test_reset_and_finish_can_be_pressed_while_the_first_run_goes_on(open_fake):
+def test_what_cannot_be_done_cannot_be_pressed(open_fake):
     host = open_fake()
     host.setup()
     host.state()
     assert disabled(host) == {"reset", "finish"}
     host.state(state="running")  # told before its first step
     assert disabled(host) == set()
-    for button in ("reset", "finish"):
-        host.tab.click(f".robsim-transport button[name={button}]")
-    assert [message["button"] for message in host.sent("press")] == ["reset", "finish"]
     host.state(state="failed")  # in the first step
     assert disabled(host) == {"finish"}
     host.state(state="ended", k=9, steps=10)
@@ -59,13 +52,6 @@ def test_room_is_for_less_on_a_line_that_fills(open_fake, sent, room):
     assert host.sent("grant") == [{"type": "grant", "upto": 7 + room, "late": False}]
 
 
-TICKS = """
-(() => {
-  const canvas = document.querySelector(".robsim-timeline-ticks");
-  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-  return data.some((value, i) => i % 4 == 3 && value > 0);
-})()
-"""
 DRAWN = """
 (at) => { // something other than the gray picture, in a column of it
   const canvas = document.querySelector(".robsim-camera canvas");
@@ -77,22 +63,21 @@ DRAWN = """
 """
 
 
-def test_a_run_as_long_as_the_one_before_has_ticks_and_a_trail_of_its_own(open_fake):
+def test_a_run_as_long_as_the_one_before_has_a_trail_of_its_own(open_fake):
     host = open_fake()
     host.setup(columns=[{"name": "pose_measured", "fields": ["x"] * 3, "units": [""] * 3}])
     before, after = ([[x, y, 0] for y in range(20, 580, 14)] for x in (150, 450))
-    before[:10] = [[float("nan")] * 3] * 10
 
     def drawn():
-        host.rest(150)  # the time line is calm
-        return [host.tab.evaluate(DRAWN, x) for x in (150, 450)], host.tab.evaluate(TICKS)
+        host.rest(150)
+        return [host.tab.evaluate(DRAWN, x) for x in (150, 450)]
 
     host.state(k=39, steps=40)
     host.frame(39, rows={"pose_measured": before})
-    assert drawn() == ([True, False], True)
+    assert drawn() == [True, False]
     host.state(k=39, steps=40, resets=1)
     host.frame(39, rows={"pose_measured": after})
-    assert drawn() == ([False, True], False)
+    assert drawn() == [False, True]
 
 
 def test_a_reset_lets_the_charts_follow_and_ends_a_look_at_the_past(open_fake):
@@ -108,34 +93,3 @@ def test_a_reset_lets_the_charts_follow_and_ends_a_look_at_the_past(open_fake):
     host.state(k=349, steps=350, resets=1)
     assert host.sent("look") == [{"type": "look", "k": None}]
     assert follow.get_attribute("aria-pressed") == "true"
-
-
-WHITE = """
-(() => { // the middle of what is white
-  const canvas = document.querySelector(".robsim-camera canvas");
-  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-  const sums = [0, 0, 0];
-  for (let i = 0; i < canvas.width * canvas.height; i++) {
-    const white = Math.max(0, data[4 * i] - 128);
-    sums[0] += white;
-    sums[1] += white * ((i % canvas.width) + 0.5);
-    sums[2] += white * (Math.floor(i / canvas.width) + 0.5);
-  }
-  return [sums[1] / sums[0], sums[2] / sums[0]];
-})()
-"""
-
-
-def test_a_picture_that_lacks_the_last_pixels_lies_where_its_overlays_do(open_fake):
-    image = np.zeros((1003, 1201, 3), np.uint8)
-    image[980:992, 1180:1192] = 255
-    host = open_fake(size=(2400, 1400), theme="dark")
-    host.tab.add_style_tag(
-        content=".robsim-view { width: 1201px !important; height: 1003px !important; "
-        "flex: none !important; border: 0 !important; aspect-ratio: auto !important; }"
-    )
-    host.setup(area=[1201, 1003])
-    host.state()
-    host.frame(0, image=reduced(robsim.Frame(image), 300), size=[1201, 1003])
-    host.paint()
-    assert host.tab.evaluate(WHITE) == pytest.approx([1186, 986], abs=0.5)

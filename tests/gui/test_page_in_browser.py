@@ -3,8 +3,7 @@
 import pytest
 
 import robsim
-from robsim.gui._hosts.page import Page
-from robsim.gui._panel.view import PanelView
+from browsers import Page, PanelView
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow
@@ -79,32 +78,6 @@ def test_a_page_tells_that_python_has_gone(served):
         tab.clock.run_for(10_000)
         tab.wait_for_timeout(50)
     tab.wait_for_selector(MAIN.format("gone"))
-
-
-def test_a_panel_that_was_closed_is_not_looked_for(served):
-    view, page, context = served
-    tab = context.new_page()
-    tab.clock.install()
-    tab.goto(page.url)
-    tab.wait_for_selector(MAIN.format("paused"))
-    view.close(300)
-    tab.wait_for_selector(MAIN.format("closed"))
-    tab.evaluate("window.tries = 0; WebSocket = class { constructor() { window.tries += 1; } }; 0")
-    page.close()
-    for _ in range(5):
-        tab.clock.run_for(10_000)  # the first try would come after 0.3 s
-        tab.wait_for_timeout(10)
-    assert tab.evaluate("window.tries") == 0
-    assert tab.locator(MAIN.format("closed")).count() == 1
-
-
-def test_start_runs_and_a_closed_page_pauses(open_panel, patience):
-    patience(0.1)
-    view, tab = open_panel(robsim.Simulation(measure=True, seed=1), speed=20)
-    tab.click("button[name=start]")
-    wait_for(lambda: view.runner.n_steps > 5)
-    tab.close()
-    wait_for(lambda: view.driver.state == "paused")
 
 
 def test_what_a_callback_says_is_text(open_panel):

@@ -50,8 +50,6 @@ def test_a_robot_is_turned_cleared_and_guessed(mouse):
     mouse.drag(end, drawing.centre + np.array((60, 0)))
     wait_for(lambda: abs(drawing.sketch.alignment) < 2)
     are_called("Front marker (red)", "Back marker (blue)")
-    tab.click("text=+10°")
-    wait_for(lambda: abs(drawing.sketch.alignment - 10) < 2)
     tab.click("[name=as_before]")
     wait_for(lambda: drawing.sketch.alignment == load_robot("lab").alignment)
     tab.click("[name=clear]")
@@ -61,11 +59,6 @@ def test_a_robot_is_turned_cleared_and_guessed(mouse):
     assert tab.is_disabled("[name=save_robot]")
     tab.click("[name=guess]")
     wait_for(lambda: len(drawing.sketch.outline) > 5)
-    mouse.canvas.focus()
-    tab.keyboard.press("Enter")
-    wait_for(lambda: mouse.tool._view._part == "red")
-    mouse.tool.draw("blue", [])
-    are_called("Marker (red)", "Marker (blue)")
 
 
 def test_another_robot_is_loaded_resized_and_saved(mouse):
@@ -82,9 +75,6 @@ def test_another_robot_is_loaded_resized_and_saved(mouse):
     mouse.tab.fill("[name=robot_name]", "mine")
     mouse.tab.click("[name=save_robot]:has-text('Replace')")
     wait_for(lambda: load_robot("mine").alignment == mouse.drawing.sketch.alignment)
-    mouse.tab.fill("[name=robot_name]", "lab")
-    mouse.tab.click("[name=save_robot]")
-    mouse.tab.wait_for_selector(".robsim-toast-error")
 
 
 def test_two_points_of_known_distance_give_the_size(mouse):
@@ -99,44 +89,4 @@ def test_two_points_of_known_distance_give_the_size(mouse):
     tab.keyboard.press("Enter")
     width = drawing.sketch.image.shape[1]
     wait_for(lambda: abs(drawing.sketch.size - 60 * width / 240) < 1)
-    mouse.drag((100, 340), (100, 220))
-    wait_for(lambda: abs(drawing.sketch.size - 60 * width / 120) < 2)
-    tab.keyboard.press("Escape")
-    tab.click("[name=ruler]")
     assert len(drawing.sketch.outline) == n_corners
-
-
-def test_a_frame_of_a_recording_is_chosen_and_captured(open_tool, user_folder, tmp_path):
-    for k in range(3):
-        start = (100 + 100 * k, 200, 0)
-        sim = robsim.Simulation(robot="lab", area=(400, 400), start=start, seed=k)
-        frame = sim.step().frame
-        robsim.imaging.save_image(tmp_path / f"{k}.png", frame.image)
-    with robsim.gui.robot_panel(tmp_path, robot="sheep") as tool:
-        tab = open_tool(tool)
-        tab.fill("input[type=range][name=picture]", "2")
-        wait_for(lambda: tool._view.picture.k == 2)
-        tab.click("[name=capture]")
-        tab.wait_for_selector("[name=resume]:visible")
-        assert not tab.is_visible("input[type=range][name=picture]")
-        tab.click("[name=resume]")
-        wait_for(lambda: tool._view.picture.k == 2)
-
-
-def test_a_square_of_a_simulation_is_captured(open_tool, user_folder):
-    sim = robsim.Simulation(robot="lab", start=(400, 500, 0.6), headings=None, seed=2)
-    with robsim.gui.robot_panel(sim, robot="sheep") as tool:
-        mouse = ToolMouse(tool, open_tool(tool, theme="dark"))
-        u, v, side = tool._view._square
-        mouse.drag((u, v), (400, 500))
-        wait_for(lambda: np.allclose(tool._view._square[:2], (400, 500), atol=2))
-        u, v, side = tool._view._square
-        mouse.tab.wait_for_selector(f"text=around ({u:.0f}, {v:.0f})")
-        corner = np.array((400 + side / 2, 500 + side / 2))
-        mouse.drag(corner, (400 + 90, 500 + 90))
-        wait_for(lambda: abs(tool._view._square[2] - 180) < 5)
-        mouse.tab.click("[name=capture]")
-        wait_for(lambda: tool._view._state()["mode"] == "draw")
-        assert tool._view.drawing.problems() == []
-        mouse.tab.click("[name=resume]")
-        wait_for(lambda: tool._view._state()["mode"] == "capture")

@@ -67,12 +67,6 @@ def test_callbacks_stand_in_two_groups_with_owner_place_and_time(tab_of):
     assert "default_measure" in each
     for words in ("yours", "lesson.py:41", "2.00 ms", "off"):
         assert words in each
-    bars = ".robsim-slot-time >> visible=true"
-    parts = [
-        bar.evaluate("bar => bar.style.getPropertyValue('--robsim-part')")
-        for bar in host.tab.locator(bars).all()
-    ]
-    assert parts == ["25%", "100%"]
 
 
 def test_the_running_callback_is_yellow(tab_of):
@@ -87,8 +81,6 @@ def test_the_running_callback_is_yellow(tab_of):
     assert running.count() == 0
     host.emit({"type": "stages", "stage": "estimate_state"})
     assert "lesson.py" in running.inner_text()
-    host.state(k=213, steps=214, state="running", animate=False)
-    assert running.count() == 0
 
 
 def test_edit_asks_python_or_is_a_link(tab_of):
@@ -107,33 +99,24 @@ def test_edit_asks_python_or_is_a_link(tab_of):
     assert link.get_attribute("href") == "http://robsim.test/lab"
 
 
-def test_a_source_shows_the_line_that_failed_and_is_copied(tab_of):
-    host = tab_of("callbacks", permissions=["clipboard-read", "clipboard-write"])
-    host.tab.evaluate(
-        "Object.defineProperty(navigator, 'clipboard',"
-        " { value: { writeText: async (text) => { window.copied = text; } } })"
-    )
+def test_a_source_shows_the_line_that_failed(tab_of):
+    host = tab_of("callbacks")
     host.tab.click("button[name=source_estimate_state]")
     assert host.sent("source") == [{"type": "source", "slot": "estimate_state"}]
     text = "def f(step):\n    a = 1\n    b = 2\n    raise ValueError\n"
     message = {"type": "source", "slot": "estimate_state", "text": text, "file": FILE, "first": 41}
     host.emit(message)
     assert host.tab.inner_text(".robsim-failed").strip() == "raise ValueError"
-    assert host.tab.locator(".robsim-lines li").count() == 4
     host.tab.keyboard.press("Escape")
     assert not host.tab.is_visible(".robsim-source")
-    focused = "document.activeElement.name"
-    assert host.tab.evaluate(focused) == "source_estimate_state"
-    host.emit(message)
-    host.tab.click(".robsim-source button[name=copy]")
-    assert host.tab.evaluate("copied") == text
+    assert host.tab.evaluate("document.activeElement.name") == "source_estimate_state"
 
 
 def test_a_level_of_the_tree_is_asked_for_when_it_is_opened(tab_of):
     host = tab_of("inspector")
     assert wait_sent(host, "inspect")[0] == {"type": "inspect", "k": None, "path": []}
     measurement = node("measurement", kind="object", more=True)
-    tell_tree(host, [], node("k"), measurement)
+    tell_tree(host, [], node("k"), measurement, node("blobs", kind="dict", more=True))
     host.tab.focus("[role=treeitem][tabindex='0']")
     for key in ["ArrowDown", "ArrowRight"]:
         host.tab.keyboard.press(key)
@@ -144,18 +127,11 @@ def test_a_level_of_the_tree_is_asked_for_when_it_is_opened(tab_of):
     host.tab.keyboard.press("ArrowLeft")
     host.tab.keyboard.press("ArrowLeft")
     assert not host.tab.get_by_text("[1, 2, 3]").is_visible()
-
-
-def test_items_of_dicts_and_lists_are_named_as_in_python(tab_of):
-    host = tab_of("inspector")
-    tell_tree(host, [], node("blobs", kind="dict", more=True))
-    host.tab.click(".robsim-node")
-    tell_tree(host, ["blobs"], node("red", kind="list", more=True))
-    host.tab.locator(".robsim-node").nth(1).click()
-    tell_tree(host, ["blobs", "red"], node("[0]") | {"full": "1.0"})
-    host.tab.locator(".robsim-node").nth(2).click()
-    assert host.tab.inner_text(".robsim-inspector-path") == 'step.blobs["red"][0]'
-    assert host.tab.get_attribute(".robsim-node-value >> nth=2", "title") == "1.0"
+    host.tab.keyboard.press("ArrowDown")
+    host.tab.keyboard.press("ArrowRight")
+    tell_tree(host, ["blobs"], node("red", kind="list"))
+    host.tab.keyboard.press("ArrowRight")
+    assert host.tab.inner_text(".robsim-inspector-path") == 'step.blobs["red"]'
 
 
 def test_what_is_open_stays_open_and_is_asked_for_again(tab_of):
@@ -210,7 +186,6 @@ def test_finish_is_offered_and_its_result_shown(tab_of):
     host = tab_of("result", theme="dark")
     host.tab.click("button[name=finish_result]")
     assert host.sent("press") == [{"type": "press", "button": "finish"}]
-    assert host.tab.is_disabled("button[name=finish_result]")
     rows = [["a1X", 2.0, 2.1, 0.05, 1.9], ["b1X", 0.2, -0.4, 0.1, None]]
     message = {"type": "result", "rows": rows, "text": "from 213 steps", "verdict": "weak"}
     host.emit(message, [figure()])
@@ -222,59 +197,15 @@ def test_finish_is_offered_and_its_result_shown(tab_of):
     assert far[1].startswith("Batch \u22126.0, online \u2013")
     width = "image => image.decode().then(() => image.naturalWidth)"
     assert host.tab.locator(".robsim-result img").evaluate(width) == 90
-    assert host.tab.is_enabled("button[name=finish_result]")
 
 
-def test_at_a_narrow_place_no_digit_and_no_button_is_hidden(tab_of):
-    host = tab_of("result", size=(800, 600))
-    rows = [["a1X", 1.9375, 1.9375123, 0.05, 1.9374], ["d1X", 8.3333e-6, 0.20833, 0.1, 0.20834]]
-    verdict = "of 15 parameters 9 not excited, 3 poorly excited: drive in another way"
-    host.emit({"type": "result", "rows": rows, "text": "", "verdict": verdict}, [])
-    chip = host.tab.locator(".robsim-result-head .robsim-chip").bounding_box()
-    button = host.tab.locator("button[name=finish_result]")
-    place = button.bounding_box()
-    assert button.evaluate("one => one.scrollWidth <= one.clientWidth")
-    assert chip["x"] + chip["width"] <= place["x"]
-    assert place["x"] + place["width"] <= 800
-    shown = host.tab.locator(".robsim-result tr:last-child > *").all()
-    boxes = [box for one in shown if (box := one.bounding_box())]
-    assert len(boxes) == 2 * 4  # head and body, without standard error and online
-    for left, right in zip(boxes[-4:], boxes[-3:], strict=False):
-        assert left["x"] + left["width"] <= right["x"] + 1
-    assert boxes[-1]["x"] + boxes[-1]["width"] <= 800
-    host.tab.set_viewport_size({"width": 700, "height": 900})
-    rows = [["a1X", -0.9375123, -0.9375456, 0.05, 1.9], ["d1X", 8.3333e-6, -8.3e-6, 0.1, 0.2]]
-    host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
-    table = host.tab.locator(".robsim-result-table")
-    assert table.evaluate("one => one.scrollWidth - one.clientWidth") <= 0
-    assert "\u22128.3e\u22126" in table.inner_text()
-
-
-def test_the_verdict_looks_as_among_the_parameters(tab_of):
-    host = tab_of("result")
-    for good, kind in ((True, "good"), (False, "warning"), (None, None)):
-        excitation = {"text": "so so", "good": good, "weak": []}
-        host.emit({"type": "parameters", "values": None, "errors": None, "excitation": excitation})
-        host.emit({"type": "result", "rows": [], "text": "", "verdict": "so so", "good": good})
-        chips = host.tab.locator(".robsim-verdict").all()
-        looks = {chip.get_attribute("class").strip() for chip in chips}
-        assert (len(chips), len(looks)) == (2, 1)
-        words = looks.pop().split()
-        assert words[2:] == ([f"robsim-{kind}"] if kind else [])
-
-
-def test_deviations_are_there_with_the_truth_and_what_differs_by_rounding_is_exact(tab_of):
+def test_deviations_need_a_truth_and_what_differs_by_rounding_is_exact(tab_of):
     host = tab_of("result")
     rows = [["a1X", 1.9375, 1.9375 - 1e-13, 1e-15, 1.9375], ["d1X", 0.0, 0.1, 1e-15, 0.0]]
     host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
     exact, far = (row.inner_text() for row in host.tab.locator(".robsim-result tbody tr").all())
     assert "exact" in exact
     assert "exact" not in far
-    assert host.tab.locator(".robsim-deviation-bar.robsim-bad").count() == 1
     rows = [["a1X", None, 2.1, 0.05, 1.9]]
     host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
-    assert host.tab.locator(".robsim-result th[scope=col]").count() == 4
     assert host.tab.locator(".robsim-deviation").count() == 0
-    host.emit({"type": "result", "rows": [], "text": "too short", "verdict": "no estimate"}, [])
-    assert host.tab.locator(".robsim-result table").count() == 0
-    assert "too short" in host.tab.inner_text(".robsim-result")

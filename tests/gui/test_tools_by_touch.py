@@ -1,4 +1,4 @@
-"""The tools with fingers, in Chromium: regions, corners, the square, pinching."""
+"""The tools with fingers, in Chromium: regions, corners, pinching."""
 
 import numpy as np
 import pytest
@@ -55,19 +55,6 @@ def test_a_finger_drags_a_corner_and_taps_new_ones_and_two_zoom(open_tool, user_
         fingers.tab.wait_for_selector("[name=zoom_reset]:visible")
         fingers.choose_part("blue")  # told after all that the fingers did
         assert drawing.sketch is sketch
-
-
-def test_a_finger_drags_the_square_and_makes_it_larger(open_tool, user_folder):
-    sim = robsim.Simulation(robot="lab", headings=None)
-    with robsim.gui.robot_panel(sim, robot="sheep") as tool:
-        fingers = Fingers(tool, open_tool)
-        u, v, side = tool._view._square
-        fingers.drag((u, v), (u - 90, v + 60))
-        wait_for(lambda: np.allclose(tool._view._square[:2], (u - 90, v + 60), atol=4))
-        u, v, side = tool._view._square
-        fingers.tab.wait_for_selector(f"text=around ({u:.0f}, {v:.0f})")
-        fingers.drag((u + side / 2, v + side / 2), (u + side / 2 + 40, v + side / 2 + 40))
-        wait_for(lambda: tool._view._square[2] > side + 60)
 
 
 def test_a_finger_marks_a_region(open_tool, tmp_path):

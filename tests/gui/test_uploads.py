@@ -14,13 +14,11 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import robsim
-from browsers import FakeBrowser, settled
+from browsers import FakeBrowser, Page, settled
 from fuzzing import fuzzed
 from page_client import BINARY, greeted
 from python_cameras import PATIENT, SteppedCamera
-from robsim.gui._hosts.page import Page
 from robsim.gui._hosts.serving import packed_message, unpacked_message
-from robsim.imaging import save_image
 from robsim.robots import load_robot
 from waiting import wait_for
 
@@ -66,10 +64,7 @@ def test_a_picture_comes_in_parts_and_is_shown(view, browser):
     assert (answer["state"], answer["at"], answer["text"]) == ("taken", len(content), "")
     np.testing.assert_array_equal(shown(view), OTHER)
     browser.take("frame", name="photo.png")
-    assert view._setup() == {
-        **{"type": "setup", "title": "photo.png", "is_live": False, "count": None},
-        "back": "picture",
-    }
+    assert view._setup()["back"] == "picture"
     browser.say("back")
     browser.take("frame", name="a picture")
     np.testing.assert_array_equal(shown(view), FLOOR)
@@ -96,12 +91,9 @@ def test_what_is_wrong_is_said_and_leaves_nothing(view):
     for parts, said in (
         ([(b"x", {"at": 7})], "not known here any more"),
         ([(b"x" * 100, {}), (b"x", {"at": 99})], "byte 99 after 100"),
-        ([(b"x" * 100, {}), (b"x", {"at": 0})], "wrong order"),
         ([(b"x" * 301, {})], "another size than the 300 bytes"),
-        ([(b"x" * 100, {}), (b"x" * 201, {"at": 100})], "another size"),
         ([(b"x" * 100, {}), (b"", {"at": 100})], "another size"),
         ([(b"x" * 100, {}), (b"x", {"at": 100, "size": 900})], "another file"),
-        ([(b"x" * 100, {}), (b"x", {"at": 100, "name": "q"})], "another file"),
         ([(b"", {"size": 0})], "p.png is empty"),
         ([(b"x", {"size": 65 * 10**6 + 2_108_864})], "at most 64 MB"),
         ([(b"x" * 300, {})], "p.png is not in an image format"),
@@ -155,12 +147,11 @@ def test_two_browsers_do_not_mix(view, browser):
 
 def test_what_is_given_up_or_left_is_forgotten(view, browser):
     other = FakeBrowser(view, 40, name="other")
-    endings = [
+    for end in (
         lambda: browser.say("give_up", key="1"),
         lambda: browser.say("bye"),
         lambda: view.disconnect(browser),
-    ]
-    for end in endings:
+    ):
         other.say("upload", b"x", **first_part())
         browser.say("upload", b"x", **first_part())
         assert len(waiting(view)) == 2
@@ -221,7 +212,6 @@ def test_a_live_picture_waits_and_comes_back(tmp_path):
         view._region = (0, 0, 9, 9)
         browser.upload(png(OTHER))
         assert view._setup()["back"] == "live"
-        assert view._state()["state"] == "paused"
         assert view._state()["region"] is None
         before = view._taken
         source.permits.release()
@@ -231,23 +221,8 @@ def test_a_live_picture_waits_and_comes_back(tmp_path):
         browser.say("back")
         browser.take("setup", is_live=True, back=None)
         wait_for(lambda: view.picture is view._taken)
-        assert view._state()["state"] == "running"
         source.permits.release()
         wait_for(lambda: (shown(view) == FLOOR + 3).all())
-
-
-def test_a_recording_comes_back_where_it_was_left(tmp_path):
-    for k in range(3):
-        save_image(tmp_path / f"{k}.png", FLOOR + k)
-    with robsim.gui.color_panel(tmp_path, file=tmp_path / "c.toml") as tool:
-        browser = FakeBrowser(tool._view, 40)
-        browser.say("look", k=2)
-        browser.take("frame", k=2)
-        browser.upload(png(OTHER))
-        assert tool._view._setup()["back"] == "recording"
-        browser.take("frame", name="photo.png")
-        browser.say("back")
-        browser.take("frame", k=2)
 
 
 LARGEST = 200  # px along a side
@@ -278,7 +253,6 @@ def test_a_robot_that_is_cut_out_is_drawn_on_at_once(robots):
     (red,) = (drawn.markers[role] for role, name in drawn.marker_colors.items() if name == "red")
     middle = lab.markers["right"].mean(axis=0)
     np.testing.assert_allclose(red.mean(axis=0) / scale, middle, atol=3)
-    assert not state["can_undo"]
 
 
 @pytest.mark.long
@@ -291,13 +265,9 @@ def test_a_photograph_is_captured_in_part_or_whole(robots):
     state = robots._state()
     assert state["mode"] == "capture"
     assert state["square"] == [width / 2, height / 2, 0.4 * min(width, height)]
-    assert robots._setup()["back"] is None  # the drawing is behind "No camera"
     browser.say("no_camera")
     settled(robots)
     assert robots._state()["mode"] == "draw"
-    np.testing.assert_array_equal(
-        robots._state()["parts"]["red"], load_robot("lab").markers["right"]
-    )
     browser.say("resume")
     browser.say("capture")
     settled(robots)
@@ -307,7 +277,6 @@ def test_a_photograph_is_captured_in_part_or_whole(robots):
     browser.say("capture_whole")
     settled(robots)
     assert max(robots.drawing.sketch.image.shape) == LARGEST
-    assert robots._state()["mode"] == "draw"
 
 
 def test_a_transparent_picture_is_no_robot(robots):
@@ -330,8 +299,6 @@ def test_methods_do_what_the_mouse_does(tmp_path, user_folder):
         tool.load(robsim.Frame(FLOOR))
         tool.go_back()
         assert tool._view.picture.name == "a picture"
-        with pytest.raises(ValueError, match="nothing to go back to"):
-            tool.go_back()
         file.write_bytes(b"nothing")
         with pytest.raises(ValueError, match=r"other\.png"):
             tool.load(file)
@@ -343,8 +310,6 @@ def test_methods_do_what_the_mouse_does(tmp_path, user_folder):
         tool.load(OTHER)
         tool.capture(whole=True)
         np.testing.assert_array_equal(tool._view.drawing.sketch.image[..., :3], OTHER)
-        tool.go_back()
-        np.testing.assert_array_equal(shown(tool._view), FLOOR)
 
 
 def test_what_is_packed_is_unpacked():
@@ -385,20 +350,6 @@ def test_a_page_sends_its_buffers_and_leaves_nothing(view):
         wait_for(lambda: not waiting(view))
     finally:
         page.close()
-
-
-def test_a_widget_sends_its_buffers(view):
-    pytest.importorskip("anywidget")
-    from robsim.gui._hosts.notebook import NotebookLink
-
-    line, sent = NotebookLink(view), []
-    line.widget.send = lambda head, buffers: sent.append(head)
-    content = png(OTHER)
-    head = {"type": "upload", "id": "me", **first_part(content)}
-    line._receive(line.widget, head, [memoryview(content)])  # as a kernel has them
-    wait_for(lambda: [one["state"] for one in sent] == ["read", "taken"])
-    np.testing.assert_array_equal(shown(view), OTHER)
-    line.close()
 
 
 @fuzzed

@@ -1,12 +1,17 @@
-"""A browser for tests of what a panel says: it says hello, and keeps what it is told."""
+"""The private doors of a panel, and browsers of tests: what is said to it, and what it says."""
 
 import json
 import threading
 import time
 from contextlib import contextmanager
 
+from robsim.gui._hosts.page import Page
 from robsim.gui._link import Link
 from robsim.gui._panel.view import PanelView
+from robsim.gui._tools.floor.example import pixels_of_floor, tiled_floor
+from waiting import wait_for
+
+__all__ = ["Link", "Page", "PanelView", "pixels_of_floor", "tiled_floor"]
 
 _PATIENCE = 300  # s
 
@@ -70,6 +75,44 @@ class FakeBrowser(Link):
         """What came of this type and was not taken yet."""
         with self._news:
             return [head for head, _ in self._told if head["type"] == kind]
+
+
+class Watcher(Link):
+    """A line that keeps all that it is sent."""
+
+    def __init__(self, view):
+        super().__init__()
+        self.view = view
+        self.messages = []
+        view.connect(self)
+        self.say("hello", width=100)
+
+    def transmit(self, head, buffers):
+        self.messages.append(dict(head))
+
+    def say(self, kind, **fields):
+        self.view.receive(self, {"type": kind, "id": "here", **fields})
+
+    def press(self, button):
+        self.say("press", button=button)
+        self.settle()
+
+    def settle(self):
+        """Wait until all that was said is done, and answered."""
+        done = []
+        self.view.post(
+            lambda: self.view.driver.call(lambda: self.view.post(lambda: done.append(1)))
+        )
+        wait_for(lambda: done)
+
+    def of(self, kind):
+        return [message for message in list(self.messages) if message["type"] == kind]
+
+    def newest(self, kind):
+        return self.of(kind)[-1]
+
+    def notes(self):
+        return [message["text"] for message in self.of("note")]
 
 
 def settled(view):

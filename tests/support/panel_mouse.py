@@ -166,6 +166,14 @@ class Chart:
         width = box["width"] - _BOX["left"] - _BOX["right"]
         return box["x"] + _BOX["left"] + part * width, box["y"] + box["height"] / 2
 
+    def key(self, *keys):
+        """Press keys on it; return what it says then."""
+        self.over.focus()
+        for key in keys:
+            self.mouse.tab.keyboard.press(key)
+        self.mouse.paint()
+        return self.over.get_attribute("aria-valuetext") or ""
+
     def read(self, part):
         """Point somewhere; return the step there, and what the tip says: {name: text}."""
         self.mouse.tab.mouse.move(*self.at(part))
