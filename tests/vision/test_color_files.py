@@ -28,11 +28,6 @@ RANGE = st.tuples(st.integers(0, 255), st.integers(0, 255)).map(lambda ends: tup
 COLOR = st.builds(lambda name, y, u, v: ColorClass(name, y=y, u=u, v=v), NAMES, RANGE, RANGE, RANGE)
 
 
-def test_the_text_of_a_colour():
-    text = colors_to_toml(ColorClass("red", u=(0, 150), v=(156, 255)))
-    assert text.strip() == "[red]\ny = [0, 255]\nu = [0, 150]\nv = [156, 255]"
-
-
 @pytest.mark.long
 @settings(max_examples=15)
 @given(colors=st.lists(COLOR, max_size=4, unique_by=lambda color: color.name))

@@ -42,12 +42,6 @@ def test_the_pose_of_a_hand_made_pair():
     assert heading == pytest.approx(0)
 
 
-def test_a_quarter_turn_to_the_right_is_plus_90_degrees():
-    x, y, heading = located(LAYOUT, ("red", 60, 90, 21), ("blue", 100, 90, 21)).pose
-    assert (x, y) == pytest.approx((90, 100 + 14))
-    assert heading == pytest.approx(np.pi / 2)
-
-
 def test_the_plane_map_takes_the_pose_to_the_work_area():
     plane_map = robsim.imaging.PlaneMap.scaled((200, 200), (500, 500))
     x, y, heading = located(MarkerLayout(100, 35), BLUE, RED, plane_map=plane_map).pose
@@ -138,13 +132,6 @@ def test_causes_in_the_pair():
     faint = [("red", 94, 104, 13), ("blue", 94, 64, 13)]
     assert "darker" in explained(KNOWN, *faint)
     assert "another robot" in explained(KNOWN, ("red", 80, 90, 41), ("blue", 94, 64, 13))
-
-
-def test_markers_of_unknown_area_are_to_be_as_large_as_each_other():
-    large_red = explained(LAYOUT, BLUE, ("red", 80, 90, 41))
-    assert "(red) 1681 of 441 px^2, left marker (blue) 441 of 1681" in large_red
-    large_blue = explained(LAYOUT, RED, ("blue", 80, 50, 41))
-    assert "(red) 441 of 1681 px^2, left marker (blue) 1681 of 441" in large_blue
 
 
 def test_exchanged_colours_are_told_where_the_areas_differ():
@@ -245,12 +232,3 @@ def test_a_dark_floor_is_no_fault_where_the_robot_is_found():
         image[v : v + side, u : u + side] = {"red": (220, 30, 30), "blue": (30, 60, 220)}[color]
     blobs = robsim.find_blobs(image, robsim.load_colors())
     assert detect(blobs, KNOWN, image=image).reason is None
-
-
-def test_another_robot():
-    sim = robsim.Simulation(robot="robot2", markers="lab", resolution=(600, 600), measure=True)
-    sim.run(3)
-    (one,) = sim.missed_detections
-    assert one.reason == "distance"
-    assert "43.0 px" in one.first.explanation
-    assert "another robot" in one.first.explanation

@@ -9,11 +9,8 @@ import pytest
 
 import robsim
 from drawn_robots import box, painted
-from python_cameras import PATIENT, SteppedCamera
 from robsim import ColorClass
-from robsim._core import fitting_roles
 from robsim.gui import robot_panel
-from robsim.live import check_camera
 from robsim.robots import (
     RobotDefinition,
     add_robot,
@@ -74,17 +71,10 @@ def test_the_pair_of_roles_that_fits_the_heading_better():
         ((7, 7.000001), (0, 0), ("right", "left")),  # a tie
         ((7.000001, 7), (0, 0), ("right", "left")),
     ):
-        assert fitting_roles(one, other) == roles
-
-
-def test_the_shipped_robots():
-    colors = {name: load_robot(name).marker_colors for name in ("lab", "robot2", "sheep")}
-    assert colors == {
-        "lab": {"right": "red", "left": "blue"},
-        "robot2": {"front": "blue", "back": "red"},
-        "sheep": {"front": "red", "back": "blue"},
-    }
-    assert MarkerLayout(40, 10).roles == ("right", "left")
+        places = dict(zip(roles, (one, other), strict=True))
+        assert set(MarkerLayout.from_positions(places).roles) == set(roles)
+        with pytest.raises(ValueError, match="marker"):
+            MarkerLayout.from_positions(dict(zip(roles, (other, one), strict=True)))
 
 
 # --- a layout
@@ -128,14 +118,6 @@ def test_roles_that_are_none_or_not_true():
             MarkerLayout.from_positions(markers)
         with pytest.raises(ValueError, match=words):
             MarkerLayout.from_markers({role: SQUARE + place for role, place in markers.items()})
-
-
-def test_what_is_given_by_other_roles():
-    for name, value in {"areas": 9.0, "polygons": SQUARE, "colors": "red"}.items():
-        with pytest.raises(ValueError, match=rf"^{name}.*roles"):
-            MarkerLayout.from_positions(
-                {"right": (0, 9), "left": (0, -9)}, **{name: {"front": value, "back": value}}
-            )
 
 
 def test_a_pair_is_by_role():
@@ -266,20 +248,6 @@ def test_a_scenario_and_a_session_keep_the_names(tmp_path):
     session = robsim.sessions.Session(tmp_path / "session")
     assert session.markers.colors == BY_ROLE
     assert session.trace.seen.all()
-
-
-@pytest.mark.long
-def test_the_check_of_a_camera_names_them():
-    image = simulation(start=(600, 600, 0.7)).frame.image
-    reports = []
-    for colors in (COLORS, NOTHING_IS_ORANGE):
-        source = SteppedCamera(3 * [image], permits=4)
-        with robsim.Camera(source, area=(1200, 1200), **PATIENT) as camera:
-            reports.append(check_camera(camera, robot=robot(), colors=colors, seconds=300))
-    found, missed = reports
-    assert found["robot detected"].verdict == "good"
-    assert found["margin of orange"].value > 20
-    assert "orange" in missed["robot detected"].remedy
 
 
 def test_its_colours_are_trained_on_a_recording():

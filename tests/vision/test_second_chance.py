@@ -83,11 +83,6 @@ def test_no_pose_is_reported_on_an_empty_floor(noise):
                 assert not detection.by_second_chance
 
 
-def test_a_detection_that_finds_nothing_stays_as_it_was():
-    frame = frame_at(CASES["exposure 0.3"], None, SIZE)
-    assert by_classes(frame) == by_classes(frame, second_chance=False)
-
-
 def test_the_robot_software_takes_the_second_chance():
     frames = [frame_at(CASES["exposure 0.2"], pose, SIZE) for pose in POSES]
     seen = []

@@ -8,13 +8,6 @@ import pytest
 import robsim
 from sizes import thorough
 
-
-def test_other_windows_are_refused():
-    for window in (0, 2, 17, -3):
-        with pytest.raises(ValueError, match="smoothing"):
-            robsim.Simulation(smoothing=window).run(1)
-
-
 # share of frames in which the robot is found; rms of the place (px) and the heading (degrees)
 ASKED = {1200: (0.995, 0.7, 1.3), 480: (0.95, 2.0, 4.0)}
 
@@ -85,17 +78,3 @@ def test_images_of_one_row_or_column():
         found = robsim.find_blobs(image, robsim.load_colors(), markers=markers)
         assert [blob.area for blob in found["red"]] == [image.shape[0] * image.shape[1]]
         assert found["blue"] == []
-
-
-def test_find_blobs_takes_them_from_a_locator_too():
-    sim = robsim.Simulation(robot="lab", resolution=(480, 480), noise=robsim.GaussianNoise(40))
-    markers = robsim.load_robot("lab").marker_layout()
-    found = robsim.find_blobs(sim.frame, sim.colors, markers=markers)
-    same = robsim.find_blobs(sim.frame, sim.colors, minimum_area=11, smoothing=3)
-    assert [b.area for b in found["red"]] == [b.area for b in same["red"]]
-    assert [b.area for b in found["red"]] == [b.area for b in sim.find_blobs(sim.frame)["red"]]
-    raw = robsim.find_blobs(sim.frame, sim.colors, markers=markers, smoothing=1, minimum_area=1)
-    assert len(raw["red"]) == 64
-    # of an array nobody knows the scale: a pixel counts as one of the area
-    plain = robsim.find_blobs(sim.frame.image, sim.colors, markers=markers)
-    assert all(blob.area >= 66 for blob in plain["red"])

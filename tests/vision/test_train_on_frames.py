@@ -155,16 +155,6 @@ def test_drift_shows_level_chroma_and_margin():
     assert rows["frame 1"] == {"y": 42, "u": 115, "v": 168, "margin": 20, "share": 1}
 
 
-def test_a_long_table_shows_the_worst_frame():
-    lights = np.linspace(1, 0.9, 50)
-    lights[33] = 0.5
-    trained = train_color([picture(light=x) for x in lights], [BOX] * 50, name="red")
-    (table,) = trained.tables
-    assert len(table.rows) <= 21
-    assert any(row.title == "frame 33" for row in table.rows)
-    assert f"{len(table.rows)} of 50" in trained.remarks[-1]
-
-
 def test_wrong_images_and_regions():
     for images, regions, words in (
         ([], BOX, "images"),

@@ -14,40 +14,25 @@ import sessions
 from mjpeg_server import MjpegServer, jpeg
 
 from . import wired
+from .wired import LONG, Shown
 
 SOFTWARE = ("lab", "http", "file", "generator")
-KINDS = (*SOFTWARE, *wired.KINDS)
+#: What can go wrong with a camera of a kind.
+CAN = {
+    "lab": ("stall", "unplug"),
+    "http": ("stall", "unplug", "torn", "size", "dead server"),
+    "file": (),
+    "generator": ("stall", "raises", "ends", "size", "order"),
+    **wired.CAN,
+}
 FPS = 50
-DT = 1 / FPS  # s
 FILE_FRAMES = 45
-LONG = 300  # s
 PATIENCE = {"open_timeout": LONG}  # of a busy machine
-OTHER_SIZE = (64, 48)
 
 
-class Frames:
-    """The frames of a camera: ``frames`` for an Experiment, and what can go wrong with them."""
-
-    can = ()
-
-    def __init__(self):
-        self.frames = None
-        self.order = None
-
-    def go_wrong(self, how):
-        """Let it happen with the next frame."""
-        self.order = how
-
-
-class LabFrames(Frames):
-    can = ("stall", "unplug")
-
-    def __init__(self, lab):
-        super().__init__()
-        self.lab = lab
-
-    def go_wrong(self, how):
-        self.lab.stall(LONG) if how == "stall" else self.lab.unplug()
+def odd(image):
+    """An image of another size."""
+    return image[:48, :64].copy()
 
 
 @contextmanager
@@ -58,119 +43,90 @@ def simulated_lab(rng):
         faults = robsim.live.CameraFaults(
             late=0.1, late_by=0.05, dropped=0.1, repeated=0.1, torn=0.1, drift=0.2
         )
-    with robsim.live.SimulatedLab(scenario, fps=FPS, faults=faults) as lab:
-        made = LabFrames(lab)
-        with robsim.Camera(lab, **PATIENCE) as camera:
-            made.frames = camera
-            yield made
+    with (
+        robsim.live.SimulatedLab(scenario, fps=FPS, faults=faults) as lab,
+        robsim.Camera(lab, **PATIENCE) as camera,
+    ):
+        yield Shown(camera, stall=lambda: lab.stall(LONG), unplug=lab.unplug)
 
 
 @cache
 def pictures():
     images, _ = sessions.driven()
-    return [jpeg(image) for image in images], jpeg(images[0][: OTHER_SIZE[1], : OTHER_SIZE[0]])
-
-
-class ServedFrames(Frames):
-    can = ("stall", "unplug", "torn", "size", "dead server")
-    area = environment = None
-
-    def parts(self):
-        whole, other = pictures()
-        for picture in itertools.cycle(whole):
-            time.sleep(DT)
-            if self.order in ("unplug", "dead server"):
-                return
-            if self.order == "torn":
-                yield picture[: len(picture) // 2]
-            elif self.order == "size":
-                yield other
-            elif self.order == "stall":
-                self.server.released.wait(LONG)
-                return
-            else:
-                yield picture
-
-    def go_wrong(self, how):
-        super().go_wrong(how)
-        if how == "dead server":
-            self.server._server.shutdown()
+    return [jpeg(image) for image in images], jpeg(odd(images[0]))
 
 
 @contextmanager
 def http_server(rng):
-    made = ServedFrames()
-    made.server = MjpegServer(made.parts)
-    made.url = made.server.url
-    with made.server, robsim.Camera(made.server.url, fps=FPS, **PATIENCE) as camera:
-        made.frames = camera
-        yield made
+    whole, other = pictures()
+
+    def parts():
+        for picture in itertools.cycle(whole):
+            time.sleep(1 / FPS)
+            if made.order in ("unplug", "dead server"):
+                return
+            if made.order == "stall":
+                server.released.wait(LONG)
+                return
+            if made.order == "torn":
+                yield picture[: len(picture) // 2]
+            else:
+                yield other if made.order == "size" else picture
+
+    made = Shown(**{"dead server": lambda: server._server.shutdown()})
+    with MjpegServer(parts) as server:
+        made.url = server.url
+        with robsim.Camera(server.url, fps=FPS, **PATIENCE) as made.frames:
+            yield made
 
 
 @contextmanager
 def played_file(rng):
-    made = Frames()
-    images, _ = sessions.driven()
     folder = tempfile.mkdtemp()  # a TemporaryDirectory would go with a forked child
     try:
+        whole, _ = pictures()
         for k in range(FILE_FRAMES):
-            Path(folder, f"{k:03d}.jpg").write_bytes(pictures()[0][k % len(images)])
+            Path(folder, f"{k:03d}.jpg").write_bytes(whole[k % len(whole)])
         with robsim.Camera(folder, fps=FPS, **PATIENCE) as camera:
-            made.frames = camera
-            yield made
+            yield Shown(camera)
     finally:
         shutil.rmtree(folder)
 
 
-class GeneratedFrames(Frames):
-    can = ("stall", "raises", "ends", "size", "order")
+@contextmanager
+def generator(rng):
+    released = threading.Event()
+    made = Shown()
 
-    def __init__(self):
-        super().__init__()
-        self.released = threading.Event()
-
-    def generate(self):
+    def generate():
         images, _ = sessions.driven()
         epoch = time.monotonic()
         for k in itertools.count():
-            time.sleep(DT)
+            time.sleep(1 / FPS)
             t = time.monotonic() - epoch
             image = images[k % len(images)]
-            if self.order == "raises":
+            if made.order == "raises":
                 raise ZeroDivisionError("of the fault")
-            if self.order == "ends":
+            if made.order == "ends":
                 return
-            if self.order == "stall":
-                self.released.wait(LONG)
-            if self.order == "size":
-                image = image[: OTHER_SIZE[1], : OTHER_SIZE[0]].copy()
-            if self.order == "order":
+            if made.order == "stall":
+                released.wait(LONG)
+            if made.order == "size":
+                image = odd(image)
+            if made.order == "order":
                 t = 0.0
             yield robsim.Frame(image, t=t, t_arrival=t, epoch=epoch, index=k)
 
-
-@contextmanager
-def generator(rng):
-    made = GeneratedFrames()
-    made.frames = made.generate()
+    made.frames = generate()
     try:
         yield made
     finally:
-        made.released.set()
+        released.set()
 
 
-MADE = {
-    "lab": simulated_lab,
-    "http": http_server,
-    "file": played_file,
-    "generator": generator,
-    "firewire": wired.firewire,
-    "gige": wired.gige,
-}
-CAN = {
-    "lab": LabFrames.can,
-    "http": ServedFrames.can,
-    "file": (),
-    "generator": GeneratedFrames.can,
-    **{kind: made.can for kind, made in wired.SERVED.items()},
-}
+def camera_of(kind, rng):
+    """Return the context of a camera of a kind."""
+    software = dict(
+        zip(SOFTWARE, (simulated_lab, http_server, played_file, generator), strict=True)
+    )
+    return software[kind](rng) if kind in software else wired.opened(kind, rng)

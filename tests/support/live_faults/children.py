@@ -5,14 +5,12 @@ import json
 import multiprocessing
 import os
 import random
-import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import threading
 import time
-import traceback
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -25,7 +23,7 @@ from robsim.sessions import Session
 from waiting import wait_for
 
 from . import cameras, robots, wired
-from .rounds import input_of
+from .rounds import check_frames, input_of, inputs_of
 
 LOST_AT_MOST = 1.0  # s, of a session that is killed
 HARD_LIMIT = 300  # s
@@ -60,159 +58,102 @@ class ChildRound:
 
     def __init__(self, number, seed, slack, kinds):
         self.rng = rng = random.Random(f"child {seed} {number}")
-        self.slack, self.failures = slack, []
+        self.slack, self.failures, self.late = slack, [], None
         self.end = list(ENDS)[number // EVERY % len(ENDS)]
         self.promise, self.code, self.last_line = ENDS[self.end]
         self.camera_kind = rng.choice([kind for kind in kinds if kind != "file"])
-        fits = robots.NATIVE if self.promise == "time to live" else ("udp", "serial", "python")
-        self.motors_kind = rng.choice(fits)
-        self.is_recorded = rng.random() < 0.6
-        self.has_with = rng.random() < 0.5
+        is_native = self.promise == "time to live"
+        self.motors_kind = rng.choice(robots.NATIVE if is_native else robots.KINDS)
+        self.is_recorded, self.has_with = rng.random() < 0.6, rng.random() < 0.5
         self.delay = rng.uniform(0, 0.8)
-        self.late = None
+        self.title = f"process: {self.end}"
+        self.kind = f"{self.camera_kind}, {self.motors_kind}{', recorded' * self.is_recorded}"
+
+    def check(self, is_right, text):
+        if not is_right:
+            self.failures.append(text)
 
     def run(self, folder):
-        robot = robots.LineRobot(self.motors_kind)
+        session = Path(folder, "session") if self.is_recorded else None
+        robot = robots.Robot(self.motors_kind)
         try:
             with self.served() as camera:
-                self.run_child(folder, robot, camera)
-            self.check_stop(robot)
+                self.run_child(session, robot, camera or wired.Shown())
+            wait_for(lambda: not robot.drives())
+            due = self.happened + robots.TTL * (self.promise == "time to live")
+            self.late = robot.stood() - due  # it drove
+            self.check(self.late <= self.slack, f"it stood {self.late:.3f} s too late")
             if self.is_recorded:
-                self.check_session(Path(folder, "session"), robot)
+                self.check_session(Session(session), robot)
         finally:
             robot.close()
 
     def served(self):
         """The camera that this process shows to the child, if it does."""
-        if self.camera_kind in wired.KINDS:
+        if self.camera_kind in wired.CAN:
             return wired.served(self.camera_kind, self.rng)
-        is_http = self.camera_kind == "http"
-        return cameras.http_server(self.rng) if is_http else nullcontext()
+        return cameras.http_server(self.rng) if self.camera_kind == "http" else nullcontext()
 
-    def run_child(self, folder, robot, camera):
+    def run_child(self, session, robot, camera):
         told = {
-            "end": self.end,
-            "k": self.rng.randrange(2, 20),
-            "camera": self.camera_kind,
-            "url": camera and camera.url,
-            "area": camera and camera.area,
-            "motors": self.motors_kind,
-            "address": robot.address,
-            "record": str(Path(folder, "session")) if self.is_recorded else None,
-            "has_with": self.has_with,
-            "seed": self.rng.randrange(1000),
-        }
+            "end": self.end, "k": self.rng.randrange(2, 20), "camera": self.camera_kind,
+            "url": camera.url, "area": camera.area, "motors": self.motors_kind,
+            "address": robot.address, "record": session and str(session),
+            "has_with": self.has_with, "seed": self.rng.randrange(1000),
+        }  # fmt: skip
         command = [sys.executable, "-W", "ignore", "-m", "live_faults.children", json.dumps(told)]
         with tempfile.TemporaryFile("w+") as errors:
-            process = subprocess.Popen(
-                command,
-                stdout=subprocess.PIPE,
-                stderr=errors,
-                text=True,
-                env=camera and camera.environment,
-            )
-            watch = threading.Timer(HARD_LIMIT, process.kill)
-            watch.start()
-            said = process.stdout.readline()
-            if said and (number := self.signal()):
-                time.sleep(self.delay)
-                if "stopped" in self.end:
-                    self.hold_for_a_while(process)
-                self.happened = time.monotonic()
-                process.send_signal(number)
-            elif said:
-                said = process.stdout.readline()
-                self.happened = float(said or "nan")
-            process.wait()
-            if not watch.is_alive():
-                self.failures.append("the child hung")
-            watch.cancel()
-            watch.join()
-            process.stdout.close()
+            pipes = {"stdout": subprocess.PIPE, "stderr": errors, "text": True}
+            with subprocess.Popen(command, env=camera.environment, **pipes) as process:
+                watch = threading.Timer(HARD_LIMIT, process.kill)
+                watch.start()
+                drives = process.stdout.readline()
+                names = [word.strip(",") for word in self.end.split() if word.startswith("SIG")]
+                if drives and names:
+                    self.send(process, getattr(signal, names[0]))
+                elif drives:
+                    self.happened = float(process.stdout.readline() or "nan")
+                process.wait()
+                self.check(watch.is_alive(), "the child hung")
+                watch.cancel()
+                watch.join()
             errors.seek(0)
             self.check_end(process.returncode, errors.read())
 
-    def hold_for_a_while(self, process):
-        """Nobody takes frames meanwhile: those that wait are overrun."""
-        process.send_signal(signal.SIGSTOP)
-        time.sleep(STOPPED)
-        process.send_signal(signal.SIGCONT)
+    def send(self, process, number):
         time.sleep(self.delay)
-
-    def signal(self):
-        """The signal that the parent sends, if it does."""
-        names = [word.strip(",") for word in self.end.split() if word.startswith("SIG")]
-        return getattr(signal, names[0]) if names else None
+        if "stopped" in self.end:  # nobody takes frames meanwhile: those that wait are overrun
+            process.send_signal(signal.SIGSTOP)
+            time.sleep(STOPPED)
+            process.send_signal(signal.SIGCONT)
+            time.sleep(self.delay)
+        self.happened = time.monotonic()
+        process.send_signal(number)
 
     def check_end(self, code, said):
         lines = said.strip().splitlines()
-        if code != self.code:
-            self.failures.append(f"exit code {code}, not {self.code}: {said[-3000:]}")
-        elif self.end == "end beside a run":  # a run that is cut off may tell of it
-            if "terminate" in said or said.count("Traceback") > 1:
-                self.failures.append(f"it said {said[-3000:]}")
-        elif bool(lines) != bool(self.last_line) or not any(
-            line.startswith(self.last_line) for line in ["", *lines][-2:]
-        ):
-            self.failures.append(f"it said {said[-3000:]}")
-        elif said.count("Traceback") > 1 or "Exception ignored" in said:
-            self.failures.append(f"it said more than the error: {said[-3000:]}")
+        text = f"exit code {code}, not {self.code}, or it said too much: {said[-3000:]}"
+        is_right = code == self.code and said.count("Traceback") <= 1
+        if self.end == "end beside a run":  # a run that is cut off may tell of it
+            is_right &= "terminate" not in said
+        else:
+            is_right &= bool(lines) == bool(self.last_line) and "Exception ignored" not in said
+            is_right &= any(line.startswith(self.last_line) for line in ["", *lines][-2:])
+        self.check(is_right, text)
 
-    def check_stop(self, robot):
-        wait_for(lambda: not robot.heard() or not any(robot.heard()[-1][1:]))
-        heard = robot.heard()
-        driving = [i for i, (_, *u) in enumerate(heard) if any(u)]
-        if not driving:
-            self.failures.append("it never drove")
-            return
-        due = self.happened + (robots.TTL if self.promise == "time to live" else 0)
-        self.late = heard[driving[-1] + 1][0] - due
-        if not self.late <= self.slack:
-            self.failures.append(f"it stood {self.late:.3f} s too late")
-
-    def check_session(self, folder, robot):
-        session = Session(folder)
+    def check_session(self, session, robot):
         sent = {round(u1, 4): t for t, u1, u2 in robot.heard() if u1 or u2}
+        times = [sent.get(round(u1, 4)) for u1, _ in inputs_of(4000)]
+        last = max((k for k, t in enumerate(times) if t is not None), default=-1)
+        before = self.happened - LOST_AT_MOST - self.slack
+        must = sum(t is not None and t < before for t in times)
         n = session.count
-        last = max((k for k in range(4000) if round(input_of(k)[0], 4) in sent), default=-1)
-        must = sum(
-            round(input_of(k)[0], 4) in sent
-            and sent[round(input_of(k)[0], 4)] < self.happened - LOST_AT_MOST - self.slack
-            for k in range(last + 1)
-        )
-        if not must <= n <= last + 2:
-            self.failures.append(f"the session has {n} steps of {last + 1}, at least {must}")
-        wanted = np.array([input_of(k) for k in range(n)]).reshape(-1, 2)
-        if not np.array_equal(session.trace.u, wanted):
-            self.failures.append("the inputs of the session are not those that were sent")
-        seen = sum(observation.frame is not None for observation in session)
-        left_out = sum(bool(row.left_out) for row in session._rows)
-        if seen + left_out != n:
-            self.failures.append(f"{seen} frames, {left_out} left out, of {n} steps")
-        if self.promise == "at once":
+        self.check(must <= n <= last + 2, f"the session has {n} steps of {last + 1}, not {must}")
+        self.check(np.array_equal(session.trace.u, inputs_of(n)), "inputs of the session")
+        check_frames(self, session)
+        if self.promise == "at once" and self.has_with:
             wrong = [text for text in session.problems if "left out" not in text]
-            if wrong and self.has_with:
-                self.failures.append(f"the session says: {wrong}")
-
-
-def play(number, seed, slack, kinds=cameras.SOFTWARE):
-    """Run a round with a child and a camera of these kinds; return what a line needs."""
-    made = ChildRound(number, seed, slack, kinds)
-    start, folder = time.monotonic(), tempfile.mkdtemp()
-    try:
-        made.run(folder)
-    except BaseException:
-        made.failures.append(traceback.format_exc())
-    shutil.rmtree(folder)
-    kind = f"{made.camera_kind}, {made.motors_kind}{', recorded' * made.is_recorded}"
-    return {
-        "round": number,
-        "fault": f"process: {made.end}",
-        "kind": kind,
-        "late": made.late,
-        "failures": made.failures,
-        "seconds": time.monotonic() - start,
-    }
+            self.check(not wrong, f"the session says: {wrong}")
 
 
 # The child.
@@ -243,7 +184,6 @@ def end_by_itself(end):
 def main(told):
     faulthandler.dump_traceback_later(HARD_LIMIT - 5)
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    rng = random.Random(told["seed"])
 
     def control(step):
         if step.k == told["k"]:
@@ -255,14 +195,11 @@ def main(told):
     if told["url"]:
         frames = gige_cameras.opened(told["url"], area=told["area"])
     else:
-        made = cameras.MADE[told["camera"]](rng)
-        frames = made.__enter__().frames
-    robot = robots.LineRobot.__new__(robots.LineRobot)
-    robot.kind, robot.address = told["motors"], told["address"]
-    motors = robot.motors()
+        opened = cameras.camera_of(told["camera"], random.Random(told["seed"]))
+        frames = opened.__enter__().frames
     experiment = robsim.Experiment(
         frames,
-        send=motors,
+        send=robots.motors_at(told["motors"], told["address"]),
         frame_timeout=300,
         area=(300, 300) if told["camera"] == "generator" else None,
         control=control,
@@ -276,11 +213,9 @@ def drive(told, experiment):
     if "step()" in told["end"]:
         while experiment.n_steps < max(told["k"], 3):
             experiment.step()
-        if told["end"] == "end after step()":
-            say()
-        else:
-            while True:  # a signal that comes just before a sleep does not end it
-                time.sleep(0.1)
+        while told["end"] != "end after step()":  # a signal just before a sleep does not end it
+            time.sleep(0.1)
+        say()
     elif told["end"] == "end beside a run":
         threading.Thread(target=experiment.run, args=(3000,), daemon=True).start()
         while experiment.n_steps < told["k"]:

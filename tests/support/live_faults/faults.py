@@ -5,7 +5,6 @@ import gc
 import os
 import resource
 import signal
-import threading
 import time
 import warnings
 from collections.abc import Callable
@@ -14,6 +13,7 @@ from dataclasses import dataclass
 from interpreter import keep_interpreter
 from robsim.capture import CaptureError
 from robsim.motors import LineError
+from waiting import wait_for
 
 from . import cameras, robots, wired
 
@@ -24,7 +24,7 @@ class OddError(BaseException):
 
 @dataclass(frozen=True)
 class Fault:
-    """`act(round)` is called in a callback, or in a thread of its own: see `may_come_any_time`.
+    """`act(round)` is called in a callback, or, if it may come at `any_time`, in another thread.
 
     `stands`: "at once", by the "watchdog" (frame_timeout after the newest frame that was taken), by
     its own "time to live" (of the link) since the fault, "after" a callback that holds the
@@ -36,10 +36,12 @@ class Fault:
     errors: tuple = ()
     stands: str = "at once"
     stands_in_python: str | None = None
-    cameras: tuple = cameras.KINDS
+    cameras: tuple = tuple(cameras.CAN)
     motors: tuple = robots.KINDS
+    any_time: bool = False
+    must_raise: bool = False
     is_cut: bool = False
-    is_recorded: bool | None = None
+    is_recorded: bool = False
     time_limit: float | None = None
     drive: Callable | None = None
 
@@ -47,20 +49,16 @@ class Fault:
         return (motors not in robots.NATIVE and self.stands_in_python) or self.stands
 
 
-def raising(error):
+def raising(name, error):
     def act(made):
         raise error
 
-    return act
+    return Fault(name, act, (type(error),), must_raise=True)
 
 
 def hold(made):
     keep_interpreter(made.frame_timeout + 0.3)
     made.marks["returned"] = time.monotonic()
-
-
-def fall_asleep(made):
-    time.sleep(made.frame_timeout + 0.3)
 
 
 def never_end(made):
@@ -70,34 +68,10 @@ def never_end(made):
     raise AssertionError("time_limit did not end a callback")
 
 
-def ctrl_c(made):
-    os.kill(os.getpid(), signal.SIGINT)
-
-
-def stop(made):
-    made.experiment.stop()
-
-
-def close_motors(made):
-    made.motors.close()
-
-
-def close_camera(made):
-    made.camera.frames.close()
-
-
-def cut_silently(made):
-    made.robot.cut(is_silent=True)
-
-
-def cut(made):
-    made.robot.cut(is_silent=False)
-
-
 def fail_to_send(count):
     def act(made):
         motors = made.motors
-        motors.error = made.rng.choice([OSError, SystemExit, KeyboardInterrupt, OddError])
+        motors.error = made.rng.choice(SEND_ERRORS)
         motors.failing = range(motors.calls + 1, motors.calls + 1 + count)
 
     return act
@@ -115,14 +89,7 @@ def fork(made):
                 atexit._run_exitfuncs()
         finally:
             os._exit(0)
-    end = time.monotonic() + cameras.LONG
-    while os.waitpid(child, os.WNOHANG) == (0, 0):
-        if time.monotonic() > end:
-            os.kill(child, signal.SIGKILL)
-            os.waitpid(child, 0)
-            made.failures.append("a forked child hung")
-            return
-        time.sleep(0.001)
+    wait_for(lambda: os.waitpid(child, os.WNOHANG) != (0, 0))
 
 
 def fill_disk(made):
@@ -138,8 +105,11 @@ def step_and_leave(made):
 
 
 def step_and_drop(made):
+    """A program forgets all that drives."""
     step_and_leave(made)
-    made.drop()
+    made.experiment = None
+    if made.motors_kind in robots.NATIVE:
+        made.motors = None
     gc.collect()
 
 
@@ -147,55 +117,52 @@ def nothing(made):
     pass
 
 
-IN_CALLBACK = (
-    Fault("exception", raising(ZeroDivisionError("of the fault")), (ZeroDivisionError,)),
-    Fault("odd exception", raising(OddError("of the fault")), (OddError,)),
-    Fault("SystemExit", raising(SystemExit(3)), (SystemExit,)),
-    Fault("KeyboardInterrupt", raising(KeyboardInterrupt()), (KeyboardInterrupt,)),
-    Fault("holds interpreter", hold, (TimeoutError,), "watchdog", "after"),
-    Fault("sleeps", fall_asleep, (TimeoutError,), "watchdog"),
-    Fault("endless", never_end, (TimeoutError,), "watchdog", time_limit=1.2),
-    Fault("fork", fork, (), "goes on"),
-)
-
-ANY_TIME = (
-    Fault("SIGINT", ctrl_c, (KeyboardInterrupt,)),
-    Fault("stop()", stop),
-    Fault("motors closed", close_motors, (LineError,), motors=(*robots.NATIVE, "recorded")),
-    Fault(
-        "camera closed", close_camera, (ValueError,), cameras=("lab", "http", "file", *wired.KINDS)
-    ),
-    Fault("line cut", cut, (LineError,), "time to live", motors=robots.NATIVE, is_cut=True),
-    Fault(
-        "line silent", cut_silently, (LineError,), "time to live", motors=robots.NATIVE, is_cut=True
-    ),
-    Fault(
-        "send fails once",
-        fail_to_send(1),
-        (OSError, SystemExit, KeyboardInterrupt, OddError),
-        motors=("python",),
-    ),
-    Fault(
-        "send fails thrice",
-        fail_to_send(3),
-        (OSError, SystemExit, KeyboardInterrupt, OddError),
-        motors=("python",),
-    ),
-    Fault("disk full", fill_disk, (), "goes on", is_recorded=True),
-)
-
-
 def of_camera(how, errors, stands="watchdog"):
-    return Fault(
-        f"camera: {how}",
-        lambda made: made.camera.go_wrong(how),
-        errors,
-        stands,
-        cameras=tuple(kind for kind, can in cameras.CAN.items() if how in can),
-    )
+    kinds = tuple(kind for kind, can in cameras.CAN.items() if how in can)
+    act = lambda made: made.camera.go_wrong(how)  # noqa: E731
+    return Fault(f"camera: {how}", act, errors, stands, cameras=kinds, any_time=True)
 
 
-OF_CAMERAS = (
+SEND_ERRORS = (OSError, SystemExit, KeyboardInterrupt, OddError)
+CLOSED_BY_HAND = ("lab", "http", "file", *wired.CAN)
+AT_ANY_TIME = {"any_time": True}
+OF_LINE = {"motors": robots.NATIVE, **AT_ANY_TIME}
+OF_SEND = {"motors": ("python",), **AT_ANY_TIME}
+
+#: A round has that of its number: who adds one in between moves the others.
+FAULTS = (
+    raising("exception", ZeroDivisionError("of the fault")),
+    raising("odd exception", OddError("of the fault")),
+    raising("SystemExit", SystemExit(3)),
+    raising("KeyboardInterrupt", KeyboardInterrupt()),
+    Fault("holds interpreter", hold, (TimeoutError,), "watchdog", "after", must_raise=True),
+    Fault(
+        "sleeps", lambda made: time.sleep(made.frame_timeout + 0.3), (TimeoutError,), "watchdog",
+        must_raise=True,
+    ),
+    Fault("endless", never_end, (TimeoutError,), "watchdog", time_limit=1.2, must_raise=True),
+    Fault("fork", fork, (), "goes on"),
+    Fault(
+        "SIGINT", lambda made: os.kill(os.getpid(), signal.SIGINT), (KeyboardInterrupt,),
+        must_raise=True, **AT_ANY_TIME,
+    ),
+    Fault("stop()", lambda made: made.experiment.stop(), **AT_ANY_TIME),
+    Fault("motors closed", lambda made: made.motors.close(), (LineError,), **OF_LINE),
+    Fault(
+        "camera closed", lambda made: made.camera.frames.close(), (ValueError,),
+        cameras=CLOSED_BY_HAND, **AT_ANY_TIME,
+    ),
+    Fault(
+        "line cut", lambda made: made.robot.cut(is_silent=False), (LineError,), "time to live",
+        is_cut=True, **OF_LINE,
+    ),
+    Fault(
+        "line silent", lambda made: made.robot.cut(is_silent=True), (LineError,), "time to live",
+        is_cut=True, **OF_LINE,
+    ),
+    Fault("send fails once", fail_to_send(1), SEND_ERRORS, **OF_SEND),
+    Fault("send fails thrice", fail_to_send(3), SEND_ERRORS, **OF_SEND),
+    Fault("disk full", fill_disk, (), "goes on", is_recorded=True, **AT_ANY_TIME),
     of_camera("stall", (TimeoutError,)),
     of_camera("unplug", (CaptureError,)),
     of_camera("torn", (TimeoutError, CaptureError)),
@@ -207,44 +174,11 @@ OF_CAMERAS = (
     of_camera("plugged in again", (CaptureError,)),
     of_camera("server starts anew", (CaptureError,)),
     of_camera("bus reset", (), "goes on"),
-    of_camera("bus loses power", (), "watchdog"),
+    of_camera("bus loses power", ()),
     of_camera("no channel", (CaptureError,)),
     of_camera("no bandwidth", (CaptureError,)),
-)
-
-ENDS = (
     Fault("file ends", nothing, (), "watchdog", cameras=("file",)),
     Fault("last step", nothing, (), "goes on"),
     Fault("left after step()", nothing, (), "watchdog", drive=step_and_leave),
     Fault("dropped after step()", nothing, (), drive=step_and_drop),
-)
-
-
-def may_come_any_time(fault):
-    return fault in ANY_TIME or fault in OF_CAMERAS
-
-
-FAULTS = (*IN_CALLBACK, *ANY_TIME, *OF_CAMERAS, *ENDS)
-
-
-def with_cameras(kinds):
-    """Return the faults that can be had with these kinds of cameras."""
-    return [fault for fault in FAULTS if set(fault.cameras) & set(kinds)]
-
-
-class LaterFault(threading.Thread):
-    """Lets something happen after a while, unless the round is over."""
-
-    def __init__(self, seconds, act):
-        super().__init__(name="fault", daemon=True)
-        self._seconds, self._act = seconds, act
-        self._is_over = threading.Event()
-        self.start()
-
-    def run(self):
-        if not self._is_over.wait(self._seconds):
-            self._act()
-
-    def end(self):
-        self._is_over.set()
-        self.join()
+)  # fmt: skip

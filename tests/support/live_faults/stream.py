@@ -27,18 +27,16 @@ def main():
     motors._keep = lambda u1, u2: 0.0  # it would grow
     with (
         robsim.Camera(EndlessCamera(image), area=(160, 120)) as camera,
-        robsim.Experiment(camera, send=motors, frame_timeout=60) as experiment,
+        robsim.Experiment(
+            camera, send=motors, frame_timeout=60, control=lambda step: (0.5, 0.2), measure=False
+        ) as experiment,
     ):
-        experiment.control = lambda step: (0.5, 0.2)
-        experiment.measure = lambda step: None
         experiment.run(frames // 5)
         before = resident()
         trace = experiment.run(frames - frames // 5)
         grown = resident() - before
-        counts = camera.counts
-    print(f"{len(trace)} steps, {grown / 1e6:.1f} MB more since the first {frames // 5}; {counts}")
-    assert len(trace) == frames
-    assert counts.delivered == frames
+    print(f"{len(trace)} steps, {grown / 1e6:.1f} MB more since the first {frames // 5}")
+    assert len(trace) == frames == camera.counts.delivered
     assert np.isfinite(trace.u).all()
     sys.exit(grown > ROOM + 2 * BYTES_PER_STEP * frames)
 

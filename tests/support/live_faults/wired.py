@@ -9,88 +9,76 @@ from needs import needs_extension
 from robsim.live import GigeServer, SimulatedLab, VirtualBus
 from waiting import wait_for
 
-KINDS = ("firewire", "gige")
+CAN = {
+    "firewire": (
+        *("stall", "unplug", "plugged in again"),
+        *("bus reset", "bus loses power", "no channel", "no bandwidth"),
+    ),
+    "gige": ("stall", "unplug", "plugged in again", "dead server", "server starts anew"),
+}
 SIZE = (160, 120)  # px
 FPS = {"firewire": 30, "gige": 50}
 LONG = 300  # s
 
 
-class ServedLab:
-    """A simulated lab that a bus or a server shows: `url` opens it, in a process that sees it."""
+class Shown:
+    """What an Experiment takes, its `frames`, and the acts by which that goes wrong."""
 
-    can = ()
+    url = area = environment = None
 
-    def __init__(self, lab):
-        self.lab = lab
-        self.area = lab.area
-        self.frames = None
-        self.environment = dict(os.environ)
+    def __init__(self, frames=None, **acts):
+        self.frames, self.acts, self.order = frames, acts, None
 
     def go_wrong(self, how):
-        """Let something happen now."""
-        self.acts()[how]()
+        """Let it happen now, or with the next frame."""
+        self.order = how
+        self.acts.get(how, lambda: None)()
 
 
-class OnFireWire(ServedLab):
-    can = (
-        *("stall", "unplug", "plugged in again"),
-        *("bus reset", "bus loses power", "no channel", "no bandwidth"),
-    )
-    url = "firewire://"
+@contextmanager
+def on_firewire(lab):
+    with VirtualBus(lab) as bus:
 
-    def __init__(self, lab):
-        super().__init__(lab)
-        self.bus = VirtualBus(lab)
-        self.environment = self.bus.environment
-        self.close = self.bus.close
+        def replug(**refused):
+            bus.refuse(**refused)
+            bus.unplug()
+            bus.plug_in()
 
-    def acts(self):
-        return {
-            "stall": lambda: self.bus.stall(LONG),
-            "unplug": self.bus.unplug,
-            "plugged in again": self.replug,
-            "bus reset": self.bus.reset,
-            "bus loses power": lambda: self.bus.reset(power_fails=True),
-            "no channel": lambda: self.replug(channels=True),
-            "no bandwidth": lambda: self.replug(bandwidth=True),
+        made = Shown(stall=lambda: bus.stall(LONG), unplug=bus.unplug)
+        made.acts |= {
+            "plugged in again": replug,
+            "bus reset": bus.reset,
+            "bus loses power": lambda: bus.reset(power_fails=True),
+            "no channel": lambda: replug(channels=True),
+            "no bandwidth": lambda: replug(bandwidth=True),
         }
-
-    def replug(self, **refused):
-        self.bus.refuse(**refused)
-        self.bus.unplug()
-        self.bus.plug_in()
+        made.url, made.environment = "firewire://", bus.environment
+        yield made
 
 
-class OnGige(ServedLab):
-    can = ("stall", "unplug", "plugged in again", "dead server", "server starts anew")
+@contextmanager
+def on_gige(lab):
+    servers = [GigeServer(lab)]
 
-    def __init__(self, lab):
-        super().__init__(lab)
-        self.server = GigeServer(lab)
-        self.url = self.server.url
+    def replug():
+        lab.unplug()
+        lab.plug_in()
 
-    def acts(self):
-        return {
-            "stall": lambda: self.lab.stall(LONG),
-            "unplug": self.lab.unplug,
-            "plugged in again": self.replug,
-            "dead server": self.close,
-            "server starts anew": self.start_anew,
-        }
+    def start_anew():
+        servers[-1].close()
+        servers.append(GigeServer(lab))
 
-    def replug(self):
-        self.lab.unplug()
-        self.lab.plug_in()
-
-    def start_anew(self):
-        self.close()
-        self.server = GigeServer(self.lab)
-
-    def close(self):
-        self.server.close()
-
-
-SERVED = {"firewire": OnFireWire, "gige": OnGige}
+    made = Shown(stall=lambda: lab.stall(LONG), unplug=lab.unplug)
+    made.acts |= {
+        "plugged in again": replug,
+        "dead server": servers[0].close,
+        "server starts anew": start_anew,
+    }
+    made.url = servers[0].url
+    try:
+        yield made
+    finally:
+        servers[-1].close()
 
 
 @contextmanager
@@ -100,13 +88,10 @@ def served(kind, rng):
     faults = robsim.live.CameraFaults()
     if rng.random() < 0.5:
         faults = robsim.live.CameraFaults(dropped=0.1, repeated=0.1, torn=0.1)
-    turn = gige_cameras.alone() if kind == "gige" else nullcontext()
-    with turn, SimulatedLab(scenario, fps=FPS[kind], faults=faults) as lab:
-        made = SERVED[kind](lab)
-        try:
-            yield made
-        finally:
-            made.close()
+    turn, show = (gige_cameras.alone(), on_gige) if kind == "gige" else (nullcontext(), on_firewire)
+    with turn, SimulatedLab(scenario, fps=FPS[kind], faults=faults) as lab, show(lab) as made:
+        made.area = lab.area
+        yield made
 
 
 @contextmanager
@@ -118,21 +103,10 @@ def opened(kind, rng):
             wait_for(needs_extension("firewire").cameras)
         options = {"frame_timeout": 0.3, "reopen": rng.random() < 0.5}
         try:
-            with gige_cameras.opened(made.url, area=made.area, **options) as camera:
-                made.frames = camera
+            with gige_cameras.opened(made.url, area=made.area, **options) as made.frames:
                 yield made
         finally:
             os.environ.pop("ROBSIM_VIRTUAL_BUS", None)
-
-
-def firewire(rng):
-    """Read a camera on FireWire in this process."""
-    return opened("firewire", rng)
-
-
-def gige(rng):
-    """Read a camera of GigE Vision in this process."""
-    return opened("gige", rng)
 
 
 def with_bus():
