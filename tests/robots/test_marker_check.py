@@ -1,7 +1,5 @@
 """Whether the markers of a robot are seen: one thing wrong at a time."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -49,13 +47,6 @@ def test_a_marker_of_another_colour(picture):
     assert "Y 103, U 87, V 68, but blue is Y 0..255, U 154..255, V 0..140" in problem
 
 
-def test_a_transparent_marker(picture):
-    clear = filled(picture, RED, (*COLORS["red"][:3], 0))
-    (problem,) = check_colors(robot(clear)).sentences
-    assert "right marker (red): 0.0 %" in problem
-    assert "Y 128, U 128, V 128" in problem
-
-
 def test_other_colours(picture):
     classes = (ColorClass("red", v=(240, 255)), *load_colors()[1:])
     (problem,) = check_colors(robot(picture), classes).sentences
@@ -72,14 +63,9 @@ def test_markers_that_are_too_small(picture):
     assert blue.startswith("left marker (blue): it is too small")
 
 
-def test_a_polygon_beside_its_blob(picture):
+def test_a_polygon_beside_its_blob_or_larger_or_smaller(picture):
     (problem,) = check_colors(robot(picture, red=RED + np.array((20, 0)))).sentences
-    assert problem.startswith("right marker (red): ")
-    assert "at (279.5, 279.5)" in problem
     assert "6.0 px of the work area from" in problem
-
-
-def test_a_polygon_larger_or_smaller_than_its_blob(picture):
     (problem,) = check_colors(robot(picture, red=box(257, 257, 302, 302))).sentences
     assert problem.startswith("right marker (red): ")
     assert "has 576 px of the work area, its polygon 182" in problem
@@ -99,20 +85,6 @@ def test_the_smallest_markers_that_are_seen(picture):
     red, blue = box(250, 200, 250 + side, 200 + side), box(83, 200, 83 + side, 200 + side)
     small = robot(painted(red, blue), size=24.0, red=red, blue=blue)
     assert check_colors(small).ok
-
-
-def test_a_small_picture_of_a_large_robot():
-    image = painted(box(24, 24, 31, 31), box(8, 24, 15, 31), size=(40, 40))
-    small = robot(
-        image, red=box(23.5, 23.5, 31.5, 31.5), blue=box(7.5, 23.5, 15.5, 31.5), outline=EDGE / 10
-    )
-    assert check_colors(small).ok
-    assert check_colors(replace(small, size=400.0)).ok
-
-
-def test_a_colour_file_that_is_missing(picture, tmp_path):
-    with pytest.raises(FileNotFoundError):
-        check_colors(robot(picture), tmp_path / "none.toml")
 
 
 def test_a_marker_that_only_the_light_shows(picture):

@@ -17,12 +17,6 @@ def drive(robot, *, steps=60, **options):
     return sim.run(steps)
 
 
-def test_they_ship():
-    assert robsim.robots.robot_names()[:3] == NAMES
-    for name in NAMES:
-        assert robsim.load_robot(name).name == name
-
-
 # --- the definitions
 
 
@@ -113,9 +107,3 @@ def test_the_lab_robots_locator_never_finds_it(name):
         assert trace.tracking().seen == 0
         for centroids in trace.blobs.values():
             assert np.isfinite(centroids[:, 0]).all()
-
-
-@pytest.mark.parametrize("name", OTHERS)
-def test_it_is_far_from_the_lab_robot(name):
-    lab, other = robsim.load_robot("lab").marker_layout(), robsim.load_robot(name).marker_layout()
-    assert abs(other.distance / lab.distance - 1) > 2 * lab.distance_tolerance
