@@ -9,12 +9,16 @@ import numpy as np
 import robsim
 from robsim.grading import Limits
 from robsim.grading._graded_run import all_here, graded_run
+from robsim.grading._isolation._layers import layer as layer
 from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import Rules, read_submission
 from robsim.grading._tasks.task import Task
 
 if sys.platform != "win32":
     from robsim.grading._isolation._processes import zygotes
+if sys.platform == "linux":
+    from robsim.grading._isolation._layers import landlock as landlock
+    from robsim.grading._isolation._layers import users as users
 
 #: Minutes: honest code never comes to them, on a busy machine neither.
 PATIENT = Limits(call=300.0, first_call=300.0, run=600.0, cpu=300.0)

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
+import graded
 from robsim.grading import Limits, _isolation
 
 MINUTES = 300.0  # s: nothing here waits for so long, on a busy machine neither
@@ -29,9 +30,7 @@ def run(channel, memory):
 def _no_zygote_is_left():
     yield
     if sys.platform != "win32":
-        from robsim.grading._isolation._processes.zygotes import close_zygotes
-
-        close_zygotes()
+        graded.zygotes.close_zygotes()
 
 
 @pytest.fixture

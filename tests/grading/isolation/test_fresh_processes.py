@@ -6,7 +6,6 @@ import threading
 import pytest
 
 from robsim.grading import IsolationError, check_isolation
-from robsim.grading._isolation import _start
 
 pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="not on Windows"),
@@ -16,7 +15,7 @@ pytestmark = [
 
 @pytest.fixture(autouse=True)
 def _no_zygote(monkeypatch):
-    monkeypatch.setattr(_start, "HAS_ZYGOTE", False)
+    monkeypatch.setattr("robsim.grading._isolation._start.HAS_ZYGOTE", False)
     yield
     for thread in threading.enumerate():
         if thread.name == "robsim keeper":

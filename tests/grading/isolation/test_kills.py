@@ -13,13 +13,11 @@ from pathlib import Path
 
 import pytest
 
+import graded
 from graded import assert_same_trace
 from red_team import HONEST
 from red_team.ground import SCENARIO, ground, more_left
 from robsim.grading import GradingError
-from robsim.grading._isolation import _process
-from robsim.grading._isolation._processes import zygotes as _zygotes
-from robsim.grading._isolation._processes.zygotes import close_zygotes
 from sizes import thorough
 from waiting import wait_for
 
@@ -39,7 +37,7 @@ KILLED = {
 
 
 def zygotes():
-    return list(_zygotes._zygotes.values())
+    return list(graded.zygotes._zygotes.values())
 
 
 def gone(process):
@@ -73,7 +71,7 @@ def split(process):
 
 
 def test_a_killed_worker_is_said_and_a_killed_zygote_takes_its_workers_along(worker, ended):
-    close_zygotes()
+    graded.zygotes.close_zygotes()
     with worker(WAITS) as (started, channel):
         channel.recv(1)
         (zygote,) = zygotes()
@@ -94,7 +92,7 @@ def test_a_killed_worker_is_said_and_a_killed_zygote_takes_its_workers_along(wor
 
 
 def test_a_zygote_that_hangs_is_killed_and_replaced(worker, ended, monkeypatch):
-    monkeypatch.setattr(_process, "_END", 0.2)
+    monkeypatch.setattr("robsim.grading._isolation._process._END", 0.2)
     with worker(WAITS) as (started, channel):
         channel.recv(1)
         for zygote in zygotes():
@@ -105,22 +103,27 @@ def test_a_zygote_that_hangs_is_killed_and_replaced(worker, ended, monkeypatch):
     assert ended("print(1)")[1] == "1\n"
 
 
-def test_closing_ends_workers_and_folders(worker):
+def test_closing_ends_workers_and_folders_and_a_fork_has_zygotes_of_its_own(worker):
     with worker(WAITS) as (started, channel):
         channel.recv(1)
+        before = [zygote.process for zygote in zygotes()]
         bases = [zygote.base for zygote in zygotes()]
-        close_zygotes()
+        child = os.fork()
+        if child == 0:
+            os._exit(len(zygotes()))
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+        assert [zygote.process for zygote in zygotes()] == before
+        graded.zygotes.close_zygotes()
         assert started.wait(300).over
     assert not [base for base in bases if os.path.exists(base)]
 
 
 def test_a_zygote_that_is_killed_while_it_ends_a_user_loses_no_user(ended, monkeypatch):
-    from robsim.grading._isolation._layers import users
-
+    users = graded.users
     user = users.take_user()
     if user is None:
         pytest.skip(users.reason())
-    plain, killed = _zygotes.ZygoteProcess.end_user, []
+    plain, killed = graded.zygotes.ZygoteProcess.end_user, []
 
     def end_user(zygote, number):
         if not killed:
@@ -129,23 +132,12 @@ def test_a_zygote_that_is_killed_while_it_ends_a_user_loses_no_user(ended, monke
             wait_for(lambda: gone(zygote.process))
         plain(zygote, number)
 
-    monkeypatch.setattr(_zygotes.ZygoteProcess, "end_user", end_user)
-    close_zygotes()
-    _zygotes.lose_user(user)
+    monkeypatch.setattr(graded.zygotes.ZygoteProcess, "end_user", end_user)
+    graded.zygotes.close_zygotes()
+    graded.zygotes.lose_user(user)
     assert ended("print(1)")[1] == "1\n"
     assert killed
     assert user not in users._taken
-
-
-def test_a_forked_grader_has_zygotes_of_its_own(ended):
-    ended("print(1)")
-    before = [zygote.process for zygote in zygotes()]
-    child = os.fork()
-    if child == 0:
-        os._exit(len(zygotes()))
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
-    assert [zygote.process for zygote in zygotes()] == before
-    assert ended("print(2)")[1] == "2\n"
 
 
 def test_a_socket_that_is_held_keeps_nothing_alive(worker):
@@ -190,7 +182,7 @@ def test_a_run_gives_its_bytes_or_says_what_was_killed(tmp_path, rng):
         assert_same_trace(place.outcome(HONEST).trace, first)
         # Those zygotes are others.
         assert more_left({**before, "of zygotes": []}, {**place.left(), "of zygotes": []}) == {}
-    close_zygotes()
+    graded.zygotes.close_zygotes()
 
 
 GRADER = """
@@ -198,7 +190,7 @@ import sys
 from pathlib import Path
 from red_team import HONEST
 from red_team.ground import ground
-from robsim.grading._isolation._processes import zygotes
+from graded import zygotes
 with ground(Path(sys.argv[1])) as place:
     while True:
         place.outcome(HONEST)

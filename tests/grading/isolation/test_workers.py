@@ -1,14 +1,12 @@
 """A worker is started, does its work, is limited, and ends; how it ended is said in words."""
 
 import os
-import socket
 import sys
 import threading
 
 import pytest
 
 from robsim.grading import Limits
-from robsim.grading._isolation import start_worker
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
 
@@ -37,8 +35,6 @@ def test_how_a_worker_ended_is_said_in_words(ended):
     ):
         ending, _ = ended(source)
         assert ending.text == text
-        assert ending.over
-        assert ending.cpu_seconds >= 0
         assert ending.max_rss > 1 << 20
         assert not ending.left
 
@@ -124,8 +120,7 @@ def test_nothing_of_the_grader_is_in_a_worker(ended, monkeypatch):
 
 
 def test_limits_are_limited():
-    least = {"memory": 64 << 20, "output": 0, "file_size": 0, "folder_size": 0, "open_files": 16}
-    least |= {"threads": 1, "submission_files": 1, "submission_size": 1, "submission_file_size": 1}
+    least = {"memory": 64 << 20, "output": 0, "open_files": 16, "threads": 1, "submission_files": 1}
     for name, value in least.items():
         assert getattr(Limits(**{name: value}), name) == value
         with pytest.raises(ValueError, match=rf"\b{name}\b"):
@@ -137,15 +132,11 @@ def test_limits_are_limited():
                 Limits(**{name: value})
 
 
-def test_what_cannot_be_started_is_refused():
-    ours, theirs = socket.socketpair()
-    with ours, theirs:
-        for name, wrong in (("isolation", {"isolation": "Auto"}), ("entry", {"entry": "a"})):
-            with pytest.raises(ValueError, match=name):
-                start_worker(**{"entry": "a:b", "channel": theirs} | wrong)
+def test_another_isolation_is_refused(worker):
+    with pytest.raises(ValueError, match="isolation"), worker("", isolation="Auto"):
+        pass
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
 def test_a_grader_may_have_many_files_open(ended):
     """Numbers of descriptors above those that select() takes."""
     import resource

@@ -11,8 +11,7 @@ from hypothesis import given
 
 from fuzzing import LONGEST_MESSAGE, SEEDS, fuzzed
 from robsim.grading import SubmissionError
-from robsim.grading._submissions import SubmissionFiles, read_submission
-from submissions import BOTH, PLAIN
+from submissions import BOTH, PLAIN, SubmissionFiles, read_submission
 
 pytestmark = [pytest.mark.fuzz, pytest.mark.filterwarnings("ignore:Duplicate name")]
 
@@ -63,29 +62,10 @@ def mutated(rng, content):
 
 
 NAMES = [
-    "control.py",
-    "measure.py",
-    "a/control.py",
-    "helper.py",
-    "../x",
-    "a\\b",
-    "CONTROL.PY",
-    "con",
-    "x.ipynb",
-    "\u202e",
-    "a" * 141,
-    "/abs",
-    "__MACOSX/x",
-    "\xe9",
-    "e\u0301",
-    ".hidden",
-    "a//b",
-    "./c",
-    "z.zip",
-    "",
+    *("control.py", "measure.py", "a/control.py", "helper.py", "../x", "a\\b", "CONTROL.PY", "con"),
+    *("x.ipynb", "\u202e", "a" * 141, "/abs", "__MACOSX/x", "\xe9", "e\u0301", ".hidden", "a//b"),
+    *("./c", "z.zip", ""),
 ]
-
-
 CONTENTS = [PLAIN, "", "x" * 5000, "def (", "\0", "import helper"]
 
 

@@ -9,8 +9,7 @@ import zipfile
 
 import pytest
 
-from robsim.grading._submissions import Rules, read_submission
-from submissions import CONTROL, PLAIN, packed, refused
+from submissions import CONTROL, PLAIN, Rules, packed, read_submission, refused
 
 
 def entry(name, mode=stat.S_IFREG | 0o644, **others):

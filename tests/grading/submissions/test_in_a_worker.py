@@ -79,10 +79,3 @@ def test_what_is_masked_is_told_in_a_worker(tmp_path):
     error = failure(write(tmp_path / "s001", control=source), masked=["robsim.reference"])
     assert (error.step, error.file, error.line) == (0, "control.py", 5)
     assert "robsim.reference is not there" in str(error)
-
-
-def test_a_long_message_is_short(tmp_path):
-    source = "def control(step):\n    raise ValueError('\\x1b[31m' + 'x' * 10**7)\n"
-    error = failure(write(tmp_path / "s001", control=source))
-    assert "line 2: ValueError: \\x1b[31mxxx" in str(error)
-    assert len(str(error)) < 500

@@ -2,8 +2,19 @@
 
 import pytest
 
-from robsim.grading._submissions import Rules, SubmissionFiles, read_submission
-from submissions import BOTH, CONTROL, PLAIN, answer, notebook, packed, refused, write
+from submissions import (
+    BOTH,
+    CONTROL,
+    PLAIN,
+    Rules,
+    SubmissionFiles,
+    answer,
+    notebook,
+    packed,
+    read_submission,
+    refused,
+    write,
+)
 
 DRIVE = "from gains import GAIN\n\n\ndef control(step):\n    return GAIN, GAIN\n"
 
@@ -17,8 +28,8 @@ def test_a_folder_a_zip_a_file_and_a_notebook_are_one_submission(tmp_path):
     assert answer(packed(tmp_path / "s003.zip", in_folders)) == (3, 3)
     (tmp_path / "s004.v2.py").write_text(PLAIN)
     assert answer(tmp_path / "s004.v2.py") == (1, 2)
-    (tmp_path / "control.py").write_text(PLAIN)
-    assert answer(tmp_path / "control.py") == (1, 2)
+    (tmp_path / "S008.PY").write_text(PLAIN)
+    assert answer(tmp_path / "S008.PY") == (1, 2)
     assert answer(notebook(tmp_path / "s005.ipynb", PLAIN)) == (1, 2)
     assert answer(packed(tmp_path / "s006.zip", {"mine.py": PLAIN})) == (1, 2)
     beside = packed(tmp_path / "s007.zip", {"gains.py": "GAIN = 3.0"})
@@ -43,14 +54,6 @@ def test_a_folder_with_a_zip_is_that_zip_as_platforms_hand_it_out(tmp_path):
     assert "is an archive inside" in str(refused(tmp_path / "s002.zip"))
 
 
-def test_suffixes_of_any_case(tmp_path):
-    (tmp_path / "S001.PY").write_text(PLAIN)
-    notebook(tmp_path / "S002.IPYNB", PLAIN)
-    packed(tmp_path / "S003.ZIP", {"control.py": PLAIN})
-    for name in ("S001.PY", "S002.IPYNB", "S003.ZIP"):
-        assert answer(tmp_path / name) == (1, 2)
-
-
 def test_what_a_submission_is_stands_in_it(tmp_path):
     folder = write(tmp_path / "s001", control=PLAIN, measure="def measure(step): ...\n")
     (folder / "table.csv").write_text("1,2")
@@ -64,13 +67,6 @@ def test_what_a_submission_is_stands_in_it(tmp_path):
     assert "measure.py" in only.notes[0]
 
 
-def test_files_reach_the_scratch_folder(tmp_path):
-    files = {"control.py": PLAIN, "data/table.csv": "1,2"}
-    found = read_submission(packed(tmp_path / "s001.zip", files), CONTROL)
-    found.write_to(tmp_path / "scratch")
-    assert (tmp_path / "scratch/data/table.csv").read_text() == "1,2"
-
-
 def test_a_misspelled_name_is_told(tmp_path):
     folder = write(tmp_path / "s001", contrl=PLAIN, other="")
     assert "contrl.py" in str(refused(folder))
@@ -78,12 +74,9 @@ def test_a_misspelled_name_is_told(tmp_path):
     error = refused(folder, BOTH)
     assert "measure.py" in str(error)
     assert error.file == "measur.py"
-
-
-def test_a_helper_that_resembles_a_slot_is_a_helper(tmp_path):
     control = "from measurement import GAIN\n\n\ndef control(step):\n    return GAIN, GAIN\n"
-    folder = write(tmp_path / "s001", control=control, measurement="GAIN = 2")
-    assert answer(folder, BOTH) == (2, 2)
+    helps = write(tmp_path / "s003", control=control, measurement="GAIN = 2")  # it resembles one
+    assert answer(helps, BOTH) == (2, 2)
 
 
 def test_helpers_that_would_not_be_found_are_told(tmp_path):
@@ -149,13 +142,6 @@ def test_what_is_no_python_is_told_with_its_line(tmp_path):
         assert str(error).isprintable()
         assert len(str(error)) < 500
         assert error.file == "control.py"
-
-
-@pytest.mark.long
-def test_a_table_of_many_numbers_is_python(tmp_path):
-    numbers = ", ".join(f"{i}.25" for i in range(30_000))
-    folder = write(tmp_path / "s001", control=f"TABLE = [{numbers}]\n{PLAIN}")
-    assert answer(folder) == (1, 2)
 
 
 def test_a_helper_that_nobody_imports_may_be_broken(tmp_path):
