@@ -114,16 +114,18 @@ class Bench:
         return f"C++ {failed[1]}" if failed else f"C++ tests: exit status {done.returncode}"
 
     def caught_by(self, tests: Path, fault: Fault) -> str | None:
-        """Return the first test that fails: of all quick ones, then of related long ones."""
-        if (found := self.core_tests()) is not None:
-            return found
-        if (found := self._pytest(tests, "not slow and not long", ["tests"])) is not None:
+        """Return the first test that fails: of the fault's folders, of all, of its long ones."""
+        if fault.file.startswith("cpp") and (found := self.core_tests()) is not None:
             return found
         rooms = [part for part in Path(fault.file).parts[:-1] if part in _RELATED]
         room = rooms[0] if rooms else Path(fault.file).parts[2]
         folders = [f"tests/{one}" for one in _RELATED.get(room, room).split()]
         folders = [folder for folder in folders if (tests / folder).is_dir()]
-        return self._pytest(tests, "slow or long", folders) if folders else None
+        quick, others = "not slow and not long", "slow or long"
+        for marks, where in ((quick, folders), (quick, ["tests"]), (others, folders)):
+            if where and (found := self._pytest(tests, marks, where)) is not None:
+                return found
+        return None
 
     def _pytest(self, root: Path, marks: str, folders: list[str]) -> str | None:
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-n", "2", "-p", "no:cacheprovider"]
