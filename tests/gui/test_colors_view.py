@@ -91,14 +91,10 @@ def test_what_is_wrong_is_said_and_changes_nothing(view):
     for kind, fields, said in (
         ("region", {"region": [40, 0, 45, 9], "keep": 0}, "grey"),
         ("region", {"region": [70, 0, 99, 9], "keep": 0}, "region"),
-        ("region", {"region": [70, 0, 99], "keep": 0}, "region"),
         ("ranges", {"ranges": [[9, 3], [0, 9], [0, 9]]}, "y"),
-        ("thresholds", {"text": "[red"}, "thresholds"),
         ("thresholds", {"text": "[red]\ny = [0, 300]"}, "within 0..255"),
         ("thresholds", {"text": "x" * 9000}, "a text of up to"),
-        ("set", {"name": "margin", "value": 999}, "margin"),
         ("set", {"name": "nothing", "value": 5}, "'nothing'"),
-        ("choose", {"name": ""}, "name"),
         ("look", {"k": 3}, "picture 3"),
         ("save", {"file": "/dev/null/colors.toml"}, "/dev/null"),
     ):
@@ -150,19 +146,6 @@ def test_a_camera_is_shown_live_until_it_is_frozen(tmp_path):
         assert not [one for one in threading.enumerate() if one.name == "robsim pictures"]
 
 
-def test_options_count_for_a_class_that_is_not_there_yet(view, browser):
-    view.training.replace([])
-    image = view.picture.frame.image if view.picture else picture()
-    grey = (40, 0, 45, 9)
-    browser.say("region", region=[*grey], keep=0)
-    assert "grey" in browser.take("note", level="error")[0]["text"]
-    browser.say("set", name="limit_y", value=True)
-    browser.say("region", region=[*grey], keep=0)
-    settled(view)
-    expected = ColorClass.from_region(image, grey, name=view.state()["chosen"], limit_y=True)
-    assert view.training.value == (expected,)
-
-
 def test_each_class_has_the_colour_that_it_is_painted_in(view, browser):
     view.training.replace([ColorClass("c1"), ColorClass("c2"), ColorClass("red")])
     colors = [one["css"] for one in view.state()["classes"]]
@@ -191,12 +174,3 @@ def test_a_source_that_ends_says_why(tmp_path):
         browser = FakeBrowser(tool._view, 80)
         panel.close()
         browser.take("state", over="the panel of the run was closed", state="paused")
-
-
-def test_a_camera_that_is_closed_says_so(tmp_path):
-    save_image(tmp_path / "0.png", picture())
-    camera = robsim.Camera(tmp_path, fps=100)
-    camera.close()
-    with robsim.gui.color_panel(camera, file=tmp_path / "c.toml") as tool:
-        wait_for(lambda: "closed" in tool._view._over)
-        assert "closed" in FakeBrowser(tool._view, 80).take("state")[0]["over"]

@@ -8,8 +8,7 @@ import threading
 import pytest
 
 import robsim
-from browsers import panel_of
-from robsim.gui._hosts.page import Page
+from browsers import Page, panel_of
 from small_runs import SOON, done, experiment, frames, robsim_threads, simulation
 from threads import in_thread
 from waiting import wait_for

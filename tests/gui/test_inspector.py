@@ -38,13 +38,9 @@ def test_the_newest_step_is_shown_level_by_level(simulation):
         assert step["parameters"]["text"].startswith("3 x 5 values: ")
         assert step["estimate"]["kind"] == "none"
         assert step["blobs"]["text"] == "dict of 2: blue, red"
-        _, red = tree(browser, "blobs", "red")
-        assert red["[0]"]["more"]
         _, blob = tree(browser, "blobs", "red", "[1]")
         wanted = simulation.last_step.blobs["red"][1]
         assert blob["area"]["text"] == str(wanted.area)
-        _, detection = tree(browser, "detection")
-        assert "explanation" in detection
         _, estimator = tree(browser, "estimator")
         assert estimator["forgetting"]["text"] == "1"
 
@@ -75,7 +71,6 @@ def test_a_past_step_has_what_the_trace_and_its_frame_have(simulation):
         assert step["t"]["text"] == f"{trace.t[3]:.6g}"
         assert step["u"]["text"] == "[" + ", ".join(f"{volt:.6g}" for volt in trace.u[3]) + "]"
         _, pose = tree(browser, "measurement", k=3)
-        assert pose["pose"]["text"].startswith(f"[{trace.pose_measured[3, 0]:.6g}")
         assert pose["pose"]["full"] == str(trace.pose_measured[3].tolist())
         _, frame = tree(browser, "frame", k=3)
         assert frame["image"]["text"].startswith("1200 x 1200 x 3 values (uint8): ")
@@ -116,35 +111,18 @@ def test_while_a_callback_keeps_the_step_the_rest_is_shown():
 class Foreign:
     """An object of a user's, whose code must not run."""
 
-    def __init__(self):
-        self.gain = 0.5
-        self.history = [np.zeros(2)] * 3
-        self.me = self
+    def __getattribute__(self, *_):
+        raise AssertionError("asked for an attribute, a text, a length or items")
 
-    @property
-    def costly(self):
-        raise AssertionError("asked for a property")
-
-    def __repr__(self):
-        raise AssertionError("asked for a text")
-
-    def __getattribute__(self, name):
-        raise AssertionError("asked for an attribute")
+    __repr__ = __len__ = __iter__ = __getattribute__
 
 
 class OwnList(list):
-    def __len__(self):
-        raise AssertionError("asked for the length")
-
-    def __iter__(self):
-        raise AssertionError("asked for the items")
+    __len__ = __iter__ = vars(Foreign)["__len__"]
 
 
 class OwnDict(dict):
-    __len__ = OwnList.__len__
-
-    def items(self):
-        raise AssertionError("asked for the items")
+    __len__ = items = vars(Foreign)["__len__"]
 
 
 def test_of_foreign_objects_only_what_they_store_is_looked_at():

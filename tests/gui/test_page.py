@@ -8,9 +8,8 @@ from types import SimpleNamespace
 import pytest
 
 import robsim
+from browsers import Page, PanelView
 from page_client import Client, connected, greeted, request
-from robsim.gui._hosts.page import Page
-from robsim.gui._panel.view import PanelView
 from small_runs import robsim_threads
 from waiting import wait_for
 
@@ -39,17 +38,15 @@ def test_the_files_come_with_headers_that_keep_others_out(page):
 
 
 @pytest.mark.long
-def test_a_page_is_told_everything_and_gets_frames(page):
-    with greeted(page) as client:
+def test_two_pages_are_told_the_same_and_get_frames(page):
+    with greeted(page) as client, greeted(page) as other:
         head, (picture,) = client.hear("frame")
-        assert head["n"] == 1
-        assert picture[:2] == b"\xff\xd8"
+        assert (head["n"], picture[:2]) == (1, b"\xff\xd8")
         client.say(type="press", button="start")
         ks = [client.hear("frame")[0]["k"] for _ in range(3)]
         assert ks == sorted(set(ks))
-        with greeted(page) as other:  # shows the same
-            while other.hear("frame")[0]["k"] < ks[-1]:
-                pass
+        while other.hear("frame")[0]["k"] < ks[-1]:
+            pass
 
 
 def test_a_page_that_does_not_read_is_cut_off_and_nothing_waits(page, monkeypatch):

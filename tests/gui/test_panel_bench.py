@@ -1,19 +1,13 @@
 """The measurement of the panel: what is read back from the screen is what was sent."""
 
-import io
 import sys
 from contextlib import nullcontext
 from dataclasses import replace
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
-from PIL import Image
 
-import robsim
 from painted_frames import assert_order
 from robsim.gui._bench import in_page, run
-from robsim.gui._bench.barcode import BITS, stamped_picture
 from robsim.gui._bench.figures import Painted, PanelBench, Watched, painted
 
 
@@ -58,11 +52,3 @@ def test_what_is_missing_is_told_with_what_to_install(monkeypatch):
 @pytest.mark.slow
 def test_frames_are_painted_in_their_order(chromium, monkeypatch):
     assert_order(monkeypatch, in_page, lambda s: in_page.measure_page(chromium, s))
-
-
-def test_the_number_is_in_the_picture():
-    frame = robsim.Frame(np.full((400, 400, 3), 90, np.uint8))
-    jpeg = stamped_picture(SimpleNamespace(frame=frame, k=0b1011), 400)
-    row = np.asarray(Image.open(io.BytesIO(jpeg)))[4, :, 0]
-    bits = [row[round((bit + 0.5) * 8)] > 127 for bit in range(BITS)]
-    assert bits == [True, True, False, True] + [False] * (BITS - 4)

@@ -1,18 +1,14 @@
 """What is told of the estimated parameters."""
 
-import json
-
 import numpy as np
 
 import robsim
 from browsers import panel_of
-from robsim.gui._panel.analysis.parameters import Parameters
 
 
 def parameters_of(simulation):
-    message = Parameters(None).message(simulation.trace)
-    json.dumps(message, allow_nan=False)
-    return message
+    with panel_of(simulation) as (_, browser):
+        return browser.take("parameters")[0]
 
 
 def run_of(steps=100, **options):
@@ -54,8 +50,7 @@ def test_an_estimator_that_knows_no_errors_is_judged_by_its_samples():
 def test_without_an_estimator_there_are_no_values():
     simulation = robsim.Simulation(seed=1)
     simulation.run(5)
-    with panel_of(simulation) as (_, browser):
-        found, _ = browser.take("parameters")
+    found = parameters_of(simulation)
     assert found["values"] is None
     assert found["excitation"] == {"text": "", "good": None, "weak": []}
     assert found["names"][:2] == ("a1X", "a2X")

@@ -45,24 +45,16 @@ def test_a_past_step_is_drawn_again_with_its_overlays(noisy):
     assert is_alike(picture, noisy.render_step(k))
 
 
-def test_a_missed_step_says_why(noisy):
-    k = int(np.flatnonzero(~noisy.trace.seen)[-1])
-    with panel_of(noisy) as (_, browser):
-        browser.say("look", k=k)
-        head, _ = browser.take("frame", past=True)
-    assert head["measured"] is None
-    assert "blue" in head["missed"]
-
-
-def test_own_measure_that_fails_is_told_from_a_robot_that_cannot_be_seen():
+def test_a_robot_that_was_not_seen_is_told_from_a_measure_that_fails(noisy):
     simulation = robsim.Simulation(measure=lambda step: None, seed=1)
     simulation.run(2)
-    with panel_of(simulation) as (_, browser):
-        browser.say("look", k=0)
-        head, _ = browser.take("frame", past=True)
-        assert "your measure" in head["missed"]
-        browser.press("reset")  # ends looking back
-        browser.take("frame", past=False, k=0)
+    missed = int(np.flatnonzero(~noisy.trace.seen)[-1])
+    for shown, k, said in ((noisy, missed, "blue"), (simulation, 0, "your measure")):
+        with panel_of(shown) as (_, browser):
+            browser.say("look", k=k)
+            head, _ = browser.take("frame", past=True)
+            assert head["measured"] is None
+            assert said in head["missed"]
 
 
 @pytest.mark.long
@@ -141,18 +133,6 @@ def test_of_frames_that_come_once_the_pictures_shown_are_kept(noisy):
         assert head["size"] == [1200, 1200]
         head, _ = browser.take("past")
         assert "only once" in head["reason"]
-
-
-@pytest.mark.long
-def test_frames_of_a_session_that_is_recorded_are_read_from_it(noisy, tmp_path):
-    pytest.importorskip("cv2")
-    frames = (noisy.render_step(k) for k in range(4))
-    with robsim.Experiment(frames, record=tmp_path / "session") as experiment:
-        experiment.run(4)
-        with panel_of(experiment) as (_, browser):
-            browser.say("look", k=2)
-            _, (picture,) = browser.take("frame", k=2, past=True)
-    assert is_alike(picture, noisy.render_step(2))
 
 
 def test_kept_pictures_need_no_more_than_their_room():

@@ -1,18 +1,14 @@
 """PROTOCOL.md says what the code does."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robsim
-from robsim.gui._hosts.script import STATIC
-from robsim.gui._panel.messages import MESSAGES
-from robsim.gui._tools.colors.messages import MESSAGES as COLOR_MESSAGES
-from robsim.gui._tools.floor.messages import MESSAGES as FLOOR_MESSAGES
-from robsim.gui._tools.robots.messages import MESSAGES as ROBOT_MESSAGES
 
-GUI = STATIC.parent
+GUI = Path(robsim.gui.__file__).parent
 PLACES = [(300, 300), (2100, 300), (2100, 2100), (300, 2100)]
 RUN, TOOLS = (GUI / "PROTOCOL.md").read_text("utf-8").split("## Tools\n")
 TO_BROWSER, FROM_BROWSER = RUN.split("## From the browser")
@@ -26,12 +22,18 @@ def rows(text):
     return {name: set(re.findall(r"`(\w+)`", fields)) for name, fields in ROW.findall(text)}
 
 
-def test_every_message_from_a_browser_stands_there_with_its_fields():
-    of_tools = (COLOR_MESSAGES, ""), (ROBOT_MESSAGES, ROBOTS), (FLOOR_MESSAGES, FLOOR)
-    assert set(MESSAGES) == set(rows(FROM_BROWSER))
-    for messages, text in ((MESSAGES, None), *of_tools):
-        told = rows(FROM_BROWSER + ("" if text is None else TOOLS_FROM + text))
+def test_every_message_from_a_browser_stands_there_with_its_fields(user_folder):
+    panels = {
+        "": robsim.panel(robsim.Simulation(seed=1)),
+        TOOLS_FROM: robsim.gui.color_panel(robot="lab"),
+        TOOLS_FROM + ROBOTS: robsim.gui.robot_panel(robot="lab"),
+        TOOLS_FROM + FLOOR: robsim.gui.floor_panel(),
+    }
+    for text, panel in panels.items():
+        panel.close()
+        messages, told = panel._view.messages, rows(FROM_BROWSER + text)
         assert set(messages) <= set(told)
+        assert text or set(messages) == set(told)
         for kind, fields in messages.items():
             assert set(fields) <= told[kind], kind
 

@@ -6,7 +6,6 @@ from PIL import Image
 
 import robsim
 from browsers import FakeBrowser, panel_of
-from robsim.gui._css_colors import css_color
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +51,9 @@ def test_a_simulation_says_what_it_is_and_an_experiment_has_no_truth(simulation)
     assert groups["blobs_red"]["units"] == ["px"] * 4
     assert "pose_estimated" in groups  # it has none yet, but can get it
     frames = [simulation.render_step(k) for k in range(2)]
-    setup = setup_of(robsim.Experiment(frames, area=(400, 300)))
+    lawn = robsim.ColorClass("lawn", u=(0, 100), v=(0, 100))  # is drawn like its range
+    setup = setup_of(robsim.Experiment(frames, area=(400, 300), colors=[lawn], measure=False))
+    assert setup["colors"] == [{"name": "lawn", "css": "#13d300"}]
     assert (setup["source"], setup["has_truth"], setup["theta_true"]) == ("experiment", False, None)
 
 
@@ -179,8 +180,3 @@ def test_a_trace_must_be_whole_and_have_a_step(simulation):
         robsim.panel(simulation.trace[:0])
     with pytest.raises(TypeError, match="what"):
         robsim.panel(3)
-
-
-def test_a_class_without_a_known_name_is_drawn_like_its_range():
-    assert css_color(robsim.ColorClass("red", v=(154, 255))) == "#e5484d"
-    assert css_color(robsim.ColorClass("lawn", u=(0, 100), v=(0, 100))) == "#13d300"

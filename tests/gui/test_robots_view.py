@@ -36,36 +36,28 @@ def test_a_robot_is_shown_as_it_is(view, browser):
     assert state["alignment"] == robot.alignment
 
 
-def test_corners_are_changed_and_undone(view, browser):
+def test_corners_heading_and_size_are_changed_and_undone(view, browser):
     browser.say("part", name="red")
-    before = view._state()["parts"]["red"]
+    before = view.drawing.sketch
+    robot = load_robot("lab")
     browser.say("move", corner=0, at=[20, 30], goes_on=False)
     browser.say("move", corner=0, at=[21, 31], goes_on=True)
     browser.say("insert", corner=1, at=[22, 32])
     browser.say("cut", corner=2)
+    browser.say("turn", degrees=-10)
+    browser.say("scale", one=[0, 0], other=[30, 40], distance=25)
     settled(view)
-    state = view._state()
-    assert state["parts"]["red"][:2] == [[21, 31], [22, 32]]
-    for _ in range(3):
+    assert view._state()["parts"]["red"][:2] == [[21, 31], [22, 32]]
+    assert view.drawing.sketch.alignment == pytest.approx(robot.alignment - 10)
+    assert view.drawing.sketch.size == pytest.approx(robot.image.shape[1] / 2)
+    for _ in range(5):
         browser.say("undo")
     settled(view)
-    assert view._state()["parts"]["red"] == before
+    assert view.drawing.sketch is before
     assert view._state()["can_redo"]
     browser.say("clear")
     settled(view)
     assert view._state()["problems"] == ["red marker needs 3 corners at least"]
-
-
-def test_heading_and_size(view, browser):
-    browser.say("turn", degrees=-10)
-    browser.say("scale", one=[0, 0], other=[30, 40], distance=25)
-    settled(view)
-    robot = load_robot("lab")
-    assert view.drawing.sketch.alignment == pytest.approx(robot.alignment - 10)
-    assert view.drawing.sketch.size == pytest.approx(robot.image.shape[1] / 2)
-    browser.say("reset")
-    settled(view)
-    assert view.drawing.sketch.size == robot.size
 
 
 def test_another_robot_is_loaded_and_saved_under_a_new_name(view, browser):
@@ -82,7 +74,6 @@ def test_another_robot_is_loaded_and_saved_under_a_new_name(view, browser):
     assert "mine" in browser.take("note", level="error")[0]["text"]
     browser.say("save", name="mine", overwrite=True)
     browser.take("note", level="info")
-    assert view._state()["name"] == "mine"
 
 
 def test_what_is_wrong_is_said_and_changes_nothing(view, browser):
@@ -95,7 +86,6 @@ def test_what_is_wrong_is_said_and_changes_nothing(view, browser):
         ("resume", {}, "no camera"),
         ("save", {"name": "a/b", "overwrite": False}, "name"),
         ("scale", {"one": [1, 1], "other": [1, 1], "distance": 3}, "a pixel apart"),
-        ("resize", {"size": -3}, "size"),
     ):
         browser.say(kind, **fields)
         assert said in browser.take("note", level="error")[0]["text"]

@@ -42,35 +42,20 @@ def test_an_estimate_that_runs_away_breaks_nothing():
 def test_errors_are_those_of_the_longest_record_without_a_gap():
     measured = np.zeros((12, 3))
     measured[:, 0] = [9, 9, 0, 1, 2, 3, 4, 2, 2, 2, 9, 9]
-    measured[:, 2] = np.deg2rad(2)
+    measured[:, 2], true = np.deg2rad(-179), np.zeros((12, 3))
+    true[:, 2] = np.deg2rad(179)
     measured[[1, 10]] = np.nan
-    found = statistics_of(trace_with(measured))
+    estimates = {"pose_estimated": np.full((12, 3), 0.5), "covariance": np.ones((12, 9))}
+    found = statistics_of(trace_with(measured, true, **estimates))
     assert (found["first"], found["last"]) == (2, 9)
-    x, _, heading = found["errors"]
+    x, _, heading, estimated = found["errors"][:4]
+    assert (estimated["of"], estimated["name"], estimated["mean"]) == ("estimate", "x", 0.5)
     assert (x["of"], x["name"], x["unit"], x["n"]) == ("measurement", "x", "px", 8)
     assert (x["mean"], x["std"]) == (2.0, np.std([0, 1, 2, 3, 4, 2, 2, 2]))
     assert sum(x["counts"]) == 8
     assert x["low"] <= 0
     assert x["high"] >= 4
     assert (heading["unit"], heading["mean"]) == ("deg", pytest.approx(2))
-
-
-def test_headings_are_compared_across_half_a_turn():
-    measured, true = np.zeros((5, 3)), np.zeros((5, 3))
-    measured[:, 2], true[:, 2] = np.deg2rad(-179), np.deg2rad(179)
-    heading = statistics_of(trace_with(measured, true))["errors"][2]
-    assert heading["mean"] == pytest.approx(2)
-
-
-def test_the_estimate_has_errors_of_its_own():
-    measured = np.ones((6, 3))
-    cov = np.tile(np.eye(3).ravel(), (6, 1))
-    trace = trace_with(measured, pose_estimated=np.full((6, 3), 0.5), covariance=cov)
-    errors = statistics_of(trace)["errors"]
-    assert [(e["of"], e["name"], e["mean"]) for e in errors[:4:3]] == [
-        ("measurement", "x", 1.0),
-        ("estimate", "x", 0.5),
-    ]
 
 
 def test_without_a_truth_or_a_measurement_there_are_none():
@@ -129,22 +114,6 @@ def test_they_come_once_a_second_while_it_runs_and_at_once_on_pause(computing):
     assert len(panel.sent) == 3
 
 
-def test_those_of_a_run_before_a_reset_are_not_told():
-    panel = FakePanel(n_resets=0, n_steps=4, trace=trace_with(np.zeros((4, 3))))
-    statistics = Statistics(panel)
-    statistics.look(10.0)
-    statistics.close(300)
-    panel.record.n_resets = 1
-    panel.record.n_steps = 0
-    statistics.changed()
-    assert statistics.look(10.1) == math.inf  # one at a time
-    panel.jobs.pop()()
-    assert panel.sent == []
-    panel.record.trace = trace_with(np.zeros((0, 3)))
-    panel.look(statistics, 10.2)
-    assert [message["last"] for message in panel.sent] == [None]
-
-
 def test_those_that_take_long_come_less_often(computing):
     class Slow(Statistics):
         def message(self, trace):
@@ -160,30 +129,6 @@ def test_those_that_take_long_come_less_often(computing):
     panel.is_running = False
     panel.look(slow, 12.1)
     assert computing.now == 1.0  # on pause at once
-
-
-def test_the_panel_answers_while_they_are_computed(monkeypatch):
-    inside, may_go_on, lengths = threading.Event(), threading.Event(), []
-    message = Statistics.message
-
-    def slow(self, trace):
-        lengths.append(len(trace))
-        inside.set()
-        assert may_go_on.wait(300)
-        return message(self, trace)
-
-    monkeypatch.setattr(Statistics, "message", slow)
-    with panel_of(robsim.Simulation(measure=True, seed=1)) as (_, browser):
-        assert inside.wait(300)
-        for k in range(3):
-            browser.press("step")
-            browser.take("state", k=k)
-        browser.press("stop")
-        browser.say("inspect", k=None, path=[])
-        browser.take("tree", k=2)
-        assert lengths == [0]  # one at a time
-        may_go_on.set()
-        browser.take("statistics", last=2)
 
 
 def test_closing_waits_for_what_is_computed(monkeypatch):

@@ -10,10 +10,8 @@ from contextlib import ExitStack, suppress
 import pytest
 
 import robsim
-from browsers import FakeBrowser, panel_of
-from page_client import BINARY, Client, connected, framed, greeted, request
-from robsim.gui._hosts.page import Page
-from robsim.gui._panel.view import PanelView
+from browsers import FakeBrowser, Page, PanelView, panel_of
+from page_client import BINARY, Client, connected, greeted, request
 from sizes import thorough
 from waiting import wait_for
 
@@ -125,19 +123,6 @@ def test_the_largest_message(page):
         client.send(b" " * ((1 << 20) + 1))
         assert client.is_closed()
         wait_for(lambda: not page.pages)
-
-
-@pytest.mark.long
-def test_ten_thousand_messages_stop_neither_the_run_nor_other_pages(page):
-    rng = random.Random(1)
-    texts = [b'{"id":"me","type":"press","button":"pause"}', *MALFORMED[:8]]
-    flood = b"".join(framed(rng.choice(texts)) for _ in range(10_000))
-    with greeted(page) as client, greeted(page) as other:
-        client.line.sendall(flood)
-        assert len(page.view._jobs) < 2000
-        other.say(type="press", button="step")
-        while other.hear("frame")[0]["k"] < 0:
-            pass
 
 
 @pytest.mark.long

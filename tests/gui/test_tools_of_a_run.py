@@ -124,16 +124,6 @@ def test_another_picture_never_takes_the_place_of_a_robot_of_the_users(watcher):
     assert watcher.view.runner.robot.name not in ("mine", "mine2", "mine3")
 
 
-def test_a_robot_that_is_not_complete_stays_open(watcher):
-    tool = opened(watcher, "robots")
-    tell(watcher, "clear")
-    wait_for(lambda: tool._view.drawing.problems())
-    watcher.say("use_tool")
-    wait_for(watcher.notes)
-    assert "outline needs 3 corners" in watcher.notes()[-1]
-    assert watcher.newest("state")["tool"] == "robots"
-
-
 def test_the_run_goes_on_with_the_colours_that_are_trained(watcher):
     sim = watcher.view.runner
     before = sim.colors
@@ -232,12 +222,6 @@ def test_a_line_that_is_gone_is_gone_for_the_tool(watcher):
     wait_for(lambda: tool._view.links)
     watcher.view.disconnect(watcher)
     wait_for(lambda: not tool._view.links)
-
-
-@pytest.mark.long
-def test_another_robot_from_a_cell_is_shown(watcher):
-    watcher.view.runner.robot = "sheep"
-    wait_for(lambda: watcher.newest("setup")["robot"]["name"] == "sheep")
 
 
 def test_a_recorded_run_has_no_tools(watch):
