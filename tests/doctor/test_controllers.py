@@ -79,32 +79,6 @@ def pursuit():
     return control
 
 
-def away_from_walls():
-    def control(step):
-        if step.measurement is None:
-            return 0, 0
-        x, y, heading = step.measurement.pose
-        if min(x, y, 1199 - x, 1199 - y) > 150:
-            return 0.5, 0.5
-        error = robsim.wrap_angle(math.atan2(600 - y, 600 - x) - heading)
-        return 0.2 + 0.5 * error, 0.2 - 0.5 * error
-
-    return control
-
-
-def along_a_line():
-    """Feedback of the distance from the line y = 600 and of the heading: right near the line."""
-
-    def control(step):
-        if step.measurement is None:
-            return 0.2, 0.2
-        _, y, heading = step.measurement.pose
-        turn = np.clip(-0.004 * (y - 600) - 0.8 * heading, -0.5, 0.5)
-        return 0.4 + turn, 0.4 - turn
-
-    return control
-
-
 RIGHT = {
     "to a point": lambda: robsim.GoToPoint(300, 900),
     "along a path": lambda: robsim.FollowPath([(400, 400), (800, 400), (800, 800)]),
@@ -116,8 +90,6 @@ RIGHT = {
     "pure pursuit": pursuit,
     "heading 0 needs no wrapping": holding(0.0, plain),
     "heading 3": holding(3.0),
-    "away from walls": away_from_walls,
-    "along a line": along_a_line,
 }
 
 
@@ -203,28 +175,6 @@ def test_faults_are_told_with_their_step(hurried):
         assert (problem.kind, problem.k) == (kind, k)
         assert words in problem.sentence
         assert problem.line is not None
-
-
-def test_independent_faults_are_told_at_once(hurried):
-    def control(step):
-        if step.k == 45:
-            return None
-        return step.measurement.pose[0], 255
-
-    report = check_controller(lambda: control, budget=PATIENT)
-    kinds = [problem.kind for problem in report.problems]
-    assert kinds == ["input too large", "not seen yet"]
-
-
-def test_state_that_two_share_is_told(hurried):
-    voltages = []
-
-    def control(step):
-        voltages.append(step.k)
-        return len(voltages) / 1e4, 0.1
-
-    (problem,) = check_controller(lambda: control, budget=PATIENT).problems
-    assert problem.kind in ("remembers earlier run", "not reproducible")
 
 
 def test_what_is_no_illness_is_a_remark(hurried):

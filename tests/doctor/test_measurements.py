@@ -12,7 +12,6 @@ from robsim.doctor import (
     check_model,
     check_motion,
 )
-from robsim.doctor._callbacks.pose_mistakes import mistakes
 
 pytestmark = pytest.mark.long
 
@@ -58,32 +57,10 @@ class Tracker:
         return seen
 
 
-def by_opencv():
-    cv2 = pytest.importorskip("cv2")
-
-    def centroids(mask):
-        count, _, stats, found = cv2.connectedComponentsWithStats(cv2.medianBlur(mask, 5))
-        return [found[i] for i in range(1, count) if stats[i, 4] > 40]
-
-    def measure(step):
-        hsv = cv2.cvtColor(step.frame.image, cv2.COLOR_RGB2HSV)
-        red = cv2.inRange(hsv, (0, 120, 60), (10, 255, 255))
-        red |= cv2.inRange(hsv, (170, 120, 60), (180, 255, 255))
-        for one in centroids(red):
-            for other in centroids(cv2.inRange(hsv, (100, 120, 50), (130, 255, 255))):
-                a, b = map(step.frame.plane_map.to_world, (one, other))
-                if abs(np.linalg.norm(a - b) - step.markers.distance) < 6:
-                    return pose_of(a, b, step.markers)
-        return None
-
-    return measure
-
-
 RIGHT = {
     "robsim's own": lambda: located,
     "blobs": lambda: by_blobs,
     "near the last pose": Tracker,
-    "OpenCV": by_opencv,
 }
 
 
@@ -131,6 +108,12 @@ WRONG = [
     (changed(lambda x, y, h: (x, 1199 - y, -h)), ["y axis", "heading anticlockwise"]),
     (changed(lambda x, y, h: (x, y, math.atan(math.tan(h)))), ["heading reversed at times"]),
     (changed(lambda x, y, h: (x + 50, y, h)), ["false poses"]),
+    (changed(lambda x, y, h: (x, y, h + math.pi)), ["heading reversed"]),
+    (changed(lambda x, y, h: (x, y, h - math.pi / 2)), ["heading turned"]),
+    (changed(lambda x, y, h: (x, y, math.pi / 2 - h)), ["swapped arguments"]),
+    (changed(lambda x, y, h: (x, y, 0.3)), ["heading constant"]),
+    (changed(lambda x, y, h: (y, x, h)), ["x and y exchanged"]),
+    (changed(lambda x, y, h: (1199 - x, y, h)), ["x axis"]),
     (keeps_last, ["last pose"]),
     (lambda: largest, ["fails unseen", "red square", "pixels of the frame"]),
     (lambda: in_pixels, ["pixels of the frame"]),
@@ -178,7 +161,6 @@ def in_degrees(covariance):
         (lambda P: P / 16, "optimistic", ["optimistic"], None),
         (lambda P: 9 * P, "conservative", [], "0.32 times"),
         (in_degrees, "consistent", [], "heading"),
-        (lambda P: 0 * P, None, ["covariance not positive"], None),
         (singular, None, ["covariance not positive"], None),
     ],
 )
@@ -193,8 +175,6 @@ def test_covariances_are_judged_by_the_errors(change, verdict, kinds, remark):
 
 @pytest.mark.slow
 def test_missing_covariances_are_told():
-    (remark,) = check_measurement(lambda: located).remarks
-    assert "no covariance" in remark
     (remark,) = check_measurement(stating(lambda P: P, every=2)).remarks
     assert "15 of its 30 measurements" in remark
 
@@ -213,31 +193,6 @@ def test_faults_of_the_first_frame():
         (problem,) = check_measurement(lambda one=measure: one, budget=60).problems
         assert words in problem.sentence
         assert problem.k == 0
-
-
-FORMULAS = {
-    "heading reversed": lambda x, y, h: (x, y, h + math.pi),
-    "heading turned": lambda x, y, h: (x, y, h - math.pi / 2),
-    "heading anticlockwise": lambda x, y, h: (x, y, -h),
-    "swapped arguments": lambda x, y, h: (x, y, math.pi / 2 - h),
-    "heading constant": lambda x, y, h: (x, y, 0.3),
-    "x and y exchanged": lambda x, y, h: (y, x, h),
-    "x axis": lambda x, y, h: (1199 - x, y, h),
-    "position of midpoint": lambda x, y, h: (x - 14 * math.cos(h), y - 14 * math.sin(h), h),
-    "offset reversed": lambda x, y, h: (x - 28 * math.cos(h), y - 28 * math.sin(h), h),
-}
-
-
-def test_mistakes_are_recognised_by_the_poses():
-    random = np.random.default_rng(1)
-    true = np.column_stack((random.uniform(100, 1100, (80, 2)), random.uniform(-3.1, 3.1, 80)))
-    markers = robsim.load_robot("lab").marker_layout()
-    for kind, formula in FORMULAS.items():
-        wrong = np.array([formula(*pose) for pose in true])
-        wrong[:, 2] = robsim.wrap_angle(wrong[:, 2])
-        measured = wrong + random.normal(0, (0.5, 0.5, 0.02), (80, 3))
-        assert [found for found, _ in mistakes(measured, true, markers, (1200, 1200))] == [kind]
-    assert list(mistakes(true, true, markers, (1200, 1200))) == []
 
 
 def check_kinds(check, cases):
