@@ -94,16 +94,6 @@ def test_a_wrong_mark_is_named_and_left_out(with_lens):
 
 
 @pytest.mark.long
-def test_a_wrong_mark_is_found_among_many():
-    for wrong in (0, 12):
-        places, pixels = floor(5)
-        pixels = pixels + 0.2 * np.random.default_rng(8).standard_normal(pixels.shape)
-        places[wrong] += (25, 10)
-        report = calibrate_floor(pixels, places, lens=LENS, **AREA)
-        assert [one.name for one in report.points if not one.is_used] == [str(wrong + 1)]
-
-
-@pytest.mark.long
 def test_the_chance_that_right_marks_are_called_wrong_is_small():
     places, pixels = floor(3)
     rng = np.random.default_rng(11)

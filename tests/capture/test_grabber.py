@@ -18,7 +18,7 @@ import pytest
 import robsim
 import sanitizers
 from python_cameras import PATIENT, EndlessCamera, SteppedCamera, read_on
-from robsim.capture import CaptureError, FrameTimeoutError, UnpluggedError
+from robsim.capture import CaptureError, UnpluggedError
 from threads import in_thread
 from waiting import wait_for
 
@@ -48,27 +48,6 @@ def delivered(camera, source, count):
 @pytest.fixture
 def source():
     return SteppedCamera(numbered(300), permits=1)
-
-
-def test_a_slow_reader_gets_what_came_last(source):
-    with robsim.Camera(source, **PATIENT) as camera:
-        camera.read()
-        for _ in range(5):
-            delivered(camera, source, 7)
-            frame = camera.read()
-            assert frame.index == camera.counts.grabbed - 1
-            assert (frame.image == frame.index).all()
-        assert camera.counts.dropped == 30
-        assert camera.counts.delivered == 6
-
-
-def test_no_frame_comes_twice(source):
-    with robsim.Camera(source, **PATIENT) as camera:
-        camera.read()
-        with pytest.raises(FrameTimeoutError, match=r"0\.01 s"):
-            camera.read(0.01)
-        delivered(camera, source, 1)
-        assert camera.read().index == 1
 
 
 def test_a_frame_that_is_held_does_not_change_and_other_memory_is_used_again(source):

@@ -110,13 +110,6 @@ def test_a_camera_in_python(bgr):
     assert source.calls == ["open", "close"]
 
 
-def test_a_plane_map_replaces_that_of_the_area():
-    plane_map = robsim.imaging.PlaneMap.scaled(SIZE, (1200, 960))
-    source = SteppedCamera(images(), permits=1)
-    with robsim.Camera(source, area=AREA, plane_map=plane_map, **PATIENT) as camera:
-        assert camera.read().plane_map == plane_map
-
-
 def test_each_nth_frame():
     source = SteppedCamera(images() * 3, permits=1)
     with robsim.Camera(source, every=4, fps=30, **PATIENT) as camera:

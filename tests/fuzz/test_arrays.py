@@ -119,18 +119,6 @@ def test_histograms_and_training(image, region, parts, percentile, margin, limit
 
 
 @fuzzed
-@given(arrays(*[(3, 256)] * 5, (3, 255), (256, 3), (0,)), st.integers(-5, 300))
-def test_training_from_any_histograms(histograms, margin):
-    attempt(robsim.ColorClass.from_histograms, histograms, name="a", margin=margin)
-    with np.errstate(over="ignore"):
-        counts = np.nan_to_num(np.abs(np.asarray(histograms, float))).clip(0, 1e9).astype(np.int64)
-    attempt(robsim.ColorClass.from_histograms, counts, name="a", margin=margin)
-    if counts.shape == (3, 256):
-        counts[1:, :190] = 0  # a colour: blue and red well above the middle
-        attempt(robsim.ColorClass.from_histograms, counts, name="a", margin=margin)
-
-
-@fuzzed
 @given(
     ANY_WIDTH, st.sampled_from(("gaussian", "uniform", "other")),
     st.one_of(st.floats(0.01, 100), st.floats(0, 100), FLOATS),

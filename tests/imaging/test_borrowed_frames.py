@@ -1,10 +1,7 @@
 """Frames on the memory of others, images drawn into it, and images in OpenCV's order."""
 
-import contextlib
 import gc
-import mmap
 import weakref
-from multiprocessing.shared_memory import SharedMemory
 
 import numpy as np
 import pytest
@@ -65,19 +62,6 @@ def test_a_borrowed_frame_is_seen_as_its_copy(lay_out, drawn):
         np.testing.assert_array_equal(function(frame), function(copy))
 
 
-def test_a_run_on_borrowed_frames_measures_as_one_on_copies():
-    sim = robsim.Simulation(
-        measure=True, resolution=(480, 480), control=robsim.DriveAround(), seed=2
-    )
-    frames = [sim.step().frame for _ in range(8)]
-    given = [
-        Frame(wider(f.image), copy=False, t=f.t, index=f.index, plane_map=f.plane_map)
-        for f in frames
-    ]
-    trace = robsim.Experiment(given).run()
-    np.testing.assert_array_equal(trace.pose_measured, sim.trace.pose_measured)
-
-
 def test_it_shows_what_is_in_the_memory_now():
     memory = np.zeros((8, 10, 3), np.uint8)
     frame, copy = borrowed(memory), Frame(memory)
@@ -105,29 +89,6 @@ def test_the_memory_lives_as_long_as_the_frame_and_its_images():
     del image
     gc.collect()
     assert is_alive() is None
-
-
-def test_shared_memory_between_two_mappings():
-    with contextlib.closing(SharedMemory(create=True, size=8 * 10 * 3)) as shared:
-        try:
-            other = SharedMemory(shared.name)
-            pixels = np.ndarray((8, 10, 3), np.uint8, buffer=shared.buf)
-            frame = borrowed(other.buf[:240].cast("B", (8, 10, 3)))
-            pixels[:] = 90
-            assert (frame.image == 90).all()
-            with pytest.raises(BufferError):
-                other.close()
-            del frame, pixels
-            other.close()
-        finally:
-            shared.unlink()
-
-
-def test_a_memory_map_of_a_file(tmp_path, drawn):
-    (tmp_path / "pixels").write_bytes(drawn.tobytes())
-    with (tmp_path / "pixels").open("rb") as file:
-        mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-    np.testing.assert_array_equal(borrowed(memoryview(mapped).cast("B", drawn.shape)).image, drawn)
 
 
 def test_what_cannot_be_borrowed(drawn):
@@ -189,13 +150,3 @@ def test_from_bgr_exchanges_red_and_blue(rng):
     assert Frame.from_bgr(wide).image.shape == (3, 4, 3)
     refuses("image", Frame.from_bgr, image[..., 0])
     refuses("index", Frame.from_bgr, image, index=-1)
-
-
-def test_a_bgr_frame_faces_backwards():
-    options = {"resolution": (480, 480), "seed": 1, "robot": "lab"}
-    frame = robsim.Simulation(start=(700, 500, 0.5), **options).frame
-    wrong = Frame(np.ascontiguousarray(frame.image[..., ::-1]), plane_map=frame.plane_map)
-    right = Frame.from_bgr(wrong.image, plane_map=frame.plane_map)
-    experiment = robsim.Experiment([right, wrong], robot="lab")
-    turned = experiment.step().measurement.pose - experiment.step().measurement.pose
-    assert abs(turned[2]) == pytest.approx(np.pi, abs=0.1)

@@ -1,13 +1,11 @@
 import base64
 import io
 import re
-import sys
 
 import numpy as np
 import pytest
 from PIL import Image
 
-import robsim
 from refusals import refuses
 from robsim.imaging import Clip
 
@@ -47,12 +45,6 @@ def test_is_reduced_to_a_width_but_never_enlarged():
         assert f'width="{size[0]}" height="{size[1]}"' in clip._repr_html_()
 
 
-def test_takes_frames_and_needs_no_opencv(monkeypatch):
-    monkeypatch.setitem(sys.modules, "cv2", None)
-    clip = Clip((robsim.Frame(pixels) for pixels in frames(2)), fps=10)
-    assert len(clip) == 2
-
-
 @pytest.mark.parametrize("ending", [".webp", ".GIF"])
 def test_save(tmp_path, ending):
     path = tmp_path / f"clip{ending}"
@@ -66,14 +58,6 @@ def test_save(tmp_path, ending):
         assert picture.info["loop"] == 0
     *_, wanted = frames()
     assert np.abs(last - wanted).mean() < 15
-
-
-@pytest.mark.long
-def test_a_run_stays_small():
-    simulation = robsim.Simulation(seed=1, noise=robsim.GaussianNoise(5))
-    clip = Clip((simulation.step().frame for _ in range(8)), fps=5)
-    assert opened(clip).size == (480, 480)
-    assert len(clip._repr_html_()) < 8 * 30_000
 
 
 def test_what_is_no_clip(tmp_path):

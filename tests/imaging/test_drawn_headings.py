@@ -103,18 +103,6 @@ def test_of_a_session(tmp_path, headings):
     assert session.trace.info.headings == headings
 
 
-def test_a_session_of_before_can_be_read(tmp_path):
-    pytest.importorskip("cv2")
-    recorded(tmp_path, 36)
-    rows, setup = tmp_path / "steps.csv", tmp_path / "setup.toml"
-    assert rows.read_text().splitlines()[0].endswith(",headings")
-    rows.write_text("".join(line.rpartition(",")[0] + "\n" for line in rows.read_text().split()))
-    setup.write_text(setup.read_text().replace("format = 2", "format = 1"))
-    session = Session(tmp_path)
-    assert session.is_complete
-    assert [seen.frame.headings for seen in session] == [None, None]
-
-
 def test_the_trace_of_an_experiment_tells_what_its_frames_do():
     drawing = simulation()
     first, second = drawing.step().frame, drawing.step().frame
@@ -125,19 +113,3 @@ def test_the_trace_of_an_experiment_tells_what_its_frames_do():
         experiment.reset()
         assert experiment.trace.info.headings is None
         assert experiment.run().info.headings is None
-
-
-@pytest.mark.long
-def test_the_remark_of_a_filters_consistency_survives_saving(tmp_path):
-    def estimate_state(step):
-        pose = (200, 150, 0) if step.measurement is None else step.measurement.pose
-        return robsim.Estimate(pose, np.diag((0.1, 0.1, 0.003)))
-
-    trace = simulation(measure=True, estimate_state=estimate_state).run(10)
-    assert trace.info.headings == 36
-    trace.save(tmp_path / "run.npz")
-    loaded = robsim.Trace.load(tmp_path / "run.npz")
-    assert loaded.info.headings == 36
-    before, after = (robsim.evaluation.pose_consistency(one) for one in (trace, loaded))
-    assert before.remarks == after.remarks
-    assert any("drawn in 36 headings" in remark for remark in after.remarks)

@@ -93,10 +93,3 @@ def test_rows_may_lie_anywhere_in_memory(view, width, height, seed):
     np.testing.assert_array_equal(Frame(seen).image, copy)
     noise = robsim.GaussianNoise(20)
     np.testing.assert_array_equal(noise.add(seen, 1), noise.add(copy, 1))
-
-
-def test_a_blob_upside_down_is_upside_down():
-    image = np.full((9, 7, 3), 100, np.uint8)
-    image[1:3, 2:6] = (220, 30, 30)
-    assert blobs_in(image)["red"] == [(8, 3.5, 1.5, (2, 1, 5, 2), False)]
-    assert blobs_in(image[::-1])["red"] == [(8, 3.5, 6.5, (2, 6, 5, 7), False)]

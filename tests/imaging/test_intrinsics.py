@@ -54,18 +54,6 @@ def test_there_and_back_within_a_frame(distortion, pixel):
         assert np.hypot(*(np.array(pixel) - MATRIX[:2, 2])) > 0.9 * radius
 
 
-def test_a_lens_shows_nothing_beyond_where_it_would_fold():
-    # r (1 - r^2 / 3) grows up to r = 1, where it is 2/3.
-    intrinsics = Intrinsics(MATRIX, (-1 / 3, 0, 0, 0, 0))
-    middle, focal = MATRIX[:2, 2], MATRIX[0, 0]
-    away = np.array([(focal, 0.0)])
-    assert np.isfinite(intrinsics.distorted(middle + 0.999 * away)).all()
-    assert np.isnan(intrinsics.distorted(middle + 1.001 * away)).all()
-    assert np.isfinite(intrinsics.ideal(middle + 0.666 * away)).all()
-    assert np.isnan(intrinsics.ideal(middle + 0.667 * away)).all()
-    assert np.isnan(intrinsics.ideal(middle + 1000 * away)).all()
-
-
 def test_values():
     lens = Intrinsics(MATRIX, LENSES["both"])
     for other in (

@@ -160,24 +160,6 @@ def test_the_terminal_stays_clean(tmp_path, rng, capfd):
 
 
 @pytest.mark.long
-def test_threads_that_read_videos_leave_the_log_as_it_was(tmp_path, rng):
-    logging = getattr(cv2.utils, "logging", cv2)
-    before = logging.getLogLevel()
-    save_video(tmp_path / "run.mkv", smooth(rng, count=2), fps=5)
-
-    def read():
-        for _ in range(20):
-            images(tmp_path / "run.mkv")
-
-    threads = [threading.Thread(target=read) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert logging.getLogLevel() == before
-
-
-@pytest.mark.long
 def test_what_others_print_while_a_video_is_read_is_not_lost(tmp_path, rng, capfd):
     save_video(tmp_path / "run.mkv", smooth(rng), fps=5)
     damaged = bytearray((tmp_path / "run.mkv").read_bytes())

@@ -9,7 +9,6 @@ import robsim
 from python_cameras import PATIENT, EndlessCamera
 from robsim.capture import Camera, FrameTimeoutError
 from robsim.live import CameraFaults, SimulatedLab, check_camera
-from robsim.live._marker_light import marker_light
 from robsim.motors import UdpMotors
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("_checks_few_frames")]
@@ -89,12 +88,6 @@ def test_noise_is_measured_and_judged_by_the_markers(percent, verdicts):
     assert (noise.verdict, figure.verdict) == verdicts
     # |contrast|^2 / sigma^2 perimeter w / 3.5, of markers of 9.2 px
     assert figure.value == pytest.approx(197 / percent, rel=0.35)
-
-
-def test_a_weak_signal_is_named():
-    report = check(picture(resolution=(120, 120), noise=robsim.GaussianNoise(36)))
-    assert "noise" in kinds(report)
-    assert "with this noise poses can be trusted from" in " ".join(str(report).split())
 
 
 def test_wrong_colours_and_another_robot_are_named():
@@ -195,13 +188,3 @@ def test_the_picture_shows_the_robot_or_that_there_is_none():
     assert "good" in texts
     figure = robsim.plotting.plot_camera_check(check(picture(dropout=robsim.Dropout(1))))
     assert "the robot was not detected" in [text.get_text() for text in figure.axes[1].texts]
-
-
-def test_a_marker_that_the_lens_shows_in_part_has_no_light():
-    folding = robsim.imaging.Intrinsics([[200, 0, 90], [0, 200, 90], [0, 0, 1]], (-0.3, *4 * (0,)))
-    plane_map = robsim.imaging.PlaneMap(np.diag([3, 3, 1]), folding)
-    frame = robsim.Frame(np.full((400, 400, 3), 90, np.uint8), plane_map=plane_map)
-    corners = plane_map.to_pixel([(300, 300), (5000, 300), (300, 5000)])
-    assert np.isnan(corners).any()
-    blob = robsim.vision.Blob("red", area=9, centroid=(99, 99), bounding_box=(97, 97, 101, 101))
-    assert marker_light(frame, corners, blob, robsim.load_colors()[0]) is None

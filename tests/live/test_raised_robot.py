@@ -88,16 +88,6 @@ def test_a_robot_all_over_the_floor_is_found_where_it_is(options):
     assert without_both > 30
 
 
-@pytest.mark.slow
-def test_a_floor_map_of_marks_that_are_measured_inexactly(rng):
-    camera = camera_of()
-    marks = rng.uniform(50, 1150, (20, 2))
-    seen = camera.pixels(marks) + rng.normal(0, 0.1, marks.shape)
-    plane_map = PlaneMap.from_points(seen, marks, camera.intrinsics)
-    (off,) = errors(camera, thorough(12, 6), (plane_map.at_height(HEIGHT),))
-    assert rms(off) < 0.3
-
-
 @pytest.mark.parametrize("height", [0, HEIGHT])
 def test_the_lab_shows_the_robot_at_its_height(height):
     camera = camera_of((640, 480), 450)

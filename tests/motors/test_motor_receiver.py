@@ -1,7 +1,6 @@
 """The rules of PROTOCOL.md, one by one, against the robot's end of a line."""
 
 import os
-import pickle
 import socket
 import time
 
@@ -170,21 +169,6 @@ def test_a_stop_counts_as_heard_for_its_time_to_live(robot, sender, ttl, is_obey
     assert robot.input[0] == 4 * is_obeyed
 
 
-def test_means_are_exact(robot, sender, rng):
-    inputs = rng.uniform(-9, 9, (8, 2)).round(4)
-    for k, u in enumerate(inputs):
-        say(robot, sender, drive_line(k, *u))
-    say(robot, sender, stop_line(8))
-    times = np.array([event.t for event in robot.events])
-    for _ in range(100):
-        start, end = np.sort(rng.uniform(times[0] - 0.01, times[-1] + 0.01, 2))
-        overlap = np.minimum(times[1:], end) - np.maximum(times[:-1], start)
-        expected = np.maximum(overlap, 0) @ inputs / (end - start)
-        assert robot.mean(start, end) == pytest.approx(expected, abs=1e-6)
-    assert robot.mean(times[3], times[3]).tolist() == inputs[3].tolist()
-    assert robot.mean(0, times[0]).tolist() == [0, 0]
-
-
 def test_it_acts_later_by_the_delay_and_may_not_answer():
     with MotorReceiver(actuation_delay=500, answers=False) as robot, Sender(robot.port) as sender:
         say(robot, sender, drive_line(1, 1.0, 2.0))
@@ -228,13 +212,6 @@ def test_it_refuses_what_is_no_line(robot):
         MotorReceiver(65536)
     with pytest.raises(ValueError, match="actuation_delay"):
         MotorReceiver(actuation_delay=-1)
-
-
-def test_events_are_values(robot, sender):
-    say(robot, sender, drive_line(1, 0.5, -0.25))
-    event = robot.events[0]
-    assert pickle.loads(pickle.dumps(event)) == event
-    assert event.u.tolist() == [0.5, -0.25]
 
 
 def test_the_descriptor_stays_the_callers():

@@ -108,13 +108,6 @@ def test_the_default_video_shifts_poses_by_less_than_a_tenth_of_a_pixel(recorded
     assert np.abs(error).max() > 0  # it is not lossless
 
 
-def test_players_show_the_video(recorded):
-    recording = robsim.Recording(recorded / "frames.mkv")
-    assert recording.count == 25
-    assert recording.dt == pytest.approx(0.2)
-    assert [sessions.number_of(frame) for frame in recording] == list(range(25))
-
-
 LENS = robsim.imaging.Intrinsics(
     [[1 / 3e-3, 0, 159.5], [0, 333.3, 119.5], [0, 0, 1]], (-0.1, 0.01, 1e-3, -2 / 3e3, 0.1 + 0.2)
 )
@@ -312,15 +305,6 @@ def test_the_end_of_the_program_finishes_a_session(tmp_path):
     subprocess.run([sys.executable, "-W", "error", "-c", program], env=environment, check=True)
     assert Session(tmp_path / "s").is_complete
     assert check_agreement(Session(tmp_path / "s")) == 4
-
-
-def test_what_comes_after_the_end_is_ignored(tmp_path):
-    writer = record(tmp_path, 2)
-    writer.close()
-    writer.close()
-    sessions.add(writer, 2)
-    writer.flush()
-    assert Session(tmp_path).count == 2
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")

@@ -6,35 +6,14 @@ Images are arrays (height, width, 3) of levels, not rounded before `photographed
 import numpy as np
 
 
-def _convolved(image, kernel):
-    """An image convolved with a kernel (odd, odd), its border repeated."""
-    reach = kernel.shape[0] // 2
-    padded = np.pad(image, ((reach, reach), (reach, reach), (0, 0)), mode="edge")
-    size = padded.shape[:2]
-    spectrum = np.fft.rfft2(kernel, size)[..., None] * np.fft.rfft2(padded, axes=(0, 1))
-    return np.fft.irfft2(spectrum, size, axes=(0, 1))[2 * reach :, 2 * reach :]
-
-
 def _blurred(image, sigma):
-    place = np.arange(-int(np.ceil(4 * sigma)), int(np.ceil(4 * sigma)) + 1)
-    bell = np.exp(-(place**2) / (2 * sigma**2))
-    return _convolved(image, np.outer(bell, bell) / bell.sum() ** 2)
-
-
-def _moved(image, length, rng):
-    """Blurred by a motion in a random direction, half of it before and half after the pose."""
-    reach = int(np.ceil(length / 2)) + 1
-    angle = rng.uniform(0, np.pi)
-    along = length * np.linspace(-0.5, 0.5, 20 * reach)
-    places = reach + along[:, None] * (np.sin(angle), np.cos(angle))
-    whole = np.floor(places).astype(int)
-    part = places - whole
-    kernel = np.zeros((2 * reach + 1, 2 * reach + 1))
-    for down in (0, 1):
-        for right in (0, 1):
-            share = np.abs(1 - down - part[:, 0]) * np.abs(1 - right - part[:, 1])
-            np.add.at(kernel, (whole[:, 0] + down, whole[:, 1] + right), share)
-    return _convolved(image, kernel / kernel.sum())
+    reach = int(np.ceil(4 * sigma))
+    bell = np.exp(-(np.arange(-reach, reach + 1) ** 2) / (2 * sigma**2))
+    for _ in range(2):
+        padded = np.pad(image, ((reach, reach), (0, 0), (0, 0)), mode="edge")
+        rows = np.lib.stride_tricks.sliding_window_view(padded, len(bell), axis=0)
+        image = (rows @ (bell / bell.sum())).transpose(1, 0, 2)
+    return image
 
 
 def _bayer_masks(height, width):
@@ -79,13 +58,11 @@ def photographed(levels, case, rng):
     """What the camera makes of the light: array (height, width, 3) of uint8."""
     if case.blur:
         levels = _blurred(levels, case.blur)
-    if case.motion:
-        levels = _moved(levels, case.motion, rng)
     if case.bayer:
         masks = _bayer_masks(*levels.shape[:2])
         raw = _noisy((levels * masks.transpose(1, 2, 0)).sum(axis=-1), case, rng)
         levels = np.rint(_demosaiced(raw))
     else:
         levels = _noisy(levels, case, rng)
-    image = levels.astype(np.uint8)
+    image = np.ascontiguousarray(levels, np.uint8)
     return image if case.jpeg is None else _compressed(image, case.jpeg)

@@ -120,7 +120,6 @@ class Case:
     defined_size: float = 1.0  # of the markers in the definition, of their true one
     defined_distance: float = 1.0
     blur: float = 0.0  # standard deviation
-    motion: float = 0.0  # length
     bayer: bool = False
     gaussian: float = 0.0  # %, as robsim.GaussianNoise; with a mosaic, of the raw pixels
     uniform: float = 0.0
@@ -135,7 +134,6 @@ CASES = {
     **{f"uniform {p} %": Case(uniform=p) for p in (10, 20, 40)},
     "blur 1": Case(blur=1),
     "blur 3": Case(blur=3),
-    "motion 9": Case(motion=9),
     "JPEG 75": Case(jpeg=75),
     "JPEG 50": Case(jpeg=50),
     "Bayer": Case(bayer=True),

@@ -5,14 +5,13 @@ from functools import cache
 
 import cv2
 import numpy as np
-from PIL import Image, ImageDraw
 
 from robsim.calibration import FloorSheet
-from robsim.calibration._patterns.printing import _LABELS, PAPERS, page_of
 
 SAMPLES = 3  # of each pixel, in each direction
 DOTS = 4  # of a printed page, for one mm
 FLOOR = 150  # its level
+PAGE, BELOW = (297, 210), 11  # mm, A4, and room for the ruler below the pattern
 
 
 @dataclass(frozen=True)
@@ -37,14 +36,8 @@ class Shot:
     def pixels(self, points):
         """Return the pixels (N, 2) of points (N, 3) above the floor (mm)."""
         points = np.asarray(points, float) * (1, 1, -1)
-        found, _ = cv2.projectPoints(
-            points,
-            np.array(self.turn, float),
-            np.array(self.place, float),
-            self.matrix,
-            self.distortion,
-        )
-        return found.reshape(-1, 2)
+        turn, place = np.array(self.turn, float), np.array(self.place, float)
+        return cv2.projectPoints(points, turn, place, self.matrix, self.distortion)[0][:, 0]
 
     @property
     def plane(self):
@@ -66,21 +59,19 @@ def _ideal(size, focal, centre, distortion):
 
 
 @cache
-def printed(pattern, paper="A4"):
+def printed(pattern):
     """The page of a pattern, in `DOTS` for one mm."""
-    rectangles, _ = page_of(pattern, PAPERS[paper], paper)
-    size = np.array(PAPERS[paper]) * DOTS
-    page = Image.new("L", tuple(np.rint(size).astype(int).tolist()), 245)
-    draw = ImageDraw.Draw(page)
-    for left, top, width, height in rectangles:
-        x0, y0 = (round(DOTS * one) for one in (left, top))
-        x1, y1 = (round(DOTS * one) for one in (left + width, top + height))
-        if x1 > x0 and y1 > y0:
-            draw.rectangle((x0, y0, x1 - 1, y1 - 1), fill=20)
-    return np.array(page)
+    wide, tall = PAGE
+    page = np.full((DOTS * tall, DOTS * wide), 245, np.uint8)
+    corner = (np.subtract(PAGE, (0, BELOW)) - pattern.size) / 2
+    for left, top, width, height in pattern.rectangles:
+        x0, y0 = np.rint(DOTS * np.add(corner, (left, top))).astype(int)
+        x1, y1 = np.rint(DOTS * np.add(corner, (left + width, top + height))).astype(int)
+        page[y0:y1, x0:x1] = 20
+    return page
 
 
-def photograph(shot, sheets, *, rng=None, noise=1.5, paper="A4"):
+def photograph(shot, sheets, *, rng=None):
     """Return the picture (H, W, 3) of sheets on the floor.
 
     `sheets` are pairs of a pattern and the place of its centre: x, y (mm) and angle (rad).
@@ -89,12 +80,12 @@ def photograph(shot, sheets, *, rng=None, noise=1.5, paper="A4"):
     width, height = shot.size
     light = np.full((height * SAMPLES, width * SAMPLES), FLOOR, np.float32)
     for pattern, (x, y, angle) in sheets:
-        page = printed(pattern, paper)
+        page = printed(pattern)
         forward = np.array((np.cos(angle), np.sin(angle)))
         axes = np.array([(*forward, x), (-forward[1], forward[0], y), (0, 0, 1)])
         axes[:2, :2] = axes[:2, :2].T
-        middle = page.shape[1] / 2, (page.shape[0] - DOTS * _LABELS) / 2
-        dots = np.array([(DOTS, 0, middle[0] - 0.5), (0, DOTS, middle[1] - 0.5), (0, 0, 1)])
+        v, u = np.subtract(page.shape, (DOTS * BELOW, 0)) / 2 - 0.5
+        dots = np.array([(DOTS, 0, u), (0, DOTS, v), (0, 0, 1)])
         to_page = dots @ np.linalg.inv(shot.plane @ axes)
         on_page = cv2.perspectiveTransform(ideal, to_page).astype(np.float32)
         on_page = on_page.reshape(*light.shape, 2)
@@ -103,7 +94,7 @@ def photograph(shot, sheets, *, rng=None, noise=1.5, paper="A4"):
     light = light.reshape(height, SAMPLES, width, SAMPLES).mean(axis=(1, 3))
     light = cv2.GaussianBlur(light, (0, 0), 0.6)
     if rng is not None:
-        light = light + noise * rng.standard_normal(light.shape)
+        light = light + 1.5 * rng.standard_normal(light.shape)
     gray = np.clip(np.rint(light), 0, 255).astype(np.uint8)
     return np.repeat(gray[:, :, None], 3, axis=2)
 

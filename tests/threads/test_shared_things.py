@@ -101,18 +101,6 @@ def test_a_controller_with_a_memory_serves_one_run_at_a_time(kind):
     assert len(second.run(2)) == 4
 
 
-def test_frames_that_several_threads_draw_again():
-    sim = robsim.Simulation(resolution=(100, 80), noise=robsim.UniformNoise(5), seed=1)
-    frames = [sim.step().frame.image.copy() for _ in range(8)]
-
-    def draw():
-        for _ in range(4):
-            for k, expected in enumerate(frames):
-                np.testing.assert_array_equal(sim.render_step(k).image, expected)
-
-    together(draw, draw, draw)
-
-
 def test_a_frame_that_is_given_back_by_another_thread_is_not_changed_before():
     """Its memory is used again as soon as nobody else holds it."""
     sim = robsim.Simulation(measure=True, area=(300, 240), resolution=(100, 80), seed=1)

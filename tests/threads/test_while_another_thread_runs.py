@@ -80,12 +80,6 @@ def test_the_estimator_belongs_to_the_run(sim):
         use(rls)  # afterwards it is anybody's again
 
 
-def test_all_of_an_estimator_is_thought_of(sim):
-    never_changes = {"n_parameters", "n_filters", "forgetting", "initial_covariance"}
-    known = {"theta", "P", "standard_errors_unscaled", "n_samples", "reset", "update"}
-    assert set(public(robsim.RecursiveLeastSquares)) <= known | never_changes
-
-
 @pytest.mark.long
 def test_all_of_a_simulation_can_be_asked_for(sim):
     """Each property gives something, or says why not; none of them disturbs the run."""
@@ -127,26 +121,6 @@ def test_nothing_can_be_changed(sim):
             assert "already running" in words
         (words,) = outcomes(lambda: sim.render_step(3))
         assert "another thread is running" in words
-
-
-def test_steps_and_frames_that_were_kept(sim):
-    """They are those of before the run, whatever comes after them."""
-    sim.reset()
-    steps = [sim.step() for _ in range(5)]
-    pixels = [step.frame.image.copy() for step in steps]
-    last = sim.last_step
-
-    def look():
-        for k, (step, before) in enumerate(zip(steps, pixels, strict=True)):
-            assert (step.k, step.t) == (k, k * step.dt)
-            np.testing.assert_array_equal(step.frame.image, before)
-            assert step.blobs
-            assert step.u.shape == (2,)
-        assert last == steps[-1]
-        assert last.parameters is not None or last.k < 3
-
-    with running(sim, LONG):
-        assert outcomes(look) == {"done"}
 
 
 def test_a_kept_step_can_be_given_back_while_the_next_run_begins():

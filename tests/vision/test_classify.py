@@ -176,12 +176,6 @@ def test_with_markers_the_masks_are_those_that_their_blobs_are_of(rng):
         for blob in blobs:
             left, top, right, bottom = blob.bounding_box
             assert masks[color][top : bottom + 1, left : right + 1].sum() >= blob.area
-    (window,) = (
-        n
-        for n in (3, 5, 7)
-        if np.array_equal(robsim.vision.classify(frame, colors, smoothing=n)["red"], masks["red"])
-    )
-    assert window == sim._core.smoothing
     same = robsim.vision.classify(frame, colors, markers=markers, smoothing=1)
     np.testing.assert_array_equal(same["red"], plain["red"])
 

@@ -1,6 +1,5 @@
 """Colour classes as text, and in colour files that are there already."""
 
-import random
 import re
 import tomllib
 
@@ -10,7 +9,6 @@ from hypothesis import strategies as st
 
 from robsim import ColorClass, load_colors
 from robsim.vision import colors_to_toml, save_colors
-from sizes import thorough
 
 CHANNELS = ("y", "u", "v")
 
@@ -105,58 +103,3 @@ def test_wrong_colours_are_not_saved(tmp_path):
     with pytest.raises(ValueError, match="names"):
         colors_to_toml([red, red])
     assert list(tmp_path.iterdir()) == []
-
-
-# --- files that somebody damaged
-
-FILES = [
-    KEPT,
-    "red.u = [0, 9]\nblue.v = [1, 2]\nred.v = [5, 6]\n",
-    "red = {u = [0, 9], v = [1, 2]}\nblue = {}\n",
-    "\ufeff[red]\r\nu = [\r\n  0, # low\r\n  0xff,\r\n]\r\n['a b']\r\n",
-]
-PIECES = [
-    *("nan", "inf", "1e400", "9" * 400, "-1", "256", "1.5", "true", "2020-01-01", "[[1, 2]]"),
-    *("[", "]", "{", "}", "=", ".", "#", "\n", "\r", "\0", '"""', "\x7f", "\u2028", "\U0001f600"),
-    *("[red]", "[[red]]", "[red.u]", "red.u = [1, 2]", "red", "''", "[" * 3000, "a.b.c = 1\n"),
-]  # fmt: skip
-
-
-def damaged(random, text):
-    for _ in range(random.choice([0, 1, 2, 4])):
-        i = random.randrange(len(text) + 1)
-        what = random.choice(["insert", "insert", "cut", "drop", "swap"])
-        if what == "insert":
-            text = text[:i] + random.choice(PIECES) + text[i:]
-        elif what == "cut":
-            text = text[:i]
-        elif what == "drop":
-            text = text[:i] + text[i + random.randrange(1, 9) :]
-        else:
-            text = text[:i] + chr(random.randrange(0xD800)) + text[i + 1 :]
-    content = bytearray(text.encode())
-    if content and random.random() < 0.2:
-        content[random.randrange(len(content))] = random.randrange(256)
-    return bytes(content)
-
-
-@pytest.mark.long
-def test_a_damaged_file_is_changed_as_a_whole_or_not_at_all(tmp_path):
-    source, path = random.Random(1), tmp_path / "colors.toml"
-    new = ColorClass("red", y=(1, 200), u=(2, 100), v=(3, 50))
-    tried = thorough(1000, 60)
-    count = 0
-    for _ in range(tried):
-        content = damaged(source, source.choice(FILES))
-        path.write_bytes(content)
-        try:
-            before = {color.name: color for color in load_colors(path)}
-        except ValueError:
-            with pytest.raises(ValueError, match=re.escape(str(path))):
-                save_colors(path, new)
-            assert path.read_bytes() == content
-        else:
-            save_colors(path, new)
-            same(load_colors(path), (before | {"red": new}).values())
-            count += 1
-    assert 0 < count < tried

@@ -1,11 +1,8 @@
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
 
 import robsim
 from refusals import refuses
-from sizes import thorough
 
 COLORS = {"red": (255, 0, 0), "blue": (0, 0, 255), "green": (0, 255, 0)}
 CLASSES = [
@@ -14,42 +11,12 @@ CLASSES = [
 ]
 
 
-def flood_fill(mask):
-    """The components of a mask the slow way: a list of arrays of (v, u), 8 neighbours."""
-    left = {(v, u) for v, u in zip(*np.nonzero(mask), strict=True)}
-    components = []
-    while left:
-        stack, found = [left.pop()], []
-        while stack:
-            v, u = stack.pop()
-            found.append((v, u))
-            near = {(v + dv, u + du) for dv in (-1, 0, 1) for du in (-1, 0, 1)} & left
-            left -= near
-            stack.extend(near)
-        components.append(np.array(found))
-    return components
-
-
 def painted(red, blue=None):
     image = np.full((*red.shape, 3), 128, np.uint8)
     image[red] = COLORS["red"]
     if blue is not None:
         image[blue & ~red] = COLORS["blue"]
     return image
-
-
-def summary(blobs):
-    return sorted((b.area, b.bounding_box, tuple(np.round(b.centroid, 9))) for b in blobs)
-
-
-def expected_summary(mask, minimum_area=1):
-    result = []
-    for points in flood_fill(mask):
-        v, u = points.T
-        if len(points) >= minimum_area:
-            box = (int(u.min()), int(v.min()), int(u.max()), int(v.max()))
-            result.append((len(points), box, tuple(np.round((u.mean(), v.mean()), 9))))
-    return sorted(result)
 
 
 def test_one_rectangle_in_an_8_x_8_image():
@@ -78,41 +45,6 @@ def test_a_blob_at_the_border_says_so():
 def test_diagonal_neighbours_belong_together():
     found = robsim.find_blobs(painted(np.eye(9, dtype=bool)), CLASSES, minimum_area=1)
     assert [blob.area for blob in found["red"]] == [9]
-
-
-@pytest.mark.long
-@settings(max_examples=thorough(150, 50))
-@given(
-    width=st.integers(1, 70),
-    height=st.integers(1, 40),
-    density=st.sampled_from([0.02, 0.2, 0.4, 0.5, 0.6, 0.8, 0.98, 1.0]),
-    seed=st.integers(0, 2**32 - 1),
-)
-@example(width=1, height=1, density=1.0, seed=0)
-@example(width=64, height=1, density=1.0, seed=0)
-@example(width=1, height=40, density=0.5, seed=1)
-def test_random_masks_against_a_flood_fill(width, height, density, seed):
-    random = np.random.default_rng(seed)
-    red = random.random((height, width)) < density
-    blue = random.random((height, width)) < density
-    found = robsim.find_blobs(painted(red, blue), CLASSES, minimum_area=1, maximum_count=10_000)
-    assert summary(found["red"]) == expected_summary(red)
-    assert summary(found["blue"]) == expected_summary(blue & ~red)
-
-
-def test_checkerboard_and_spiral():
-    board = np.indices((41, 63)).sum(axis=0) % 2 == 0
-    spiral = np.zeros((33, 33), bool)
-    for inset in range(0, 16, 2):
-        spiral[inset, inset : 33 - inset] = True
-        spiral[inset : 33 - inset, 32 - inset] = True
-        spiral[32 - inset, inset : 33 - inset] = True
-        spiral[inset + 2 : 33 - inset, inset] = True
-        spiral[inset + 2, inset + 1] = True
-    for mask in (board, spiral):
-        found = robsim.find_blobs(painted(mask), CLASSES, minimum_area=1, maximum_count=10_000)
-        assert summary(found["red"]) == expected_summary(mask)
-        assert len(found["red"]) == 1
 
 
 def test_minimum_area_and_largest_first():

@@ -23,7 +23,6 @@ REACHED = {
     "uniform 40 %": (0.112, 0.371),
     "blur 1": (0.010, 0.020),
     "blur 3": (0.009, 0.055),  # the small marker is no wider than its blurred edge
-    "motion 9": (0.008, 0.023),
     "JPEG 75": (0.064, 0.207),
     "Bayer": (0.035, 0.195),
     "Bayer, raw Gaussian 2 %": (0.057, 0.225),

@@ -154,14 +154,6 @@ def test_reports_and_figures_show_what_measurements_say():
     assert not robsim.plot_traces(plain).axes[4].collections
 
 
-def test_the_batch_table_says_what_its_standard_errors_do_not_cover():
-    trace = simulation(headings=None, identify_from="measurement").run(100)
-    tracked = robsim.batch_estimate(trace, method="output_error")
-    assert any("resemble their neighbours" in remark for remark in tracked.remarks)
-    true = robsim.batch_estimate(trace, identify_from="truth", method="output_error")
-    assert not any("resemble their neighbours" in remark for remark in true.remarks)
-
-
 def test_outlines_must_be_those_of_the_markers():
     right, left = MARKERS.polygons["right"], MARKERS.polygons["left"]
     for polygons, words in (

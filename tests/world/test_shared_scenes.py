@@ -96,11 +96,3 @@ def test_the_scenes_that_were_not_used_for_longest_go_first():
     with pytest.raises(ValueError, match="no such floor"):
         cache.get("e", broken)
     assert cache.get("e", lambda: small_scene(8)).nbytes == 4 * 3 * 64
-
-
-def test_a_scene_larger_than_the_cache_is_kept_until_the_next_one():
-    cache = SceneCache(maximum_size=10)
-    large = cache.get("large", lambda: small_scene(40))
-    assert cache.get("large", pytest.fail) is large
-    cache.get("next", lambda: small_scene(10))
-    assert cache.get("large", lambda: small_scene(40)) is not large

@@ -16,12 +16,6 @@ def added(kind, percent, value=128, seed=1, index=0, shape=(400, 401, 3)):
     return noisy.astype(int) - value
 
 
-def gaussian_share(k, sigma):
-    """Probability that Gaussian noise rounds to k."""
-    cdf = [0.5 * math.erfc(-(k + d) / (sigma * math.sqrt(2))) for d in (-0.5, 0.5)]
-    return cdf[1] - cdf[0]
-
-
 def share(kind, k, scale):
     """Probability that noise rounds to k, or beyond it at the ends of what a pixel can show."""
 
@@ -49,35 +43,6 @@ def test_the_whole_distribution_at_any_level(kind, percent):
     assert (found[theory > 1 / 8192] > 0).all()  # the finest share that is drawn
     if kind == "uniform" and percent == 5:
         assert np.abs(noise).max() == 13
-
-
-def beyond(limit, sigma):
-    """Probability of Gaussian noise above `limit` standard deviations, both sides."""
-    steps = range(math.floor(limit * sigma) + 1, 128)
-    return 2 * sum(gaussian_share(k, sigma) for k in steps)
-
-
-@pytest.mark.parametrize("percent", [1, 2.5, 5, 10])
-def test_gaussian_tails(percent):
-    """Beyond three and four standard deviations."""
-    sigma = 2.55 * percent
-    noise = np.abs(added("gaussian", percent, seed=4, shape=(600, 600, 3)))
-    for limit in (3, 4):
-        expected = noise.size * beyond(limit, sigma)  # some 3000, some 70
-        found = (noise > limit * sigma).sum()
-        assert found == pytest.approx(expected, abs=5 * math.sqrt(expected))
-
-
-@pytest.mark.long
-def test_what_lies_beyond_five_standard_deviations():
-    found = expected = 0
-    for percent in thorough((1, 2.35, 3.7, 5, 6.5, 8), (1, 5)):
-        sigma = 2.55 * percent
-        noise = np.abs(added("gaussian", percent, seed=5, shape=(3000, 1200, 3)))
-        found += (noise > 5 * sigma).sum()
-        expected += noise.size * beyond(5, sigma)
-    assert expected > 8
-    assert found == pytest.approx(expected, abs=4 * math.sqrt(expected))
 
 
 @pytest.mark.parametrize("kind", KINDS)

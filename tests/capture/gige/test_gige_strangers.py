@@ -1,7 +1,6 @@
 """GigE Vision: cameras that say what is not so, clients that ask for what there is not, garbage."""
 
 import _thread
-import contextlib
 import random
 import signal
 import socket
@@ -13,7 +12,6 @@ import pytest
 
 from gige_between import DISCOVERY, LEADER, READ_MEMORY, URL, between
 from gige_cameras import ADDRESS, camera_of, driven, opened, served, ticks_of
-from needs import needs_extension
 from robsim.capture import CaptureError
 from waiting import wait_for
 
@@ -32,42 +30,6 @@ NO_UTF8 = b"\xff\xe9" * 32
 
 def datagrams():
     return socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-
-
-@contextlib.contextmanager
-def answering(registers):
-    """Be a camera that answers each discovery with its first registers."""
-    with datagrams() as camera, datagrams() as end:
-        camera.bind((ADDRESS, PORT))
-
-        def answer():
-            while (question := camera.recvfrom(1024))[0] != b"end":
-                head = struct.pack(">HHH", 0, DISCOVERY + 1, len(registers)) + question[0][6:8]
-                camera.sendto(head + registers, question[1])
-
-        thread = threading.Thread(target=answer)
-        thread.start()
-        try:
-            yield
-        finally:
-            end.sendto(b"end", (ADDRESS, PORT))
-            thread.join()
-
-
-@pytest.mark.long
-def test_names_that_are_no_utf8_are_told_all_the_same():
-    registers = bytearray(0xF8)
-    registers[0x24:0x28] = socket.inet_aton(ADDRESS)
-    for place, text in ((VENDOR, "Müller".encode("latin-1")), (MODEL, b"\xff\xfe"), (SERIAL, b"7")):
-        registers[place : place + len(text)] = text
-
-    def found():
-        cameras = needs_extension("gige").find_cameras(0.1)
-        return next((one for one in cameras if one["address"] == ADDRESS), None)
-
-    with answering(bytes(registers)):
-        names = {"vendor": "M\ufffdller", "model": "\ufffd\ufffd", "serial": "7"}
-        assert names.items() <= wait_for(found).items()
 
 
 def with_odd_names(command, address, packet):

@@ -32,13 +32,6 @@ def test_it_must_be_said_as_what(arguments, words):
 
 
 @pytest.mark.slow
-def test_a_second_one_is_refused(server):
-    done = command("serve", "--gige", "--seconds", "1")
-    assert done.exit_code == 2
-    assert f"3956 of {ADDRESS}" in done.stderr
-
-
-@pytest.mark.slow
 def test_the_tool_of_aravis_reads_it(server):
     tool = needs_program("arv-camera-test-0.8", "aravis-tools")
     wait_for_camera()
