@@ -6,11 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from graded_results import PROGRAM, graded, hidden, submission
+from graded_results import PROGRAM, graded, hidden, reports, submission
 from html_outline import Outline
-from robsim.assignments._reports import program_of, write_class
-from robsim.assignments._reports.pages.floor import DrawnPath, floor_of
-from robsim.assignments._reports.pages.histogram import histogram
 
 
 def results():
@@ -24,15 +21,16 @@ def results():
 
 
 def written(folder, **options):
-    write_class(folder, results(), **options)
+    reports.write_class(folder, results(), **options)
     return Outline((folder / "class.html").read_text("utf-8"))
+
+
+def programs_of(*names):
+    return {name: reports.program_of({f"{name}.py": PROGRAM.encode()}) for name in names}
 
 
 def test_all_files_are_written(tmp_path):
     page = written(tmp_path / "new")
-    assert sorted(f.name for f in (tmp_path / "new").iterdir()) == [
-        *("class.csv", "class.html", "junit.xml")
-    ]
     table = (tmp_path / "new/class.csv").read_text("utf-8")
     rows = list(csv.reader(table.splitlines()))
     assert [row[0] for row in rows] == ["student", "müller", "s001", "s002"]
@@ -44,14 +42,16 @@ def test_all_files_are_written(tmp_path):
     # The table can be sorted by numbers: points, two tests, seconds.
     assert len([float(value) for value in page.attributes("data-value")]) == 3 * 4
     assert page.names.count("button") == 5
+    # Histograms count none, ten parts and all.
+    assert page.names.count("rect") == 3 * 12
     with pytest.raises(ValueError, match="result"):
-        write_class(tmp_path, [])
+        reports.write_class(tmp_path, [])
 
 
 def test_pseudonyms_leave_no_name_and_no_text(tmp_path):
-    programs = {name: program_of({f"{name}.py": PROGRAM.encode()}) for name in ("s001", "s002")}
     paths = {"estimate": {"s001": np.zeros((3, 2)), "müller": np.ones((3, 2))}}
     names = {"s001": "abc", "s002": "def", "müller": "ghi"}
+    programs = programs_of("s001", "s002")
     written(tmp_path, programs=programs, paths=paths, pseudonym=names.__getitem__)
     for file in tmp_path.iterdir():
         text = file.read_text("utf-8")
@@ -63,7 +63,7 @@ def test_pseudonyms_leave_no_name_and_no_text(tmp_path):
 
 
 def test_similar_programs_are_a_hint_but_for_what_was_given(tmp_path):
-    programs = {name: program_of({"state.py": PROGRAM.encode()}) for name in ("s001", "s002")}
+    programs = programs_of("s001", "s002")
     page = written(tmp_path, programs=programs)
     assert "s001 and s002: 100 % of s001, 100 % of s002" in page.text
     assert "gain = self.P @ np.linalg.inv" in page.text
@@ -72,40 +72,14 @@ def test_similar_programs_are_a_hint_but_for_what_was_given(tmp_path):
     assert "Similar programs" not in written(tmp_path).text
 
 
-def test_paths_lie_on_one_floor_those_with_all_points_on_top():
+def test_paths_lie_on_one_floor_those_with_all_points_on_top(tmp_path):
     rows = np.array([[100.0, 200.0], [300.0, 600.0], [np.nan, np.nan]])
-    paths = [
-        DrawnPath("all", rows, 4.0),
-        DrawnPath("none", rows, 0.0),
-        DrawnPath("some", rows, 1.0),
-    ]
-    outline = Outline(floor_of("Park", paths, (600.0, 1200.0), 4.0))
-    assert outline.attributes("points") == ["100.0,200.0 300.0,600.0"] * 3
-    assert [name for name in outline.attributes("class") if "path" in name] == [
+    paths = {"estimate": dict.fromkeys(("s002", "s001", "müller"), rows)}
+    page = written(tmp_path, paths=paths)
+    assert page.attributes("points") == ["100.0,200.0 300.0,600.0"] * 3
+    assert [name for name in page.attributes("class") if name.startswith("path ")] == [
         *("path none", "path some", "path all")
     ]
-    assert outline.attributes("viewbox") == ["-20 180 440 440"]
-    assert "none: 0 of 4" in outline.text
-
-
-def test_paths_of_nobody_are_left_out(tmp_path):
+    assert "s001: 0 of 4" in page.text
     nowhere = {"estimate": {"s001": np.full((3, 2), np.nan)}, "unknown": {"s001": np.zeros((1, 2))}}
-    page = written(tmp_path, paths=nowhere)
-    assert "Best runs" in page.text
-    assert "polyline" not in page.names
-    assert "-60 -60 1320 1320" in page.attributes("viewbox")
-
-
-def test_a_histogram_counts_none_ten_parts_and_all():
-    for points, counts in [
-        ([0, 0, 4], [2, *[0] * 10, 1]),
-        ([0.01, 3.99, 2.0], [0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0]),
-        ([], [0] * 12),
-    ]:
-        drawn = histogram("In all", points, 4.0)
-        heights = [float(found["height"]) for name, found in Outline(drawn).elements
-                   if name == "rect"]  # fmt: skip
-        expected = [80.0 * count / max(*counts, 1) for count in counts]
-        assert heights == pytest.approx(expected, abs=0.1)
-        shown = re.findall(r">(\d+)</text>", drawn)
-        assert shown == [str(count) for count in counts if count]
+    assert "polyline" not in written(tmp_path, paths=nowhere).names

@@ -6,41 +6,20 @@ import re
 
 import pytest
 
-from graded_results import SECRET, graded, hidden, submission
+from graded_results import SECRET, graded, hidden, reports, submission
 from html_outline import Outline
-from robsim.assignments._reports import gradescope, write_gradescope
 
 VISIBILITIES = {"hidden", "after_due_date", "after_published", "visible"}
 FORMATS = {"text", "html", "simple_format", "md", "ansi"}
 NUMBER = (int, float)
 
 # Fields, their types and choices, as in the published specification of autograders.
-TOP = {
-    "score": NUMBER,
-    "execution_time": NUMBER,
-    "output": str,
-    "output_format": FORMATS,
-    "test_output_format": FORMATS,
-    "test_name_format": FORMATS,
-    "visibility": VISIBILITIES,
-    "stdout_visibility": VISIBILITIES,
-    "extra_data": dict,
-    "tests": list,
-    "leaderboard": list,
-}
-TEST = {
-    "score": NUMBER,
-    "max_score": NUMBER,
-    "status": {"passed", "failed"},
-    "name": str,
-    "name_format": FORMATS,
-    "number": str,
-    "output": str,
-    "output_format": FORMATS,
-    "tags": list,
-    "visibility": VISIBILITIES,
-    "extra_data": dict,
-}
+BOTH = {"score": NUMBER, "output": str, "output_format": FORMATS, "visibility": VISIBILITIES}
+BOTH |= {"extra_data": dict}
+TOP = BOTH | {"execution_time": NUMBER, "test_output_format": FORMATS, "test_name_format": FORMATS}
+TOP |= {"stdout_visibility": VISIBILITIES, "tests": list, "leaderboard": list}
+TEST = BOTH | {"max_score": NUMBER, "status": {"passed", "failed"}, "name": str, "number": str}
+TEST |= {"name_format": FORMATS, "tags": list}
 
 
 def check_fields(content, allowed):
@@ -72,7 +51,7 @@ def results(tmp_path):
 
     def written(*tests, **options):
         file = tmp_path / "results.json"
-        write_gradescope(file, submission(tests=tests), **options)
+        reports.write_gradescope(file, submission(tests=tests), **options)
         assert [each.name for each in tmp_path.iterdir()] == ["results.json"]
         content = json.loads(file.read_text("ascii"), parse_constant=pytest.fail)
         check_results(content)
@@ -116,10 +95,10 @@ def test_what_could_not_be_graded_has_no_score(results):
 
 def test_a_result_of_half_way_is_valid():
     half = submission(tests=[graded(status="not run", points=0.0)], is_done=False)
-    check_results(gradescope(half))
-    check_results(gradescope(submission(tests=[])))
+    check_results(reports.gradescope(half))
+    check_results(reports.gradescope(submission(tests=[])))
     with pytest.raises(ValueError, match="hidden"):
-        gradescope(half, hidden="hidden")
+        reports.gradescope(half, hidden="hidden")
 
 
 def test_pictures_are_in_it_as_long_as_they_are_small(results):

@@ -12,20 +12,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzing import fuzzed
-from graded_results import NASTY, PROGRAM, any_submissions, saying, submission, texts
-from html_outline import Outline
-from robsim.assignments._reports import (
-    for_student,
-    gradescope,
-    junit_xml,
-    marks_table,
-    student_text,
+from graded_results import (
+    NASTY,
+    PROGRAM,
+    any_submissions,
+    class_page,
+    reports,
+    saying,
+    student_page,
+    submission,
+    texts,
 )
+from html_outline import Outline
 from robsim.assignments._reports.markup import escaped, tag
-from robsim.assignments._reports.pages.class_page import class_page
-from robsim.assignments._reports.pages.student import student_page
-from robsim.assignments._reports.similarity.pairs import similar_pairs
-from robsim.assignments._reports.similarity.winnowing import program_of
 
 # What no text may have: controls, what turns the text around it, halves, what is no character.
 HARMFUL = re.compile(
@@ -82,7 +81,7 @@ def test_no_text_breaks_the_page_of_a_class(results):
 
 def check_students_page(result):
     for page in (
-        student_page(for_student(result), {"test0": b"png"}),
+        student_page(reports.for_student(result), {"test0": b"png"}),
         student_page(result, {"test0": b"png"}, for_teacher=True),
     ):
         outline = check_page(page)
@@ -100,21 +99,21 @@ def check_class_page(results):
 
 
 def check_other_formats(result):
-    text = student_text(result)
+    text = reports.student_text(result)
     assert not HARMFUL.search(text)
 
-    content = gradescope(result, pictures={"test0": b"png"})
+    content = reports.gradescope(result, pictures={"test0": b"png"})
     assert json.loads(json.dumps(content, allow_nan=False)) == content
     for test in content["tests"]:
         assert not HARMFUL.search(test["name"] + test["output"])
         assert set(Outline(test["output"]).names) <= ELEMENTS - {"script", "style", "a"}
 
-    root = ElementTree.fromstring(junit_xml([result]))
+    root = ElementTree.fromstring(reports.junit_xml([result]))
     assert len(list(root.iter("testcase"))) == len(result.tests)
     assert not any(HARMFUL.search("".join([*e.itertext(), *e.attrib.values()])) for e in root)
 
     for columns in ("robsim", "moodle", "canvas", "blackboard"):
-        table = marks_table([result, submission("s2", [])], columns=columns)
+        table = reports.marks_table([result, submission("s2", [])], columns=columns)
         rows = list(csv.reader(io.StringIO(table, newline="")))
         assert len(rows) == (4 if columns == "canvas" else 3)
         assert len({len(row) for row in rows}) == 1
@@ -138,9 +137,11 @@ def test_escaped_text_comes_back_as_text(text):
 
 
 @pytest.mark.long
-def test_programs_are_shown_as_text():
+def test_programs_are_shown_as_text(tmp_path):
     for text in NASTY:
         source = f"# {text}\nname = {text!r}\n{PROGRAM}".encode("utf-8", "surrogatepass")
-        programs = {name: program_of({f"{name}.py": source}) for name in ("a", "b")}
-        (pair,) = similar_pairs({text or "a": programs["a"], "b": programs["b"]})
-        check_page(class_page([submission()], pairs=[pair]))
+        programs = {name: reports.program_of({f"{name}.py": source}) for name in (text or "a", "b")}
+        reports.write_class(tmp_path, [submission()], programs=programs)
+        page = (tmp_path / "class.html").read_text("utf-8")
+        assert "np.linalg.inv" in page
+        check_page(page)

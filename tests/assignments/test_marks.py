@@ -2,16 +2,16 @@
 
 import csv
 import io
+from xml.etree import ElementTree
 
 import pandas as pd
 import pytest
 
-from graded_results import graded, hidden, submission
-from robsim.assignments._reports import marks_table
+from graded_results import graded, hidden, reports, submission
 
 
 def rows(results, **options):
-    return list(csv.reader(io.StringIO(marks_table(results, **options), newline="")))
+    return list(csv.reader(io.StringIO(reports.marks_table(results, **options), newline="")))
 
 
 def test_pandas_reads_the_points():
@@ -21,7 +21,7 @@ def test_pandas_reads_the_points():
             "s002", [graded(status="passed", points=4.0), hidden(status="error", points=0.0)]
         ),
     ]
-    table = pd.read_csv(io.StringIO(marks_table(results)), index_col="student")
+    table = pd.read_csv(io.StringIO(reports.marks_table(results)), index_col="student")
     assert list(table.columns) == [
         *("points", "most", "percent", "estimate", "others", "is_done", "notes")
     ]
@@ -81,9 +81,23 @@ def test_names_are_no_formulas():
         for row in rows(results, columns=columns):
             assert not any(cell.lstrip().startswith(("=", "+", "-", "@")) for cell in row)
     with pytest.raises(ValueError, match="columns"):
-        marks_table(results, columns="sakai")
+        reports.marks_table(results, columns="sakai")
 
 
 def test_no_result_makes_a_table_of_headings():
     assert rows([])[0][:3] == ["student", "points", "most"]
     assert len(rows([], columns="canvas")) == 2
+
+
+def test_junit_counts_tests_by_how_they_ended():
+    tests = [
+        graded("a", status="passed", points=4.0),
+        graded("b"),
+        graded("c", status="error", whose="grader"),
+        graded("d", status="not run"),
+    ]
+    root = ElementTree.fromstring(reports.junit_xml([submission("müller <&>", tests)]))
+    assert (root.get("tests"), root.get("failures"), root.get("errors")) == ("4", "1", "1")
+    (suite,) = root
+    assert (suite.get("name"), suite.get("skipped")) == ("müller <&>", "1")
+    assert "run 7: estimate_state at step 17" in suite.find(".//failure").text

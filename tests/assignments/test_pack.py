@@ -129,12 +129,8 @@ def test_the_autograder_is_as_its_specification_has_it_and_grades(with_own_tests
     root = autograder(tmp_path, archive)
     assert (root / "source/requirements.txt").read_text().split() == ["robsim==9.9", "pytest"]
     for name in ("setup.sh", "run_autograder"):
-        script = root / "source" / name
-        assert script.read_bytes().startswith(b"#!/usr/bin/env bash\n")
-        assert b"\r" not in script.read_bytes()
-        subprocess.run(["bash", "-n", script], check=True)
+        subprocess.run(["bash", "-n", root / "source" / name], check=True)
     solution(root / "submission")
-    (root / "submission_metadata.json").write_text(metadata("b@x.org", "a@x.org"))
     done, results = run_autograder(root)
     assert done.returncode == 0, done.stderr
     assert [test["max_score"] for test in results["tests"]] == [3, 6, 1]
@@ -206,21 +202,13 @@ def test_a_grader_that_fails_says_so_in_the_results(calibrated, tmp_path):
     assert "no fault of your submission" in results["output"]
 
 
-def metadata(*emails):
-    users = [{"email": email, "id": 7, "name": "somebody"} for email in emails]
-    return json.dumps({"id": 1, "users": users})
-
-
 def test_a_student_is_known_by_who_has_handed_it_in(tmp_path):
     file = tmp_path / "submission_metadata.json"
     assert student_in(file) == "submission"
-    for text, name in [
-        (metadata("a@x.org"), "a@x.org"),
-        (metadata("b@x.org", "a@x.org"), "a@x.org+b@x.org"),
-        (metadata(None), "7"),
-        ('{"users": []}', "submission"),
-        ('{"users": [3]}', "submission"),
-        ("nothing", "submission"),
+    for users, name in [
+        ([{"email": "b@x.org", "id": 7}, {"email": "a@x.org", "id": 8}], "a@x.org+b@x.org"),
+        ([{"email": None, "id": 7}], "7"),
+        ([3], "submission"),
     ]:
-        file.write_text(text)
+        file.write_text(json.dumps({"users": users}))
         assert student_in(file) == name

@@ -5,8 +5,7 @@ import io
 import pytest
 from PIL import Image
 
-from graded_results import NASTY, PROGRAM, graded, hidden, submission
-from robsim.assignments._reports import program_of, write_class, write_student
+from graded_results import NASTY, PROGRAM, graded, hidden, reports, submission
 
 pytestmark = pytest.mark.long
 
@@ -16,11 +15,10 @@ def open_page(chromium):
     """Return a function that opens a file in a browser; what it complains of fails the test."""
     contexts, complaints = [], []
 
-    def open_it(file, *, size=(1000, 800), theme="light"):
+    def open_it(file, *, size=(1000, 800)):
         width, height = size
-        context = chromium.new_context(
-            viewport={"width": width, "height": height}, color_scheme=theme, offline=True
-        )
+        viewport = {"width": width, "height": height}
+        context = chromium.new_context(viewport=viewport, offline=True)
         contexts.append(context)
         tab = context.new_page()
         tab.on("pageerror", lambda error: complaints.append(str(error)))
@@ -44,7 +42,9 @@ def picture():
 @pytest.fixture
 def student(tmp_path):
     nasty = graded(output="\n".join(NASTY), finding="x" * 500, sentence=NASTY[1])
-    write_student(tmp_path, submission(tests=[nasty, hidden()]), pictures={"estimate": picture()})
+    reports.write_student(
+        tmp_path, submission(tests=[nasty, hidden()]), pictures={"estimate": picture()}
+    )
     return tmp_path / "index.html"
 
 
@@ -55,52 +55,16 @@ def class_file(tmp_path):
         submission(name, [graded(points=each, status="passed" if each == 4 else "failed")])
         for name, each in points.items()
     ]
-    programs = {name: program_of({"state.py": PROGRAM.encode()}) for name in ("s1", "s2")}
-    write_class(tmp_path, results, programs=programs)
+    programs = {name: reports.program_of({"state.py": PROGRAM.encode()}) for name in ("s1", "s2")}
+    reports.write_class(tmp_path, results, programs=programs)
     return tmp_path / "class.html"
 
 
-@pytest.mark.parametrize(("theme", "width"), [("light", 320), ("dark", 1000)])
-def test_pages_fit_any_screen_can_be_read_and_printed(open_page, student, class_file, theme, width):
-    tab = open_page(student, size=(width, 800), theme=theme)
-    assert tab.evaluate("document.documentElement.scrollWidth") <= width
+def test_pages_fit_a_narrow_screen_and_can_be_printed(open_page, student):
+    tab = open_page(student, size=(320, 800))
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 320
     assert tab.evaluate("document.images[0].naturalWidth") == 900
-    grounds = {"light": "rgb(243, 244, 246)", "dark": "rgb(15, 17, 21)"}
-    assert tab.evaluate(GROUND) == grounds[theme]
-    for file in (student, class_file):
-        tab = open_page(file, theme=theme)
-        assert tab.evaluate(WEAK_TEXTS) == []
-        assert tab.pdf().startswith(b"%PDF")
-        tab.emulate_media(media="print", color_scheme=theme)
-        assert tab.evaluate(GROUND) == "rgb(255, 255, 255)"
-
-
-GROUND = "getComputedStyle(document.body).backgroundColor"
-
-
-#: Texts of less contrast than WCAG's 4.5 to 1, on the ground that is nearest behind them.
-WEAK_TEXTS = """() => {
-  const numbers = (color) => color.match(/[\\d.]+/g).map(Number);
-  const luminance = (color) => numbers(color).slice(0, 3)
-    .map((c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
-    .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
-  const ground = (element) => {
-    for (; element; element = element.parentElement) {
-      const color = getComputedStyle(element).backgroundColor;
-      if (numbers(color)[3] !== 0) return color;
-    }
-    return "rgb(255, 255, 255)";
-  };
-  const weak = [];
-  for (const element of document.querySelectorAll("body *:not(script, svg *)")) {
-    const texts = [...element.childNodes].filter((n) => n.nodeType === 3 && n.data.trim());
-    if (!texts.length) continue;
-    const [a, b] = [getComputedStyle(element).color, ground(element)].map(luminance);
-    const contrast = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
-    if (contrast < 4.5) weak.push([element.tagName, texts[0].data.slice(0, 40), contrast]);
-  }
-  return weak;
-}"""
+    assert tab.pdf().startswith(b"%PDF")
 
 
 def names(tab):

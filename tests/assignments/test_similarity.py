@@ -4,14 +4,7 @@ import json
 import re
 
 from graded_results import PROGRAM
-from robsim.assignments._reports.similarity.pairs import similar_pairs
-from robsim.assignments._reports.similarity.tokens import tokens_of
-from robsim.assignments._reports.similarity.winnowing import (
-    RUN,
-    WINDOW,
-    program_of,
-    winnowed,
-)
+from robsim.assignments._reports.similarity import pairs, tokens, winnowing
 
 OTHER = """
 def estimate_state(step):
@@ -44,8 +37,11 @@ def renamed(source):
 
 
 def pairs_of(given=(), **sources):
-    programs = {name: program_of({"control.py": text.encode()}) for name, text in sources.items()}
-    return similar_pairs(programs, [program_of({"a.py": text.encode()}) for text in given])
+    def program(text):
+        return winnowing.program_of({"control.py": text.encode()})
+
+    programs = {name: program(text) for name, text in sources.items()}
+    return pairs.similar_pairs(programs, [program(text) for text in given])
 
 
 def test_a_copy_in_disguise_is_found_with_its_lines():
@@ -85,55 +81,46 @@ def test_what_many_have_does_not_count():
 
 
 def test_cells_of_notebooks_are_compared():
-    notebook = {
-        "nbformat": 4,
-        "nbformat_minor": 5,
-        "metadata": {},
-        "cells": [
-            {"cell_type": "markdown", "metadata": {}, "source": "# mine"},
-            {"cell_type": "code", "metadata": {}, "source": renamed(PROGRAM).splitlines(True)},
-        ],
-    }
+    text = renamed(PROGRAM).splitlines(True)
+    cells = [
+        {"cell_type": kind, "metadata": {}, "source": source}
+        for kind, source in (("markdown", "# mine"), ("code", text))
+    ]
+    notebook = {"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells}
     programs = {
-        "one": program_of({"state.py": PROGRAM.encode()}),
-        "two": program_of({"s2.ipynb": json.dumps(notebook).encode()}),
-        "broken": program_of({"s3.ipynb": b"{", "data.csv": b"1,2"}),
+        "one": winnowing.program_of({"state.py": PROGRAM.encode()}),
+        "two": winnowing.program_of({"s2.ipynb": json.dumps(notebook).encode()}),
+        "broken": winnowing.program_of({"s3.ipynb": b"{", "data.csv": b"1,2"}),
     }
-    (pair,) = similar_pairs(programs)
+    (pair,) = pairs.similar_pairs(programs)
     assert pair.passages[0][1].file == "s2.ipynb, cell 2"
     assert programs["broken"].pieces == ()
 
 
 def test_winnowing_finds_whatever_is_long_enough(rng):
-    kinds = [str(k) for k in rng.integers(0, 30, 3 * (RUN + WINDOW))]
-    long_enough = RUN + WINDOW - 1
-    for start in rng.integers(0, len(kinds) - long_enough, 20):
-        part = " ".join(f".{'abcdefghij'[int(k) % 10] * (int(k) + 1)}" for k in kinds)
-        tokens = tokens_of(part)
-        common = tokens[2 * start : 2 * start + long_enough]
-        both = {each.hash for each in winnowed(tokens, 0)} & {e.hash for e in winnowed(common, 0)}
-        assert both
-    assert winnowed(tokens[: RUN - 1], 0) == []
+    long_enough = winnowing.RUN + winnowing.WINDOW - 1
+    numbers = rng.integers(0, 30, 3 * (long_enough + 1))
+    part = " ".join(f".{'abcdefghij'[k % 10] * (k + 1)}" for k in numbers.tolist())
+    all_tokens = tokens.tokens_of(part)
+    hashes = {each.hash for each in winnowing.winnowed(all_tokens, 0)}
+    for start in rng.integers(0, len(numbers) - long_enough, 20):
+        common = all_tokens[2 * start : 2 * start + long_enough]
+        assert hashes & {each.hash for each in winnowing.winnowed(common, 0)}
+    assert winnowing.winnowed(all_tokens[: winnowing.RUN - 1], 0) == []
 
 
 def test_any_text_has_tokens():
-    odd = [
-        "'unterminated",
-        '"""unterminated',
-        "f'{x!r:>{w}}'",
-        "rb'\\'",
-        "\0\0",
-        "0x_1__.e",
-        "é = 1",
-    ]
+    odd = ["'unterminated", '"""unterminated', "f'{x!r:>{w}}'", "rb'\\'", "\0\0", "0x_1__.e"]
     long = ["'" * 10_000, '"""' * 5_000 + "'", "\\" * 10_000, "(" * 10_000, "a." * 10_000]
     for source in odd + long:
-        assert isinstance(tokens_of(source), list)
+        assert isinstance(tokens.tokens_of(source), list)
 
 
 def test_names_numbers_texts_and_layout_are_not_compared():
-    one = [token.kind for token in tokens_of("import a\nx = self.y + np.dot(z, 3.5)  # sum\n")]
-    two = [token.kind for token in tokens_of("foo=self.bar+ np.dot(baz,\n  7e3)\n")]
-    other = [token.kind for token in tokens_of("x = self.y + np.cross(z, 3.5)")]
+    same = ("import a\nx = self.y + np.dot(z, 3.5)  # sum\n", "foo=self.bar+ np.dot(baz,\n  7e3)\n")
+    one, two, other = (
+        [token.kind for token in tokens.tokens_of(text)]
+        for text in (*same, "x = self.y + np.cross(z, 3.5)")
+    )
     assert one == two != other
-    assert [token.line for token in tokens_of("'''a\nb'''\nc")] == [1, 3]
+    assert [token.line for token in tokens.tokens_of("'''a\nb'''\nc")] == [1, 3]

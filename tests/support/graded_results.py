@@ -2,17 +2,13 @@
 
 from hypothesis import strategies as st
 
-from robsim.assignments._results import (
-    ERROR,
-    FAILED,
-    NOT_RUN,
-    PARTIAL,
-    PASSED,
-    FailedRun,
-    ScoreResult,
-    SubmissionResult,
-    TestResult,
-)
+from robsim.assignments import _reports as reports
+from robsim.assignments import _results
+from robsim.assignments._reports.pages.class_page import class_page
+from robsim.assignments._reports.pages.student import student_page
+from robsim.assignments._results import FailedRun
+
+__all__ = ["FailedRun", "class_page", "reports", "student_page"]
 
 #: What stands in a hidden test, and is nobody's to see.
 SECRET = "kept secret"
@@ -20,7 +16,7 @@ SECRET = "kept secret"
 #: Where a submission fails.
 PLACE = {"slot": "estimate_state", "file": "estimate_state.py", "line": 23}
 
-_STATUSES = (PASSED, PARTIAL, FAILED, ERROR, NOT_RUN)
+_STATUSES = ("passed", "partial", "failed", "error", "not run")
 
 
 def score(name="position", **changes):
@@ -37,7 +33,7 @@ def score(name="position", **changes):
         "fraction": 0.73,
         "share": 1.0,
     }
-    return ScoreResult(name=name, **fields | changes)
+    return _results.ScoreResult(name=name, **fields | changes)
 
 
 def graded(name="estimate", **changes):
@@ -47,7 +43,7 @@ def graded(name="estimate", **changes):
         "number": "1.1",
         "points": 2.92,
         "most": 4.0,
-        "status": PARTIAL,
+        "status": "partial",
         "sentence": "The estimate stays behind while the robot is hidden.",
         "scores": (score(),),
         "runs": 10,
@@ -59,7 +55,7 @@ def graded(name="estimate", **changes):
         "output": "printed by me",
         "seconds": 3.0,
     }
-    return TestResult(name=name, **fields | changes)
+    return _results.TestResult(name=name, **fields | changes)
 
 
 def hidden(name="others", **changes):
@@ -91,7 +87,7 @@ def submission(student="s001", tests=None, **changes):
         "seconds": 12.5,
     }
     tests = (graded(), hidden()) if tests is None else tuple(tests)
-    return SubmissionResult(student=student, tests=tests, **fields | changes)
+    return _results.SubmissionResult(student=student, tests=tests, **fields | changes)
 
 
 #: A program that somebody may hand in.
