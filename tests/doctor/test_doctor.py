@@ -134,7 +134,7 @@ BROKEN = [
         "covariance not positive",
         gives(lambda x, P: robsim.Estimate(x[:3], 0 * P)),
         "0 for x",
-        "0 *",
+        "self.P = ",
     ),
     (
         "missing measurement",

@@ -31,14 +31,6 @@ def test_the_same_frames_give_the_same_measurements(run):
         np.testing.assert_array_equal(trace.blobs[color], centroids)
 
 
-def test_frames_may_have_features_that_are_none_of_a_camera(run, tmp_path):
-    class Corners(list):
-        features = ("corner", 3)
-
-    trace = robsim.Experiment(Corners(run[0]), record=tmp_path / "session").run()
-    assert len(trace) == 20
-
-
 def test_the_truth_is_not_known(run, tmp_path):
     trace = robsim.Experiment(run[0]).run()
     assert trace.info.boundary == "recorded"
@@ -53,23 +45,6 @@ def test_the_truth_is_not_known(run, tmp_path):
     again = robsim.Trace.load(tmp_path / "trace.npz")
     np.testing.assert_array_equal(again.pose_measured, trace.pose_measured)
     assert again.info.boundary == "recorded"
-
-
-def test_callbacks_get_what_they_get_in_a_simulation(run):
-    frames, simulated = run
-    seen = []
-
-    def estimate_state(step):
-        seen.append((step.k, step.t, step.frame.index, step.measurement.pose[0]))
-        return robsim.Estimate(step.measurement.pose, np.eye(3))
-
-    sim = robsim.Experiment(frames, estimate_state=estimate_state, control=lambda step: (0.1, 0.2))
-    trace = sim.run()
-    assert [k for k, *_ in seen] == list(range(20))
-    assert [t for _, t, *_ in seen] == pytest.approx([0.2 * k for k in range(20)])
-    np.testing.assert_array_equal([x for *_, x in seen], simulated.pose_measured[:, 0])
-    np.testing.assert_array_equal(trace.pose_estimated, simulated.pose_measured)
-    np.testing.assert_array_equal(trace.u, np.tile((0.1, 0.2), (20, 1)))
 
 
 def test_a_run_goes_on_where_the_one_before_ended_and_ends_with_the_frames(run):
@@ -122,17 +97,6 @@ def camera():
 def test_wrong_use(frames, options, error, told):
     with pytest.raises(error, match=told):
         robsim.Experiment(frames, **options).run()
-
-
-def test_the_slots_of_the_world_half_cannot_be_set():
-    with pytest.raises(AttributeError, match="'evaluate_model'"):
-        robsim.Experiment([]).evaluate_model = robsim.Unicycle()
-
-
-def test_a_recording_is_no_live_camera():
-    for source in (0, "rtsp://camera/1", "/dev/video0"):
-        with pytest.raises(ValueError, match=r"source .*live camera"):
-            robsim.Recording(source)
 
 
 @pytest.mark.long
