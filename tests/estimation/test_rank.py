@@ -1,11 +1,10 @@
-"""What full rank is: one rule for least squares, the iterative fits and the bounds."""
+"""What full rank is: one rule for least squares and the bounds."""
 
 import numpy as np
 import pytest
 
 from robsim.evaluation import cramer_rao_bound
 from robsim.identification import least_squares
-from robsim.identification._fits.linear import solve
 
 pytestmark = pytest.mark.kernels
 
@@ -17,16 +16,11 @@ def least_squares_errors(phi):
     return least_squares(phi, np.ones(len(phi))).standard_errors_unscaled
 
 
-def fitted_errors(phi):
-    errors = np.sqrt(np.diag(solve(phi, np.ones(len(phi)))[1]))
-    return np.where(np.isnan(errors), np.inf, errors)
-
-
 def bounds(phi):
     return cramer_rao_bound(phi, 1.0)[-1]
 
 
-each = pytest.mark.parametrize("errors", [least_squares_errors, fitted_errors, bounds])
+each = pytest.mark.parametrize("errors", [least_squares_errors, bounds])
 
 
 def almost_dependent(ratio, rng):

@@ -6,9 +6,7 @@ from scipy import special
 
 import robsim
 from robsim.evaluation import nees_consistency, nis_consistency, whiteness
-from robsim.evaluation._time_average import standard_error_of_mean
 from robsim.identification import ConvergenceReport
-from robsim.identification._identifiability import judge
 
 pytestmark = pytest.mark.kernels
 
@@ -111,30 +109,6 @@ def test_the_default_number_of_lags():
         assert len(whiteness(innovation).autocorrelation) == lags
 
 
-def test_identifiability():
-    theta = np.array([[1.9, -0.9, 0.2, 0.1, 0.0]] * 3)
-    errors = np.full((3, 5), 1e-9)
-    errors[0, 2:4] = (0.0102, 0.5)  # 5.1 and 500 % of the parameters
-    exact = judge(errors, theta, sigma=(1, 1, 1))
-    assert not exact.are_at_limit.any()
-    found = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
-    assert found.verdicts[0].tolist() == ["well", "well", "poorly", "not excited", "well"]
-    assert found.are_at_limit[0].tolist() == [False, False, True, False, False]
-    # the parameter is 19.6 +- 1 standard errors, and these vary by 1/sqrt(200)
-    spread = np.sqrt(1 + (1 / 0.051) ** 2 / 200)
-    np.testing.assert_allclose(
-        found.relative_range[:, 0, 2], (1 / (1 / 0.051 + spread), 1 / (1 / 0.051 - spread))
-    )
-    assert not found.at_limit  # the worst one is not on the edge
-    assert "poorly, at the limit" in str(found)
-    errors[0, 3] = 0.04
-    found = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
-    assert found.heading.endswith("poorly, at the limit")
-    errors[0, 2:4] = np.inf
-    unknown = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
-    assert (unknown.verdict, unknown.at_limit) == ("not excited", False)
-
-
 def test_convergence():
     for error, heading in (
         (0.5, "converged"),
@@ -171,18 +145,20 @@ def test_a_run_says_how_far_its_online_estimates_vary():
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.5, 0.9])
-def test_the_standard_error_of_the_mean_of_correlated_values(memory):
+def test_the_standard_error_of_a_share_of_correlated_values(memory):
     rng = np.random.default_rng(6)
     series = np.empty((300, 400))
     series[:, 0] = rng.normal(size=300)
     for k in range(1, 400):
         series[:, k] = memory * series[:, k - 1] + np.sqrt(1 - memory**2) * rng.normal(size=300)
-    reported = np.mean([standard_error_of_mean(one) for one in series])
+    errors = np.where(series < 0.5, 1.0, 3.0)  # inside and above the band
+    reports = [nees_consistency(one[:, None], np.eye(1)) for one in errors]
+    reported = np.mean([report.share_standard_error for report in reports])
     # that of 300 runs is itself random by 4 %
-    assert reported == pytest.approx(series.mean(axis=1).std(), rel=0.2)
+    assert reported == pytest.approx((series < 0.5).mean(axis=1).std(), rel=0.2)
 
 
 def test_the_standard_error_of_few_values():
-    assert np.isnan(standard_error_of_mean(np.array([1.0])))
-    assert np.isnan(standard_error_of_mean(np.array([1.0, np.nan])))
-    assert standard_error_of_mean(np.array([1.0, 1.0, 1.0])) == 0
+    for values, expected in (([1.0], np.nan), ([1.0, np.nan], np.nan), ([1.0, 1.0, 1.0], 0)):
+        report = nees_consistency(np.array(values)[:, None], np.eye(1))
+        np.testing.assert_equal(report.share_standard_error, expected)

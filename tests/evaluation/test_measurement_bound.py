@@ -6,13 +6,11 @@ from scipy.special import ndtr
 
 import robsim
 from robsim.evaluation import measurement_bound
-from robsim.evaluation._pixel_information import pixel_information
 from robsim.imaging import Frame, PlaneMap
 
 # In the light, away from the edge of the shadow.
 POSES = ((310.3, 420.7, 0.4), (560.6, 880.2, -2.1), (205.5, 640.9, 1.9))
 NOISES = {"gaussian": robsim.GaussianNoise, "uniform": robsim.UniformNoise}
-MIDDLE = np.array([127.5])
 
 
 def shown(size, pose):
@@ -124,36 +122,6 @@ def test_the_best_fit_of_many_noisy_frames_reaches_the_bound(rng):
     assert bound.rmse_xy * np.sqrt(6) == pytest.approx(rms_of_one_channel, rel=0.08)
 
 
-@pytest.mark.parametrize("kind", NOISES)
-def test_the_information_of_a_pixel_is_that_of_noise_that_was_added(kind):
-    noise = NOISES[kind](20)
-    for mean in (20, 128, 250):
-        around = [noise.add(np.full((400, 500, 3), mean + d, np.uint8), 7) for d in (-2, 2)]
-        slope = (around[1].mean() - around[0].mean()) / 4
-        found = slope**2 / np.mean([values.var() for values in around])
-        (information,) = pixel_information(noise)(np.array([float(mean)]))
-        if kind == "uniform":
-            assert information == pytest.approx(found, rel=0.03)
-        else:  # the mean is not all that a clipped value tells
-            assert found * 0.97 < information < found * 1.3
-
-
-@pytest.mark.long
-def test_the_information_of_a_pixel_by_hand():
-    assert pixel_information(None)(MIDDLE) == pytest.approx(12)
-    for percent in (2, 10):
-        scale = 2.55 * percent
-        gaussian, uniform = (pixel_information(kind(percent))(MIDDLE) for kind in NOISES.values())
-        assert gaussian == pytest.approx(1 / (scale**2 + 1 / 12), rel=1e-3)
-        assert uniform == pytest.approx(3 / (scale**2 + 1 / 4), rel=5e-3)
-    # Nothing is known better than what is rounded without noise.
-    for kind in NOISES.values():
-        assert pixel_information(kind(1e-3))(MIDDLE) == pytest.approx(12, rel=0.01)
-        levels = np.linspace(0, 255, 500)
-        finer, coarser = (pixel_information(kind(percent))(levels) for percent in (0.3, 0.6))
-        assert (coarser < finer).all()
-
-
 def test_the_bound_is_in_px_of_the_work_area():
     frame, robot = shown(480, POSES[0])
     noise = robsim.GaussianNoise(10)
@@ -180,21 +148,6 @@ def test_a_camera_with_fewer_rows_tells_less_of_y():
     fewer = measurement_bound(flat, POSES[0], robot, noise=noise).covariance
     assert fewer[0, 0] > 1.2 * straight[0, 0]
     assert fewer[1, 1] > 1.5 * fewer[0, 0]
-
-
-def test_a_camera_that_is_turned_tells_the_same():
-    frame, robot = shown(480, POSES[0])
-    # Row v, column u of the turned frame is row u, column 479 - v of the other.
-    turn = np.array(((0, -1, 479), (1, 0, 0), (0, 0, 1)))
-    turned = Frame(
-        np.ascontiguousarray(np.rot90(frame.image)),
-        plane_map=PlaneMap(frame.plane_map.matrix @ turn),
-    )
-    bounds = [
-        measurement_bound(one, POSES[0], robot, noise=robsim.UniformNoise(10)).covariance
-        for one in (frame, turned)
-    ]
-    np.testing.assert_allclose(bounds[0], bounds[1], rtol=1e-3)
 
 
 def test_what_shows_no_markers_or_has_no_area_is_named():

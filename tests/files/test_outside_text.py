@@ -18,9 +18,8 @@ from matplotlib.text import Text
 import robsim
 from commands import command
 from robsim import imaging, plotting
-from robsim._base.report import Problem
-from robsim._base.source_line import SourceLine
 from robsim._base.text import as_cell, cut, listed, one_line, printable, quoted
+from robsim.doctor import Problem, SourceLine
 from robsim.evaluation import Column, Quantity, Report, Row, Table
 
 PACKAGE = Path(robsim.__file__).resolve().parent

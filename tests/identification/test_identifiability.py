@@ -37,6 +37,30 @@ def test_a_verdict_compares_the_standard_error_with_the_parameter():
     assert rows["b1X"] == ["0.01", "5.1", "%", "poorly"]
 
 
+def test_a_verdict_on_the_edge_says_so():
+    theta = np.array([[1.9, -0.9, 0.2, 0.1, 0.0]] * 3)
+    errors = np.full((3, 5), 1e-9)
+    errors[0, 2:4] = (0.0102, 0.5)  # 5.1 and 500 % of the parameters
+    exact = judge(errors, theta, sigma=(1, 1, 1))
+    assert not exact.are_at_limit.any()
+    found = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
+    assert found.verdicts[0].tolist() == ["well", "well", "poorly", "not excited", "well"]
+    assert found.are_at_limit[0].tolist() == [False, False, True, False, False]
+    # the parameter is 19.6 +- 1 standard errors, and these vary by 1/sqrt(200)
+    spread = np.sqrt(1 + (1 / 0.051) ** 2 / 200)
+    np.testing.assert_allclose(
+        found.relative_range[:, 0, 2], (1 / (1 / 0.051 + spread), 1 / (1 / 0.051 - spread))
+    )
+    assert not found.at_limit  # the worst one is not on the edge
+    assert "poorly, at the limit" in str(found)
+    errors[0, 3] = 0.04
+    found = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
+    assert found.heading.endswith("poorly, at the limit")
+    errors[0, 2:4] = np.inf
+    unknown = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
+    assert (unknown.verdict, unknown.at_limit) == ("not excited", False)
+
+
 def test_what_is_not_known_is_not_excited():
     for unknown in (np.inf, np.nan, 1e9):
         found = judge(np.full((3, 5), unknown), np.where(np.isnan(unknown), np.nan, THETA))

@@ -3,14 +3,16 @@
 import importlib
 import json
 import re
+from pathlib import Path
 
 import pytest
 
+import robsim
 from commands import command
-from robsim._base.shipped import NOTEBOOKS, copy_notebooks
-from robsim.gui._hosts.script import words
 from sizes import thorough
 
+PACKAGE = Path(robsim.__file__).parent
+NOTEBOOKS = PACKAGE / "notebooks"
 SHIPPED = sorted(NOTEBOOKS.glob("*.ipynb"))
 MANUAL = "09_the_manual_of_2008"
 FIGURES = list(range(1, 36))  # of chapter 2 of the manual
@@ -49,7 +51,7 @@ def test_a_notebook_is_short_and_stripped():
 @each
 def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
     nbclient, nbformat = map(importlib.import_module, ("nbclient", "nbformat"))  # 2 s
-    copy_notebooks(tmp_path)
+    assert command("notebooks", str(tmp_path)).exit_code == 0
     notebook = nbformat.read(tmp_path / file.name, as_version=4)
     for cell in notebook.cells:
         for long, short in thorough({}, SHORTER).items():
@@ -97,12 +99,13 @@ def test_the_notebook_on_the_manual_has_all_its_figures():
 
 
 def test_the_table_of_2008_names_what_the_page_says():
+    words = json.loads(next((PACKAGE / "gui").rglob("texts.json")).read_text("utf-8"))
     (text,) = (text for text in manual() if "| 2008 | now | names |" in text)
     rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
     assert len(rows) > 30
     for _, now, *names in rows[2:]:
         bold = re.findall(r"\*\*(.*?)\*\*", now)
-        assert [words(name) for name in re.findall(r"`(.*?)`", "".join(names))] == bold
+        assert [words[name] for name in re.findall(r"`(.*?)`", "".join(names))] == bold
 
 
 @pytest.mark.long
@@ -121,9 +124,3 @@ def test_the_command_copies_them_and_never_overwrites(tmp_path):
     assert f"coursework has {mine.name} already: nothing was written" in again.stderr
     assert [file.name for file in mine.parent.iterdir()] == [mine.name]
     assert mine.read_text() == "my work"
-
-
-def test_a_file_is_no_folder(tmp_path):
-    (tmp_path / "taken").write_text("")
-    with pytest.raises(NotADirectoryError, match="taken"):
-        copy_notebooks(tmp_path / "taken")

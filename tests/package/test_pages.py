@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.bench._campaign.dask_tasks import TaskCost
-from robsim.bench._campaign.parent import ParentCost
-from robsim.bench._campaign.scaling import scaling_of
+from robsim.bench._campaign import dask_tasks, parent, scaling
 
 SITE = Path(__file__).parents[2] / "notebooks/site"
 PAGES = sorted(SITE.glob("*.md"))
@@ -106,17 +104,19 @@ def test_what_many_workers_give_follows_from_the_costs_of_the_page():
     text = (SITE / "campaigns.md").read_text(encoding="utf-8")
     costs = [1e-6 * float(cost.removesuffix(" us")) for _, cost in cells(text, "what it costs")]
     submit, receive, row, flying, client, scheduler = costs
-    parent = ParentCost(submit=submit, receive=receive, row=row, flying=flying)
-    scaling = scaling_of(parent, TaskCost(client=client, scheduler=scheduler))
+    found = scaling.scaling_of(
+        parent.ParentCost(submit=submit, receive=receive, row=row, flying=flying),
+        dask_tasks.TaskCost(client=client, scheduler=scheduler),
+    )
     for workers, *shown in cells(text, "workers"):
-        for found, cell in zip(scaling.by_workers[int(workers)].values(), shown, strict=True):
+        for one, cell in zip(found.by_workers[int(workers)].values(), shown, strict=True):
             rate, busy = cell.removesuffix(" %").split(", ")
-            assert found.rate == pytest.approx(float(rate), rel=0.03, abs=0.5)
-            assert 100 * found.parent == pytest.approx(float(busy), rel=0.05, abs=0.05)
-    for (seconds, found), shown in zip(
-        scaling.by_duration.items(), cells(text, "a run takes"), strict=True
+            assert one.rate == pytest.approx(float(rate), rel=0.03, abs=0.5)
+            assert 100 * one.parent == pytest.approx(float(busy), rel=0.05, abs=0.05)
+    for (seconds, one), shown in zip(
+        found.by_duration.items(), cells(text, "a run takes"), strict=True
     ):
         assert f"{seconds:g} s" == shown[0]
-        assert found.rate == pytest.approx(float(shown[2]), rel=0.03)
-        needed = scaling.chunk_needed(seconds)
+        assert one.rate == pytest.approx(float(shown[2]), rel=0.03)
+        needed = found.chunk_needed(seconds)
         assert shown[-1] == ("none" if needed is None else str(needed))

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import robsim
 from commands import command
-from robsim.simulation._slots import SLOTS
 from sizes import thorough
 
 pytestmark = pytest.mark.long
@@ -119,7 +119,7 @@ def test_the_first_block_is_five_lines_and_ends_with_a_picture():
 
 def test_the_readme_names_what_there_is():
     rows = re.findall(r"^\| `(\w+)` \|.*\|.*\|.*\|$", README, re.MULTILINE)
-    assert rows == [*SLOTS]
+    assert rows == [*robsim.Simulation.SLOTS]
     if not (ROOT / "assets").is_dir() or not (ROOT / "run").is_file():
         pytest.skip("needs the sources")
     for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", README):

@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim._base.report import count, interval
-from robsim._base.report.numbers import plain, shown
 from robsim.evaluation import Column, Quantity, Report, Row, Table, percent
 
 NAN = float("nan")
@@ -168,28 +166,6 @@ def test_only_all_is_100_percent_and_only_nothing_0():
         assert percent(fraction) == text
     # Fewer decimals where they are enough.
     assert (percent(0.05, 0), percent(0.998, 0)) == ("5 %", "99.8 %")
-    assert (count(3, 4), count(0, 0)) == ("3 (75.0 %)", "0")
-    assert interval((1, 2.345678)) == "1 to 2.35"
-
-
-def test_a_value_as_people_read_it():
-    for value, unit, text in [
-        (np.pi, "rad", "180"),
-        (NAN, "rad", "?"),
-        (None, "", "?"),
-        (float("inf"), "px", "inf"),
-        (np.int64(200_000), "", "200000"),
-        (np.float64(1 / 3), "V", "0.3333"),
-        ("text", "", "text"),
-        (True, "", "True"),
-    ]:
-        assert shown(value, unit, ".4g", "?") == text
-
-
-def test_plain_values_are_what_json_has():
-    given = {"a": np.array([1.0, NAN]), 2: (np.int64(3), np.bool_(True)), "c": {"d": np.inf}}
-    assert plain(given) == {"a": [1.0, None], "2": [3, True], "c": {"d": None}}
-    assert type(plain(np.int64(3))) is int
 
 
 # All results.

@@ -20,3 +20,14 @@ def running_chromium():
         browser = driver.chromium.launch(executable_path=program, args=ARGUMENTS, timeout=300_000)
         yield browser
         browser.close()
+
+
+def new_tab(browser, *, size=(1440, 900), theme="light", **options):
+    """Open a tab in a context of its own; return it, and the list of what it complains of."""
+    viewport = dict(zip(("width", "height"), size, strict=True))
+    context = browser.new_context(viewport=viewport, color_scheme=theme, **options)
+    context.set_default_timeout(300_000)  # ms
+    tab, complaints = context.new_page(), []
+    tab.on("pageerror", lambda error: complaints.append(str(error)))
+    tab.on("console", lambda m: m.type == "error" and complaints.append(m.text))
+    return tab, complaints

@@ -3,7 +3,7 @@
 import numpy as np
 from PIL import Image, ImageDraw
 
-from robsim.robots._definition import from_colors
+from robsim.robots import robot_from_image
 
 COLORS = {"red": (205, 38, 42, 255), "blue": (28, 72, 205, 255)}
 BODY = (70, 70, 70, 255)
@@ -37,12 +37,13 @@ def random_robot(rng):
     radius = min(45, apart / 2 - 4)
     red, blue = star(rng, middle + half, radius), star(rng, middle - half, radius)
     rim = 2 * np.pi * np.arange(40) / 40
-    return from_colors(
-        {"red": red, "blue": blue},
-        rng.uniform(-180, 180),
-        name="random",
-        image=painted(red, blue),
+    return robot_from_image(
+        "random",
+        painted(red, blue),
         size=size,
+        alignment=rng.uniform(-180, 180),
+        centre=(199.5, 199.5),
+        markers={"red": red, "blue": blue},
         outline=199.5 + 195 * np.column_stack((np.cos(rim), np.sin(rim))),
     )
 

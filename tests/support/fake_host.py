@@ -7,6 +7,7 @@ import json
 import numpy as np
 from PIL import Image
 
+from chromium_browser import new_tab
 from robsim.gui._hosts.script import script, style
 
 ADDRESS = "http://robsim.test/"  # never looked up: an address is what localStorage needs
@@ -94,55 +95,11 @@ FRAME = {
 }
 
 
-class Tabs:
-    """Tabs of a browser that are used again: to open one takes longer than most tests."""
-
-    def __init__(self, chromium):
-        self._chromium = chromium
-        self._free = {}  # options of the context -> tabs
-
-    def take(self, **options):
-        """Return a tab with some options of `Browser.new_context`."""
-        free = self._free.setdefault(repr(options), [])
-        if free:
-            return free.pop()
-        context = self._chromium.new_context(**options)
-        context.set_default_timeout(300_000)  # ms
-        return context.new_page()
-
-    def give_back(self, tab, **options):
-        """Take one back, as it was when it was new, but for what it shows."""
-        tab.evaluate("localStorage.clear()")
-        tab.mouse.up()
-        tab.mouse.move(-1, -1)  # nothing is to be hovered
-        self._free[repr(options)].append(tab)
-
-    def close(self):
-        """Close all."""
-        for free in self._free.values():
-            for tab in free:
-                tab.context.close()
-
-
 class FakeHost:
     """The module in a tab of a browser; `choices` are what that remembers."""
 
-    def __init__(
-        self,
-        tabs,
-        *,
-        kind="panel",
-        size=(1440, 900),
-        theme="light",
-        body="robsim-page",
-        choices=None,
-        **options,
-    ):
-        width, height = size
-        self._tabs, self._options = tabs, options
-        self.tab = tabs.take(**options)
-        self.tab.set_viewport_size({"width": width, "height": height})
-        self.tab.emulate_media(color_scheme=theme)
+    def __init__(self, chromium, *, kind="panel", body="robsim-page", choices=None, **options):
+        self.tab, self.complaints = new_tab(chromium, **options)
         kept = None if choices is None else json.dumps(choices)
         given = f"const KIND = {json.dumps(kind)}, CHOICES = {json.dumps(kept)};"
         self._files = {
@@ -152,13 +109,6 @@ class FakeHost:
             "host.js": ("text/javascript", given + _HOST),
         }
         self.tab.route(ADDRESS + "**", self._answer)
-        self.complaints = []
-        self._listeners = {
-            "pageerror": lambda error: self.complaints.append(str(error)),
-            "console": lambda m: m.type == "error" and self.complaints.append(m.text),
-        }
-        for event, listener in self._listeners.items():
-            self.tab.on(event, listener)
         self._n = 0
         self.load()
 
@@ -222,11 +172,8 @@ class FakeHost:
         self.emit({"type": "rows", "rows": entries}, blocks)
 
     def close(self):
-        """Give the tab back; the browser must not have complained."""
-        self.tab.unroute(ADDRESS + "**")
-        for event, listener in self._listeners.items():
-            self.tab.remove_listener(event, listener)
-        self._tabs.give_back(self.tab, **self._options)
+        """Close the tab; the browser must not have complained."""
+        self.tab.context.close()
         assert self.complaints == []
 
     def _answer(self, route):

@@ -106,24 +106,6 @@ class Mouse:
         segments = self.tab.get_by_role("radiogroup", name=group)
         segments.get_by_role("radio", name=choice, exact=True).click()
 
-    def slide(self, label, value):
-        """Put a slider on a value with the mouse."""
-        slider = self.tab.get_by_label(label, exact=True)
-        low, high = (float(slider.get_attribute(name)) for name in ("min", "max"))
-        box = slider.bounding_box()
-        thumb = box["height"] * 0.8
-        x = box["x"] + thumb / 2 + (value - low) / (high - low) * (box["width"] - thumb)
-        self.tab.mouse.move(x, box["y"] + box["height"] / 2)
-        self.tab.mouse.down()
-        for _ in range(40):
-            off = float(slider.input_value()) - value
-            if abs(off) < 1e-9:
-                break
-            x -= 0.5 * np.sign(off)
-            self.tab.mouse.move(x, box["y"] + box["height"] / 2)
-        self.tab.mouse.up()
-        assert float(slider.input_value()) == value
-
     def open(self, tab):
         """Click a tab."""
         self.tab.get_by_role("tab", name=tab, exact=True).click()

@@ -3,8 +3,7 @@
 import numpy as np
 
 import robsim
-from robsim.simulation._options import background_value
-from robsim.simulation._world.scene import make_scene, scaled_floor
+from robsim.simulation._world.scene import Floor, make_scene, scaled_floor
 
 AREA = (1200, 1200)
 
@@ -13,12 +12,13 @@ def renderer(
     *, resolution=AREA, headings=0, adjust_background=robsim.simulation.draw_red_square, **options
 ):
     area = options.get("area", AREA)
+    background = options.get("background")
     scene = make_scene(
         robot=options.get("robot", robsim.load_robot()),
         area=area,
         resolution=resolution,
         headings=headings,
-        background=scaled_floor(background_value(options.get("background")), area),
+        background=scaled_floor(None if background is None else Floor(background), area),
         adjust_background=adjust_background,
     )
     return robsim.simulation.Renderer(scene)

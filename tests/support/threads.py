@@ -1,8 +1,40 @@
-"""Runs in threads of their own, for the tests."""
+"""Runs in threads and processes of their own, for the tests."""
 
 import contextlib
+import os
+import sys
 import threading
 import time
+import traceback
+import warnings
+
+import pytest
+
+import sanitizers
+
+
+def forks(test):
+    """Mark a test that forks beside threads."""
+    there = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+    under = sanitizers.ADDRESS or sanitizers.THREAD
+    return there(pytest.mark.skipif(under, reason="forks beside threads")(test))
+
+
+def in_fork(look):
+    """Let a forked process look around; what it raises is printed, and fails the test."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            look()
+            code = 0
+        except BaseException:
+            traceback.print_exc(file=sys.__stderr__)
+        finally:
+            os._exit(code)
+    assert os.waitpid(child, 0)[1] == 0
 
 
 @contextlib.contextmanager
