@@ -82,13 +82,6 @@ def test_parquet_has_all_rows_with_their_types(result, tmp_path):
     assert frame["failing_in_some"] == [None if np.isnan(n) else n for n in numbers]
 
 
-def test_parquet_without_pyarrow_says_what_to_install(result, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(ImportError, match="pip install pyarrow"):
-        result.to_parquet(tmp_path / "rows.parquet")
-    assert not list(tmp_path.iterdir())
-
-
 @pytest.mark.long
 def test_the_command_exports_and_refuses_before_it_runs(tmp_path, monkeypatch):
     (tmp_path / "few.toml").write_text(SPEC)
