@@ -15,10 +15,9 @@ from pathlib import Path
 from scipy.stats import binomtest
 
 from robsim.tasks import TASKS, SolutionMarks, task
-from robsim.tasks._marks.calibrate import marks_of
-from robsim.tasks._marks.calibration import POWER
-from robsim.tasks._marks.files import shipped_calibrations
-from robsim.tasks._marks.sets import runs_of, sets_of
+from robsim.tasks._marks import calibrate, calibration, files, sets, tolerance
+
+__all__ = ["calibration", "files", "promises", "tolerance"]
 
 #: So improbable a number of failures does not come about by chance.
 IMPROBABLE = 1e-3
@@ -39,7 +38,7 @@ class Promise:
         if self.marks.is_right:
             promised, side = self.false_fail, "greater"
         else:
-            promised, side = POWER, "less"
+            promised, side = calibration.POWER, "less"
         return bool(binomtest(failing, tests, promised, alternative=side).pvalue > IMPROBABLE)
 
     @property
@@ -48,7 +47,7 @@ class Promise:
         marks = self.marks
         low, high = (100 * share for share in marks.rate_interval)
         kind = "right" if marks.is_right else "wrong"
-        promised = f"<= {self.false_fail:.1%}" if marks.is_right else f">= {POWER:.0%}"
+        promised = f"<= {self.false_fail:.1%}" if marks.is_right else f">= {calibration.POWER:.0%}"
         return (
             f"| {self.task} | {marks.name} | {kind} | {promised} | {marks.failing} of {marks.tests}"
             f" | {low:.1f} to {high:.1f} % | {marks.points:.0%} | {'yes' if self.holds else 'NO'} |"
@@ -61,20 +60,20 @@ HEAD = (
 )
 
 
-def promises(calibration, *, graded, graded_wrong, keep=None, **options):
+def promises(shipped, *, graded, graded_wrong, keep=None, **options):
     """Grade the solutions of a task anew, and return what came of each."""
-    one = task(calibration.task, **calibration.parameters)
+    one = task(shipped.task, **shipped.parameters)
     reference = one.solutions[0]
     promised = []
     for is_right, tests in ((True, graded), (False, graded_wrong)):
         chosen = [solution for solution in one.solutions if solution.is_right == is_right]
         store = keep and keep / f"{one.name}-{'right' if is_right else 'wrong'}.sqlite"
         asked = chosen if is_right else [reference, *chosen]
-        runs = runs_of(one, asked, tests, store=store, **options)
+        runs = sets.runs_of(one, asked, tests, store=store, **options)
         for solution in chosen:
-            sets = sets_of(one, runs[solution.name], runs[reference.name])
-            marks = marks_of(one, solution, sets, dict(calibration.limits))
-            promised.append(Promise(one.name, marks, calibration.false_fail))
+            found = sets.sets_of(one, runs[solution.name], runs[reference.name])
+            marks = calibrate.marks_of(one, solution, found, dict(shipped.limits))
+            promised.append(Promise(one.name, marks, shipped.false_fail))
     return promised
 
 
@@ -97,8 +96,8 @@ def main():
         **{"executor": given.jobs or len(os.sched_getaffinity(0)), "keep": given.keep},
     }
     for name in given.only:
-        calibration = shipped_calibrations()[name]
-        found = promises(calibration, **options, progress=sys.stderr.isatty())
+        shipped = files.shipped_calibrations()[name]
+        found = promises(shipped, **options, progress=sys.stderr.isatty())
         print(*(promise.row for promise in found), sep="\n", flush=True)
         broken |= not all(promise.holds for promise in found)
     return int(broken)

@@ -5,14 +5,14 @@ import pytest
 from scipy.stats import binomtest
 
 from robsim.tasks import EstimateState, Limit, Measure
+from robsim.tasks._marks import sets
 from robsim.tasks._marks.limits import limits_from
-from robsim.tasks._marks.sets import Runs, Sets, points_of, sets_of
 
 PILOT = 60
 
 
 def as_sets(statistics):
-    return Sets(statistics, np.ones(len(statistics)))
+    return sets.Sets(statistics, np.ones(len(statistics)))
 
 
 def skewed(rng, n, *, scale, shift):
@@ -88,18 +88,18 @@ LIMITS = {
 
 def test_points_are_shares_of_fractions_less_what_failed():
     scores = EstimateState().scores
-    assert points_of(scores, LIMITS, [1.5, 2.0, 0.5], 1.0) == pytest.approx(1)
-    assert points_of(scores, LIMITS, [3.0, 2.0, 1.0], 1.0) == pytest.approx(0.35 / 2 + 0.65)
-    assert points_of(scores, LIMITS, [1.0, 1.0, 1.0], 0.7) == pytest.approx(0.7)
-    assert points_of(scores, LIMITS, [np.nan] * 3, 0.0) == 0
+    assert sets.points_of(scores, LIMITS, [1.5, 2.0, 0.5], 1.0) == pytest.approx(1)
+    assert sets.points_of(scores, LIMITS, [3.0, 2.0, 1.0], 1.0) == pytest.approx(0.35 / 2 + 0.65)
+    assert sets.points_of(scores, LIMITS, [1.0, 1.0, 1.0], 0.7) == pytest.approx(0.7)
+    assert sets.points_of(scores, LIMITS, [np.nan] * 3, 0.0) == 0
 
 
 def test_the_statistic_of_a_test_is_that_of_runs_that_came_through():
     task = EstimateState(runs=2)
     failed = np.array([False, False, False, True, True, True])
-    own = Runs(np.array([[2.0, 2, 3]] * 2 + [[8.0, 8, 2]] + [[np.nan] * 3] * 3), failed)
-    reference = Runs(np.ones((6, 3)), np.zeros(6, dtype=bool))
-    sets = sets_of(task, own, reference)
-    assert sets.through.tolist() == [1, 0.5, 0]
-    assert sets.statistics[:2] == pytest.approx(np.array([[2, 2, 3], [8, 8, 2]]))
-    assert np.isnan(sets.statistics[2]).all()
+    own = sets.Runs(np.array([[2.0, 2, 3]] * 2 + [[8.0, 8, 2]] + [[np.nan] * 3] * 3), failed)
+    reference = sets.Runs(np.ones((6, 3)), np.zeros(6, dtype=bool))
+    found = sets.sets_of(task, own, reference)
+    assert found.through.tolist() == [1, 0.5, 0]
+    assert found.statistics[:2] == pytest.approx(np.array([[2, 2, 3], [8, 8, 2]]))
+    assert np.isnan(found.statistics[2]).all()
