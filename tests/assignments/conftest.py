@@ -7,9 +7,8 @@ import pytest
 
 from chromium_browser import running_chromium
 from robsim.assignments import Assignment, ClassResult
-from robsim.assignments._grading import work
 from robsim.tasks import Limit
-from small_assignments import assignment, drawn_quickly, solution
+from small_assignments import assignment, drawn_quickly, solution, work
 
 RAISES = """
 import numpy as np, robsim

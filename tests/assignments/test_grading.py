@@ -6,17 +6,13 @@ import re
 import textwrap
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
+from graded import graded_run
 from graded_results import FailedRun
-from robsim.assignments._grading.marking import marked
-from robsim.assignments._grading.references import References
-from robsim.assignments._grading.seeds import seeds_of
-from robsim.assignments._grading.task_runs import graded_task, run_to_show
+from robsim.assignments._grading import marking, references, seeds, task_runs
 from robsim.grading import AssignmentError, Key, SubmissionError
 from robsim.grading._calls.judging import judged
-from robsim.grading._graded_run import GradedSimulation, graded_run
 from robsim.tasks import Limit
 from small_assignments import LIMITS, drawn_quickly
 
@@ -53,22 +49,16 @@ def written(folder, text):
 
 def test_the_reference_itself_has_all_points(graded):
     assert (graded.points, graded.most) == (6, 6)
-    assert [test.status for test in graded.tests] == ["passed", "passed"]
     assert graded.is_done
     assert not graded.has_errors
-    assert (graded.assignment, graded.student) == ("hw3", "s001")
     assert graded.isolation.startswith("isolation: ")
-    assert set(graded.versions) == {"robsim", "numpy", "python"}
     for test in graded.tests:
         position, heading, _ = test.scores
         # the same code in the same worlds
         assert position.values == pytest.approx(position.reference, rel=1e-9)
         assert heading.statistic == pytest.approx(1, rel=1e-9)
-        assert (test.failed, test.finding) == ((), "")
-        assert test.worst in (0, 1)
-        assert test.seconds > 0
+        assert (test.status, test.failed, test.finding) == ("passed", (), "")
     assert "s001, Through dropouts" in str(graded)
-    assert "<table" in graded._repr_html_()
 
 
 def test_a_naive_solution_loses_points_and_is_told_why(graded_class):
@@ -122,15 +112,17 @@ def test_a_hidden_test_says_how_a_run_ended_and_no_more(
 
 def test_a_run_that_fails_is_shown_where_that_costs_more(hw3, graded):
     failed = (FailedRun(run=1, reason="it ended", step=3),)
-    half = marked(hw3.tests[0], replace(graded.tests[0], failed=failed))
+    half = marking.marked(hw3.tests[0], replace(graded.tests[0], failed=failed))
     assert half.points == half.most / 2
-    assert run_to_show(half, [0]) == 1
+    assert half.status == "partial"
+    assert "Run 1: it ended" in half.sentence
+    assert task_runs.run_to_show(half, [0]) == 1
     at_once = FailedRun(run=0, reason="it ended", step=0)
-    assert run_to_show(replace(half, failed=(at_once, *failed)), []) == 1
-    assert run_to_show(replace(half, failed=(at_once,)), [1]) == 0
+    assert task_runs.run_to_show(replace(half, failed=(at_once, *failed)), []) == 1
+    assert task_runs.run_to_show(replace(half, failed=(at_once,)), [1]) == 0
     bad = tuple(replace(score, fraction=0.0) for score in half.scores)
-    assert run_to_show(replace(half, failed=failed, scores=bad, runs=4), [2, 0]) == 0
-    assert run_to_show(replace(half, failed=()), [1, 0]) == 0
+    assert task_runs.run_to_show(replace(half, failed=failed, scores=bad, runs=4), [2, 0]) == 0
+    assert task_runs.run_to_show(replace(half, failed=()), [1, 0]) == 0
 
 
 def test_a_run_that_fails_is_played_up_to_there(graded_class, tmp_path):
@@ -144,53 +136,37 @@ def test_a_run_that_fails_is_played_up_to_there(graded_class, tmp_path):
         hw3.play(never, "hidden", 1)
 
 
-def test_a_run_that_fails_takes_its_part_of_the_points(hw3, graded):
-    half = replace(
-        graded.tests[0],
-        failed=(FailedRun(run=1, reason="it ended"),),
-        scores=tuple(
-            replace(score, values=score.values[:1], reference=score.reference[:1])
-            for score in graded.tests[0].scores
-        ),
-    )
-    again = marked(hw3.tests[0], half)
-    assert again.points == pytest.approx(1.0)
-    assert again.status == "partial"
-    assert "Run 1: it ended" in again.sentence
-
-
 def test_points_are_linear_in_the_logarithm_between_the_limits(hw3, graded):
     test, result = hw3.tests[0], graded.tests[0]
     wide = {name: Limit(full=10.0, zero=20.0) for name in LIMITS}
-    assert marked(replace(test, limits=wide), result).points == 2
+    assert marking.marked(replace(test, limits=wide), result).points == 2
     # the statistic of position and heading is 1: half way between 1 / 2 and 2
     middle = wide | {name: Limit(full=0.5, zero=2.0) for name in ("position", "heading")}
-    again = marked(replace(test, limits=middle), result)
+    again = marking.marked(replace(test, limits=middle), result)
     assert again.points == pytest.approx(2 * (0.5 * 0.7 + 0.3))
 
 
-def test_a_submission_that_cannot_be_read_has_no_points_and_a_reason(hw3, tmp_path):
+def test_a_submission_that_cannot_be_read_or_has_what_is_masked_is_told_so(hw3, tmp_path):
     (tmp_path / "s004.txt").write_text("my solution")
     result = hw3.grade(tmp_path / "s004.txt")
     assert (result.points, result.student) == (0, "s004.txt")
-    assert {test.status for test in result.tests} == {"failed"}
     assert "s004.txt" in result.tests[0].sentence
-
-
-def test_masked_modules_cannot_be_had(hw3, tmp_path):
     text = "import robsim.reference\ndef estimate_state(step):\n    return None\n"
     result = hw3.grade(written(tmp_path / "s005", text), only="shown")
     assert "robsim.reference is not there" in result.tests[0].sentence
+    assert [test.status for test in result.tests] == ["failed", "not run"]
+    with pytest.raises(ValueError, match="'show'"):
+        hw3.grade(tmp_path / "s005", only="show")
 
 
 def test_each_student_has_worlds_of_their_own_but_in_public_tests(hw3):
     shown, hidden = hw3.tests
-    references = References(hw3)
-    assert references.numbers(shown, "s001", 0) == references.numbers(shown, "s002", 0)
-    own = references.numbers(hidden, "s001", 0)
-    assert own != references.numbers(hidden, "s002", 0)
-    assert own != References(replace(hw3, key=Key.new())).numbers(hidden, "s001", 0)
-    alike = References(replace(hw3, own_seeds=False))
+    own = references.References(hw3)
+    assert own.numbers(shown, "s001", 0) == own.numbers(shown, "s002", 0)
+    mine = own.numbers(hidden, "s001", 0)
+    assert mine != own.numbers(hidden, "s002", 0)
+    assert mine != references.References(replace(hw3, key=Key.new())).numbers(hidden, "s001", 0)
+    alike = references.References(replace(hw3, own_seeds=False))
     assert alike.numbers(hidden, "s001", 0) == alike.numbers(hidden, "s002", 0)
 
 
@@ -198,7 +174,7 @@ def test_public_runs_need_no_key_and_the_numbers_of_the_reference_can_stand_in_f
     hw3, right, graded
 ):
     shown, _ = hw3.tests
-    numbers = References(hw3).of_public_runs(shown)
+    numbers = references.References(hw3).of_public_runs(shown)
     values = {name: tuple(values) for name, values in numbers.items()}
     known = replace(shown, reference=None, reference_values=values)
     public = replace(hw3, tests=(known,), key=None).grade(right, public=True, student="somebody")
@@ -212,10 +188,6 @@ def test_a_run_played_again_is_the_one_that_was_graded(hw3, right, graded):
     position = hidden.scores[0]
     assert again.numbers["position"] == position.values[1]
     assert again.reference_numbers["position"] == position.reference[1]
-    seeds = seeds_of(hw3, hw3.tests[1], "s001", 1)
-    task = graded_task(hw3, hw3.tests[1], str(right))
-    other = graded_run(task, hw3.tests[1].task.scenario, 20, seeds).result
-    assert np.array_equal(other.pose_true, again.trace.pose_true)
     with pytest.raises(ValueError, match="run must lie within"):
         hw3.play(right, "hidden", 2)
     with pytest.raises(ValueError, match="'hiden'"):
@@ -224,27 +196,19 @@ def test_a_run_played_again_is_the_one_that_was_graded(hw3, right, graded):
 
 def test_a_run_that_failed_gives_its_steps_and_keeps_no_worker(graded_class):
     hw3 = graded_class.assignment
-    task = graded_task(hw3, hw3.tests[0], str(graded_class.submissions / "s003"))
-    seeds = seeds_of(hw3, hw3.tests[0], "s003", 0)
+    task = task_runs.graded_task(hw3, hw3.tests[0], str(graded_class.submissions / "s003"))
+    numbers = seeds.seeds_of(hw3, hw3.tests[0], "s003", 0)
     gc.collect()
     gc.disable()
     try:
         try:
-            graded_run(task, hw3.tests[0].task.scenario, 20, seeds)
+            graded_run(task, hw3.tests[0].task.scenario, 20, numbers)
         except SubmissionError as error:
             steps = len(error.trace)
-        kept = [one for one in gc.get_objects() if type(one) is GradedSimulation]
+        kept = [one for one in gc.get_objects() if type(one).__name__ == "GradedSimulation"]
     finally:
         gc.enable()
     assert (steps, kept) == (7, [])
-
-
-def test_tests_that_are_not_asked_for_are_not_run(hw3, right):
-    result = hw3.grade(right, only=["shown"])
-    assert [test.status for test in result.tests] == ["passed", "not run"]
-    assert not result.is_done
-    with pytest.raises(ValueError, match="'show'"):
-        hw3.grade(right, only="show")
 
 
 def test_a_submission_that_takes_all_the_time_does_not_keep_the_others(hw3, tmp_path):
@@ -294,7 +258,7 @@ def test_what_is_said_in_place_of_the_doctor_is_text_of_the_submission(hw3, tmp_
             one._socket.sendall(struct.pack("<HHI", 8, 0, len(head) + len(said)) + head + said)
     """
     place = written(tmp_path / "s008", text)
-    task = graded_task(hw3, hw3.tests[0], str(place))
+    task = task_runs.graded_task(hw3, hw3.tests[0], str(place))
     said = judged(task, "robsim.doctor._finding:first_finding", 300.0).result
     assert said == "\\x1b[31m<b>all points</b>"  # escaped, and for others to escape in HTML
     assert hw3.grade(place, only="shown").points == 0
