@@ -179,17 +179,6 @@ def test_a_robot_that_does_not_move_as_its_model_says_is_noticed(rng):
     np.testing.assert_allclose(report.model_error, (0.1, 0.1, 0.005), rtol=0.2)
 
 
-def test_the_report_as_a_data_frame():
-    pytest.importorskip("pandas")
-    report = robsim.batch_estimate(driven(300))
-    frame = report.to_pandas()
-    assert list(frame.columns) == ["true", "batch", "standard_error", "online", "excited"]
-    assert frame.index.name == "parameter"
-    assert frame.loc["b1P", "true"] == pytest.approx(0.030556, abs=1e-6)
-    assert frame.loc["a1X", "excited"] == "well"
-    assert len(frame) == 15
-
-
 def test_a_record_that_is_too_short_or_has_no_poses_is_refused():
     for steps, source, message in (
         (6, "truth", "at least 5 samples"),
@@ -201,17 +190,6 @@ def test_a_record_that_is_too_short_or_has_no_poses_is_refused():
     for name in ("identify_from", "select", "method"):
         with pytest.raises(ValueError, match=name):
             robsim.batch_estimate(robsim.Simulation().run(20), **{name: "guess"})
-
-
-def test_the_report_as_text():
-    report = robsim.batch_estimate(driven())
-    lines = str(report).splitlines()
-    assert "steps 0..799 (798 samples)" in lines[0]
-    row = next(line for line in lines if line.startswith("  b1P")).split()
-    assert row[:3] + row[4:] == ["b1P", "0.030556", "0.030556", "0.030556", "well"]
-    assert float(row[3]) < 1e-12
-    assert max(map(len, lines)) <= 100
-    assert report._repr_html_().count("<tr") == 16
 
 
 # --- other methods than least squares
@@ -252,15 +230,6 @@ def test_from_measurements_least_squares_is_biased_and_the_others_are_not(tracke
     np.testing.assert_array_equal(report.batch, fit.theta)
     np.testing.assert_array_equal(report.standard_errors, fit.standard_errors)
     np.testing.assert_allclose(report.identifiability.standard_errors, fit.standard_errors)
-
-
-@pytest.mark.long
-def test_what_a_spin_cannot_give_by_output_error():
-    trace = robsim.Simulation(measure=True, resolution=(480, 480), seed=1).run(150)
-    report = robsim.batch_estimate(trace, identify_from="measurement", method="output_error")
-    assert np.isnan(report.batch[:2]).all()
-    assert (report.identifiability.verdicts[:2] == "not excited").all()
-    assert "a1X, a2X, b1X, b2X, d1X" in str(report)
 
 
 @pytest.mark.long
