@@ -172,17 +172,3 @@ def test_what_cannot_be_found():
     image[..., 3] = 0
     with pytest.raises(ValueError, match="outline: the image is transparent"):
         robot_from_image("toy", image)
-
-
-@pytest.mark.long
-def test_wrong_values_are_named():
-    for name, value in (
-        ("markers", {"red": [[1, 2]]}),
-        ("markers", {"right": RED}),
-        ("outline", [[1, np.nan]] * 3),
-        ("centre", (1, 2, 3)),
-        ("size", -1),
-        ("alignment", np.inf),
-    ):
-        with pytest.raises((TypeError, ValueError), match=rf"^{name}(\['red'\])? must"):
-            robot_from_image("toy", painted(RED, BLUE), **{name: value})

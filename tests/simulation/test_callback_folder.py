@@ -117,17 +117,6 @@ def test_a_new_folder_overwrites_nothing(tmp_path):
         new_folder(tmp_path / "measure.py")
 
 
-@pytest.mark.long
-def test_an_untouched_folder_gives_the_same_bytes_as_none(mine):
-    callbacks = CallbackFolder(mine).load()
-    noise = {"noise": robsim.GaussianNoise(5), "seed": 1}
-    assert_same_bytes(simulation(callbacks, **noise), robsim.Simulation(**noise))
-    options = {"area": (700, 500), "resolution": (350, 250), "measure": True, "seed": 3}
-    callbacks["control"] = robsim.DriveAround()
-    plain = robsim.Simulation(control=robsim.DriveAround(), **options)
-    assert_same_bytes(simulation(callbacks, **options), plain, steps=100)
-
-
 def test_the_optional_callbacks_enabled_do_what_true_does(mine):
     (mine / "control.py").write_text("import robsim\n\ncontrol = robsim.DriveAround()\n")
     enable(mine / "estimate_parameters.py")

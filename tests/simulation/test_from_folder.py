@@ -141,15 +141,6 @@ def test_a_keyword_beats_the_file_but_true_does_not(folder):
     assert not trace.seen.any()
 
 
-def test_a_callback_that_is_false_is_one_all_the_same(tmp_path):
-    (tmp_path / "control.py").write_text(
-        "class Empty(list):\n    def __call__(self, step):\n        return 0.5, 0.5\n\n\n"
-        "control = Empty()\n"
-    )
-    trace = robsim.Simulation.from_folder(tmp_path).run(3)
-    np.testing.assert_array_equal(trace.u, [(0.5, 0.5)] * 3)
-
-
 def test_only_the_slots_that_are_wanted_are_filled_and_executed(tmp_path):
     write(tmp_path, "control", constant(0.5, 0.25))
     write(tmp_path, "evaluate_model", "raise SystemExit('executed')")
