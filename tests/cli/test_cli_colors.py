@@ -75,13 +75,6 @@ def test_frame_says_where_the_markers_are():
         assert masks[name][top : bottom + 1, left : right + 1].all()
 
 
-def test_frame_in_noise():
-    done("frame", "a/clean.png", "--seed", 1)
-    done("frame", "noisy.png", "--noise", "gaussian:10", "--seed", 1)
-    difference = load_image("noisy.png") - load_image("a/clean.png").astype(float)
-    assert difference.std() == pytest.approx(25.5, rel=0.1)
-
-
 def test_frame_of_a_robot_whose_markers_are_not_plain():
     # The markers of robot2 are the clothes and the sky around a head.
     lines = done("frame", "--robot", "robot2").splitlines()
@@ -94,10 +87,8 @@ def test_frame_of_a_robot_whose_markers_are_not_plain():
 def test_frame_refuses():
     for named, arguments in [
         ("none", ("--robot", "none")),
-        ("--at", ("--at", "5")),
         ("--at", ("--at", "-500,0")),
         ("--noise", ("--noise", "white")),
-        ("--heading", ("--heading", "nan")),
         ("xyz", ("frame.xyz",)),
     ]:
         assert named in refused("frame", *arguments)
@@ -113,19 +104,23 @@ def test_list_shows_the_limits_of_each_colour():
     text = done("list", "mine.toml")
     assert "green [dark]   0 .. 90   any" in text
     assert "from mine.toml" in text
-    assert "none.toml" in refused("list", "none.toml")
     Path("bad.toml").write_text("[red]\nu = [1]")
     assert "bad.toml: u of [red]" in refused("list", "bad.toml")
 
 
 def test_train_prints_what_it_finds():
     picture("a.png")
-    train = ("train", "a.png", "--region", "30,40,49,59", "--name", "red")
+    picture("dark.png", light=0.5)
+    region = "--region", "30,40,49,59"
+    train = ("train", "a.png", *region, "--name", "red")
     color = ColorClass.from_region(load_image("a.png"), REGION, name="red")
     assert done(*train) == colors_to_toml(color) + "\n"
-    assert [path.name for path in Path().iterdir()] == ["a.png"]
+    assert len([*Path().iterdir()]) == 2  # no file of colours
     assert "v = [208, 255]" in done(*train, "--margin", 0)
     assert "y = [32, 136]" in done(*train, "--limit-y")
+    # V is 168 in the dark one
+    both = ("train", "a.png", "dark.png", *region, *region, "--name", "red", "--margin", 0)
+    assert "v = [168, 255]" in done(*both)
 
 
 def test_train_writes_a_file_and_a_figure():
@@ -143,18 +138,6 @@ def test_train_writes_a_file_and_a_figure():
     assert [len(blobs[name]) for name in ("red", "blue")] == [0, 1]
 
 
-def test_train_on_several_pictures():
-    picture("light.png")
-    picture("dark.png", light=0.5)
-    region = "--region", "30,40,49,59"
-    train = ("--name", "red", "--margin", 0)
-    # V is 208 in one and 168 in the other
-    assert "v = [168, 255]" in done("train", "light.png", "dark.png", *region, *region, *train)
-    halves = "--region", "30,40,39,59", "--region", "40,40,49,59"
-    whole = done("train", "light.png", *region, *train)
-    assert done("train", "light.png", *halves, *train) == whole
-
-
 def test_train_refuses_and_writes_nothing():
     picture("a.png")
     save_colors("c.toml", ColorClass("green"))
@@ -162,13 +145,9 @@ def test_train_refuses_and_writes_nothing():
     before = sorted((path.name, path.read_bytes()) for path in Path().iterdir())
     for named, arguments in [
         ("region", ("a.png", "--region", "0,0,9,9")),
-        ("--region", ("a.png", "--region", "0,0,9")),
         ("--region", ("a.png", "--region", "0,0,9," + "9" * 5000)),
         ("120 x 100 px", ("a.png", "--region", "30,40,49,100")),
         ("2 images", ("a.png", "a.png", "--region", "30,40,49,59")),
-        ("none.png", ("none.png", "--region", "30,40,49,59")),
-        ("c.toml", ("c.toml", "--region", "30,40,49,59")),
-        ("margin", ("a.png", "--region", "30,40,49,59", "--margin", "-1")),
         ("xyz", ("a.png", "--region", "30,40,49,59", "--figure", "h.xyz")),
         ("bad.toml", ("a.png", "--region", "30,40,49,59", "--to", "bad.toml")),
         ("a.png", ("a.png", "--region", "30,40,49,59", "--to", "a.png/c.toml")),
@@ -188,7 +167,6 @@ def test_test_counts_blobs_and_paints():
     painted = load_image("seen/a.png")
     assert painted.shape == (100, 120, 3)
     assert painted[50, 40].tolist() == [255, 0, 0]
-    assert painted[5, 5].tolist() == [74] * 3
     assert load_image("seen/b.png")[50, 40].tolist() == [0, 0, 255]
     result = json.loads(done("test", "a.png", "--json", "--smoothing", 1, "--out", "seen.png"))
     assert result["scores"] == []
@@ -196,7 +174,6 @@ def test_test_counts_blobs_and_paints():
         "pixels": 400,
         "blobs": [{"area": 400, "centroid": [39.5, 49.5], "bounding_box": [30, 40, 49, 59]}],
     }
-    assert Path("seen.png").is_file()
 
 
 def test_test_scores_a_colour():
@@ -217,16 +194,13 @@ def test_test_refuses():
     for name in ("a.png", "b/a.png", "b/c.png"):
         picture(name)
     for named, arguments in [
-        ("none.png", ("none.png",)),
         ("none.toml", ("a.png", "--colors", "none.toml")),
         ("smoothing", ("a.png", "--smoothing", "4")),
         ("--region", ("a.png", "--region", "green=30,40,49,59")),
-        ("region", ("a.png", "--region", "red=90,90,120,99")),
         ("--region", ("a.png", "a.png", "--region", "red=30,40,49,59")),
         ("overwrite a.png", ("a.png", "--out", "a.png")),
         ("names", ("a.png", "b/a.png", "--out", "seen")),
         ("overwrite b/c.png", ("a.png", "b/c.png", "--out", "b")),
-        ("xyz", ("a.png", "--out", "seen.xyz")),
     ]:
         assert named in refused("test", *arguments)
 
@@ -248,9 +222,6 @@ def test_train_on_a_recording():
     text = done("train", "run", "--robot", "lab", "--to", "c.toml")
     red, blue = load_colors("c.toml")
     assert (red.name, blue.name) == ("red", "blue")
-    # What is printed is a file of colours; of the drift it says in comments.
-    Path("printed.toml").write_text(text[: text.index("written to")])
-    assert [*load_colors("printed.toml")] == [red, blue]
     assert len(re.findall(r"#\s+frame 2 ", text)) == 2
     for k in range(3):
         blobs = robsim.find_blobs(load_image(f"run/{k}.png"), [red, blue], minimum_area=60)
@@ -267,8 +238,6 @@ def test_train_on_a_recording_from_regions_in_its_first_frame():
         regions.append(f"--region={name}={u - 5},{v - 5},{u + 5},{v + 5}")
     assert "[blue]" in done("train", "run", "--robot", "lab", *regions)
     assert "blue" in refused("train", "run", "--robot", "lab", regions[0])
-    nameless = regions[0].replace("red=", "")
-    assert "red=" in refused("train", "run", "--robot", "lab", nameless)
 
 
 def test_train_on_a_recording_refuses():
@@ -277,21 +246,11 @@ def test_train_on_a_recording_refuses():
     save_picture("floor/0.png", np.full((100, 100, 3), 150, np.uint8))
     for named, arguments in [
         ("--name", ("a.png",)),
-        ("--name", ("run", "run")),
         ("--limit-y", ("run", "--limit-y")),
         ("--figure", ("run", "--figure", "h.png")),
-        ("none", ("none",)),
         ("--region", ("a.png", "--name", "red")),
         ("--robot", ("a.png", "--name", "red", "--robot", "lab")),
         ("frame 0", ("floor", "--robot", "lab")),
     ]:
         assert named in refused("train", *arguments, "--to", "c.toml")
         assert not Path("c.toml").exists()
-
-
-def test_train_on_a_session():
-    sims = [robsim.Simulation(robot="lab", start=(300 + 200 * k, 500, k), seed=1) for k in range(2)]
-    frames = [robsim.Frame(sim.frame.image, t=0.2 * k) for k, sim in enumerate(sims)]
-    robsim.Experiment(frames, robot="lab", record="monday").run()
-    assert "[blue]" in done("train", "monday", "--robot", "lab")
-    assert "--area" in refused("train", "monday", "--robot", "lab", "--area", "600x600")

@@ -74,21 +74,16 @@ def test_list():
     set_default_robot(name)
     lines = done("list").splitlines()
     assert rows("\n".join(lines))["lab"][-1] == "shipped"
-    # The longest name is broken, and fits in 80 columns.
     assert max(map(len, lines)) <= 80
     assert "".join(line.split()[0] for line in lines if line.strip().startswith("x")) == name
-    assert "-123.456°" in "".join(lines)
 
 
 def test_a_damaged_robot_is_listed_with_its_error(user_folder):
     add_robot("bad", "lab")
-    add_robot("good", "lab")
     (user_folder / "robots/bad/robot.toml").write_text("size = ")
     result = robots("list")
     assert result.exit_code == 0
-    table = rows(result.stdout)
-    assert table["bad"] == ["damaged", "yours"]
-    assert table["good"][-1] == "yours"
+    assert rows(result.stdout)["bad"] == ["damaged", "yours"]
     assert "bad/robot.toml" in result.stderr
 
 
@@ -107,16 +102,7 @@ def test_list_says_what_is_wrong_with_the_choice(user_folder):
 
 def test_show():
     text = done("show", "lab")
-    # Sizes of the picture and the robot, its alignment, its markers.
-    for number in (
-        "480 x 480 px",
-        "120 px",
-        "90°",
-        "(239.5, 239.5)",
-        "54.6 px",
-        "43.0 px",
-        "531 px",
-    ):
+    for number in ("480 x 480 px", "120 px", "90°", "(239.5, 239.5)", "43.0 px", "531 px"):
         assert number in text
     with Image.open("robot-lab.png") as picture:
         assert min(picture.size) > 500
@@ -147,15 +133,6 @@ def test_show_of_a_folder_says_what_is_wrong(tmp_path):
     assert result.stderr.count("error: ") == 2  # markers too small to be detected
     file.write_text(text.replace("centre = [239.50", "centre = [1.0"))
     assert "centre" in refused("show", tmp_path / "folder")
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_show_with_other_colours(tmp_path):
-    (tmp_path / "colors.toml").write_text("[red]\nv = [250, 255]\n[blue]\nu = [160, 255]\n")
-    result = robots("show", "lab", "--colors", tmp_path / "colors.toml")
-    assert result.exit_code == 0
-    assert "right marker (red): 0.0 %" in result.stderr
-    assert "none.toml" in refused("show", "lab", "--colors", "none.toml")
 
 
 @pytest.mark.usefixtures("photo")
@@ -206,24 +183,15 @@ def test_add_refuses_and_leaves_nothing_behind(user_folder):
     Image.new("L", (30, 30), 99).save("grey.png")
     for named, *arguments in [
         ("ships with robsim", "lab", "sheep"),
-        ("ships with robsim", "lab", "sheep", "--overwrite"),
         ("NAME", "../x", "lab"),
-        ("NAME", "con", "lab"),
         ("SOURCE", "mine", "none.png"),
-        ("robot.toml", "mine", "."),
         ("text.png", "mine", "text.png"),
         ("size", "mine", "lab", "--size", "0"),
-        ("alignment", "mine", "lab", "--alignment", "inf"),
         ("--marker", "mine", "lab", "--marker", "red=hello"),
-        ("--marker", "mine", "lab", "--marker", "1,2 3,4 5,9"),
         ("--marker", "mine", "lab", "--marker", "green=1,2 3,4 5,9"),
         ("--marker red", "mine", "lab", "--marker", "red=nan,1 2,2 3,1"),
         ("--outline", "mine", "lab", "--outline", "1 2 3"),
-        ("--outline", "mine", "lab", "--outline", "0,0 400,0 0,400 400,400"),
         ("--centre", "mine", "lab", "--centre", "1,2 3,4"),
-        ("--centre", "mine", "lab", "--centre", ""),
-        ("--centre", "mine", "lab", "--centre", "0,0"),
-        ("marker (red)", "mine", "lab", "--marker", "red=0,0 9,0 9,9"),
         ("(red) and back marker", "mine", "lab", "--marker", "red=120,260 190,260 150,330"),
         ("0.0 %", "mine", "lab", "--marker", "red=230,100 250,100 240,120"),
         ("too small", "mine", "lab", "--size", "12"),
@@ -248,11 +216,6 @@ def test_rotate():
     assert load_robot("mine").alignment == 134.5
     assert "DEGREES" in refused("rotate", "mine", "inf")
     assert "ships with robsim" in refused("rotate", "lab", "-90")
-    assert "none" in refused("rotate", "none", "9")
-    result = robots("rotate", "mine", "far")
-    assert result.exit_code == 2
-    assert "DEGREES" in result.stderr
-    assert "Traceback" not in result.stderr
 
 
 def test_use_reset_remove():
@@ -307,7 +270,4 @@ def test_a_robot_of_other_colours_is_added_and_shown():
     assert re.search("front +green, 576 px.*\n +back +orange, 576 px", said)
     assert load_robot("fruit").marker_colors == {"front": "green", "back": "orange"}
     assert "green, 576" in done("show", "fruit", "--colors", "colors.toml")
-    # The picture's top is the front.
-    said = done("rotate", "fruit", "90")
-    assert re.search("right +green, 576 px.*\n +left +orange, 576 px", said)
     refused("add", "other", "photo.png", *options[:2], "--marker-colors", "green")

@@ -156,18 +156,15 @@ def test_a_run_that_is_played_again_opens_in_the_panel(tmp_path, monkeypatch):
 def test_what_makes_no_sense_is_said_and_nothing_is_graded(hw3):
     shutil.rmtree(hw3 / "graded")
     for named, arguments in {
-        "ASSIGNMENT": (),
         "SUBMISSIONS": ("hw3",),
         "nowhere": ("nowhere", "subs"),
         "submission": ("hw3", "nothing"),
         "'show'": ("hw3", "subs", "--only", "show"),
-        "--jobs": ("hw3", "subs", "--jobs", "0"),
         "--isolation": ("hw3", "subs", "--isolation", "full"),
         "moodle": ("hw3", "subs", "--columns", "moodel"),
         "--out": ("hw3", "subs", "--out", "subs"),
         "results": ("hw3", "--regrade"),
         "has 2": ("hw3", "subs", "--play", "shown"),
-        "subs": ("hw3", "subs", "--gradescope", "a.zip"),
         "--run": ("hw3", "subs/s001", "--play", "shown", "--run", "7"),
     }.items():
         run = command("grade", *arguments)

@@ -5,9 +5,9 @@ import threading
 import pytest
 
 from browsers import Page, PanelView, Watcher
-from chromium_browser import running_chromium
+from chromium_browser import new_tab, running_chromium
 from commands import command
-from fake_host import FakeHost, Tabs
+from fake_host import FakeHost
 from waiting import wait_for
 
 #: What is on a canvas before a picture: nothing, then the ground of either theme.
@@ -97,25 +97,17 @@ def open_view(chromium):
     """Return a function that shows a view in a page of the browser, and closes both at the end."""
     open_now = []
 
-    def open_it(view, *, size=(1440, 900), theme="light", **context_options):
+    def open_it(view, **options):
         page = Page(view)
-        width, height = size
-        context = chromium.new_context(
-            viewport={"width": width, "height": height}, color_scheme=theme, **context_options
-        )
-        context.set_default_timeout(300_000)  # ms
-        tab = context.new_page()
-        complaints = []
-        tab.on("pageerror", lambda error: complaints.append(str(error)))
-        tab.on("console", lambda m: m.type == "error" and complaints.append(m.text))
-        open_now.append((view, page, context, complaints))
+        tab, complaints = new_tab(chromium, **options)
+        open_now.append((view, page, tab, complaints))
         tab.goto(page.url)
         tab.wait_for_selector("main[data-state]")
         return tab
 
     yield open_it
-    for view, page, context, complaints in open_now:
-        context.close()
+    for view, page, tab, complaints in open_now:
+        tab.context.close()
         page.close()
         view.close()
         assert complaints == []
@@ -148,21 +140,13 @@ def open_tool(open_view):
     return open_it
 
 
-@pytest.fixture(scope="module")
-def fake_tabs(chromium):
-    """Tabs for hosts with no Python behind them."""
-    tabs = Tabs(chromium)
-    yield tabs
-    tabs.close()
-
-
 @pytest.fixture
-def open_fake(fake_tabs):
+def open_fake(chromium):
     """Return a function that shows the module in a tab, with a `FakeHost` in Python's place."""
     hosts = []
 
     def open_it(**options):
-        hosts.append(FakeHost(fake_tabs, **options))
+        hosts.append(FakeHost(chromium, **options))
         return hosts[-1]
 
     yield open_it

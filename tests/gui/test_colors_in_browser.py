@@ -6,7 +6,6 @@ import pytest
 import robsim
 from panel_mouse import ToolMouse
 from robsim import ColorClass
-from robsim.vision import load_colors
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow
@@ -41,23 +40,6 @@ class Mouse(ToolMouse):
     @property
     def classes(self):
         return {color.name: color for color in self.tool.value}
-
-
-def test_two_colours_are_trained_tested_and_saved(mouse, image, tmp_path):
-    mouse.drag((42, 42), (57, 57))
-    red = ColorClass.from_region(image, (42, 42, 57, 57), name="red")
-    wait_for(lambda: mouse.classes.get("red") == red)
-    mouse.tab.fill("[name=new_class]", "blue")
-    mouse.tab.click("[name=add_class]")
-    mouse.tab.wait_for_selector(".robsim-class[aria-checked=true] >> text=blue")
-    mouse.drag((117, 57), (102, 42))  # from the lower right corner
-    blue = ColorClass.from_region(image, (102, 42, 117, 57), name="blue")
-    wait_for(lambda: mouse.classes.get("blue") == blue)
-    text = mouse.tab.locator("[name=thresholds]")
-    wait_for(lambda: "[blue]" in text.input_value())
-    mouse.tab.click("[name=save_colors]")
-    wait_for(lambda: (tmp_path / "colors.toml").exists())
-    assert load_colors(tmp_path / "colors.toml") == (red, blue)
 
 
 def test_a_region_by_keys(mouse, image):

@@ -1,4 +1,4 @@
-"""The panel that trains colours, without a browser."""
+"""The panel that trains colours, without a browser: messages, methods, and the classes."""
 
 import io
 import threading
@@ -12,8 +12,9 @@ import robsim
 from browsers import FakeBrowser, settled
 from python_cameras import PATIENT, SteppedCamera
 from robsim import ColorClass
+from robsim.gui._tools.colors.training import ColorTraining
 from robsim.imaging import save_image
-from robsim.vision import classify, load_colors, save_colors
+from robsim.vision import classify, color_histograms, load_colors, save_colors
 from waiting import wait_for
 
 RED, BLUE, FLOOR = (210, 40, 30), (30, 40, 210), (120, 122, 118)
@@ -24,6 +25,13 @@ def picture(at=20):
     image[20:30, at : at + 10] = RED
     image[20:30, at + 30 : at + 40] = BLUE
     return image
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder, in which the tools look for files of colours."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 @pytest.fixture
@@ -174,3 +182,169 @@ def test_a_source_that_ends_says_why(tmp_path):
         browser = FakeBrowser(tool._view, 80)
         panel.close()
         browser.take("state", over="the panel of the run was closed", state="paused")
+
+
+REGION = (20, 20, 29, 29)
+
+
+def test_what_the_mouse_does_is_done_by_a_script(here):
+    with robsim.gui.color_panel(picture(), file="mine.toml") as tool:
+        made = tool.train("red", REGION)
+        assert made == ColorClass.from_region(picture(), REGION, name="red")
+        assert tool.value == (made,)
+        tool.train("red", (25, 25, 29, 29), more=True)
+        assert len(tool._view.training.classes["red"].samples) == 2
+        blue = ColorClass("blue", u=(160, 255))
+        tool.value = [*tool.value, blue]
+        assert tool.value[1] == blue
+        assert tool.save().name == "mine.toml"
+        assert load_colors("mine.toml") == tool.value
+        with pytest.raises(ValueError, match="region"):
+            tool.train("red", (0, 0, 99, 9))
+    with pytest.raises(RuntimeError, match="is closed"):
+        tool.train("red", REGION)
+    assert len(tool.value) == 2  # what was made is still there
+
+
+def test_it_begins_with_what_the_file_has(here):
+    robsim.vision.save_colors("colors.toml", ColorClass("green", v=(1, 100)))
+    with robsim.gui.color_panel(picture()) as tool:
+        assert tool.value == (ColorClass("green", v=(1, 100)),)
+    with robsim.gui.color_panel(picture(), colors=[ColorClass("pink")]) as tool:
+        assert [color.name for color in tool.value] == ["pink"]
+
+
+def test_whose_pictures_it_shows(here):
+    (here / "film").mkdir()
+    for k in range(2):
+        save_image(here / "film" / f"{k}.png", picture())
+    save_image("photo.png", picture())
+    sim = robsim.Simulation(area=(300, 300), measure=True, seed=1)
+    recording = robsim.Recording(here / "film")
+    for what in ("photo.png", robsim.Frame(picture()), recording, here / "film", sim):
+        with robsim.gui.color_panel(what) as tool:
+            head, _ = FakeBrowser(tool._view, 80).take("frame")
+            assert head["size"] == ([300, 300] if what is sim else [80, 60])
+            if what == here / "film":
+                tool.look(1)
+                assert tool._view.picture.k == 1
+    assert sim.step().k == 0  # nobody drives it any more
+
+
+def test_a_panel_that_was_open_stays_open(here):
+    sim = robsim.Simulation(area=(300, 300), measure=True, seed=1)
+    with robsim.panel(sim) as panel:
+        with robsim.gui.color_panel(sim) as tool:
+            browser = FakeBrowser(tool._view, 80)
+            panel.step()
+            browser.take("frame", k=0)
+        panel.step()
+        assert len(panel.trace) == 2
+
+
+@pytest.mark.long
+def test_a_picture_of_12_megapixels_is_sent_in_few(here):
+    image = np.full((3000, 4000, 3), FLOOR, np.uint8)
+    image[1500:1700, 900:1100] = RED
+    with robsim.gui.color_panel(image) as tool:
+        tool.train("red", (910, 1510, 1090, 1690))
+        wait_for(lambda: tool._view.picture is not None)
+        _, (mask,) = tool._view.head(tool._view.picture)
+        shown = np.asarray(Image.open(io.BytesIO(mask)).convert("RGBA"))[..., 3] > 0
+        rows, columns = np.nonzero(shown)
+        step = round(4000 / shown.shape[1])
+        assert max(shown.shape) <= 1600
+        np.testing.assert_allclose([step * rows.min(), step * rows.max()], (1500, 1699), atol=step)
+        np.testing.assert_allclose(
+            [step * columns.min(), step * columns.max()], (900, 1099), atol=step
+        )
+
+
+def test_the_picture_of_the_robot_shows_the_robot(here):
+    with robsim.gui.color_panel(robot="lab", colors=load_colors()) as tool:
+        head, _ = FakeBrowser(tool._view, 80).take("frame")
+        assert head["missed"] is None
+        assert head["found"] is not None
+
+
+def test_other_light_and_noise(here):
+    with robsim.gui.color_panel(picture()) as tool:
+        browser = FakeBrowser(tool._view, 80)
+        browser.say("score")
+        assert "mark a region" in browser.take("note", level="error")[0]["text"]
+        tool.train("red", REGION)
+        browser.say("score")
+        score, _ = browser.take("score")
+        assert score["name"] == "red"
+        assert 0.5 < score["rate"] <= 1
+        assert {sweep["name"] for sweep in score["levels"]} >= {"brightness", "shadow"}
+
+
+def test_what_is_wrong_is_refused_by_its_name(here):
+    threads = threading.active_count()
+    for arguments, said in (
+        ({"what": 3}, "what must"),
+        ({"what": "none.png"}, "none.png"),
+        ({"colors": 3}, "colors must"),
+        ({"robot": "nobody"}, "nobody"),
+    ):
+        with pytest.raises((TypeError, ValueError, OSError), match=said):
+            robsim.gui.color_panel(**arguments)
+    assert threading.active_count() == threads
+
+
+IMAGE = (
+    np.repeat([RED, (230, 120, 30), FLOOR], 10, axis=0)[None].repeat(40, axis=0).astype(np.uint8)
+)
+STRIPES = [(10 * n, 0, 10 * n + 9, 39) for n in range(3)]
+
+
+def test_more_regions_add_up_and_show_their_drift():
+    training = ColorTraining()
+    training.train("red", IMAGE, STRIPES[0], picture="frame 0")
+    before = training.value[0]
+    training.adjust("red", margin=0, percentile=0)
+    training.train("red", IMAGE, STRIPES[1], picture="frame 9", keep=1)
+    both = sum(color_histograms(IMAGE, stripe) for stripe in STRIPES[:2])
+    expected = ColorClass.from_histograms(both, name="red", percentile=0, margin=0)
+    assert training.value == (expected,)
+    assert training.value != (before,)
+    (first, red, share_of_first), (second, orange, share_of_second) = training.drift("red")
+    assert (first, second) == ("frame 0", "frame 9")
+    assert share_of_first == share_of_second == 1
+    assert orange[0] > red[0] + 30  # brighter
+    training.put(ColorClass("red", y=(0, 100)))
+    assert [share for _, _, share in training.drift("red")] == [1, 0]
+
+
+def test_too_many_are_refused():
+    training = ColorTraining(ColorClass(f"c{n}") for n in range(32))
+    with pytest.raises(ValueError, match="at most 32 colours"):
+        training.put(ColorClass("another"))
+    with pytest.raises(ValueError, match="at most 32 colours"):
+        training.train("another", IMAGE, STRIPES[0])
+    before = training.value
+    with pytest.raises(ValueError, match="at most 32 colours, got 33"):
+        training.replace(ColorClass(f"d{n}") for n in range(33))
+    assert training.value == before
+    with pytest.raises(ValueError, match="grey"):
+        training.train("c0", IMAGE, STRIPES[2])
+    assert training.value == before
+    for _ in range(100):
+        training.train("c0", IMAGE, STRIPES[0], keep=100)
+    with pytest.raises(ValueError, match="at most 100 regions"):
+        training.train("c0", IMAGE, STRIPES[0], keep=100)
+
+
+def test_ranges_by_hand_and_a_whole_file():
+    training = ColorTraining([ColorClass("red"), ColorClass("blue")])
+    training.train("red", IMAGE, STRIPES[0])
+    training.put(ColorClass("red", v=(150, 250)))
+    training.put(ColorClass("green"))
+    assert [color.name for color in training.value] == ["red", "blue", "green"]
+    assert training.value[0].v == (150, 250)
+    training.replace([ColorClass("green"), ColorClass("red", u=(1, 2))])
+    assert [color.name for color in training.value] == ["green", "red"]
+    assert len(training.drift("red")) == 1  # what it was made from is still known
+    training.remove("green")
+    assert training.value == (ColorClass("red", u=(1, 2)),)

@@ -1,14 +1,16 @@
 """Every control of the panel, used in a browser with Python behind it; and none is left out."""
 
 import os
+import re
 import threading
 
 import numpy as np
 import pytest
 
 import robsim
-from panel_mouse import Mouse
-from python_cameras import SteppedCamera
+from panel_mouse import Mouse, number
+from robsim.trace import PARAMETER_NAMES
+from small_runs import experiment, frames
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow
@@ -124,7 +126,7 @@ def use_settings(mouse):
         "Speed": ("speed", 16, 100),
     }
     for label, (name, at, value) in sliders.items():
-        mouse.slide(label, at)
+        mouse.tab.get_by_label(label, exact=True).fill(str(at))
         wait_for_value(mouse, name, value)
 
 
@@ -315,26 +317,60 @@ def test_stop_stops_the_motors_while_a_callback_hangs(open_panel):
         may_go_on.wait(300)
         return 1, 2
 
-    may_go_on.set()
-    source = SteppedCamera([np.zeros((64, 64, 3), np.uint8)] * 50)
-    source.permits.release()
-    options = {"area": (64, 64), "measure": False, "identify_from": "truth", "control": control}
-    with robsim.Camera(source, open_timeout=300) as camera:
-        experiment = robsim.Experiment(camera, send=lambda u: sent.append(tuple(u)), **options)
-        view, tab = open_panel(experiment)
-        for stop in (lambda: tab.keyboard.press("Escape"), lambda: tab.click("button[name=stop]")):
-            source.permits.release()
-            tab.click("button[name=step]")
-            wait_for(lambda: sent[-1:] == [(1, 2)])
-            may_go_on.clear()
-            inside.clear()
-            source.permits.release()
-            tab.click(".robsim-transport [name=start]")
-            tab.wait_for_selector("main[data-state=running]")
-            assert inside.wait(300)
-            sent.clear()
-            stop()
-            wait_for(lambda: (0, 0) in sent)
-            may_go_on.set()
-            tab.locator(".robsim-title-state").get_by_text("Stopped").wait_for()
-            assert view.driver.is_stopped
+    runner = experiment(frames(10**6), send=lambda u: sent.append(tuple(u)), control=control)
+    view, tab = open_panel(runner)
+    for stop in (lambda: tab.keyboard.press("Escape"), lambda: tab.click("button[name=stop]")):
+        may_go_on.set()
+        tab.click("button[name=step]")
+        wait_for(lambda: sent[-1:] == [(1, 2)])
+        may_go_on.clear()
+        inside.clear()
+        tab.click(".robsim-transport [name=start]")
+        assert inside.wait(300)
+        tab.wait_for_selector("main[data-state=running]")
+        sent.clear()
+        stop()
+        wait_for(lambda: (0, 0) in sent)
+        may_go_on.set()
+        tab.locator(".robsim-title-state").get_by_text("Stopped").wait_for()
+        assert view.driver.is_stopped
+
+
+#: As the manual of 2008 prints them.
+TRUE_VALUES = {
+    **{"a1X": 1.9375, "a2X": -0.9375, "b1X": 0.20833, "b2X": 0.20833, "d1X": 8.3333e-6},
+    **{"a1Y": 1.9375, "a2Y": -0.9375, "b1Y": 0.20833, "b2Y": 0.20833, "d1Y": 8.3333e-6},
+    **{"a1P": 1.8333, "a2P": -0.83333, "b1P": 0.030556, "b2P": -0.030556, "d1P": 0},
+}
+
+
+def parameters_shown(mouse):
+    """Return what is read off at the newest step in each of the 15 charts."""
+    charts = {name: mouse.chart(name) for name in PARAMETER_NAMES}
+    assert charts["a1X"].count("true") > 8  # the crosses
+    assert charts["a1X"].count("estimated") > 20
+    return {name: number(chart.read(0.995)[1]["estimate"]) for name, chart in charts.items()}
+
+
+def not_excited(verdict):
+    """Return how many parameters are said not to be excited."""
+    found = re.search(r"(\d+) not excited", verdict.inner_text())
+    return int(found[1]) if found else 0
+
+
+def test_the_online_estimate_needs_a_robot_that_drives(open_panel):
+    """Figures 2.3 and 2.4 of the manual of 2008."""
+    mouse = Mouse(*open_panel(robsim.Simulation(robot="lab", seed=1), speed=100.0))
+    mouse.choose("Parameter estimation", "Default")
+    mouse.open("Parameters")
+    mouse.run(100)
+    verdict = mouse.tab.locator(".robsim-verdict")
+    wait_for(lambda: not_excited(verdict) >= 9)  # all of x and y but the decay
+    spinning = parameters_shown(mouse)
+    far = [name for name, true in TRUE_VALUES.items() if abs(spinning[name] - true) > 0.01]
+    assert len(far) >= 8
+    mouse.tab.get_by_label("Robot drives").select_option("drive-around")
+    mouse.run(300)
+    wait_for(lambda: not_excited(verdict) == 0)
+    for name, value in parameters_shown(mouse).items():
+        assert value == pytest.approx(TRUE_VALUES[name], abs=2e-3), name

@@ -136,27 +136,6 @@ def test_in_the_glass_a_point_is_moved_by_parts_of_a_pixel(hand):
     wait_for(lambda: np.allclose(hand.points[0].pixel, np.add(start, (0.5, -1.4))))
 
 
-def test_a_finger_places_a_point_and_drags_it_in_the_glass(open_tool, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with robsim.gui.floor_panel() as tool:
-        size = (900, 1200)
-        hand = Hand(tool, open_tool(tool, size=size, has_touch=True, is_mobile=True))
-        hand.tab.touchscreen.tap(*hand.at(PIXELS[4]))
-        wait_for(lambda: len(hand.points) == 1)
-        assert hand.points[0].pixel == pytest.approx(tuple(PIXELS[4]), abs=0.5)
-        start = np.array(hand.points[0].pixel)
-        hand.glass.wait_for()
-        hand.tab.wait_for_selector("tr[aria-selected=true] input[name=x_1]")
-        hand.glass.scroll_into_view_if_needed()
-        box = hand.glass.bounding_box()
-        x, y = box["x"] + 60, box["y"] + 60
-        touch = hand.tab.context.new_cdp_session(hand.tab)
-        for kind, at in (("Start", x), ("Move", x + 8), ("Move", x + 16), ("End", None)):
-            touches = [] if at is None else [{"x": at, "y": y}]
-            touch.send("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": touches})
-        wait_for(lambda: np.allclose(hand.points[0].pixel, np.add(start, (2, 0)), atol=0.2))
-
-
 def test_sheets_are_found(open_tool, tmp_path, monkeypatch):
     pytest.importorskip("cv2")
     from photographed_sheets import OBLIQUE, floor_picture

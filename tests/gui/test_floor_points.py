@@ -47,24 +47,9 @@ def test_each_change_is_undone_and_a_drag_is_one(points):
     assert not points.can_undo
 
 
-def test_what_is_missing_or_wrong_is_said(points):
-    (problem,) = points.draft.problems()
-    assert "4 points more" in problem
-    for pixel, place in SQUARE:
-        points.add(pixel, place)
-    assert points.draft.problems() == []
-    for change, numbers in (
-        (lambda: points.place(2, (0, 0)), "points 1 and 2 have the same place"),
-        (lambda: points.place(2, None), "point 2 has no place"),
-        (lambda: points.place(3, (1, None)), "points 2, 3 have no place"),
-        (lambda: points.move(4, (10.2, 10.1)), "points 1 and 4 lie on each other"),
-    ):
-        change()
-        assert numbers in " ".join(points.draft.problems())
-
-
 def test_what_is_refused_changes_nothing(points):
     points.add((1, 2))
+    assert points.draft.problems()[0].startswith("point 1 has no place")
     before = points.draft
     for act, said in (
         (lambda: points.add((1, float("nan"))), "pixel must"),

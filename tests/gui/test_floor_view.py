@@ -10,7 +10,7 @@ import pytest
 import robsim
 from browsers import FakeBrowser, pixels_of_floor, settled, tiled_floor
 from python_cameras import PATIENT, EndlessCamera
-from robsim.calibration import Chessboard, Corners, FloorSheet
+from robsim.calibration import Chessboard, Corners
 from robsim.imaging import (
     Calibration,
     Intrinsics,
@@ -90,7 +90,7 @@ def test_what_is_wrong_with_the_points_is_said(tool):
         (PLACES[:3], "place a point more"),
         (np.c_[np.arange(5) * 300, np.arange(5) * 300], "line"),
         (PLACES[:, ::-1], "mirrored"),
-        (np.vstack([PLACES[:4], PLACES[:1]]), "points 1 and 5"),
+        (np.vstack([PLACES[:4], PLACES[:1]]), "points 1 and 5 have the same place"),
     ):
         pixels = pixels_of_floor(places) if said == "line" else PIXELS[: len(places)]
         tool.put(pixels, places)
@@ -309,28 +309,6 @@ def test_sheets_in_a_picture(tmp_path, monkeypatch):
         assert np.linalg.norm(far) == pytest.approx(110, abs=2)
         assert set(tool.value.marks) >= {0, 5, 29}
         assert tool.find_sheets(mark=80, places={1: (0, 0)}).rms < 0.3
-
-
-def test_a_mark_that_is_measured_while_sheets_are_found_counts_for_them(tool, browser, monkeypatch):
-    begun, goes_on = threading.Event(), threading.Event()
-
-    def find(image, mark):
-        begun.set()
-        assert goes_on.wait(300)
-        positions = np.concatenate([*FloorSheet(1, mark).corners().values()])
-        return {1: Corners(positions, positions + 200)}
-
-    monkeypatch.setattr("robsim.gui._tools.floor.sheets.find_sheets", find)
-    browser.say("sheets")
-    assert begun.wait(300)
-    browser.say("set", name="mark", value=100)
-    browser.take("state", sheets={"mark": 100, "found": []})
-    goes_on.set()
-    wait_for(lambda: tool._view.sheets.task().corners)
-    seen = tool._view.sheets.task()
-    expected = np.concatenate([*FloorSheet(1, 100).corners().values()])
-    assert seen.mark == 100
-    np.testing.assert_allclose(seen.corners[1].positions, expected)
 
 
 @pytest.fixture(scope="module")

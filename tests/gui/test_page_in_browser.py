@@ -50,22 +50,6 @@ def test_a_broken_line_is_mended_and_one_that_stays_broken_pauses_the_run(served
     wait_for(lambda: len(view.links) == 1)
 
 
-def test_two_pages_show_one_run_and_one_that_is_loaded_anew_shows_it_as_it_is(served):
-    view, page, context = served
-    tab, other = shown(context, page), shown(context, page)
-    tab.click("button[name=start]")
-    other.wait_for_selector(MAIN.format("running"))
-    other.click("button[name=pause]")
-    tab.wait_for_selector(MAIN.format("paused"))
-    other.close()
-    n = view.record.n_steps
-    tab.reload()
-    tab.wait_for_selector(MAIN.format("paused"))
-    tab.click("button[name=step]")
-    wait_for(lambda: view.record.n_steps == n + 1)
-    wait_for(lambda: len(view.links) == 1)
-
-
 def test_a_page_tells_that_python_has_gone(served):
     _, page, context = served
     tab = context.new_page()

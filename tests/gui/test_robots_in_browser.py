@@ -61,22 +61,6 @@ def test_a_robot_is_turned_cleared_and_guessed(mouse):
     wait_for(lambda: len(drawing.sketch.outline) > 5)
 
 
-def test_another_robot_is_loaded_resized_and_saved(mouse):
-    mouse.tab.select_option("[name=robot]", "robot2")
-    wait_for(lambda: mouse.tool._view.name == "robot2")
-    mouse.tab.fill("[name=robot_size]", "150")
-    mouse.tab.press("[name=robot_size]", "Tab")
-    wait_for(lambda: mouse.drawing.sketch.size == 150)
-    mouse.tab.fill("[name=robot_name]", "mine")
-    mouse.tab.click("[name=save_robot]")
-    wait_for(lambda: "mine" in robsim.robots.robot_names())
-    assert load_robot("mine").size == 150
-    mouse.tab.click("text=+10°")
-    mouse.tab.fill("[name=robot_name]", "mine")
-    mouse.tab.click("[name=save_robot]:has-text('Replace')")
-    wait_for(lambda: load_robot("mine").alignment == mouse.drawing.sketch.alignment)
-
-
 def test_two_points_of_known_distance_give_the_size(mouse):
     drawing, tab = mouse.drawing, mouse.tab
     tab.click("[name=ruler]")

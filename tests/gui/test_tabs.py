@@ -154,12 +154,8 @@ def test_what_is_open_stays_open_and_is_asked_for_again(tab_of):
     assert not host.tab.get_by_text("old", exact=True).is_visible()
 
 
-def test_the_tree_rests_while_it_is_hidden_or_the_steps_rush_by_and_shows_past_steps(tab_of):
-    host = tab_of("callbacks")
-    host.frame(213)
-    host.rest(ASK_GAP)
-    assert host.sent("inspect") == []
-    host.tab.click("button[role=tab][value=inspector]")
+def test_the_tree_rests_while_the_steps_rush_by_and_shows_past_steps(tab_of):
+    host = tab_of("inspector")
     wait_sent(host, "inspect")
     host.state(k=213, steps=214, state="running", speed=20)
     host.rest(ASK_GAP)

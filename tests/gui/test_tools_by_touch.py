@@ -1,4 +1,4 @@
-"""The tools with fingers, in Chromium: regions, corners, pinching."""
+"""The tools with fingers, in Chromium: corners, pinching."""
 
 import numpy as np
 import pytest
@@ -55,14 +55,3 @@ def test_a_finger_drags_a_corner_and_taps_new_ones_and_two_zoom(open_tool, user_
         fingers.tab.wait_for_selector("[name=zoom_reset]:visible")
         fingers.choose_part("blue")  # told after all that the fingers did
         assert drawing.sketch is sketch
-
-
-def test_a_finger_marks_a_region(open_tool, tmp_path):
-    image = np.full((200, 300, 3), 120, np.uint8)
-    image[60:120, 100:180] = (210, 40, 30)
-    with robsim.gui.color_panel(image, file=tmp_path / "colors.toml") as tool:
-        fingers = Fingers(tool, open_tool)
-        fingers.drag((105, 65), (170, 110))
-        wait_for(lambda: tool.value)
-        (red,) = tool.value
-        assert red.v[0] > 150

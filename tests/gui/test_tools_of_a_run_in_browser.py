@@ -52,19 +52,6 @@ def test_keys_in_a_tool_are_the_tools(open_panel, user_folder):
     assert sim.n_steps == 0
 
 
-def test_a_second_browser_sees_the_tool_and_its_end(open_panel, open_view, user_folder):
-    view, tab = open_panel(simulation())
-    tab.click("[name=define_robot]")
-    tab.wait_for_selector(".robsim-tool")
-    other = open_view(view)
-    other.wait_for_selector(".robsim-tool")
-    other.click(".robsim-tool [value=blue]")
-    tab.wait_for_selector(".robsim-tool [value=blue][aria-checked=true]")
-    other.click("[name=discard_tool]")
-    tab.wait_for_selector(".robsim-tool", state="detached")
-    assert tab.is_visible(".robsim-transport")
-
-
 def test_motors_are_stopped_beside_a_tool(open_panel, user_folder):
     sent = []
     frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 2000

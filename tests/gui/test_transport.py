@@ -221,10 +221,8 @@ usleep = ctypes.PyDLL(None).usleep  # with the interpreter's lock
 class Hanging:
     """A controller that hangs at step 2, in one way or another, until it may go on."""
 
-    def __init__(self, hang):
-        self.hang = hang
-        self.is_there = threading.Event()
-        self.may_go_on = threading.Event()
+    def __init__(self):
+        self.is_there, self.may_go_on = threading.Event(), threading.Event()
 
     def __call__(self, step):
         if step.k == 2 and not self.may_go_on.is_set():
@@ -235,16 +233,9 @@ class Hanging:
 
 @pytest.fixture
 def hanging():
-    """Return a function that makes such controllers, which end with the test."""
-    made = []
-
-    def make(hang):
-        made.append(Hanging(hang))
-        return made[-1]
-
-    yield make
-    for control in made:
-        control.may_go_on.set()
+    control = Hanging()
+    yield control
+    control.may_go_on.set()
 
 
 def sleeps(may_go_on):
@@ -259,7 +250,7 @@ def loops(may_go_on):
 @pytest.mark.long
 @pytest.mark.parametrize("hang", [sleeps, loops])
 def test_stop_stops_the_robot_whatever_a_callback_does(robot, hanging, hang):
-    control = hanging(hang)
+    control, hanging.hang = hanging, hang
     sim = driven(frames(20), robot, control=control)
     with panel_of(sim, speed=math.inf) as (view, browser):
         assert browser.take("setup")[0]["motors"]
@@ -288,11 +279,11 @@ def test_stop_stops_the_robot_whatever_a_callback_does(robot, hanging, hang):
 
 @pytest.mark.long
 def test_stop_after_a_callback_that_keeps_the_interpreter(robot, hanging):
-    control = hanging(lambda may_go_on: usleep(300_000))
-    sim = driven(frames(10**6), robot, control=control)
+    hanging.hang = lambda may_go_on: usleep(300_000)
+    sim = driven(frames(10**6), robot, control=hanging)
     with panel_of(sim, speed=math.inf) as (_, browser):
         browser.press("start")
-        assert control.is_there.wait(SOON)
+        assert hanging.is_there.wait(SOON)
         browser.press("stop")
         browser.take("state", state="paused", stopped=True, error=None)
         wait_for(lambda: robot.stands)  # what was sent may be under way
