@@ -34,35 +34,22 @@ def test_a_call_that_fits_no_signature_says_what_is_wrong():
     for call, *words in (
         (lambda: find_blobs(), "find_blobs", "image"),
         (lambda: find_blobs(IMAGE, [], None), "2 positional", "got 3", "markers="),
-        (lambda: Spin(1, 2), "1 positional", "got 2"),
         (lambda: find_blobs(IMAGE, [], regoin=3), "'regoin'", "'region'"),
         (lambda: Frame(IMAGE, time=3), "'time'", "t_arrival, epoch"),
         (lambda: robsim.Unicycle(x=3), "'x'", "none"),
-        (lambda: Spin(1, voltage=3), "two values", "voltage"),
         (lambda: RobotModel.predict(), "predict", "object"),
         (lambda: Spin("1"), "voltage must be a number", "'1'"),
         (lambda: RobotModel(None), "parameters", "RobotParameters", "None"),
         (lambda: find_blobs(IMAGE, "red"), "colors", "ColorClass", "'red'"),
         (lambda: robsim.DriveAround(hold=2**31), "hold", "2147483647, got 2147483648"),
-        (lambda: robsim.DriveAround(hold=1.5), "hold", "1.5"),
         (lambda: robsim.Observation(IMAGE), "frame", "uint8 array of shape (4, 4, 3)"),
         (lambda: Spin()(3), "step must be a Step"),
-        (lambda: robsim.wrap_angle("a"), "angle", "'a'"),
     ):
         with pytest.raises(TypeError) as caught:
             call()
         for word in words:
             assert word in str(caught.value)
         assert "incompatible" not in str(caught.value)  # nor pybind11's list of signatures
-
-
-def test_an_argument_that_cannot_be_shown_is_refused_all_the_same():
-    class Shy:
-        def __repr__(self):
-            raise RuntimeError("no")
-
-    with pytest.raises(TypeError):
-        Spin(Shy())
 
 
 def test_a_type_error_of_a_callback_stays_what_it_is():

@@ -2,8 +2,6 @@
 
 import copy
 import pickle
-import subprocess
-import sys
 from unittest.mock import ANY
 
 import numpy as np
@@ -150,15 +148,6 @@ def test_a_pickle_is_checked_as_the_constructor_is():
             filters.__setstate__(((5, 3, 1.0, 1e9, state), {}))
 
 
-@pytest.mark.long
-def test_another_process_reads_a_pickle():
-    code = "import pickle, sys; print(pickle.load(sys.stdin.buffer))"
-    run = subprocess.run(
-        [sys.executable, "-c", code], input=pickle.dumps(VALUES), capture_output=True, check=True
-    )
-    assert run.stdout.decode().strip() == repr(VALUES)
-
-
 def updated(filters, rng):
     filters.update(rng.normal(size=(40, 3, 5)), rng.normal(size=(40, 3)))
     return filters
@@ -195,25 +184,6 @@ def test_a_copy_of_a_step_has_all_but_the_estimator():
         assert other.estimator is None
     sim.run(1)
     assert sim.last_step != step
-
-
-def test_a_copy_of_a_step_whose_frame_was_not_kept_says_so():
-    steps = []
-
-    def control(step):
-        steps.append(step)
-        return 0.5, 0.4
-
-    robsim.Simulation(resolution=(120, 120), control=control).run(2)
-    for other in copies(steps[0]):
-        assert other == steps[0]
-        with pytest.raises(RuntimeError, match="the frame of step 0 was not kept"):
-            _ = other.frame
-    robsim.Experiment([None, None], control=control).run()
-    for step in steps[2:]:
-        for other in copies(step):
-            assert other == step
-            assert other.frame is None
 
 
 def test_a_step_made_by_hand_tests_a_callback():

@@ -16,16 +16,12 @@ import numpy as np
 import pytest
 
 import robsim
-import sanitizers
 from python_cameras import PATIENT, EndlessCamera, SteppedCamera, read_on
 from robsim.capture import CaptureError, UnpluggedError
-from threads import in_thread
+from threads import forks, in_fork, in_thread
 from waiting import wait_for
 
-pytestmark = [
-    pytest.mark.threads,
-    pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning"),
-]
+pytestmark = pytest.mark.threads
 
 
 def numbered(count):
@@ -145,28 +141,19 @@ class TestTheEnd:
         gc.collect()
         assert kept() is None
 
-    @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-    @pytest.mark.skipif(
-        sanitizers.ADDRESS or sanitizers.THREAD,
-        reason="the sanitizers take no new threads in a process forked beside others",
-    )
+    @forks
     def test_a_forked_process_is_told_that_the_camera_is_not_its_own(self, source):
         camera = robsim.Camera(source, **PATIENT)
-        child = os.fork()
-        if child == 0:
-            try:
-                for use in (camera.read, lambda: camera.counts):
-                    with pytest.raises(RuntimeError, match="opened in another process"):
-                        use()
-                camera.close()
-                del camera
-                with robsim.Camera(SteppedCamera(numbered(3), permits=1), **PATIENT) as mine:
-                    assert mine.read().index == 0
-                os._exit(0)
-            except BaseException as error:
-                print(repr(error), file=sys.__stderr__, flush=True)
-                os._exit(1)
-        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+        def look():
+            for use in (camera.read, lambda: camera.counts):
+                with pytest.raises(RuntimeError, match="opened in another process"):
+                    use()
+            camera.close()
+            with robsim.Camera(SteppedCamera(numbered(3), permits=1), **PATIENT) as mine:
+                assert mine.read().index == 0
+
+        in_fork(look)
         assert camera.read().index == 0
         camera.close()
 

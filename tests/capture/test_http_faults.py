@@ -2,14 +2,12 @@
 
 import socket
 import threading
-import time
 
 import numpy as np
 import pytest
 
 import posed_frames
 import robsim
-from interpreter import LONGER_AND_LONGER, keep_interpreter
 from mjpeg_server import MjpegServer, jpeg
 from posed_frames import AREA, difference
 from python_cameras import PATIENT, read_on
@@ -141,12 +139,6 @@ def test_a_size_that_changes_is_an_error():
         assert "48 x 64 px in place of 300 x 240 px" in str(read_on(camera)[1])
 
 
-def test_another_size_than_asked_for():
-    words = "300 x 240 px in place of 640 x 480 px"
-    with MjpegServer(images) as server, pytest.raises(CaptureError, match=words):
-        opened(server, size=(640, 480))
-
-
 def halved(image):
     return image[: len(image) // 2]
 
@@ -191,19 +183,6 @@ def test_a_length_that_is_too_long_costs_that_image_and_no_more():
         frames, _ = read_on(camera)
         assert frames[-1].index == 2
         assert camera.counts.torn == 1
-
-
-def test_a_camera_that_sends_torn_images_alone():
-    def parts():
-        yield from map(halved, images()[:2])
-        yield server.released.wait
-
-    for seconds in LONGER_AND_LONGER:  # until it has seen both
-        with MjpegServer(parts) as server, pytest.raises(FrameTimeoutError) as error:
-            opened(server, open_timeout=seconds)
-        if "2 torn" in str(error.value):
-            break
-    assert f"no whole frame within open_timeout = {seconds:g} s" in str(error.value)
 
 
 def stream_of(reader, is_chunked=False):
@@ -265,22 +244,3 @@ def test_a_camera_that_answers_in_chunks():
         assert camera.counts.torn == 0
     assert frames[-1].index == 3
     assert difference(frames[-1], 3)[0] < 0.3
-
-
-def test_images_are_read_while_somebody_keeps_the_interpreter():
-    for seconds in LONGER_AND_LONGER:
-        camera, reader = socket.socketpair()
-        with camera, reader:
-            stream = stream_of(reader)
-            sent = time.monotonic()
-            for image in images():
-                camera.sendall(b"--frame\r\nContent-Length: %d\r\n\r\n%s\r\n" % (len(image), image))
-            keep_interpreter(seconds)
-            held = time.monotonic()
-            taken = stream.take(0)
-        if taken and taken[2] == 3:
-            break
-    image, arrived, n_passed, _ = taken
-    assert image == images()[-1]
-    assert n_passed == 3
-    assert sent <= arrived < held

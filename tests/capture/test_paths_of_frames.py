@@ -2,7 +2,6 @@
 
 import threading
 
-import numpy as np
 import pytest
 
 import posed_frames
@@ -63,14 +62,6 @@ def test_a_video_without_loss_is_played_at_its_own_rate(video):
     played(video, 1 / 25)
 
 
-def test_the_end_of_a_file_is_an_error_of_read_and_none_of_a_loop(folder):
-    with robsim.Camera(folder, fps=1000, **PATIENT) as camera:
-        for _ in camera:
-            pass
-        with pytest.raises(EndOfStream, match="over"):
-            camera.read()
-
-
 @pytest.mark.parametrize("back_end", ["http", "ffmpeg"])
 @pytest.mark.parametrize("has_length", [True, False])
 def test_mjpeg_over_http(back_end, has_length):
@@ -119,11 +110,3 @@ def test_each_nth_frame():
         while seen[-1] < 8:
             seen.append(camera.read().index)
     assert set(seen) <= {0, 4, 8}
-
-
-def test_an_experiment_takes_it(folder):
-    with robsim.Camera(folder, fps=20, area=AREA, **PATIENT) as camera:
-        trace = robsim.Experiment(camera, seed=1).run()
-    for t, pose in zip(trace.t, trace.pose_measured, strict=True):
-        true = POSES[round(20 * t)]
-        assert np.hypot(*(pose[:2] - true[:2])) < 1.5

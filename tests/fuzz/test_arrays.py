@@ -63,19 +63,6 @@ ANY_WIDTH = st.one_of(images(), images(largest=200))
 
 
 @fuzzed
-@given(ANY_WIDTH, COLORS, st.integers(-1, 16))
-def test_classify(image, colors, smoothing):
-    first, *others = on_every_path(
-        lambda: attempt(_core.classify, image, colors, smoothing=smoothing)
-    )
-    for other in others:
-        assert (first is None) == (other is None)
-        for name in first or ():
-            np.testing.assert_array_equal(first[name], other[name])
-            assert first[name].shape == image.shape[:2]
-
-
-@fuzzed
 @given(
     ANY_WIDTH, COLORS, st.none() | LAYOUTS, st.none() | st.integers(-1, 9),
     st.none() | st.integers(-1, 9), st.none() | st.integers(-1, 16), REGIONS,
@@ -118,25 +105,6 @@ def test_histograms_and_training(image, region, parts, percentile, margin, limit
     attempt(robsim.ColorClass.from_region, image, region, **options)
 
 
-@fuzzed
-@given(
-    ANY_WIDTH, st.sampled_from(("gaussian", "uniform", "other")),
-    st.one_of(st.floats(0.01, 100), st.floats(0, 100), FLOATS),
-    st.one_of(SEEDS, st.integers(-1, 2**65)), st.integers(-1, 2**63),
-)  # fmt: skip
-def test_noise(image, kind, percent, seed, index):
-    def add():
-        noise = attempt(_core.VisualNoise, kind, percent)
-        return None if noise is None else attempt(noise.add, image, seed, index)
-
-    first, *others = on_every_path(add)
-    for other in others:
-        np.testing.assert_array_equal(first, other)
-    if first is not None:
-        assert first.shape == image.shape
-        assert first.dtype == np.uint8
-
-
 POINTS = arrays((st.integers(0, 9), 2), (4, 2), (2,), (3,), (0, 2))
 
 
@@ -167,20 +135,6 @@ def test_plane_maps_from_points(pixels, positions, seed):
         plane_map = attempt(PlaneMap.from_points, pixels, to)
         if plane_map is not None:
             assert np.isfinite(plane_map.matrix).all()
-
-
-@fuzzed
-@given(st.lists(st.one_of(POSITIVE, POSITIVE, FLOATS), min_size=8, max_size=8))
-def test_robot_parameters(values):
-    names = ("mass", "inertia", "linear_friction", "angular_friction", "wheel_radius", "wheel_base")
-    parameters = attempt(
-        robsim.RobotParameters,
-        **dict(zip(names, values, strict=False)),
-        motor_gain=values[6:],
-    )
-    model = None if parameters is None else attempt(robsim.RobotModel, parameters)
-    if model is not None:
-        assert np.isfinite(model.theta).all()
 
 
 def stable_theta(seed):

@@ -153,28 +153,11 @@ def check_scenario(path):
         assert robsim.Scenario.load(path) == scenario
 
 
-@pytest.mark.long
-@fuzzed
-@given(st.data())
-def test_scenarios(whole, scratch, data):
-    path = scratch / "scenario.toml"
-    path.write_bytes(some(data, whole["scenarios"]))
-    check_scenario(path)
-
-
 def check_colors(path):
     colors = attempt(robsim.load_colors, path)
     if colors is not None:
         save_colors(path, colors)
         assert robsim.load_colors(path) == colors
-
-
-@fuzzed
-@given(st.data())
-def test_colors(whole, scratch, data):
-    path = scratch / "colors.toml"
-    path.write_bytes(some(data, whole["colors"]))
-    check_colors(path)
 
 
 def check_robot(path):
@@ -188,12 +171,20 @@ def check_robot(path):
         assert len(repr(robot)) < 1000
 
 
+@pytest.mark.parametrize(
+    ("kind", "check"),
+    [
+        pytest.param("scenarios", check_scenario, marks=pytest.mark.long),
+        ("colors", check_colors),
+        ("robots", check_robot),
+    ],
+)
 @fuzzed
-@given(st.data())
-def test_robots(whole, scratch, data):
-    path = scratch / "robot.toml"
-    path.write_bytes(some(data, whole["robots"]))
-    check_robot(path)
+@given(data=st.data())
+def test_files_of_text(kind, check, whole, scratch, data):
+    path = scratch / "file.toml"
+    path.write_bytes(some(data, whole[kind]))
+    check(path)
 
 
 def check_picture(path, mode="RGB"):
@@ -220,20 +211,6 @@ def frames_of(path):
         for k, frame in enumerate(robsim.Recording(path, dt=0.1)):
             assert frame.image.dtype == np.uint8
             assert k < 1000
-
-
-@fuzzed
-@given(st.data())
-def test_folders_of_pictures(whole, scratch, data):
-    folder = scratch / "pictures"
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir()
-    names = st.sampled_from(
-        ("1.png", "2.jpg", "a10.png", "a9.bmp", ".hidden.png", "b.txt", "é.png")
-    )
-    for name in data.draw(st.lists(names, max_size=3, unique=True)):
-        (folder / name).write_bytes(some(data, whole["pictures"]))
-    check_video(folder)
 
 
 @pytest.fixture(scope="module", params=(".avi", ".mp4", ".mkv"))

@@ -20,7 +20,6 @@ from fuzzing import (
     on_every_path,
     with_stride,
 )
-from robsim import _core
 from robsim.imaging import PlaneMap
 from robsim.vision import Blob, MarkerLayout, detect
 
@@ -162,19 +161,3 @@ def test_blobs_that_are_not_those_of_the_image(data, layout, image, kind, matrix
     )
     if detection is not None:
         check(detection)
-
-
-@fuzzed
-@given(
-    images() | images(largest=200), st.sampled_from((1, 3, 5, 7, 9, 11, 13, 15, 2)),
-    st.tuples(*[st.floats(0.25, 4)] * 3), st.floats(0, 60),
-)  # fmt: skip
-def test_classes_relative_to_brightness(image, smoothing, gains, least_chroma):
-    first, *others = on_every_path(
-        lambda: attempt(_core.relative_masks, image, COLORS, smoothing, gains, least_chroma)
-    )
-    for other in others:
-        assert (first is None) == (other is None)
-        for name in first or ():
-            np.testing.assert_array_equal(first[name], other[name])
-            assert first[name].shape == image.shape[:2]

@@ -6,11 +6,6 @@ from refusals import INF, NAN, refuses
 from robsim.imaging import PlaneMap
 
 
-def test_a_camera_as_large_as_the_area_is_the_identity():
-    plane_map = PlaneMap.scaled((1200, 1200), (1200, 1200))
-    np.testing.assert_array_equal(plane_map.matrix, np.eye(3))
-
-
 def test_pixel_centres_of_a_smaller_camera():
     # x = (u + 1/2) W/w - 1/2: pixel 0 of 480 stands for work-area pixels 0 .. 2.5
     plane_map = PlaneMap.scaled((480, 240), (1200, 1200))

@@ -8,11 +8,6 @@ pytestmark = pytest.mark.kernels
 SQUARE = [(0, 0), (100, 0), (100, 100), (0, 100)]
 
 
-def test_four_corners_that_are_themselves_give_the_identity():
-    matrix = PlaneMap.from_points(SQUARE, SQUARE).matrix
-    np.testing.assert_allclose(matrix / matrix[2, 2], np.eye(3), atol=1e-12)
-
-
 def test_a_homography_is_found_again(rng):
     for _ in range(20):
         wanted = PlaneMap(np.eye(3) + rng.uniform(-1, 1, (3, 3)) * [[0.3], [0.3], [2e-4]])
@@ -20,13 +15,6 @@ def test_a_homography_is_found_again(rng):
         found = PlaneMap.from_points(seen, wanted.to_world(seen))
         pixels = rng.uniform(0, 480, (20, 2))
         np.testing.assert_allclose(found.to_world(pixels), wanted.to_world(pixels), atol=1e-8)
-
-
-def test_a_table_seen_at_an_angle():
-    # a trapezium: the diagonals meet in the picture where they meet on the table
-    plane_map = PlaneMap.from_points([(100, 0), (300, 0), (400, 300), (0, 300)], SQUARE)
-    np.testing.assert_allclose(plane_map.to_world((200, 100)), (50, 50), atol=1e-9)
-    np.testing.assert_allclose(plane_map.to_pixel((0, 100)), (0, 300), atol=1e-9)
 
 
 def refused(pixels, positions, words):
@@ -56,20 +44,6 @@ def test_points_of_another_shape_or_number():
 
 TABLE = PlaneMap([[1.9, 0.3, -120], [-0.1, 2.4, -60], [1e-4, 5e-4, 1]])
 GRID = np.array([(u, v) for u in (40, 240, 440, 600) for v in (30, 200, 450)], float)
-
-
-def test_many_exact_points_give_their_homography_again():
-    found = PlaneMap.from_points(GRID, TABLE.to_world(GRID))
-    np.testing.assert_allclose(found.to_world(GRID), TABLE.to_world(GRID), atol=1e-8)
-
-
-def test_the_fifth_point_counts():
-    positions = TABLE.to_world(GRID)
-    positions[4] += (12, 0)
-    found = PlaneMap.from_points(GRID, positions)
-    residuals = found.to_world(GRID) - positions
-    assert np.argmax(np.hypot(*residuals.T)) == 4
-    assert 0 < np.hypot(*residuals[4]) < 12
 
 
 def test_the_squared_distances_are_least(rng):

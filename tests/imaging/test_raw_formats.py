@@ -79,14 +79,6 @@ def test_missing_colours_are_means_of_their_neighbours(rng):
 
 
 @on_every_path
-def test_grey_has_three_equal_channels(rng):
-    for width in (1, 31, 32, 33, 100):
-        raw = rng.integers(0, 256, (3, width), dtype=np.uint8)
-        image = _core.to_rgb(raw, width, 3, "mono8")
-        np.testing.assert_array_equal(image, np.repeat(raw[:, :, None], 3, axis=2))
-
-
-@on_every_path
 def test_grey_of_two_bytes_has_the_high_one_first(rng):
     for bits in (8, 12, 16):
         grey = rng.integers(0, 1 << bits, (3, 50))

@@ -229,13 +229,6 @@ def measured_in(path):
 
 
 @pytest.mark.long
-def test_a_run_in_a_lossless_video_measures_the_same(tmp_path, run):
-    frames, measured = run
-    save_video(tmp_path / "run.mkv", frames[:2], fps=5)
-    np.testing.assert_array_equal(measured_in(tmp_path / "run.mkv"), measured[:2])
-
-
-@pytest.mark.long
 @pytest.mark.parametrize("ending", SMALL)
 def test_a_run_in_a_small_video_measures_nearly_the_same(tmp_path, run, ending):
     frames, measured = run

@@ -105,23 +105,6 @@ def test_the_lab_shows_the_robot_at_its_height(height):
     assert (inside != 128).any()
 
 
-def test_a_raised_robot_hides_the_floor_behind_it_alone():
-    camera = camera_of((640, 480), 450)
-    with lab_of(camera) as lab:
-        lab._open_device()
-        scene = lab._world.scene
-        floor = lab._warp.apply(robsim.simulation.Renderer(scene).render((-5000, -5000, 0)))
-        image = _core.RaisedRobot(scene, lab._top).drawn(floor, (300, 800, 0.4))
-        again = _core.RaisedRobot(scene, lab._top).drawn(floor, (-5000, 0, 0))
-    assert np.array_equal(again, floor)
-    v, u = np.nonzero((abs(image.astype(int) - floor) > 20).any(axis=2))
-    turned = np.array([[np.cos(0.4), -np.sin(0.4)], [np.sin(0.4), np.cos(0.4)]])
-    outline = (300, 800) + ROBOT.to_robot_frame(ROBOT.outline) @ turned.T
-    x, y = camera.pixels(outline, HEIGHT).T
-    assert abs(np.subtract((u.min(), u.max()), (x.min(), x.max()))).max() < 2
-    assert abs(np.subtract((v.min(), v.max()), (y.min(), y.max()))).max() < 2
-
-
 def test_what_cannot_be_is_refused():
     camera = camera_of((640, 480), 450)
     for options, words in (

@@ -2,9 +2,7 @@
 
 import gc
 import os
-import sys
 import threading
-import traceback
 import weakref
 from contextlib import suppress
 
@@ -12,17 +10,16 @@ import numpy as np
 import pytest
 
 import robsim
-import sanitizers
 from python_cameras import PATIENT, read_on
 from robsim.capture import CaptureError, FrameTimeoutError, UnpluggedError
 from robsim.live import CameraFaults, Lens, SimulatedLab
 from robsim.motors import MotorReceiver, UdpMotors
+from threads import forks, in_fork, in_thread
 from waiting import wait_for
 
 SCENARIO = robsim.Scenario(
     area=(1200, 900), resolution=(320, 240), headings=None, start=(400, 420, 0.4), seed=3
 )
-LARGE = SCENARIO.replace(resolution=(640, 480))
 CORNERS = [(0, 0), (1199, 0), (1199, 899), (0, 899)]
 OBLIQUE = robsim.imaging.PlaneMap.from_points(
     [(102, 60), (541, 57), (630, 455), (12, 460)], CORNERS
@@ -37,12 +34,6 @@ def lab_of(scenario=SCENARIO, **options):
 
 def camera_of(lab, **options):
     return robsim.Camera(lab, **PATIENT | options)
-
-
-def measured(frame, scenario=SCENARIO):
-    layout = scenario._marker_layout
-    blobs = robsim.find_blobs(frame, robsim.load_colors(), markers=layout)
-    return robsim.locate(blobs, layout, image=frame).pose
 
 
 def driven_frames(lab, count):
@@ -87,22 +78,6 @@ def test_frames_are_those_of_the_true_poses_and_these_those_of_the_model():
         predicted = lab.true_model.predict(truth.pose[k - 1], truth.pose[k - 2], truth.last_u[k])
         assert np.array_equal(truth.pose[k], predicted)
     assert np.allclose(np.diff(truth.t), lab.dt, rtol=1e-6)
-
-
-@pytest.mark.long
-def test_a_lens_moves_the_robot_by_what_it_predicts():
-    lens = Lens(-0.04, 0.005)
-    for start in ((250, 200, 2.0), (950, 700, -1.0)):
-        with lab_of(LARGE.replace(start=start), lens=lens) as lab:
-            frame = driven_frames(lab, 3)[-1]
-            pose = lab.truth.pose_of(frame)
-        shown = lens.distorted(lab.plane_map.to_pixel(pose[:2]), lab.size)
-        predicted = lab.plane_map.to_world(shown)
-        assert np.hypot(*(predicted - pose[:2])) > 4
-        # The markers lie on both sides of the centre, and the lens shrinks what is around.
-        assert np.hypot(*(measured(frame)[:2] - predicted)) < 0.7
-        corrected = lens.ideal(lab.plane_map.to_pixel(measured(frame)[:2]), lab.size)
-        assert np.hypot(*(lab.plane_map.to_world(corrected) - pose[:2])) < 0.7
 
 
 def test_a_lens_leads_back():
@@ -226,12 +201,7 @@ def test_no_thread_outlives_it():
 
 
 @pytest.mark.long
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
-@pytest.mark.skipif(
-    sanitizers.ADDRESS or sanitizers.THREAD,
-    reason="the sanitizers take no new threads in a process forked beside others",
-)
+@forks
 def test_a_forked_process_is_told_that_the_lab_is_another_s():
     def look():
         for use in (lambda: lab.truth, lab.unplug, lambda: lab.stall(1), lab._open_device):
@@ -242,17 +212,7 @@ def test_a_forked_process_is_told_that_the_lab_is_another_s():
             camera.read()
 
     with lab_of() as lab, camera_of(lab) as camera:
-        child = os.fork()
-        if child == 0:
-            code = 1
-            try:
-                look()
-                code = 0
-            except BaseException:
-                traceback.print_exc(file=sys.__stderr__)
-            finally:
-                os._exit(code)
-        assert os.waitpid(child, 0)[1] == 0
+        in_fork(look)
         camera.read()
 
 
@@ -284,15 +244,10 @@ def test_reader_motors_and_commands_at_once():
                 assert len(lab.truth)
                 assert lab.skipped_frames >= 0
 
-        others = [threading.Thread(target=work) for work in (send, command)]
-        for thread in others:
-            thread.start()
-        frames = [camera.read() for _ in range(40)]
-        is_over.set()
-        for thread in others:
-            thread.join()
-        truth = lab.truth
-    ticks = [truth.tick_of(frame) for frame in frames]
+        with in_thread(send), in_thread(command):
+            frames = [camera.read() for _ in range(40)]
+            is_over.set()
+        ticks = [lab.truth.tick_of(frame) for frame in frames]
     assert ticks == sorted(set(ticks))
 
 
@@ -303,8 +258,6 @@ def test_what_cannot_be_is_refused():
         ({"scenario": SCENARIO.replace(motor_delay=1)}, "motor_delay"),
         ({"scenario": SCENARIO.replace(boundary="unlimited")}, "boundary"),
         ({"scenario": SCENARIO.replace(model=robsim.RobotModel())}, "fps=5"),
-        ({"fps": 0}, "fps"),
-        ({"camera_delay": -1}, "camera_delay"),
         ({"lens": Lens(-0.5)}, "k1"),
         ({"lens": Lens(-0.1), "plane_map": robsim.imaging.PlaneMap(OBLIQUE.matrix, LENS)}, "lens"),
         ({"plane_map": nowhere}, "plane_map"),

@@ -90,12 +90,6 @@ def test_it_ignores_what_it_must(driven):
     assert driven((10, drive_line(7)), *old, *damaged, after) == [(10, 1, 2), (30, 4, 2)]
 
 
-def test_numbers_begin_again(driven):
-    assert len(driven((1, drive_line(65535)), (2, drive_line(0)), (3, drive_line(65535)))) == 2
-    anew = driven((1, drive_line(500, ttl=100)), (300, drive_line(0)))
-    assert anew == [(1, 1, 2), (101, 0, 0), (300, 1, 2)]
-
-
 def test_random_bytes_do_it_no_harm(driven):
     random.seed(1)
     noise = [(k, random.randbytes(random.randrange(1, 200))) for k in range(300)]

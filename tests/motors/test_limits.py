@@ -1,7 +1,5 @@
 """What the motors are asked for at most."""
 
-import pickle
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -52,14 +50,6 @@ def test_both_limits_hold_on_the_way_to_any_input(u, voltage, slew_rate, dt):
 
 def test_stopping_is_never_slowed_down():
     assert Limits(voltage=1, slew_rate=0.01).applied((0, 0), (9, -9), 0.0).tolist() == [0, 0]
-
-
-def test_it_is_a_value():
-    one = Limits(voltage=5)
-    assert one == Limits(voltage=5.0) != Limits(slew_rate=5)
-    assert pickle.loads(pickle.dumps(one)) == one
-    assert {one: 1}[Limits(voltage=5)] == 1
-    assert (one.voltage, one.slew_rate) == (5, None)
 
 
 def test_what_is_out_of_range_is_refused():

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import sanitizers
 from interpreter import LONGER_AND_LONGER, keep_interpreter
 from motor_lines import example
 from robsim._core import Watchdog
@@ -25,7 +24,7 @@ from robsim.motors import (
     SerialMotors,
     UdpMotors,
 )
-from threads import in_thread
+from threads import forks, in_fork, in_thread
 from waiting import wait_for
 
 pytestmark = [
@@ -185,34 +184,28 @@ def test_ctrl_c_reaches_the_interpreter_and_stops_the_robot(robot):
     wait_for(lambda: kinds(robot)[-1] == "stop")
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-@pytest.mark.skipif(sanitizers.ADDRESS or sanitizers.THREAD, reason="forks beside threads")
-@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+@forks
 def test_a_forked_process_is_refused_in_words(robot, motors):
     motors((1, 1))
     watchdog = Watchdog(motors)
     watchdog.arm(1000)
-    child = os.fork()
-    if child == 0:
-        told = []
+
+    def look():
+        nonlocal watchdog
         for use in (
-            lambda: motors((1, 1)),
-            motors.stop,
-            motors.close,
-            lambda: robot.input,
-            lambda: watchdog.arm(1),
+            *(lambda: motors((1, 1)), motors.stop, motors.close),
+            *(lambda: robot.input, lambda: watchdog.arm(1)),
         ):
-            try:
+            with pytest.raises(RuntimeError, match="was opened in another process"):
                 use()
-            except RuntimeError as error:
-                told.append("was opened in another process" in str(error))
-        told.append("closed" in repr(motors) and "closed" in repr(robot))
+        assert "closed" in repr(motors)
+        assert "closed" in repr(robot)
         motors.halt()
         watchdog.disarm()
-        del watchdog, use
+        watchdog = use = None
         gc.collect()
-        os._exit(0 if told == [True] * 6 else 1)
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+    in_fork(look)
     watchdog.disarm()
     motors((3, 3))
     wait_for(lambda: robot.input[0] == 3)
@@ -334,32 +327,10 @@ def test_a_cut_cable_is_told_by_name(terminal):
     motors.close()
 
 
-def test_a_line_that_nobody_reads_does_not_block_nor_keep_the_interpreter(terminal):
+def test_a_line_that_nobody_reads_does_not_block(terminal):
     motors = SerialMotors(terminal["port"], ttl=SHORT, hold=1000)
-    switches = []
-    is_over = threading.Event()
-
-    def count():
-        while not is_over.is_set():
-            switches.append(time.monotonic())
-            time.sleep(0.001)
-
-    def refused():
-        start = time.monotonic()
-        try:
-            motors((1, 1))
-        except LineError as error:
-            end = time.monotonic()
-            return len([t for t in switches if start < t < end]) > 3 and str(error)
-        return None
-
-    with in_thread(count):
-        try:
-            while not (told := refused()):
-                pass
-        finally:
-            is_over.set()
-    assert "50 ms" in told
+    with pytest.raises(LineError, match="50 ms"):
+        wait_for(lambda: motors((1, 1)) and False)
     cut(terminal)
     with pytest.raises(LineError):
         motors.close()

@@ -59,14 +59,3 @@ def test_markers_of_a_session_of_before_get_their_roles(read_with, name, first, 
         np.testing.assert_array_equal(read.positions[role], layout.positions[role])
         np.testing.assert_array_equal(read.polygons[role], layout.polygons[role])
         assert read.areas[role] == layout.areas[role]
-
-
-def test_wrong_markers_of_a_session_of_before_are_named(read_with):
-    for table, words in (
-        ("{red = [0, 1], blue = 3}", r"markers\.blue"),
-        ("{red = [0, 1], blue = [0, 1]}", "distance between the markers"),
-        ("{red = [0, 1], blue = [0, 9], colors = 3}", r"markers\.colors"),
-        ("{red = [0, 1], blue = [0, 9], colors = [1, 2]}", "markers: colors"),
-    ):
-        with pytest.raises(ValueError, match=words):
-            read_with(before=f"markers = {table}")

@@ -13,6 +13,7 @@ import robsim
 import sessions
 from robsim.sessions import Session
 from sessions import AREA, SETUP, Row, SessionWriter, check_agreement, numbered, record, row_time
+from threads import in_fork
 
 pytest.importorskip("cv2")
 
@@ -258,13 +259,6 @@ class TestSlowWriter:
         assert session.problems[0].startswith(f"{60 - pictures} frames")
         assert len(session.problems) == 1
 
-    def test_leaves_out_what_has_waited_for_too_long(self, tmp_path, monkeypatch):
-        monkeypatch.setattr("robsim.sessions._writer._LONGEST_WAIT", 0.0)
-        writer = record(tmp_path, 5, waits=False)
-        with pytest.warns(UserWarning, match="5 of 5 frames"):
-            writer.close()
-        assert check_agreement(Session(tmp_path)) == 0
-
     def test_leaves_out_a_frame_of_another_size(self, tmp_path):
         writer = record(tmp_path, 1)
         writer.add(Row(k=1, t=101.0), robsim.Frame(np.zeros((20, 30, 3), np.uint8)))
@@ -308,16 +302,15 @@ def test_the_end_of_the_program_finishes_a_session(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_a_forked_process_writes_nothing(tmp_path):
     writer = record(tmp_path, 2)
-    child = os.fork()
-    if child == 0:
+
+    def write():
         sessions.add(writer, 2)
         writer.flush()
         writer.close()
-        os._exit(0)
-    assert os.waitpid(child, 0)[1] == 0
+
+    in_fork(write)
     sessions.add(writer, 2)
     writer.close()
     assert check_agreement(Session(tmp_path)) == 3

@@ -70,14 +70,6 @@ def test_the_classes_are_those_of_rgb_to_yuv(rng):
         assert sum(area for area, *_ in found["some"]) == belongs.sum()
 
 
-def test_rows_with_a_stride_of_their_own(rng):
-    image = rng.integers(0, 256, (50, 300, 3), dtype=np.uint8)
-    part = image[5:40, 17:160]
-    colors = robsim.load_colors()
-    for found in on_each_path(lambda: blobs(part, colors)):
-        assert found == blobs(part.copy(), colors)
-
-
 def test_a_path_that_there_is_not():
     with pytest.raises(ValueError, match="'sse9'"):
         _core.force_cpu_path("sse9")

@@ -4,13 +4,12 @@ import os
 import signal
 import subprocess
 import sys
-import traceback
 
 import pytest
 
 import robsim
 import sanitizers
-from threads import running
+from threads import forks, in_fork, running
 
 pytestmark = [
     pytest.mark.threads,
@@ -41,11 +40,7 @@ def told(look):
     return "done"
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-@pytest.mark.skipif(
-    sanitizers.ADDRESS or sanitizers.THREAD,
-    reason="the sanitizers take no new threads in a process forked beside others",
-)
+@forks
 def test_a_forked_process_is_told_that_the_run_is_not_its_own():
     sim = robsim.Simulation(control=robsim.DriveAround(), **OPTIONS)
     sim.run(5)
@@ -59,25 +54,13 @@ def test_a_forked_process_is_told_that_the_run_is_not_its_own():
         assert not sim.is_running
         assert not sim.stop()
         own = robsim.Simulation(control=robsim.DriveAround(), **OPTIONS)
-        with running(
-            own, 10**9
-        ):  # the number of a thread there is never that of one of the parent's
+        with running(own, 10**9):  # its thread never has the number of one of the parent's
             assert "another thread is running" in told(lambda: own.last_step)
             assert "when the process was forked" in told(lambda: sim.last_step)
         assert len(own.run(3)) > 3
 
     with running(sim, 10**9):
-        child = os.fork()
-        if child == 0:
-            code = 1
-            try:
-                look()
-                code = 0
-            except BaseException:
-                traceback.print_exc(file=sys.__stderr__)
-            finally:
-                os._exit(code)
-        assert os.waitpid(child, 0)[1] == 0
+        in_fork(look)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")

@@ -122,21 +122,6 @@ def test_a_frame_that_is_given_back_by_another_thread_is_not_changed_before():
     together(lambda: sim.run(200), look)
 
 
-def test_callbacks_in_several_threads():
-    """With callbacks the runs take turns; each gives what it gives alone."""
-
-    def make(seed):
-        sim = robsim.Simulation(seed=seed, **SMALL)
-        sim.control = lambda step: (0.2 + 0.001 * sim.rng.random(), 0.1)
-        return sim
-
-    alone = [make(seed).run(60).u for seed in range(3)]
-    sims = [make(seed) for seed in range(3)]
-    together(*(lambda sim=sim: sim.run(60) for sim in sims))
-    for sim, expected in zip(sims, alone, strict=True):
-        np.testing.assert_array_equal(sim.trace.u, expected)
-
-
 @pytest.mark.long
 def test_the_garbage_collector_looks_at_a_run():
     """It comes in the midst of anything, and looks at what the loop holds."""

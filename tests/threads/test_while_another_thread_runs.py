@@ -123,20 +123,6 @@ def test_nothing_can_be_changed(sim):
         assert "another thread is running" in words
 
 
-def test_a_kept_step_can_be_given_back_while_the_next_run_begins():
-    for _ in range(thorough(30, 10)):
-        sim = simulation()
-        sim.run(1)
-        kept = [sim.last_step]
-
-        def give_back(kept=kept):
-            assert kept[0].k == 0
-            kept[0].t, kept[0].dt
-            kept.clear()
-
-        together(lambda sim=sim: sim.run(20), give_back)
-
-
 @pytest.mark.long
 def test_a_run_ends_when_another_thread_says_so():
     sims = [simulation() for _ in range(2)]

@@ -108,22 +108,6 @@ def check_masks(image, colors, window, path):
         np.testing.assert_array_equal(masks[color.name], mask_of(image, color, window))
 
 
-@pytest.mark.parametrize("path", _core.cpu_paths())
-def test_no_colour_that_belongs_to_a_class_is_taken_for_grey(path):
-    # Classes at every distance from grey, on every colour in steps of 15.
-    _core.force_cpu_path(path)
-    values = np.arange(0, 256, 15, dtype=np.uint8)
-    image = np.stack(np.meshgrid(values, values, values), axis=-1).reshape(-1, len(values), 3)
-    yuv = robsim.vision.rgb_to_yuv(image)
-    for limit in range(101, 160, 9):
-        for channel, name in ((1, "u"), (2, "v")):
-            above = robsim.ColorClass("above", **{name: (limit, 255)})
-            below = robsim.ColorClass("below", **{name: (0, limit)})
-            masks = [robsim.vision.classify(image, [c])[c.name] for c in (above, below)]
-            np.testing.assert_array_equal(masks[0], yuv[..., channel] >= limit)
-            np.testing.assert_array_equal(masks[1], yuv[..., channel] <= limit)
-
-
 @pytest.mark.parametrize("smoothing", [1, 5])
 def test_a_region_is_an_image_of_its_own(rng, smoothing):
     image = rng.integers(0, 256, (60, 150, 3), dtype=np.uint8)

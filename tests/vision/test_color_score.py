@@ -1,7 +1,5 @@
 """The robustness score of a colour: what it counts, on pictures made by hand."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -109,21 +107,6 @@ def test_the_same_seed_gives_the_same_score():
     )
     assert first.sweeps == second.sweeps
     assert [sweep.rates for sweep in first.sweeps[:2]] == [s.rates for s in other.sweeps[:2]]
-
-
-@pytest.mark.long
-def test_as_text_and_numbers():
-    score = score_color(scene(REGION), ColorClass("red", v=(170, 255)), [REGION], repeats=1)
-    change = f"widened by {score.margin}"
-    lines = [line.split() for line in str(score).splitlines()]
-    assert ["detection", "rate", "unchanged", *change.split()] in lines
-    assert ["brightness", "x", "0.4", "0", "%", "100", "%"] in lines
-    good = score_color(scene(REGION), COLOR, [REGION], repeats=1)
-    assert "widened" not in str(good)
-    numbers = json.loads(good.to_json())
-    assert (numbers["color"], numbers["rate"], numbers["margin"]) == ("red", 1, 0)
-    assert numbers["levels"]["shadow x 0.8"] == {"rate": 1}
-    assert good.to_pandas().loc["gaussian noise, 40 %", "rate"] == 1
 
 
 def test_what_is_refused():

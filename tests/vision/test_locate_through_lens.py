@@ -58,11 +58,6 @@ def test_large_markers_are_not_drawn_to_the_nearer_side(pose, radius):
     assert off > 0.3 if radius == 50 else off < 0.05
 
 
-def test_the_map_of_the_floor_is_off_by_what_the_height_makes():
-    found = located((600, 600, 1.0), 20, CAMERA.floor_map(), tolerance=2).measurement
-    assert np.hypot(*(found.pose[:2] - (600, 600))) > 40
-
-
 def test_what_lies_where_the_lens_shows_nothing_is_no_marker():
     folding = robsim.imaging.Intrinsics(CAMERA.matrix, (-2, 0, 0, 0, 0))
     place = {"area": 400, "centroid": (1200, 900), "bounding_box": (1190, 890, 1210, 910)}

@@ -135,15 +135,6 @@ def test_a_pair_is_by_role():
         robsim.Measurement((1, 2, 3), pair={"red": blobs["red"][0], "blue": blobs["blue"][0]})
 
 
-def test_wrong_names_of_colours():
-    for names in (
-        *({"right": "green", "left": other} for other in ("green", "", "a\nb", "x" * 41)),
-        *({"right": "green"}, BY_ROLE, NAMES),
-    ):
-        with pytest.raises((TypeError, ValueError), match="colors"):
-            MarkerLayout(40, 10, colors=names)
-
-
 # --- a robot
 
 

@@ -157,9 +157,7 @@ def test_drift_shows_level_chroma_and_margin():
 
 def test_wrong_images_and_regions():
     for images, regions, words in (
-        ([], BOX, "images"),
         (picture(), [], "regions"),
-        ([picture()] * 2, [BOX] * 3, "regions.*2 images, got 3"),
         ([picture()] * 2, BOX, "regions.*2 images, got 1"),
         (picture(), (0, 0, 500, 500), "120 x 100 px"),
     ):
@@ -217,9 +215,7 @@ def test_frames_without_the_robot_are_counted():
 def test_wrong_recordings():
     boxes = {"red": BOX, "blue": BOX}
     for frames, options, words in (
-        ([5], {}, "frames"),
         ([], {}, "frames"),
-        ([picture()], {"colors": [ColorClass("red")]}, "colors.*blue"),
         ([picture()], {"regions": {"red": BOX}}, "regions.*'red' and 'blue'"),
         ([picture()], {"regions": boxes, "colors": robsim.load_colors()}, "colors and regions"),
     ):

@@ -70,19 +70,6 @@ def test_an_image_that_is_held_is_never_overwritten():
             image[0, 0, 0] = 0
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("headings", "camera"), [(0, (480, 480)), (36, (640, 400))])
-def test_restoring_leaves_no_trace_of_the_robot(headings, camera, rng):
-    draw, fresh = (
-        renderer(headings=headings, resolution=camera),
-        renderer(headings=headings, resolution=camera),
-    )
-    for _ in range(10):
-        draw.render((*rng.uniform(-100, 1300, 2), rng.uniform(-3, 3)))
-    pose = (700.0, 300.0, 1.0)
-    np.testing.assert_array_equal(draw.render(pose), fresh.render(pose))
-
-
 def test_one_asymmetric_frame_pins_down_axes_and_directions():
     # At heading 0 the robot faces right, its red marker lies to its right: below the blue one.
     blobs = robsim.find_blobs(renderer().render((300.0, 800.0, 0.0)), robsim.load_colors())
@@ -103,15 +90,6 @@ def test_phases_show_the_nearest_heading_at_the_nearest_pixel():
         np.testing.assert_array_equal(draw.render(pose), shown)
     for pose in [(600.6, 600.0, np.deg2rad(40)), (600.0, 600.0, np.deg2rad(45.1))]:
         assert (draw.render(pose) != shown).any()
-
-
-@pytest.mark.long
-def test_a_phase_looks_like_the_continuous_picture_of_its_heading():
-    for heading in np.deg2rad([0, 70, -130]):
-        size = {"area": (300, 300), "resolution": (300, 300)}
-        a = renderer(headings=36, **size).render((150.0, 150.0, heading)).astype(int)
-        b = renderer(**size).render((150.0, 150.0, heading)).astype(int)
-        assert np.abs(a - b).max() <= 1
 
 
 def test_the_shadow_falls_on_the_robot_too():
@@ -183,20 +161,3 @@ def test_the_moved_view_shows_the_floor_again_but_the_square_once():
     np.testing.assert_array_equal(moved[30:, 800:1100], home[:-30, 900:1200])
     lit, dark = home[:-30, 750:800].astype(float), moved[30:, 650:700].astype(float)
     np.testing.assert_array_equal(lit, dark)
-
-
-def test_what_was_drawn_in_the_light_is_darker_in_the_shadow_and_the_other_way_round():
-    def adjust(background):
-        background[100:200, 300:400] = (10, 200, 100)
-        background[100:200, 1000:1100] = (10, 160, 80)
-        return background
-
-    draw = renderer(adjust_background=adjust)
-    away = (5000.0, 5000.0, 0.0)
-    home = draw.render(away).copy()
-    np.testing.assert_array_equal(home[150, 350], (10, 200, 100))
-    np.testing.assert_array_equal(home[150, 1050], (10, 160, 80))
-    moved = draw.render(away, pan=(-600, 0)).copy()
-    np.testing.assert_array_equal(moved[150, 950], (8, 160, 80))
-    moved = draw.render(away, pan=(600, 0))
-    np.testing.assert_array_equal(moved[150, 450], (12, 200, 100))

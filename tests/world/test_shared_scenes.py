@@ -12,20 +12,6 @@ from scenes import renderer, small_renderer
 from threads import together
 
 
-def test_renderers_of_one_scene_draw_the_same_and_do_not_disturb_each_other(rng):
-    first = renderer(headings=36, resolution=(480, 480))
-    second = Renderer(first.scene)
-    assert second.scene is first.scene
-    alone = renderer(
-        headings=36, resolution=(480, 480), adjust_background=lambda b: draw_red_square(b)
-    )
-    for _ in range(8):
-        pose, other = ((*rng.uniform(0, 1200, 2), rng.uniform(-3, 3)) for _ in range(2))
-        image = first.render(pose)
-        second.render(other)
-        np.testing.assert_array_equal(image, alone.render(pose))
-
-
 def test_renderers_of_one_scene_in_threads():
     whole = small_renderer(headings=36).scene
     expected = [small_renderer(headings=36).render((5, 4, h)).copy() for h in range(7)]
@@ -62,17 +48,6 @@ def test_a_scene_of_the_same_is_the_same_and_of_something_else_another():
         {"adjust_background": lambda background: draw_red_square(background)},
     ):
         assert scene() is not scene(**changed), changed
-
-
-def test_an_own_adjust_background_is_called_each_time():
-    calls = []
-
-    def adjust(background):
-        calls.append(background.shape)
-        return background
-
-    assert renderer(adjust_background=adjust).scene is not renderer(adjust_background=adjust).scene
-    assert calls == [(1200, 1200, 3)] * 2
 
 
 def small_scene(size):

@@ -10,7 +10,7 @@ import pytest
 
 import robsim
 from commands import cli, command, interruptible
-from needs import needs_extension, needs_program
+from needs import needs_extension
 from robsim.cli.live import serving_bus
 
 pytestmark = pytest.mark.long
@@ -48,15 +48,6 @@ def test_the_command_sees_the_camera():
     assert done.returncode == 0, done.stderr
     assert "Simulated camera" in done.stdout
     assert "motors: " not in done.stdout
-
-
-@pytest.mark.slow
-def test_a_program_that_is_not_of_robsim_sees_it():
-    needs_extension("firewire")
-    program = needs_program("dc1394_reset_bus", "libdc1394-utils")
-    done = cli(*SERVE, program)
-    assert done.returncode == 0, done.stderr
-    assert "b05a0000000001" in done.stdout
 
 
 @pytest.mark.slow

@@ -18,13 +18,11 @@ from gige_cameras import (
     driven,
     measured,
     opened,
-    program,
-    served,
     through,
     ticks_of,
     wait_for_camera,
 )
-from needs import needs_extension, needs_program
+from needs import needs_extension
 from robsim.capture import (
     CameraBusyError,
     CameraFeatures,
@@ -193,37 +191,3 @@ def test_it_is_found_by_its_serial_number_and_keeps_the_rate_of_its_world(server
         robsim.Camera("gige://no-such-camera.invalid")
     report = robsim.capture.find_cameras(network=True)
     assert any(server.serial in line and f'robsim.Camera("{URL}")' in line for line in report.found)
-
-
-@pytest.mark.slow
-def test_lost_packets_tear_frames_and_none_of_them_is_seen():
-    fake = needs_program("arv-fake-gv-camera-0.8", "aravis-tools")
-    with program(fake, "-i", ADDRESS, "-r", "5"):  # of 1000
-        wait_for_camera()
-        with opened(f"{URL}?format=Mono8&packet_size=8000") as camera:
-            frames = [camera.read()]
-            while camera.counts.torn < 2 or len(frames) < 30:
-                frames.append(camera.read())
-            counts = camera.counts
-    v, u = np.mgrid[:512, :512]
-    steps = []
-    for frame in frames:
-        first = int(frame.image[0, 0, 0])  # (u + v + number of the frame) mod 255
-        pattern = (u + v + first) % 255
-        assert np.array_equal(frame.image, np.repeat(pattern[..., None], 3, axis=2))
-        steps.append(first)
-    assert np.mod(np.diff(steps), 255).min() >= 1
-    assert (np.diff([frame.t for frame in frames]) > 0).all()
-    # What is missing is in the numbers of the frames, too.
-    assert frames[-1].index + 1 >= len(frames) + counts.torn - 1
-
-
-@pytest.mark.slow
-@pytest.mark.sanitized
-def test_nothing_is_left_of_a_closed_server():
-    kept = []
-    for _ in range(4):
-        with served():
-            pass
-        kept.append(held())
-    assert kept[-1] == kept[1]

@@ -7,8 +7,8 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 from collections import defaultdict
+from concurrent.futures import ThreadPoolExecutor
 
 from . import cameras, wired
 
@@ -85,16 +85,9 @@ def main():
         work(arguments)
         return
     numbers, results = list(arguments.only or range(arguments.rounds)), []
-    workers = [
-        threading.Thread(
-            target=run_rounds, args=(numbers[i :: arguments.workers], arguments, results)
-        )
-        for i in range(arguments.workers)
-    ]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
+    shares = [numbers[i :: arguments.workers] for i in range(arguments.workers)]
+    with ThreadPoolExecutor(arguments.workers) as pool:
+        list(pool.map(lambda share: run_rounds(share, arguments, results), shares))
     print_table(results)
     failed = sum(bool(result["failures"]) for result in results)
     print(f"{len(results)} rounds, {failed} failed")

@@ -61,6 +61,22 @@ def hold(made):
     made.marks["returned"] = time.monotonic()
 
 
+def fall_asleep(made):
+    time.sleep(made.frame_timeout + 0.3)
+
+
+def ctrl_c(made):
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+def close_motors(made):
+    made.motors.close()
+
+
+def close_camera(made):
+    made.camera.frames.close()
+
+
 def never_end(made):
     end = time.monotonic() + cameras.LONG
     while time.monotonic() < end:
@@ -117,17 +133,25 @@ def nothing(made):
     pass
 
 
+def at_any_time(name, act, errors=(), stands="at once", **more):
+    return Fault(name, act, errors, stands, any_time=True, **more)
+
+
 def of_camera(how, errors, stands="watchdog"):
     kinds = tuple(kind for kind, can in cameras.CAN.items() if how in can)
     act = lambda made: made.camera.go_wrong(how)  # noqa: E731
-    return Fault(f"camera: {how}", act, errors, stands, cameras=kinds, any_time=True)
+    return at_any_time(f"camera: {how}", act, errors, stands, cameras=kinds)
+
+
+def cut_line(name, is_silent):
+    act = lambda made: made.robot.cut(is_silent)  # noqa: E731
+    more = {"is_cut": True, "motors": robots.NATIVE}
+    return at_any_time(name, act, (LineError,), "time to live", **more)
 
 
 SEND_ERRORS = (OSError, SystemExit, KeyboardInterrupt, OddError)
 CLOSED_BY_HAND = ("lab", "http", "file", *wired.CAN)
-AT_ANY_TIME = {"any_time": True}
-OF_LINE = {"motors": robots.NATIVE, **AT_ANY_TIME}
-OF_SEND = {"motors": ("python",), **AT_ANY_TIME}
+OF_PYTHON = {"motors": ("python",)}
 
 #: A round has that of its number: who adds one in between moves the others.
 FAULTS = (
@@ -136,33 +160,18 @@ FAULTS = (
     raising("SystemExit", SystemExit(3)),
     raising("KeyboardInterrupt", KeyboardInterrupt()),
     Fault("holds interpreter", hold, (TimeoutError,), "watchdog", "after", must_raise=True),
-    Fault(
-        "sleeps", lambda made: time.sleep(made.frame_timeout + 0.3), (TimeoutError,), "watchdog",
-        must_raise=True,
-    ),
+    Fault("sleeps", fall_asleep, (TimeoutError,), "watchdog", must_raise=True),
     Fault("endless", never_end, (TimeoutError,), "watchdog", time_limit=1.2, must_raise=True),
     Fault("fork", fork, (), "goes on"),
-    Fault(
-        "SIGINT", lambda made: os.kill(os.getpid(), signal.SIGINT), (KeyboardInterrupt,),
-        must_raise=True, **AT_ANY_TIME,
-    ),
-    Fault("stop()", lambda made: made.experiment.stop(), **AT_ANY_TIME),
-    Fault("motors closed", lambda made: made.motors.close(), (LineError,), **OF_LINE),
-    Fault(
-        "camera closed", lambda made: made.camera.frames.close(), (ValueError,),
-        cameras=CLOSED_BY_HAND, **AT_ANY_TIME,
-    ),
-    Fault(
-        "line cut", lambda made: made.robot.cut(is_silent=False), (LineError,), "time to live",
-        is_cut=True, **OF_LINE,
-    ),
-    Fault(
-        "line silent", lambda made: made.robot.cut(is_silent=True), (LineError,), "time to live",
-        is_cut=True, **OF_LINE,
-    ),
-    Fault("send fails once", fail_to_send(1), SEND_ERRORS, **OF_SEND),
-    Fault("send fails thrice", fail_to_send(3), SEND_ERRORS, **OF_SEND),
-    Fault("disk full", fill_disk, (), "goes on", is_recorded=True, **AT_ANY_TIME),
+    at_any_time("SIGINT", ctrl_c, (KeyboardInterrupt,), must_raise=True),
+    at_any_time("stop()", lambda made: made.experiment.stop()),
+    at_any_time("motors closed", close_motors, (LineError,), motors=robots.NATIVE),
+    at_any_time("camera closed", close_camera, (ValueError,), cameras=CLOSED_BY_HAND),
+    cut_line("line cut", is_silent=False),
+    cut_line("line silent", is_silent=True),
+    at_any_time("send fails once", fail_to_send(1), SEND_ERRORS, **OF_PYTHON),
+    at_any_time("send fails thrice", fail_to_send(3), SEND_ERRORS, **OF_PYTHON),
+    at_any_time("disk full", fill_disk, (), "goes on", is_recorded=True),
     of_camera("stall", (TimeoutError,)),
     of_camera("unplug", (CaptureError,)),
     of_camera("torn", (TimeoutError, CaptureError)),
@@ -181,4 +190,4 @@ FAULTS = (
     Fault("last step", nothing, (), "goes on"),
     Fault("left after step()", nothing, (), "watchdog", drive=step_and_leave),
     Fault("dropped after step()", nothing, (), drive=step_and_drop),
-)  # fmt: skip
+)

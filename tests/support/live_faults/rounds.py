@@ -264,15 +264,6 @@ def held():
     return len(os.listdir("/proc/self/task")), len(os.listdir("/proc/self/fd"))
 
 
-def leftovers():
-    """Threads of Python, and what descriptors lead to."""
-    files = []
-    for number in os.listdir("/proc/self/fd"):
-        with suppress(OSError):
-            files.append(os.readlink(f"/proc/self/fd/{number}"))
-    return [thread.name for thread in threading.enumerate()], files
-
-
 def play(number, seed, slack, kinds, patience=cameras.LONG):
     """Run a round with a camera of these kinds; return what a line of the table needs."""
     from .children import ChildRound, is_turn
@@ -291,7 +282,7 @@ def play(number, seed, slack, kinds, patience=cameras.LONG):
     while any(now > was for now, was in zip(held(), before, strict=True)):
         gc.collect()
         if time.monotonic() > end:
-            made.failures.append(f"left behind: {leftovers()}")
+            made.failures.append(f"left behind: {held()} after {before}, {threading.enumerate()}")
             break
         time.sleep(0.01)
     return {
