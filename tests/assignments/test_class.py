@@ -105,12 +105,6 @@ def test_the_results_are_the_same_wherever_they_are_computed(graded_class, tmp_p
             assert (test.points, test.sentence) == (same.points, same.sentence)
 
 
-def test_a_submission_that_is_graded_alone_has_the_same_result(graded_class):
-    alone = graded_class.assignment.grade(graded_class.submissions / "s002")
-    for test, same in zip(alone.tests, graded_class.of("s002").tests, strict=True):
-        assert (test.scores, test.points) == (same.scores, same.points)
-
-
 def test_what_is_done_is_not_done_again(graded_class, folders, ran):
     subs, out = folders
     hw3 = graded_class.assignment

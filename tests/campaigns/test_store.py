@@ -3,7 +3,6 @@
 import functools
 import re
 import sqlite3
-import subprocess
 import sys
 from contextlib import closing
 from pathlib import Path
@@ -89,19 +88,6 @@ def test_a_campaign_that_was_ended_goes_on(store):
     ]
     goes_on = True
     assert run(store, metrics=[interrupt]).checksum == run(metrics=[interrupt]).checksum
-
-
-@pytest.mark.long
-def test_a_program_that_is_killed_loses_the_chunk_in_hand(store):
-    program = Path(__file__).parents[1] / "support/killed_campaign.py"
-    ended = subprocess.run([sys.executable, program, store], capture_output=True, check=False)
-    assert ended.returncode != 0, ended.stderr
-    left = rows_in(store)
-    assert 0 < len(left) < 1000
-    from killed_campaign import OPTIONS, kills
-
-    result = campaign(**OPTIONS, metrics=[kills], store=store)
-    assert result.checksum == campaign(**OPTIONS, metrics=[kills]).checksum
 
 
 def test_another_campaign_is_refused(store):

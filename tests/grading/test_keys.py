@@ -60,24 +60,17 @@ def test_noise_keys():
     assert not {*keys.tolist()} & {*KEY.noise_keys("s001", "ekf", 5, 1000).tolist()}
     bits = np.unpackbits(keys.view(np.uint8)).mean()
     assert abs(bits - 0.5) < 5 * 0.5 / np.sqrt(64_000)
-
-
-def test_pseudonyms():
     names = {KEY.pseudonym(f"s{i}") for i in range(1000)}
     assert len(names) == 1000
     assert all(len(name) == 10 and name.isascii() and name.isalnum() for name in names)
-    assert Key.new().pseudonym("s1") != KEY.pseudonym("s1")
 
 
 def test_a_key_says_nothing_of_itself():
     key = Key.new()
     assert key != Key.new()
     assert repr(key) == "<Key: secret>"
-    assert repr(Key.public()) == "<Key: public>"
     assert Key.public() == Key.public()
     assert not key.is_public
-    assert key == Key(key._secret)
-    assert hash(key) == hash(Key(key._secret))
 
 
 def test_what_cannot_be_a_key():

@@ -3,7 +3,7 @@
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -20,12 +20,6 @@ SLOTS = ("estimate_state", "control")
 SCENARIO = robsim.Scenario(
     resolution=(200, 200), measure=True, noise=robsim.GaussianNoise(5), start="random"
 )
-
-
-@contextmanager
-def of_the_library(folder):
-    with ThreadPoolExecutor(2) as pool:
-        yield pool
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +50,7 @@ def here(folder):
     [
         lambda folder: nullcontext("threads"),
         lambda folder: nullcontext(2),
-        of_the_library,
+        lambda folder: ThreadPoolExecutor(2),
         local_cluster,
     ],
     ids=["threads", "processes", "library", "dask"],

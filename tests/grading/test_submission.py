@@ -5,7 +5,6 @@ import gc
 import os
 import re
 import threading
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -95,7 +94,6 @@ def test_what_it_prints_is_kept_and_cut(tmp_path):
     loud.run(SCENARIO, steps=6)
     assert loud.output.startswith("x" * 1000)
     assert len(loud.output) < 1100
-    assert "here" in failure(tmp_path, at_step("print('here')", "1 / 0")).output
 
 
 def test_nothing_of_a_run_is_there_in_the_next(tmp_path):
@@ -115,19 +113,21 @@ def test_nothing_of_a_run_is_there_in_the_next(tmp_path):
     assert one.u[-1, 0] == pytest.approx(0.05)
 
 
-def test_a_key_gives_each_student_and_run_another_world_that_can_be_repeated(tmp_path):
-    key = Key(bytes(range(32)))
+def test_a_key_gives_each_student_and_test_another_world_that_can_be_repeated(tmp_path):
     scenario = SCENARIO.replace(start="random")
-    mine = submission(tmp_path, control=at_step("pass"), key=key, student="a")
-    yours = submission(tmp_path, control=at_step("pass"), key=key, student="b")
-    one = mine.run(scenario, steps=4, test="t")
-    assert_same_trace(one, mine.run(scenario, steps=4, test="t"))
-    for other in (
-        yours.run(scenario, steps=4, test="t"),
-        mine.run(scenario, steps=4, test="t", number=1),
-        mine.run(scenario, steps=4, test="u"),
-    ):
+
+    def started(student="a", given=None, **run):
+        options = {"control": at_step("pass"), "key": Key(bytes(range(32))), "student": student}
+        return submission(tmp_path, **options, **given or {}).run(scenario, steps=4, **run)
+
+    one = started(test="t")
+    assert_same_trace(one, started(test="t"))
+    assert_same_trace(one, started(given={"test": "t"}))
+    for other in (started("b", test="t"), started(test="t", number=1), started(test="u")):
         assert (other.pose_true != one.pose_true).any()
+    with pytest.raises(ValueError, match="test"):
+        started()
+    assert len(started(seed=1)) == 4
 
 
 def test_the_noise_of_graded_frames_is_not_that_of_the_worlds_seed(tmp_path):
@@ -165,8 +165,7 @@ def test_the_compiled_file_of_a_masked_module_cannot_be_read(tmp_path):
         def control(step):
             folder = os.path.join(os.path.dirname(robsim.__file__), "evaluation", "__pycache__")
             names = glob.glob(os.path.join(folder, "_errors.*.pyc"))
-            for name in names or [os.path.join(folder, "_errors.pyc")]:
-                open(name, "rb").read()
+            open((names or [os.path.join(folder, "_errors.pyc")])[0], "rb").read()
             return 0, 0
         """
     if not check_isolation().closed["files"]:
@@ -175,15 +174,13 @@ def test_the_compiled_file_of_a_masked_module_cannot_be_read(tmp_path):
     assert "PermissionError" in str(error)
 
 
-TELLS = """
-    def control(step):
-        return 0.1 * (step.sample is not None), 0.3
-    """
-
-
 def test_samples_of_the_truth_are_for_parameter_estimators(tmp_path):
     """Who has them needs no frame to know where the robot is."""
-    graded = submission(tmp_path, control=TELLS)
+    tells = """
+        def control(step):
+            return 0.1 * (step.sample is not None), 0.3
+        """
+    graded = submission(tmp_path, control=tells)
     for identify_from, are_given in (("truth", False), ("measurement", True), ("estimate", False)):
         scenario = SCENARIO.replace(identify_from=identify_from)
         trace = graded.run(scenario, steps=8, seed=1)
@@ -212,37 +209,21 @@ def test_runs_have_a_row_each_and_the_failures_their_line(tmp_path):
     assert np.isfinite(result["tracking_rmse_xy"][~result.failed]).all()
 
 
-def test_many_submissions_at_a_time_do_not_mix(tmp_path):
-    def run(i):
-        folder = folder_of(tmp_path / f"s{i}", control=f"def control(step): return {i} / 10, 0")
-        graded = Submission(folder, slots="control", limits=PATIENT)
-        return graded.run(SCENARIO, steps=8, seed=i).u[:, 0]
-
-    with ThreadPoolExecutor(4) as pool:
-        for i, u in enumerate(pool.map(run, range(8))):
-            assert (u == i / 10).all()
-
-
 def test_arguments_that_contradict_each_other_are_refused(tmp_path):
     folder = folder_of(tmp_path / "s", control=at_step("pass"))
     for options, name in (
         ({}, "slots"),
-        ({"slots": []}, "slots"),
         ({"slots": "contol"}, "slots"),
         ({"slots": ["evaluate_model", "control"]}, "evaluate_model"),
         ({"functions": "control"}, "functions"),
-        ({"functions": "random"}, "functions"),
         ({"functions": ["fit", "fit"]}, "functions"),
         ({"functions": "a b"}, "functions"),
         ({"slots": "control", "isolation": "full"}, "isolation"),
     ):
         with pytest.raises(ValueError, match=name):
             Submission(folder, **options)
-    graded = Submission(folder, slots="control")
     with pytest.raises(ValueError, match="control"):
-        graded.run(SCENARIO, steps=1, control=robsim.Spin())
-    with pytest.raises(TypeError, match="estimate_sate"):
-        graded.run(SCENARIO, steps=1, estimate_sate=1)
+        Submission(folder, slots="control").run(SCENARIO, steps=1, control=robsim.Spin())
 
 
 @pytest.mark.slow
@@ -278,17 +259,6 @@ def test_hundreds_of_runs_leave_nothing_behind(tmp_path):
     after = held()
     assert after[0] < before[0] + 20e6, (before, after)
     assert after[1:] == before[1:]
-
-
-def test_a_key_asks_for_the_name_of_a_test(tmp_path):
-    keyed = submission(tmp_path, control=at_step("pass"), key=Key(bytes(32)))
-    with pytest.raises(ValueError, match="test"):
-        keyed.run(SCENARIO, steps=1)
-    with pytest.raises(ValueError, match="test"):
-        keyed.runs(SCENARIO, runs=1, steps=1, metrics="tracking")
-    assert len(keyed.run(SCENARIO, steps=1, seed=1)) == 1
-    named = submission(tmp_path, control=at_step("pass"), key=Key(bytes(32)), test="t")
-    assert_same_trace(named.run(SCENARIO, steps=2), keyed.run(SCENARIO, steps=2, test="t"))
 
 
 def test_an_estimator_beside_a_stage_that_must_not_have_the_truth_is_refused(tmp_path):

@@ -56,8 +56,7 @@ def test_the_world_of_a_submission_is_that_of_one_process(tmp_path):
 
 def test_what_the_submission_switches_off_is_the_default(tmp_path):
     off = world(tmp_path, "ENABLED = False\n").run(SCENARIO, steps=8, seed=2)
-    model = robsim.RobotModel()
-    plain = robsim.Simulation(SCENARIO.replace(model=model), seed=2).run(8)
+    plain = robsim.Simulation(SCENARIO.replace(model=robsim.RobotModel()), seed=2).run(8)
     assert_same_trace(off, plain)
 
 

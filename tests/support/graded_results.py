@@ -16,8 +16,6 @@ SECRET = "kept secret"
 #: Where a submission fails.
 PLACE = {"slot": "estimate_state", "file": "estimate_state.py", "line": 23}
 
-_STATUSES = ("passed", "partial", "failed", "error", "not run")
-
 
 def score(name="position", **changes):
     """Return a score of ten runs, between its limits."""
@@ -125,18 +123,12 @@ NASTY = (
 )
 
 
-def saying(text, **changes):
-    """Return a submission with a text wherever one can stand."""
-    says = {
-        "title": text,
-        "number": text,
-        "sentence": text,
-        "scores": (score(title=text, unit=text),),
-        "failed": (FailedRun(run=1, reason=text, slot=text, file=text, line=1),),
-        "caption": text,
-        "finding": text,
-        "output": text,
-    }
+def saying(text, test=None, **changes):
+    """Return a submission with a text wherever one can stand; `test`: changes of its tests."""
+    says = dict.fromkeys(("title", "number", "sentence", "caption", "finding", "output"), text)
+    says["scores"] = (score(title=text, unit=text),)
+    says["failed"] = (FailedRun(run=1, reason=text, slot=text, file=text, line=1),)
+    says |= test or {}
     tests = [graded("test0", **says), graded("test1", public=False, **says)]
     facts = {"assignment": text, "title": text, "notes": (text,), "isolation": text}
     return submission(text, tests, versions={"robsim": text}, **facts | changes)
@@ -146,48 +138,16 @@ texts = st.one_of(st.sampled_from(NASTY), st.text(st.characters(), max_size=60))
 
 
 @st.composite
-def any_tests(draw, name):
-    """Draw a test with any texts, and numbers that need not fit together."""
-    most = draw(st.sampled_from((1.0, 2.5, 4.0)))
-    status = draw(st.sampled_from(_STATUSES))
-    numbers = st.floats(allow_nan=True, allow_infinity=True)
-    return graded(
-        name,
-        title=draw(texts),
-        number=draw(texts),
-        public=draw(st.booleans()),
-        points=most * draw(st.floats(0, 1)),
-        most=most,
-        status=status,
-        sentence=draw(texts),
-        whose=draw(st.sampled_from((None, "submission", "assignment", "grader"))),
-        scores=(
-            score(
-                title=draw(texts),
-                unit=draw(texts),
-                values=tuple(draw(st.lists(numbers, max_size=3))),
-                reference=(1.0, 0.0, 2.0),
-                statistic=draw(numbers),
-                fraction=draw(st.floats(0, 1)),
-            ),
-        ),
-        failed=(FailedRun(run=1, reason=draw(texts), slot=draw(texts), file=draw(texts), line=1),),
-        caption=draw(texts),
-        finding=draw(texts),
-        output=draw(texts),
-    )
-
-
-@st.composite
 def any_submissions(draw):
-    """Draw a result with any texts."""
-    return submission(
-        draw(texts),
-        [draw(any_tests(f"test{i}")) for i in range(draw(st.integers(1, 2)))],
-        assignment=draw(texts),
-        title=draw(texts),
-        notes=(draw(texts),),
-        isolation=draw(texts),
-        versions={"robsim": draw(texts)},
-        is_done=draw(st.booleans()),
-    )
+    """Draw a result with any text, and numbers that need not fit together."""
+    text, most, numbers = draw(texts), draw(st.sampled_from((1.0, 2.5, 4.0))), st.floats()
+    values = tuple(draw(st.lists(numbers, max_size=3)))
+    wild = {"values": values, "reference": (1.0, 0.0, 2.0), "statistic": draw(numbers)}
+    test = {
+        "most": most,
+        "points": most * draw(st.floats(0, 1)),
+        "status": draw(st.sampled_from(("passed", "partial", "failed", "error", "not run"))),
+        "whose": draw(st.sampled_from((None, "submission", "assignment", "grader"))),
+        "scores": (score(title=text, unit=text, fraction=draw(st.floats(0, 1)), **wild),),
+    }
+    return saying(text, test, is_done=draw(st.booleans()))

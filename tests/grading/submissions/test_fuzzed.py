@@ -46,18 +46,10 @@ def mutated(rng, content):
     for _ in range(rng.choice((1, 1, 2, 5))):
         at, end = sorted(rng.choices(range(len(content) + 1), k=2))
         end = min(end, at + rng.choice((1, 2, 4, 50)))
-        way = rng.randrange(5)
-        if way == 0:
-            content[at:end] = rng.randbytes(end - at)
-        elif way == 1:
-            del content[at:end]
-        elif way == 2:
-            content[at:at] = content[at:end]
-        elif way == 3:
-            content[at:end] = rng.choice((b"\xff", b"\0", b"../", b"PK\1\2", b"\x7f")) * (end - at)
-        else:
-            start = rng.randrange(len(content) + 1)
-            content[at:at] = content[start : start + 30]
+        start = rng.randrange(len(content) + 1)
+        odd = rng.choice((b"\xff", b"\0", b"../", b"PK\1\2", b"\x7f"))
+        new = (rng.randbytes(end - at), b"", content[at:end] * 2, odd, content[start : start + 30])
+        content[at:end] = rng.choice(new)
     return bytes(content)
 
 
@@ -152,6 +144,10 @@ def random_notebook(rng):
     return json.dumps({"nbformat": 4, "metadata": {}, "cells": cells}).encode()
 
 
+def random_file(rng):
+    return "\n".join([PLAIN, *rng.sample(STATEMENTS, 2)]).encode()
+
+
 ROUNDS = 10
 
 
@@ -163,11 +159,7 @@ ROUNDS = 10
         (lambda rng: mutated(rng, random_zip(rng)), ".zip", False),
         (random_notebook, ".ipynb", True),
         (lambda rng: mutated(rng, random_notebook(rng)), ".ipynb", False),
-        (
-            lambda rng: mutated(rng, "\n".join([PLAIN, *rng.sample(STATEMENTS, 2)]).encode()),
-            ".py",
-            False,
-        ),
+        (lambda rng: mutated(rng, random_file(rng)), ".py", False),
     ],
     ids=["zips", "mutated zips", "notebooks", "mutated notebooks", "files"],
 )

@@ -44,36 +44,25 @@ def failure(path, rules=CONTROL):
 
 
 FILTER = """
-import dataclasses
-
 import numpy as np
-
-import robsim
 from smoothing import Smoothed
 
-
-@dataclasses.dataclass
-class Memory:
-    turn: float = 0.0
-
-
-memory, smoothed = Memory(), Smoothed(0.5)
+smoothed = Smoothed()
 
 
 def control(step):
     import late
 
     pose = step.measurement.pose if step.measurement else np.zeros(3)
-    memory.turn = smoothed(np.sin(pose[2])) * late.GAIN
-    return 1.0 + memory.turn, 1.0 - memory.turn
+    turn = smoothed(np.sin(pose[2])) * late.GAIN
+    return 1.0 + turn, 1.0 - turn
 """
 SMOOTHING = """
 class Smoothed:
-    def __init__(self, weight):
-        self.weight, self.value = weight, 0.0
+    value = 0.0
 
     def __call__(self, new):
-        self.value += self.weight * (new - self.value)
+        self.value += 0.5 * (new - self.value)
         return self.value
 """
 

@@ -58,7 +58,6 @@ for number in (os.getppid(), {grader}):
         "signal handlers and timers",
         "raises exceptions wherever its process is, a thousand times a second",
         ITS_OWN,
-        says=".",
     )("""
 import signal
 def interrupt(number, frame):
@@ -235,7 +234,6 @@ for number in range(61100, 61105): tries('a name', lambda: take(number))
         "a socket pair that carries descriptors",
         "sends its wire to itself, and reads it from another thread",
         ITS_OWN,
-        says=".",
         limits=SHORT,
     )("""
 one, other = socket.socketpair()

@@ -38,10 +38,7 @@ def cheat(step):
     return None
 """),
     attack(
-        "patched core",
-        "puts classes of its own in the place of those of robsim._core",
-        ITS_OWN,
-        says=".",
+        "patched core", "puts classes of its own in the place of those of robsim._core", ITS_OWN
     )("""
 import robsim._core
 class Estimate(robsim.Estimate):
@@ -59,11 +56,7 @@ for name, module in list(sys.modules.items()):
 def cheat(step):
     return (np.nan, 0, 0) if once(step) else None
 """),
-    attack(
-        "patched Python",
-        "replaces print, open, len, isinstance and import for all modules",
-        says=".",
-    )("""
+    attack("patched Python", "replaces print, open, len, isinstance and import for all modules")("""
 import builtins
 def cheat(step):
     if once(step):
@@ -81,16 +74,12 @@ def cheat(step):
         sys.meta_path.insert(0, Finder())
         import wave
 """),
-    at_once("audit hooks", "refuses everything that Python does from now on", says=".")("""
+    at_once("audit hooks", "refuses everything that Python does from now on")("""
 def hook(*event): raise SystemExit(0)
 sys.addaudithook(hook)
 open("x")
 """),
-    attack(
-        "trace functions",
-        "is called in each line of its caller, and changes its variables",
-        says=".",
-    )("""
+    attack("trace functions", "is called in each line of its caller, and changes its variables")("""
 def watch(frame, event, arg):
     raise SystemExit(0)
 def cheat(step):
@@ -109,7 +98,7 @@ def cheat(step):
 sys.setrecursionlimit(10**9)
 def cheat(step): return [cheat(step)] if step.k > 1 else None
 """),
-    returned("deep lists", "gives a covariance of 100000 lists in each other", says=".")("""
+    returned("deep lists", "gives a covariance of 100000 lists in each other")("""
 deep = []
 for _ in range(100_000): deep = [deep]
 ((0, 0, 0), deep)
@@ -119,10 +108,9 @@ for _ in range(100_000): deep = [deep]
         "a coroutine",
         "is an async function",
         "async def estimate_state(step): return robsim.Estimate((0, 0, 0), np.eye(3))",
-        says=".",
     ),
     returned("nothing", "returns None", says="Estimate")("None"),
-    returned("__array__ that lies", "is another array each time that it is looked at", says=".")("""
+    returned("__array__ that lies", "is another array each time that it is looked at")("""
 class Lies:
     n = 0
     def __array__(self, *a, **k):
@@ -138,18 +126,14 @@ class Lies(float):
     def __index__(self): sys.exit(0)
 robsim.Estimate([Lies(1), Lies(2), Lies(3)], np.eye(3))
 """),
-    returned(
-        "an array of a class of its own", "is an ndarray whose every method is its own", says="."
-    )("""
+    returned("an array of a class of its own", "is an ndarray whose every method is its own")("""
 class Mine(np.ndarray):
     def __array_finalize__(self, other): pass
     def __array_ufunc__(self, *a, **k): return True
     def __getitem__(self, i): os._exit(0)
 robsim.Estimate(np.zeros(3).view(Mine), np.full((3, 3), np.nan).view(Mine))
 """),
-    returned(
-        "a tuple of a class of its own", "says that it has another length than it has", says="."
-    )("""
+    returned("a tuple of a class of its own", "says that it has another length than it has")("""
 class Pair(tuple):
     def __len__(self): return 2
     def __iter__(self): return iter((np.nan, np.inf, 1e9))
@@ -160,7 +144,7 @@ robsim.Estimate(Pair((1.0, 2.0, 3.0)), np.eye(3))
         "gives further states that no message holds",
         says="1024|longer|bytes|memory",
     )("robsim.Estimate((0, 0, 0), np.eye(3), state=np.zeros(12_000_000))"),
-    returned("1e308", "estimates a pose at the end of numbers", says=".")(
+    returned("1e308", "estimates a pose at the end of numbers")(
         "robsim.Estimate((1e308, 0, 0), np.eye(3))"
     ),
     masked("a masked module by importlib", "imports it by the machinery below import")("""

@@ -42,10 +42,7 @@ def cheat(step):
             look(frame.f_locals.values(), "a traceback")
             frame = frame.f_back
 """),
-    looks(
-        "garbage collector",
-        "looks for worlds, traces and keys among all objects",
-    )("""
+    looks("garbage collector", "looks for worlds, traces and keys among all objects")("""
 def cheat(step):
     if once(step):
         found, seen = gc.get_objects() + list(gc.get_referrers(step)), set()

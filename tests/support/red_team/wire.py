@@ -165,7 +165,6 @@ time.sleep(600)
         "reads its own questions",
         "has a thread that takes the grader's messages away",
         ITS_OWN,
-        says=".",
         limits=SHORT | {"run": 1.0},
     )("""
 def steal():
