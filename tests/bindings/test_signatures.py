@@ -1,8 +1,6 @@
 """Calls of native functions that fit no signature, and what help and pickle know of them."""
 
 import inspect
-import pickle
-import pydoc
 
 import numpy as np
 import pytest
@@ -59,9 +57,3 @@ def test_a_type_error_of_a_callback_stays_what_it_is():
     with pytest.raises(TypeError, match="unsupported operand") as caught:
         robsim.Simulation(control=control).run(1)
     assert caught.traceback[-1].name == "control"
-
-
-def test_native_functions_are_functions_of_their_module():
-    for function in (find_blobs, robsim.locate, robsim.wrap_angle, Frame.from_bgr):
-        assert pickle.loads(pickle.dumps(function)) == function
-    assert "pybind11" not in pydoc.render_doc(find_blobs)

@@ -76,6 +76,15 @@ std::vector<Captured> frames_of(LaboratoryCamera& camera, std::size_t count) {
 
 std::int64_t tick_of(const Captured& frame) { return std::llround(*frame.device_time / dt); }
 
+// A laboratory, and its camera, which is open.
+struct Opened {
+  explicit Opened(const CameraFaults& faults = {}) : camera(make_camera(laboratory, faults)) {
+    camera.open();
+  }
+  std::shared_ptr<Laboratory> laboratory = make_laboratory();
+  LaboratoryCamera camera;
+};
+
 CaptureFault fault_of(const std::function<void()>& call) {
   try {
     call();
@@ -110,9 +119,8 @@ TEST(Laboratory, MovesTheRobotByTheInputsOfItsTicks) {
 }
 
 TEST(Laboratory, ExposesAtItsTicksAndSaysWhichItShowed) {
-  const auto laboratory = make_laboratory();
-  LaboratoryCamera camera = make_camera(laboratory);
-  camera.open();
+  Opened opened;
+  auto& [laboratory, camera] = opened;
   const auto frames = frames_of(camera, 30);
   const Laboratory::Record record = laboratory->record();
   Renderer renderer(make_scene());
@@ -133,9 +141,8 @@ TEST(Laboratory, DropsRepeatsAndTearsAsItsSeedSays) {
   CameraFaults faults;
   faults.dropped = faults.repeated = faults.torn = 0.2;
   faults.seed = 7;
-  const auto laboratory = make_laboratory();
-  LaboratoryCamera camera = make_camera(laboratory, faults);
-  camera.open();
+  Opened opened(faults);
+  auto& [laboratory, camera] = opened;
   const auto frames = frames_of(camera, 60);
   const Laboratory::Record record = laboratory->record();
   std::int64_t last = -1;
@@ -161,9 +168,8 @@ TEST(Laboratory, SendsAllFramesLateInTheirOrder) {
   CameraFaults faults;
   faults.late = 0.3;
   faults.lateness = 2.5 * dt;
-  const auto laboratory = make_laboratory();
-  LaboratoryCamera camera = make_camera(laboratory, faults);
-  camera.open();
+  Opened opened(faults);
+  auto& [laboratory, camera] = opened;
   std::int64_t last = -1;
   for (const Captured& frame : frames_of(camera, 40)) {
     const std::int64_t k = tick_of(frame);
@@ -176,9 +182,8 @@ TEST(Laboratory, SendsAllFramesLateInTheirOrder) {
 TEST(Laboratory, IsSilentInAStall) {
   CameraFaults faults;
   faults.stall = {5 * dt, 10 * dt};
-  const auto laboratory = make_laboratory();
-  LaboratoryCamera camera = make_camera(laboratory, faults);
-  camera.open();
+  Opened opened(faults);
+  auto& [laboratory, camera] = opened;
   for (const Captured& frame : frames_of(camera, 20)) {
     const std::int64_t k = tick_of(frame);
     EXPECT_TRUE(k < 5 || k >= 15) << k;
@@ -191,9 +196,8 @@ TEST(Laboratory, IsSilentInAStall) {
 }
 
 TEST(Laboratory, GoesOnWithoutItsCamera) {
-  const auto laboratory = make_laboratory();
-  LaboratoryCamera camera = make_camera(laboratory);
-  camera.open();
+  Opened opened;
+  auto& [laboratory, camera] = opened;
   const std::int64_t before = tick_of(frames_of(camera, 3).back());
   std::thread hand([&] { laboratory->unplug(); });
   ImagePool pool;
@@ -214,9 +218,8 @@ TEST(Laboratory, GoesOnWithoutItsCamera) {
 TEST(Laboratory, IsUnpluggedWhenOrdered) {
   CameraFaults faults;
   faults.unplugged = {3 * dt, 20 * dt};
-  const auto laboratory = make_laboratory();
-  LaboratoryCamera camera = make_camera(laboratory, faults);
-  camera.open();
+  Opened opened(faults);
+  auto& [laboratory, camera] = opened;
   ImagePool pool;
   EXPECT_EQ(fault_of([&] {
               while (true) camera.next(pool);
@@ -229,10 +232,9 @@ TEST(Laboratory, IsUnpluggedWhenOrdered) {
 }
 
 TEST(Laboratory, HasOneCamera) {
-  const auto laboratory = make_laboratory();
-  LaboratoryCamera camera = make_camera(laboratory);
+  Opened opened;
+  auto& [laboratory, camera] = opened;
   LaboratoryCamera other = make_camera(laboratory);
-  camera.open();
   EXPECT_EQ(fault_of([&] { other.open(); }), CaptureFault::busy);
   other.close();
   EXPECT_EQ(frames_of(camera, 2).size(), 2u);
@@ -288,11 +290,9 @@ TEST(CameraFaults, ChangeTheExposureSlowly) {
   faults.drift_period = 4;
   EXPECT_NEAR(faults.exposure_at(1), 1.2, 1e-12);
   EXPECT_NEAR(faults.exposure_at(3), 0.8, 1e-12);
-  const auto laboratory = make_laboratory();
   faults.drift_period = 4 * dt;
-  LaboratoryCamera camera = make_camera(laboratory, faults);
-  camera.open();
-  for (const Captured& frame : frames_of(camera, 12)) {
+  Opened opened(faults);
+  for (const Captured& frame : frames_of(opened.camera, 12)) {
     const double expected = 120 * faults.exposure_at(*frame.device_time);
     EXPECT_NEAR(frame.image.row(1)[0], expected, 0.51);
   }

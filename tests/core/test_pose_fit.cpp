@@ -50,6 +50,13 @@ struct Options {
   double shade_angle = 0;  // of its normal
 };
 
+// Where the middle of the red marker is in the picture.
+Point red_in_picture(const Pose& pose) {
+  const double cos = std::cos(pose.heading), sin = std::sin(pose.heading);
+  return {pose.x + red_place.x * cos - red_place.y * sin,
+          pose.y + red_place.x * sin + red_place.y * cos};
+}
+
 // Red and blue discs on a grey floor, each pixel the mean of 16 x 16 points.
 Picture picture(const Pose& pose, const Options& options = {}) {
   Picture picture;
@@ -61,10 +68,9 @@ Picture picture(const Pose& pose, const Options& options = {}) {
     const double y = v - pose.y - place.x * sin - place.y * cos;
     return x * x + y * y < radius * radius;
   };
-  const Point rim{pose.x + red_place.x * cos - red_place.y * sin - radius,
-                  pose.y + red_place.x * sin + red_place.y * cos};
-  const double hidden =
-      pose.x + red_place.x * cos - red_place.y * sin - radius + options.hidden_columns;
+  const Point red_centre = red_in_picture(pose);
+  const Point rim{red_centre.x - radius, red_centre.y};
+  const double hidden = rim.x + options.hidden_columns;
   const auto is_shaded = [&](double u, double v) {
     return (u - options.shade_at.x) * std::cos(options.shade_angle) +
                (v - options.shade_at.y) * std::sin(options.shade_angle) >
@@ -146,13 +152,6 @@ TEST(PoseFit, DoesNotMindADefinitionThatIsSomewhatWrong) {
   const auto found = fit(picture(pose), pose, 1.05 * radius);
   ASSERT_TRUE(found);
   EXPECT_LT(distance(found->pose, pose), 0.02);
-}
-
-// Where the middle of the red marker is in the picture.
-Point red_in_picture(const Pose& pose) {
-  const double cos = std::cos(pose.heading), sin = std::sin(pose.heading);
-  return {pose.x + red_place.x * cos - red_place.y * sin,
-          pose.y + red_place.x * sin + red_place.y * cos};
 }
 
 class LightSteps : public testing::TestWithParam<double> {};

@@ -42,13 +42,6 @@ def say(robot, sender, *texts):
     wait_for(lambda: heard(robot) >= before + len(texts))
 
 
-def test_it_stands_and_hears_nobody_at_first(robot, sender):
-    assert robot.input.tolist() == [0, 0]
-    say(robot, sender, drive_line(40000, 0.5, -0.25))
-    assert robot.input.tolist() == [0.5, -0.25]
-    assert sender.answer() == line("a 40000")
-
-
 @pytest.mark.long
 def test_what_is_no_line_changes_nothing(robot, sender):
     say(robot, sender, drive_line(1, 0.5, 0.5))

@@ -70,11 +70,6 @@ def test_the_classes_are_those_of_rgb_to_yuv(rng):
         assert sum(area for area, *_ in found["some"]) == belongs.sum()
 
 
-def test_a_path_that_there_is_not():
-    with pytest.raises(ValueError, match="'sse9'"):
-        _core.force_cpu_path("sse9")
-
-
 limits = st.tuples(st.integers(0, 255), st.integers(0, 255)).map(sorted).map(tuple)
 
 

@@ -111,21 +111,6 @@ def test_ranges_beyond_the_limits_are_refused(lower, upper):
             ColorClass("red", **{name: (lower, upper)})
 
 
-def test_color_classes_have_a_name_and_are_read_only():
-    with pytest.raises(ValueError, match="name"):
-        ColorClass("")
-    with pytest.raises(AttributeError):
-        ColorClass("red").y = (0, 1)
-
-
-def test_both_ends_of_a_range_belong_to_it():
-    image = np.full((8, 8, 3), (90, 120, 200), np.uint8)
-    for channel, value in zip(CHANNELS, rgb_to_yuv(image)[0, 0].tolist(), strict=True):
-        for lower, upper, count in ((value, value, 1), (value + 1, 255, 0), (0, value - 1, 0)):
-            color = ColorClass("test", **{channel: (lower, upper)})
-            assert len(robsim.find_blobs(image, [color])["test"]) == count
-
-
 def test_a_simulation_takes_classes_or_their_file(color_file):
     red, blue = load_colors()
 

@@ -23,7 +23,7 @@ from robsim.sessions import Session
 from waiting import wait_for
 
 from . import cameras, robots, wired
-from .rounds import check_frames, input_of, inputs_of
+from .rounds import Checked, input_of, inputs_of
 
 LOST_AT_MOST = 1.0  # s, of a session that is killed
 HARD_LIMIT = 300  # s
@@ -53,12 +53,12 @@ def is_turn(number):
     return number % EVERY == EVERY - 1
 
 
-class ChildRound:
+class ChildRound(Checked):
     """What the parent does: the robot's end of the line, and the camera if it is served."""
 
     def __init__(self, number, seed, slack, kinds):
-        self.rng = rng = random.Random(f"child {seed} {number}")
-        self.slack, self.failures, self.late = slack, [], None
+        super().__init__(f"child {seed} {number}", slack)
+        rng = self.rng
         self.end = list(ENDS)[number // EVERY % len(ENDS)]
         self.promise, self.code, self.last_line = ENDS[self.end]
         self.camera_kind = rng.choice([kind for kind in kinds if kind != "file"])
@@ -68,10 +68,6 @@ class ChildRound:
         self.delay = rng.uniform(0, 0.8)
         self.title = f"process: {self.end}"
         self.kind = f"{self.camera_kind}, {self.motors_kind}{', recorded' * self.is_recorded}"
-
-    def check(self, is_right, text):
-        if not is_right:
-            self.failures.append(text)
 
     def run(self, folder):
         session = Path(folder, "session") if self.is_recorded else None
@@ -150,7 +146,7 @@ class ChildRound:
         n = session.count
         self.check(must <= n <= last + 2, f"the session has {n} steps of {last + 1}, not {must}")
         self.check(np.array_equal(session.trace.u, inputs_of(n)), "inputs of the session")
-        check_frames(self, session)
+        self.check_frames(session)
         if self.promise == "at once" and self.has_with:
             wrong = [text for text in session.problems if "left out" not in text]
             self.check(not wrong, f"the session says: {wrong}")

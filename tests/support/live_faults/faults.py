@@ -27,15 +27,13 @@ class Fault:
     """`act(round)` is called in a callback, or, if it may come at `any_time`, in another thread.
 
     `stands`: "at once", by the "watchdog" (frame_timeout after the newest frame that was taken), by
-    its own "time to live" (of the link) since the fault, "after" a callback that holds the
-    interpreter, or it "goes on" to the last step. `stands_in_python`: if `send` needs Python.
+    its own "time to live" (of the link) since the fault, or it "goes on" to the last step.
     """
 
     name: str
     act: Callable
     errors: tuple = ()
     stands: str = "at once"
-    stands_in_python: str | None = None
     cameras: tuple = tuple(cameras.CAN)
     motors: tuple = robots.KINDS
     any_time: bool = False
@@ -44,9 +42,6 @@ class Fault:
     is_recorded: bool = False
     time_limit: float | None = None
     drive: Callable | None = None
-
-    def promise(self, motors):
-        return (motors not in robots.NATIVE and self.stands_in_python) or self.stands
 
 
 def raising(name, error):
@@ -159,7 +154,7 @@ FAULTS = (
     raising("odd exception", OddError("of the fault")),
     raising("SystemExit", SystemExit(3)),
     raising("KeyboardInterrupt", KeyboardInterrupt()),
-    Fault("holds interpreter", hold, (TimeoutError,), "watchdog", "after", must_raise=True),
+    Fault("holds interpreter", hold, (TimeoutError,), "watchdog", must_raise=True),
     Fault("sleeps", fall_asleep, (TimeoutError,), "watchdog", must_raise=True),
     Fault("endless", never_end, (TimeoutError,), "watchdog", time_limit=1.2, must_raise=True),
     Fault("fork", fork, (), "goes on"),

@@ -36,12 +36,30 @@ def inputs_of(n):
     return np.array([input_of(k) for k in range(n)]).reshape(-1, 2)
 
 
-class Round:
+class Checked:
+    """A round, what failed in it, and by how much the robot stood too late (s)."""
+
+    def __init__(self, seed, slack):
+        self.rng, self.slack = random.Random(seed), slack
+        self.failures, self.late = [], None
+
+    def check(self, is_right, text):
+        if not is_right:
+            self.failures.append(text)
+
+    def check_frames(self, session):
+        """Each step has a frame, or says that it was left out."""
+        seen = sum(observation.frame is not None for observation in session)
+        left_out = sum(bool(row.left_out) for row in session._rows)
+        self.check(seen + left_out == session.count, f"{seen} frames, {left_out} left out")
+
+
+class Round(Checked):
     """A live run, with one or two faults."""
 
     def __init__(self, number, seed, slack, kinds):
-        self.rng = rng = random.Random(f"{seed} {number}")
-        self.slack, self.failures, self.late = slack, [], None
+        super().__init__(f"{seed} {number}", slack)
+        rng = self.rng
         self.marks = {}  # when each fault happened
         self.newest = 0.0  # arrival of the newest frame that was taken
         self.decided, self.error, self.later = 0, None, []
@@ -175,10 +193,6 @@ class Round:
 
     # What must hold.
 
-    def check(self, is_right, text):
-        if not is_right:
-            self.failures.append(text)
-
     def expected_errors(self):
         return (TimeoutError, *(error for fault in self.faults for error in fault.errors))
 
@@ -194,19 +208,19 @@ class Round:
     def due(self):
         """When the robot must stand at the latest, but for the slack (s)."""
         end, watchdog = self.marks["end"], self.newest + self.frame_timeout
-        returned = self.marks.get("returned", 0.0)
+        returned, is_native = self.marks.get("returned", 0.0), self.motors_kind in robots.NATIVE
         by = []
         for fault in self.faults:
             happened = self.marks.get(fault.name)
             times = {
                 "at once": happened,
-                "watchdog": watchdog,
+                # motors in Python wait for a callback that holds the interpreter
+                "watchdog": watchdog if is_native else max(returned, watchdog),
                 "time to live": happened and happened + robots.TTL,
-                "after": max(returned, watchdog),
                 "goes on": end,
             }
             if happened is not None:
-                by.append(times[fault.promise(self.motors_kind)])
+                by.append(times[fault.stands])
         if self.faults[0].drive is not None:
             return max([*by, 0.0]) if by else end
         if self.is_alone:
@@ -247,16 +261,9 @@ class Round:
             recorded, kept = getattr(session.trace, name), getattr(trace, name)[:n]
             self.check(np.array_equal(recorded, kept), f"{name} of the session is not the trace's")
         if not is_full:
-            check_frames(self, session)
+            self.check_frames(session)
             problems = [text for text in session.problems if "left out" not in text]
             self.check(not problems, f"the session says: {problems}")
-
-
-def check_frames(made, session):
-    """Each step has a frame, or says that it was left out."""
-    seen = sum(observation.frame is not None for observation in session)
-    left_out = sum(bool(row.left_out) for row in session._rows)
-    made.check(seen + left_out == session.count, f"{seen} frames, {left_out} left out")
 
 
 def held():
