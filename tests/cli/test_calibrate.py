@@ -120,9 +120,7 @@ def test_what_is_missing_or_wrong_is_named():
         "got 3": (*floor, "--marks", "marks.csv"),
         "--area and --scale": ("floor", "x.png"),
         "--marker-height needs a lens": ("floor", "x.png", *AREA, "--marker-height", "80mm"),
-        "--square": ("lens", "x.png", "--square", "25mm"),
         "--calibration": ("floor", "x.png", *AREA, "--calibration", "board.pdf"),
-        "--place": (*floor, "grey.png", "--place", "one"),
         "--positions": (*floor, "--pixels", "1,2 3,4 5,6 7,8"),
         "bad.csv: mark 2": (*floor, "--marks", "bad.csv"),
         "--out": ("sheet", "--out", "sheet.png"),
@@ -130,7 +128,6 @@ def test_what_is_missing_or_wrong_is_named():
         "charuco": (*sheet, "--kind", "charco"),
         "--mark": (*sheet, "--kind", "floor", "--board", "9x6"),
         "--kind floor": (*sheet, "--number", "2"),
-        "--board": ("lens", "x.png", "--board", "9"),
         "--camera": ("lens",),
     }.items():
         assert named in refused(*arguments), arguments

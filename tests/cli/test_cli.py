@@ -48,13 +48,5 @@ def test_the_demo_writes_what_it_found_and_its_numbers_are_right(tmp_path):
     assert tracking["rmse_heading_deg"] < 0.6
 
 
-def test_an_out_folder_that_is_a_file(tmp_path):
-    (tmp_path / "file").write_text("mine")
-    run = command("demo", "--out", "file", cwd=tmp_path)
-    assert run.exit_code == 2
-    assert "Traceback" not in run.stderr
-    assert (tmp_path / "file").read_text() == "mine"
-
-
 def test_the_version():
     assert command("--version").stdout == f"robsim {robsim.__version__}\n"

@@ -74,15 +74,9 @@ def test_one_file_and_one_slot(write):
 
 def test_what_cannot_be_checked_is_refused(write, tmp_path):
     folder = write(controll="", helper="")
-    for arguments in (
-        (),
-        (str(tmp_path / "nix"),),
-        (str(tmp_path / "nix.py"),),
-        (str(folder),),
-        (str(folder / "controll.py"),),
-        (str(folder), "--slot", "contrl"),
-    ):
-        assert command("check", *arguments).exit_code == 2, arguments
+    wrong = folder / "controll.py"
+    for words in ([], [tmp_path / "nix"], [folder], [wrong], [folder, "--slot", "contrl"]):
+        assert command("check", *map(str, words)).exit_code == 2, words
 
 
 def test_endless_files_are_ended(write, monkeypatch):

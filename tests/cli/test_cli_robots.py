@@ -94,7 +94,6 @@ def test_list_says_what_is_wrong_with_the_choice(user_folder):
     result = robots("list")
     assert "in use" not in result.stdout
     assert "'mine'" in result.stderr
-    assert result.stdout.count("sheep") == 2
     assert "precedence" in result.stderr  # of the one that ships
     (user_folder / "settings.toml").write_text("oops")
     assert "settings.toml" in robots("list").stderr
@@ -108,15 +107,12 @@ def test_show():
         assert min(picture.size) > 500
 
 
-@pytest.mark.parametrize(
-    ("out", "file", "head"), [("a", "a.png", b"\x89PNG"), ("b/c.pdf", "b/c.pdf", b"%PDF")]
-)
-def test_show_writes_where_it_says(out, file, head):
-    assert str(Path(file)) in done("show", "lab", "--out", out)
-    assert Path(file).read_bytes().startswith(head)
+def test_show_writes_where_it_says():
+    assert str(Path("b/c.pdf")) in done("show", "lab", "--out", "b/c.pdf")
+    assert Path("b/c.pdf").read_bytes().startswith(b"%PDF")
     assert "none" in refused("show", "none")
     assert "xyz" in refused("show", "lab", "--out", "a.xyz")
-    assert str(Path(file)) in refused("show", "lab", "--out", f"{file}/a.png")
+    assert "c.pdf" in refused("show", "lab", "--out", "b/c.pdf/a.png")
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -135,15 +131,6 @@ def test_show_of_a_folder_says_what_is_wrong(tmp_path):
     assert "centre" in refused("show", tmp_path / "folder")
 
 
-@pytest.mark.usefixtures("photo")
-def test_add_from_a_picture():
-    text = done("add", "mine", "photo.png", "--size", "100", "--alignment", "-90")
-    assert "400 x 400 px" in text
-    assert "-90°, faces down" in text
-    robot = load_robot("mine")
-    assert (robot.size, robot.alignment) == (100, -90)
-
-
 def test_an_opaque_picture_is_told():
     opaque = painted(RED, BLUE)
     opaque[..., 3] = 255
@@ -160,12 +147,16 @@ def test_add_with_all_options(tmp_path):
     points = "--marker", red, "--marker", blue
     edge = "--outline", "-0.5,-0.5 399,-0.5 399,399 -0.5,399", "--centre", "190,210"
     colors = "--colors", tmp_path / "colors.toml", "--anyway"
-    done("add", "mine", "photo.png", *points, *edge, *colors)
+    size = "--size", "100", "--alignment", "-90"
+    text = done("add", "mine", "photo.png", *points, *edge, *colors, *size)
+    assert "400 x 400 px" in text
+    assert "-90°, faces down" in text
     robot = load_robot("mine")
+    assert (robot.size, robot.alignment) == (100, -90)
     np.testing.assert_array_equal(
-        robot.markers["front"], [(240, 240), (319.5, 240), (319, 319), (240, 319)]
+        robot.markers["left"], [(240, 240), (319.5, 240), (319, 319), (240, 319)]
     )
-    np.testing.assert_array_equal(robot.markers["back"], [(80, 240), (160, 240), (160, 320)])
+    np.testing.assert_array_equal(robot.markers["right"], [(80, 240), (160, 240), (160, 320)])
     np.testing.assert_array_equal(robot.outline[0], (-0.5, -0.5))
     np.testing.assert_array_equal(robot.centre, (190, 210))
 
@@ -184,11 +175,8 @@ def test_add_refuses_and_leaves_nothing_behind(user_folder):
     for named, *arguments in [
         ("ships with robsim", "lab", "sheep"),
         ("NAME", "../x", "lab"),
-        ("SOURCE", "mine", "none.png"),
         ("text.png", "mine", "text.png"),
-        ("size", "mine", "lab", "--size", "0"),
         ("--marker", "mine", "lab", "--marker", "red=hello"),
-        ("--marker", "mine", "lab", "--marker", "green=1,2 3,4 5,9"),
         ("--marker red", "mine", "lab", "--marker", "red=nan,1 2,2 3,1"),
         ("--outline", "mine", "lab", "--outline", "1 2 3"),
         ("--centre", "mine", "lab", "--centre", "1,2 3,4"),
@@ -196,17 +184,9 @@ def test_add_refuses_and_leaves_nothing_behind(user_folder):
         ("0.0 %", "mine", "lab", "--marker", "red=230,100 250,100 240,120"),
         ("too small", "mine", "lab", "--size", "12"),
         ("red marker", "mine", "grey.png"),
-        ("none.toml", "mine", "lab", "--colors", "none.toml"),
     ]:
         assert named in refused("add", *arguments), arguments
         assert not user_folder.exists()
-
-
-def test_colours_can_be_ignored():
-    red = "red=230,100 250,100 240,120"
-    assert "--anyway" in refused("add", "mine", "lab", "--marker", red)
-    done("add", "mine", "lab", "--marker", red, "--anyway")
-    assert "mine" in robot_names()
 
 
 def test_rotate():

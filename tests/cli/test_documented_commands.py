@@ -86,15 +86,3 @@ def test_all_of_them_work_one_after_the_other(tmp_path):
         expected = {1} if is_tried else {0, 1} if "--check" in words else {0}
         assert status in expected, f"{line}: {run.stderr}"
         assert run.stdout.strip(), line
-
-
-def test_every_other_line_of_the_readme_is_known():
-    others = [line.partition("#")[0].strip() for line in SHELL.splitlines()]
-    others = [line for line in others if line and not line.startswith("robsim ")]
-    assert others == [
-        "./run demo",
-        "./run test",
-        "pip install '.[notebook]' notebook",
-        "jupyter notebook coursework",
-        "python -m pytest --robsim-submission=mine grade_public.py",  # tests/package/test_readme.py
-    ]

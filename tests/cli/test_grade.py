@@ -38,8 +38,6 @@ def test_the_status_says_whether_strict_can_be_had(report, monkeypatch):
     assert command(*CHECK, "--isolation", "strict").exit_code == 3
     assert command(*CHECK).exit_code == 0
 
-
-def test_what_is_missing_for_strict_is_printed_with_the_report(report, monkeypatch):
     def without_files(*, isolation):
         if isolation == "strict":
             raise IsolationError("isolation='strict' needs files")

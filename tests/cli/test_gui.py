@@ -110,8 +110,6 @@ def test_a_mistake_is_told_before_anything_opens(tmp_path):
         "mine/control.py": ("mine/control.py",),  # a single callback is not its folder
         "--speed": ("--speed", "0"),
         "--port": ("--port", "70000"),
-        "--control": ("--control", "dance"),
-        "nowhere.toml": ("--scenario", "nowhere.toml"),
         "'prak'": ("--task", "prak"),
         "--task": ("--task", "park", "--scenario", "a.toml"),
         "--train": ("--task", "park", "--train"),
@@ -120,7 +118,6 @@ def test_a_mistake_is_told_before_anything_opens(tmp_path):
         "--calibration": ("--calibration", "mine.toml"),
         # Where nothing runs.
         "--seed": ("--train", "--seed", "1"),
-        "--speed is": ("--train", "--speed", "2"),
     }.items():
         run = command("gui", *arguments, cwd=tmp_path)
         assert (run.exit_code, run.stdout) == (2, ""), arguments

@@ -62,13 +62,3 @@ def test_while_it_is_paused_the_rate_is_told_and_nothing_counts_as_dropped():
         dropped = camera.counts.dropped
         wait_for(lambda: camera.counts.dropped > dropped + 100)
         assert {told(browser, state="paused")["dropped"] for _ in range(3)} == {before}
-
-
-def test_nothing_is_told_when_nobody_looks(patience):
-    patience(0.0)
-    source = SteppedCamera([IMAGE] * 20)
-    source.permits.release()
-    with robsim.Camera(source, open_timeout=SOON) as camera, watched(camera) as (view, browser):
-        told(browser)
-        browser.say("bye")
-        wait_for(lambda: view._next_look > 10**9)

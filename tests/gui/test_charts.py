@@ -196,19 +196,6 @@ def test_without_truth_the_inputs_stand_in_place_of_the_errors(show):
     assert host.tab.locator("button[name=show_true]").is_hidden()
 
 
-def test_histograms_stand_beside_the_errors(show):
-    host = show(walk(200))
-    count = "c => new Set(c.getContext('2d').getImageData(0, 0, c.width, c.height).data).size"
-    histogram = host.tab.locator(".robsim-histogram").first
-    before = histogram.evaluate(count)
-    bars = {"n": 170, "mean": 0.0, "std": 0.5, "low": -9.0, "high": 9.0, "counts": [9] * 18}
-    errors = [{"of": "measurement", "name": "x", "unit": "px", **bars}]
-    for told, is_drawn in ((errors, True), ([], False)):
-        host.emit({"type": "statistics", "first": None, "last": None, "errors": told})
-        host.paint()
-        assert (histogram.evaluate(count) > before) == is_drawn
-
-
 def test_parameters_are_drawn_with_truth_excitation_and_a_robust_range(show):
     rng = np.random.default_rng(3)
     values = 1.9 + rng.normal(0, 0.01, (600, 15))

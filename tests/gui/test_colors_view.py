@@ -154,13 +154,6 @@ def test_a_camera_is_shown_live_until_it_is_frozen(tmp_path):
         assert not [one for one in threading.enumerate() if one.name == "robsim pictures"]
 
 
-def test_each_class_has_the_colour_that_it_is_painted_in(view, browser):
-    view.training.replace([ColorClass("c1"), ColorClass("c2"), ColorClass("red")])
-    colors = [one["css"] for one in view.state()["classes"]]
-    assert len(set(colors)) == 3
-    assert colors[2] == "rgb(255, 0, 0)"
-
-
 def test_a_removed_class_leaves_the_file_and_others_stay(view, browser, tmp_path):
     save_colors(tmp_path / "colors.toml", ColorClass("kept"))
     browser.say("region", region=[20, 20, 29, 29], keep=0)

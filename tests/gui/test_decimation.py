@@ -74,28 +74,6 @@ def test_blocks_have_the_extremes_of_their_rows_however_they_came(run_node, numb
             assert (low, high) == (np.nanmin(rows), np.nanmax(rows))
 
 
-def test_ticks_and_ranges(run_node):
-    code = """return {
-      gaps: [[10, 5], [1, 4], [1200, 6], [0.004, 4]].map(([length, n]) => tickGap(length, n)),
-      angles: [360, 200, 60, 8].map((length) => tickGap(length, 4, { isAngle: true })),
-      ticks: ticksOf(-0.25, 0.5, 0.25),
-      constant: airyRange(600, 600, 2),
-      wide: airyRange(0, 100, 1),
-      nothing: airyRange(Infinity, -Infinity, 1),
-    };"""
-    found = run_node("scale.js", code)
-    assert found["gaps"] == [2, 0.5, 200, 0.001]
-    assert found["angles"] == [90, 45, 15, 2]
-    assert found["ticks"] == [-0.25, 0, 0.25, 0.5]
-    low, high = found["constant"]
-    assert low <= 599
-    assert high >= 601
-    low, high = found["wide"]
-    assert -20 <= low < 0
-    assert 100 < high <= 120
-    assert found["nothing"] is None
-
-
 def test_numbers_are_written_as_in_a_paper(run_node):
     expected = {
         "tickText(1.9, 0.05)": "1.90",

@@ -406,23 +406,18 @@ def test_commands_that_wait_are_cancelled_and_later_ones_too(drive):
 
 
 def test_closing_from_the_run_itself(drive):
-    driver = drive(speed=math.inf)
     closed = []
-    driver.on_step.append(lambda step: step.k >= 3 and closed.append(driver.close()))
-    driver.start()
-    wait_for(lambda: driver.state == "closed")
-    assert closed == [False]
-    assert driver.close(SOON)
 
     def control(step):
-        closed.append(other.close())
+        closed.append(driver.close())
         return 0, 0
 
-    other = drive(simulation(control=control))
-    other.step()
-    wait_for(lambda: other.state == "closed")
-    assert closed == [False, False]
-    assert other.runner.n_steps == 1
+    driver = drive(simulation(control=control))
+    driver.step()
+    wait_for(lambda: driver.state == "closed")
+    assert closed == [False]
+    assert driver.runner.n_steps == 1
+    assert driver.close(SOON)
 
 
 def test_closing_from_many_threads_and_in_the_midst_of_a_reset(drive):

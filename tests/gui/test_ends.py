@@ -1,7 +1,5 @@
 """How waits and runs end: by Ctrl-C, by closing, by what goes wrong at the end."""
 
-import signal
-import subprocess
 import sys
 import threading
 
@@ -83,37 +81,3 @@ def test_a_pause_is_told_though_its_last_step_cannot_be_had(mistakes, monkeypatc
         browser.press("pause")
         browser.take("state", state="paused")
     assert [type(error) for error in mistakes] == [ZeroDivisionError]
-
-
-WAIT = """
-import signal, sys, threading, time
-import robsim
-signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a job in the background
-panel = robsim.panel(robsim.Simulation(area=(300, 300)), speed=float("inf"))
-panel.start()
-panel.url  # is served from here on
-
-def tell():
-    main = threading.main_thread().ident
-    while sys._current_frames()[main].f_code.co_filename != threading.__file__:
-        time.sleep(0.01)
-    print("waits", flush=True)
-
-threading.Thread(target=tell).start()
-panel.wait()
-print(panel.state, len(panel.trace) > 0)
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform == "win32", reason="there Ctrl-C is no signal to one process")
-def test_a_script_goes_on_after_ctrl_c():
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen([sys.executable, "-c", WAIT], **pipes) as script:
-        try:
-            script.stdout.readline()
-            script.send_signal(signal.SIGINT)
-            out, complaints = script.communicate(timeout=SOON)
-        finally:
-            script.kill()
-    assert (script.returncode, out, complaints) == (0, "paused True\n", "")

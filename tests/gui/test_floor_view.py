@@ -431,22 +431,6 @@ def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, fakes):
     assert lens.taken[0].size == (640, 480)
 
 
-def test_of_a_picture_that_was_loaded_no_board_is_taken_by_itself(fakes, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    camera = EndlessCamera(np.zeros((60, 80, 3), np.uint8))
-    with robsim.Camera(camera, **PATIENT) as device, robsim.gui.floor_panel(device) as tool:
-        lens = tool._view.lens
-        tool.load(np.zeros((48, 64, 3), np.uint8))
-        looked = []
-        monkeypatch.setattr(lens, "_look_at", lambda picture, **_: looked.append(picture))
-        tool._view.ask(lambda: setattr(lens, "watches", True))
-        tool.load(np.ones((48, 64, 3), np.uint8))
-        settled(tool._view)
-        assert looked == []
-        tool.go_back()
-        wait_for(lambda: looked)
-
-
 def test_with_another_side_of_a_square_the_pictures_stay(tool, browser, fakes):
     lens = tool._view.lens
     tool.take_board(Chessboard(9, 6, 25))

@@ -3,13 +3,9 @@
 import re
 from pathlib import Path
 
-import numpy as np
-import pytest
-
 import robsim
 
 GUI = Path(robsim.gui.__file__).parent
-PLACES = [(300, 300), (2100, 300), (2100, 2100), (300, 2100)]
 RUN, TOOLS = (GUI / "PROTOCOL.md").read_text("utf-8").split("## Tools\n")
 TO_BROWSER, FROM_BROWSER = RUN.split("## From the browser")
 TOOLS_TO, REST = TOOLS.split("### Tools, from the browser")
@@ -50,33 +46,12 @@ def test_every_message_to_a_browser_stands_there():
     assert sent_by(GUI / "_tools") == set(rows(TOOLS_TO))
 
 
-def test_every_field_of_the_state_of_a_robot_stands_there():
-    with robsim.gui.robot_panel(robot="lab") as tool:
-        told = set(re.findall(r"`(\w+)`", ROBOTS)) | rows(TOOLS_TO)["state"]
-        assert set(tool._view._state()) - {"type"} <= told
-
-
-@pytest.mark.long
-def test_every_field_of_the_state_of_a_floor_stands_there():
-    told = set(re.findall(r"`(\w+)`", FLOOR)) | rows(TOOLS_TO)["state"]
-    with robsim.gui.floor_panel() as tool:
-        tool.put([(230, 160), (569, 160), (634, 492), (165, 492)], PLACES)
-        tool.fill(600)
-        state = tool._view._state()
-        told_too = [state[name] for name in ("grid", "fit", "sheets")]
-        told_too += [state["points"][0], state["fit"]["points"][0]]
-        for one in (state, *told_too):
-            assert set(one) - {"type"} <= told
-        assert set(tool._view.lens.message()) - {"type"} <= rows(TOOLS_TO)["board"]
-
-
-def test_every_field_of_what_a_tool_tells_stands_there():
-    told = rows(TOOLS_TO)
-    with robsim.gui.color_panel(np.full((9, 9, 3), 90, np.uint8)) as tool:
-        assert set(tool._view._state()) - {"type"} <= told["state"]
-        tool._view.picture = tool._view.source.at(0)
-        head, _ = tool._view.head(tool._view.picture)
-        assert set(head) <= told["frame"]
+def test_every_field_of_the_state_of_a_tool_stands_there(user_folder):
+    gui = robsim.gui
+    for make, text in ((gui.color_panel, ""), (gui.robot_panel, ROBOTS), (gui.floor_panel, FLOOR)):
+        with make() as tool:
+            told = set(re.findall(r"`(\w+)`", text)) | rows(TOOLS_TO)["state"]
+            assert set(tool._view._state()) - {"type"} <= told
 
 
 def test_every_field_of_what_a_panel_tells_stands_there():

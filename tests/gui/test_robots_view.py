@@ -129,8 +129,6 @@ def test_reset_goes_back_to_how_it_began_and_can_be_undone(user_folder):
         assert tool.value.alignment == turned
         tool.load(np.array(load_robot("sheep").image))
         outline = tool._view.drawing.sketch.outline
-        tool.message("part", name="outline")
         tool.message("clear")
         tool.message("reset")
         np.testing.assert_array_equal(tool._view.drawing.sketch.outline, outline)
-        assert tool._view.name not in robsim.robots.robot_names()

@@ -116,27 +116,6 @@ def test_the_time_line_shows_past_steps_and_the_newest_again(shell):
     assert slider.input_value() == "101"
 
 
-def test_ticks_show_where_the_robot_was_not_seen(shell):
-    host = shell()
-    measured, held = np.ones((201, 3)), np.ones((201, 3))
-    for first, last in ((0, 5), (50, 60), (100, 120), (150, 151)):
-        measured[first:last] = np.nan
-    held[:5] = held[100:120] = np.nan  # there nothing measures
-    host.frame(200, rows={"pose_measured": measured, "pose_held": held})
-    host.rest()
-    inked = host.tab.evaluate(
-        """(() => {
-          const canvas = document.querySelector(".robsim-timeline-ticks");
-          const pen = canvas.getContext("2d");
-          const { data } = pen.getImageData(0, 1, canvas.width, 1);
-          return Array.from({ length: canvas.width }, (_, x) => data[4 * x + 3] > 0);
-        })()"""
-    )
-    edges = np.flatnonzero(np.diff(np.array([False, *inked, False], int)))
-    expected = np.array([0, 5, 50, 60, 150, 151]) / 200 * len(inked)
-    assert edges == pytest.approx(expected, abs=4)
-
-
 def test_a_trace_that_is_played_back_moves_the_time_line(shell):
     host = shell(setup={"source": "trace"})
     host.state(state="running", k=99, steps=100)

@@ -296,17 +296,12 @@ def test_methods_do_what_the_mouse_does(tmp_path, user_folder):
         tool.load(file)
         np.testing.assert_array_equal(shown(tool._view), OTHER)
         assert tool._view.picture.name == "other.png"
-        tool.load(robsim.Frame(FLOOR))
         tool.go_back()
         assert tool._view.picture.name == "a picture"
         file.write_bytes(b"nothing")
         with pytest.raises(ValueError, match=r"other\.png"):
             tool.load(file)
-    lab = load_robot("lab")
     with robsim.gui.robot_panel(FLOOR, robot="sheep") as tool:
-        tool.load(lab.image)
-        assert tool.value.size == load_robot("sheep").size
-        assert tool.value.image.shape == lab.image.shape
         tool.load(OTHER)
         tool.capture(whole=True)
         np.testing.assert_array_equal(tool._view.drawing.sketch.image[..., :3], OTHER)

@@ -9,7 +9,6 @@ import pytest
 from browsers import FakeBrowser, Link, PanelView, panel_of, settled
 from robsim.gui import _link
 from small_runs import SOON, done, robsim_threads, simulation
-from threads import together
 from waiting import wait_for
 
 pytestmark = pytest.mark.threads
@@ -85,14 +84,6 @@ def test_what_waits_does_not_grow_for_ever_and_stop_is_heard_all_the_same(panel)
     settled(view)
     done(view.driver.call(lambda: None))
     assert view.driver.state == "paused"  # what was pressed before Stop is void
-
-
-def test_messages_from_many_threads(panel):
-    view, browser = panel
-    together(*[lambda: [browser.say("grant", upto=10**9, late=False) for _ in range(200)]] * 4)
-    settled(view)
-    browser.press("step")
-    browser.take("frame", k=0)
 
 
 # Lines

@@ -22,7 +22,7 @@ class FakeBrowser(Link):
     def __init__(self, view, width=300, *, name="fake", room=10**9):
         super().__init__()
         self.name = name
-        self._view = view
+        self.view = view
         self._told = []
         self._news = threading.Condition()
         view.connect(self)
@@ -36,7 +36,7 @@ class FakeBrowser(Link):
             self._news.notify()
 
     def say(self, kind, *buffers, **fields):
-        self._view.receive(self, {"type": kind, "id": self.name, **fields}, buffers)
+        self.view.receive(self, {"type": kind, "id": self.name, **fields}, buffers)
 
     def upload(self, content, name="photo.png", *, key="1", part=1 << 19):
         """Send a file, each part when the one before was answered; return the last answer."""
@@ -77,24 +77,18 @@ class FakeBrowser(Link):
             return [head for head, _ in self._told if head["type"] == kind]
 
 
-class Watcher(Link):
-    """A line that keeps all that it is sent."""
+class Watcher(FakeBrowser):
+    """One that keeps all that it is told, without pictures."""
 
     def __init__(self, view):
-        super().__init__()
-        self.view = view
         self.messages = []
-        view.connect(self)
-        self.say("hello", width=100)
+        super().__init__(view, 100, name="here", room=0)
 
     def transmit(self, head, buffers):
         self.messages.append(dict(head))
 
-    def say(self, kind, **fields):
-        self.view.receive(self, {"type": kind, "id": "here", **fields})
-
     def press(self, button):
-        self.say("press", button=button)
+        super().press(button)
         self.settle()
 
     def settle(self):

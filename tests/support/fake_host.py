@@ -27,7 +27,7 @@ if (CHOICES) localStorage.robsim ??= CHOICES;
 const listeners = new Set();
 const sent = [];
 const model = {
-  get: (name) => ({ kind: KIND })[name],
+  get: () => "panel",
   send: (message) => sent.push(message),
   on: (_, listener) => listeners.add(listener),
   off: (_, listener) => listeners.delete(listener),
@@ -98,10 +98,10 @@ FRAME = {
 class FakeHost:
     """The module in a tab of a browser; `choices` are what that remembers."""
 
-    def __init__(self, chromium, *, kind="panel", body="robsim-page", choices=None, **options):
+    def __init__(self, chromium, *, body="robsim-page", choices=None, **options):
         self.tab, self.complaints = new_tab(chromium, **options)
         kept = None if choices is None else json.dumps(choices)
-        given = f"const KIND = {json.dumps(kind)}, CHOICES = {json.dumps(kept)};"
+        given = f"const CHOICES = {json.dumps(kept)};"
         self._files = {
             "": ("text/html", _DOCUMENT.format(body=body)),
             "view.css": ("text/css", style()),
