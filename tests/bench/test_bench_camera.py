@@ -10,7 +10,6 @@ from commands import command
 from needs import needs_extension
 from robsim import _core
 from robsim.bench import _camera as camera
-from robsim.capture import CameraBusyError
 from robsim.live._bench import serving
 
 cv2 = pytest.importorskip("cv2")
@@ -47,16 +46,6 @@ def test_live_cameras_are_read_by_a_process_of_its_own(monkeypatch):
     for row in read.rows:
         assert row["lost"] >= 0
         assert row["latency"] <= row["latency_p95"]
-
-
-def test_a_live_camera_that_cannot_be_served_is_left_out(monkeypatch):
-    def taken(lab):
-        raise CameraBusyError("port 3956 is taken")
-
-    monkeypatch.setattr(serving, "WAYS", (("gige", "raw8"),))
-    monkeypatch.setattr(serving, "GigeServer", taken)
-    read = serving.read_live_cameras(seconds=1.0, size=SIZE)
-    assert read.left_out == ["gige raw8 is left out: port 3956 is taken"]
 
 
 @pytest.mark.parametrize(

@@ -213,25 +213,21 @@ def test_wrong_arguments_are_refused_before_the_first_run():
             campaign(SCENARIO, **given)
 
 
-def test_a_metric_that_gives_no_numbers_fails_by_its_name():
-    for result in ("text", {"a": "text"}, [1, 2], {1: 2}):
-        metrics = {"mine": lambda trace, result=result: result}
-        rows = campaign(SCENARIO, metrics=metrics, **{**OPTIONS, "runs": 1})
-        assert "metric 'mine'" in rows["error"][0]
-
-
 def test_every_metric_that_fails_is_named():
     def ending(trace):
         raise SystemExit(3)
 
     metrics = {"ending": ending, "final": final, "half": lambda trace: {"x": 1, "y": "text"}}
     metrics["motor"] = lambda trace: {"delay": 1}  # the column of an option
+    metrics |= {"list": lambda trace: [1, 2], "numbered": lambda trace: {1: 2}}
     vary = {"motor_delay": [0]}
     result = campaign(SCENARIO, vary=vary, metrics=metrics, **{**OPTIONS, "runs": 1})
     assert result.metrics == ("final_x", "final_y")
     error = result["error"][0]
     assert error.startswith("metric 'ending': SystemExit: 3; metric 'half': TypeError")
     assert "there is a column 'motor_delay'" in error
+    assert "metric 'list'" in error
+    assert "metric 'numbered'" in error
     assert result["line"][0].startswith("test_campaign.py:")
 
 

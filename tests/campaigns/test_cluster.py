@@ -42,6 +42,7 @@ def gives_the_same_bytes(client, serial, folder):
     assert result.checksum == serial.checksum
     assert result["error"].tolist() == serial["error"].tolist()
     assert result["line"].tolist() == serial["line"].tolist()
+    assert run(executor=client.get_executor()).checksum == serial.checksum
     run(executor=client, runs=5, store=folder / "store.sqlite")
     assert run(executor=client, store=folder / "store.sqlite").checksum == serial.checksum
     assert client.submit(int, "3").result() == 3  # it is still the user's
@@ -142,6 +143,7 @@ def test_what_is_no_engine_is_told():
         setattr(client, attribute, value)
         with pytest.raises(ValueError, match=value if value == "closed" else attribute):
             run(executor=client)
-    for wrong in (FakeClient, ThreadPoolExecutor):
-        with pytest.raises(TypeError, match="executor"):
+    cluster = type("Cluster", (), {"get_client": print})()
+    for wrong in (FakeClient, ThreadPoolExecutor, cluster):
+        with pytest.raises(TypeError, match="get_client" if wrong is cluster else "executor"):
             run(executor=wrong)

@@ -6,15 +6,7 @@ _VOID = {"img", "meta", "br"}
 
 
 class Outline(HTMLParser):
-    """What a page has; an element that is not closed in its place is an error.
-
-    Attributes
-    ----------
-    elements : list of (str, dict)
-        Names and attributes of all elements.
-    text : str
-        All that is text, but for styles and scripts.
-    """
+    """What a page has; an element that is not closed in its place is an error."""
 
     def __init__(self, page):
         super().__init__(convert_charrefs=True)
@@ -25,6 +17,7 @@ class Outline(HTMLParser):
 
     @property
     def text(self):
+        """All that is text, but for styles and scripts."""
         return "".join(self._texts)
 
     @property

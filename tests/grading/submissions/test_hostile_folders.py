@@ -146,6 +146,14 @@ def test_too_many_files_and_too_deep_folders(mine):
     told(mine.parent / "s002", "has too long a path")
 
 
+def test_names_that_are_no_text(mine):
+    try:
+        os.mkdir(os.fsencode(mine) + b"/\xff")
+    except OSError:
+        pytest.skip("the file system refuses such a name")
+    told(mine, "'\\udcff' has characters in its name that cannot be seen")
+
+
 def test_a_file_that_may_not_be_read(mine, monkeypatch):
     real = os.open
 

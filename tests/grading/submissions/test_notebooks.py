@@ -1,6 +1,7 @@
 """Callbacks out of notebooks: what counts, what is refused, what never runs."""
 
 import json
+import sys
 import traceback
 from pathlib import Path
 
@@ -56,6 +57,12 @@ DEF = "def drive(step):\n    return 1, 2"
         ("import robsim\nsim.control = robsim.Spin() and (lambda step: (1, 2))",),
         ("async def other(): ...\ndef control(step):\n    return 1, 2", "await other()"),
         ("from __future__ import annotations", "def control(step: NotThere):\n    return 1, 2"),
+        pytest.param(
+            ("type Two = tuple[float, float]", "def control(step) -> Two:\n    return 1, 2"),
+            marks=pytest.mark.skipif(
+                sys.version_info < (3, 12), reason="a statement of Python 3.12"
+            ),
+        ),
     ],
 )
 def test_a_slot_is_found_by_name(tmp_path, cells):
