@@ -14,6 +14,7 @@ from robsim.grading._seeds import RunSeeds
 from robsim.grading._submissions import Rules, read_submission
 from robsim.grading._tasks.task import Task
 
+zygotes = None
 if sys.platform != "win32":
     from robsim.grading._isolation._processes import zygotes
 if sys.platform == "linux":
