@@ -71,6 +71,13 @@ def test_a_message_of_several_parts_comes_as_one(ends):
     assert other.recv(100) == HEAD.pack(Kind.STEP, 0, 5) + b"ab\0\1\2"
 
 
+def test_a_channel_that_is_closed_speaks_no_more(ends):
+    channel, _ = ends
+    channel.close()
+    with pytest.raises(OSError, match=r"descriptor|10038"):
+        channel.exchange(Kind.STEP, b"ab", patience=MINUTES)
+
+
 @pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.skipif(sys.platform == "win32", reason="there a signal ends no exchange")
 @pytest.mark.parametrize("by_another_thread", [False, True])
