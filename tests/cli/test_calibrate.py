@@ -114,6 +114,7 @@ def test_what_is_missing_or_wrong_is_named():
     marks_file(3)
     save_image("grey.png", np.full((480, 640, 3), 90, np.uint8))
     Path("bad.csv").write_text("a,1,2,3,4\nb,nan,2,3,4\n")
+    Path("empty.csv").write_text("name,u,v,x,y\n")
     floor = ("floor", "--calibration", "camera.toml", *AREA)
     sheet = ("sheet", "--out", "a.pdf")
     for named, arguments in {
@@ -121,6 +122,12 @@ def test_what_is_missing_or_wrong_is_named():
         "--area and --scale": ("floor", "x.png"),
         "--marker-height needs a lens": ("floor", "x.png", *AREA, "--marker-height", "80mm"),
         "--calibration": ("floor", "x.png", *AREA, "--calibration", "board.pdf"),
+        "picture": floor,
+        "--marker-height must": (*floor, "--marker-height", "high"),
+        "--place": (*floor, "grey.png", "--place", "one"),
+        "empty.csv": (*floor, "--marks", "empty.csv"),
+        "--number": (*sheet, "--kind", "floor", "--number", "17"),
+        "--board": ("lens", "x.png", "--board", "9"),
         "--positions": (*floor, "--pixels", "1,2 3,4 5,6 7,8"),
         "bad.csv: mark 2": (*floor, "--marks", "bad.csv"),
         "--out": ("sheet", "--out", "sheet.png"),

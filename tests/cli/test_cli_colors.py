@@ -229,6 +229,8 @@ def test_train_on_a_recording_from_regions_in_its_first_frame():
         regions.append(f"--region={name}={u - 5},{v - 5},{u + 5},{v + 5}")
     assert "[blue]" in done("train", "run", "--robot", "lab", *regions)
     assert "blue" in refused("train", "run", "--robot", "lab", regions[0])
+    nameless = regions[0].replace("red=", "")
+    assert "red=" in refused("train", "run", "--robot", "lab", nameless)
 
 
 def test_train_on_a_recording_refuses():
@@ -245,3 +247,11 @@ def test_train_on_a_recording_refuses():
     ]:
         assert named in refused("train", *arguments, "--to", "c.toml")
         assert not Path("c.toml").exists()
+
+
+def test_train_on_a_session():
+    sims = [robsim.Simulation(robot="lab", start=(300 + 200 * k, 500, k), seed=1) for k in range(2)]
+    frames = [robsim.Frame(sim.frame.image, t=0.2 * k) for k, sim in enumerate(sims)]
+    robsim.Experiment(frames, robot="lab", record="monday").run()
+    assert "[blue]" in done("train", "monday", "--robot", "lab")
+    assert "--area" in refused("train", "monday", "--robot", "lab", "--area", "600x600")

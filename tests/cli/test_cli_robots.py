@@ -177,6 +177,7 @@ def test_add_refuses_and_leaves_nothing_behind(user_folder):
         ("NAME", "../x", "lab"),
         ("text.png", "mine", "text.png"),
         ("--marker", "mine", "lab", "--marker", "red=hello"),
+        ("--marker", "mine", "lab", "--marker", "1,2 3,4 5,9"),
         ("--marker red", "mine", "lab", "--marker", "red=nan,1 2,2 3,1"),
         ("--outline", "mine", "lab", "--outline", "1 2 3"),
         ("--centre", "mine", "lab", "--centre", "1,2 3,4"),

@@ -96,7 +96,16 @@ def test_a_wrong_call_says_what_is_wrong(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for named, arguments in [
         ("--steps", ("demo", "--steps", "20")),
+        ("--steps", ("demo", "--steps", "many")),
         ("--resolution", ("run", "--resolution", "large")),
+        ("--dropout", ("run", "--dropout", "much")),
+        ("--headings", ("run", "--headings", "some")),
+        ("--control", ("run", "--control", "spin:3,4")),
+        ("--unit", ("run", "--scale", "2")),
+        ("--scale", ("run", "--unit", "mm", "--scale", "0")),
+        ("--start", ("run", "--start", "-3,300,0")),
+        ("--video", ("run", "--steps", "99999999", "--record", "a.mkv", "--video", "./a.mkv")),
+        ("--calibration", ("track", ".", "--unit", "mm")),
         ("gaussian", ("run", "--noise", "gausian:4")),
         ("--control", ("run", "--control", "dance")),
         ("quotes", ("run", "--control", "follow-path:9,3", "8,3")),

@@ -160,6 +160,7 @@ def test_what_makes_no_sense_is_said_and_nothing_is_graded(hw3):
         "nowhere": ("nowhere", "subs"),
         "submission": ("hw3", "nothing"),
         "'show'": ("hw3", "subs", "--only", "show"),
+        "--jobs": ("hw3", "subs", "--jobs", "0"),
         "--isolation": ("hw3", "subs", "--isolation", "full"),
         "moodle": ("hw3", "subs", "--columns", "moodel"),
         "--out": ("hw3", "subs", "--out", "subs"),

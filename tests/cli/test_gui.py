@@ -93,6 +93,14 @@ def test_the_options_of_a_run(seen, tmp_path):
     assert seen.view.runner.scenario == simulation.scenario
 
 
+def test_ctrl_c_is_a_good_end(seen, monkeypatch):
+    def interrupted(page, patience):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("robsim.gui._hosts.page.Page.wait", interrupted)
+    assert command("gui").exit_code == 0
+
+
 def test_no_browser(seen, monkeypatch):
     seen.has_browser = False
     assert "no browser" in command("gui").stderr
@@ -108,7 +116,9 @@ def test_a_mistake_is_told_before_anything_opens(tmp_path):
     for named, arguments in {
         "nowhere": ("nowhere",),
         "mine/control.py": ("mine/control.py",),  # a single callback is not its folder
+        "nowhere.mkv": ("nowhere.mkv",),
         "--speed": ("--speed", "0"),
+        "max": ("--speed", "fast"),
         "--port": ("--port", "70000"),
         "'prak'": ("--task", "prak"),
         "--task": ("--task", "park", "--scenario", "a.toml"),

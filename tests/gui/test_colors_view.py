@@ -99,6 +99,7 @@ def test_what_is_wrong_is_said_and_changes_nothing(view):
     for kind, fields, said in (
         ("region", {"region": [40, 0, 45, 9], "keep": 0}, "grey"),
         ("region", {"region": [70, 0, 99, 9], "keep": 0}, "region"),
+        ("region", {"region": [70, 0, 99], "keep": 0}, "region"),
         ("ranges", {"ranges": [[9, 3], [0, 9], [0, 9]]}, "y"),
         ("thresholds", {"text": "[red]\ny = [0, 300]"}, "within 0..255"),
         ("thresholds", {"text": "x" * 9000}, "a text of up to"),
@@ -154,6 +155,23 @@ def test_a_camera_is_shown_live_until_it_is_frozen(tmp_path):
         assert not [one for one in threading.enumerate() if one.name == "robsim pictures"]
 
 
+def test_options_count_for_a_class_that_is_not_there_yet(view, browser):
+    browser.say("set", name="limit_y", value=True)
+    browser.say("region", region=[40, 0, 45, 9], keep=0)
+    settled(view)
+    (made,) = view.training.value
+    grey = ColorClass.from_region(picture(), (40, 0, 45, 9), name=made.name, limit_y=True)
+    assert made == grey
+
+
+def test_a_camera_that_is_closed_says_so(here):
+    save_image("0.png", picture())
+    camera = robsim.Camera(here, fps=100)
+    camera.close()
+    with robsim.gui.color_panel(camera) as tool:
+        wait_for(lambda: "closed" in tool._view._over)
+
+
 def test_a_removed_class_leaves_the_file_and_others_stay(view, browser, tmp_path):
     save_colors(tmp_path / "colors.toml", ColorClass("kept"))
     browser.say("region", region=[20, 20, 29, 29], keep=0)
@@ -182,6 +200,8 @@ REGION = (20, 20, 29, 29)
 
 def test_what_the_mouse_does_is_done_by_a_script(here):
     with robsim.gui.color_panel(picture(), file="mine.toml") as tool:
+        with pytest.raises(ValueError, match="no colours yet"):
+            tool.save()
         made = tool.train("red", REGION)
         assert made == ColorClass.from_region(picture(), REGION, name="red")
         assert tool.value == (made,)
@@ -192,8 +212,12 @@ def test_what_the_mouse_does_is_done_by_a_script(here):
         assert tool.value[1] == blue
         assert tool.save().name == "mine.toml"
         assert load_colors("mine.toml") == tool.value
-        with pytest.raises(ValueError, match="region"):
-            tool.train("red", (0, 0, 99, 9))
+        for call, said in (
+            (lambda: tool.train("red", (0, 0, 99, 9)), "region"),
+            (lambda: tool.look(0), "k must"),
+        ):
+            with pytest.raises(ValueError, match=said):
+                call()
     with pytest.raises(RuntimeError, match="is closed"):
         tool.train("red", REGION)
     assert len(tool.value) == 2  # what was made is still there

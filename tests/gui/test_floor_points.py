@@ -50,9 +50,12 @@ def test_each_change_is_undone_and_a_drag_is_one(points):
 def test_what_is_refused_changes_nothing(points):
     points.add((1, 2))
     assert points.draft.problems()[0].startswith("point 1 has no place")
+    points.add((1.1, 2), (3, 4))
+    assert any("points 1 and 2 lie on each other" in one for one in points.draft.problems())
     before = points.draft
     for act, said in (
         (lambda: points.add((1, float("nan"))), "pixel must"),
+        (lambda: points.add((1, 1e9)), "pixel must"),
         (lambda: points.add((1, 2), 3), "position must"),
         (lambda: points.move(7, (1, 2)), "point 7"),
         (lambda: points.nudge(1, 3), "by must"),

@@ -125,6 +125,9 @@ def test_corners_of_a_grid_are_added_where_the_picture_has_them(tool):
     assert len(tool._view.points.draft.points) == len(PLACES)
     with pytest.raises(ValueError, match="step must"):
         tool.fill(24)  # too many places
+    tool.load(np.full((600, 800, 3), 120, np.uint8))
+    with pytest.raises(ValueError, match="no other corner"):
+        tool.fill(600)
 
 
 @pytest.mark.long
@@ -237,6 +240,8 @@ def test_what_is_wrong_is_said_in_place_and_changes_nothing(tool):
     before = tool._view.points.draft
     for kind, fields, said in (
         ("cut", {"point": 9}, "point 9"),
+        ("choose", {"point": 9}, "point 9"),
+        ("set", {"name": "width", "value": 3.5}, "area must"),
         ("set", {"name": "colour", "value": 3}, "setting"),
         ("set", {"name": "mark", "value": 1}, "mark must"),
         ("by", {"name": "hand"}, "by must"),
@@ -411,13 +416,14 @@ def fakes(monkeypatch):
     return Boards(monkeypatch)
 
 
-def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, fakes):
+def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, browser, fakes):
     assert tool.take_board() == 54
     lens = tool._view.lens
     small = np.zeros((480, 640, 3), np.uint8)
     tool.load(small)
-    with pytest.raises(ValueError, match="are 800 x 600; this one is 640 x 480"):
-        tool.take_board()
+    browser.say("take")
+    said = "are 800 x 600; this one is 640 x 480"
+    assert said in browser.take("note", level="error")[0]["text"]
     tool.go_back()
     assert tool.take_board() == 54
     assert len(lens.taken) == 2

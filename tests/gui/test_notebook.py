@@ -235,6 +235,8 @@ def test_interrupting_a_cell_pauses(panel):
 
 
 def test_where_it_cannot_be_shown_it_says_what_does(panel, monkeypatch, capsys):
+    panel._ipython_display_()
+    assert "open()" in capsys.readouterr().out
     monkeypatch.setitem(sys.modules, "robsim.gui._hosts.notebook", None)
     monkeypatch.delattr("robsim.gui._hosts.notebook")
     panel._ipython_display_()

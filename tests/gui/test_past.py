@@ -135,6 +135,18 @@ def test_of_frames_that_come_once_the_pictures_shown_are_kept(noisy):
         assert "only once" in head["reason"]
 
 
+@pytest.mark.long
+def test_frames_of_a_session_that_is_recorded_are_read_from_it(noisy, tmp_path):
+    pytest.importorskip("cv2")
+    frames = (noisy.render_step(k) for k in range(4))
+    with robsim.Experiment(frames, record=tmp_path / "session") as experiment:
+        experiment.run(4)
+        with panel_of(experiment) as (_, browser):
+            browser.say("look", k=2)
+            _, (picture,) = browser.take("frame", k=2, past=True)
+    assert is_alike(picture, noisy.render_step(2))
+
+
 def test_kept_pictures_need_no_more_than_their_room():
     kept = KeptPictures(100)
     for k in range(8):

@@ -86,6 +86,16 @@ def test_the_arrow_points_to_where_the_robot_faces(robot_tool):
     assert not is_near(still.at(beside), WHITE, 130)
 
 
+def test_the_square_is_drawn_around_what_is_captured(user_folder):
+    sim = robsim.Simulation(resolution=(300, 300), seed=1)
+    with robsim.gui.robot_panel(sim) as tool:
+        tool.message("square", at=[110, 130], side=60)
+        still = Still(tool, (300, 300))
+        for place in ((80, 130), (140, 130), (110, 100), (110, 160)):
+            assert still.has(np.array(place) - 0.5, YELLOW)
+        assert not still.has((60, 130), YELLOW)
+
+
 @pytest.fixture
 def color_tool(tmp_path):
     image = np.full((120, 160, 3), FLOOR, np.uint8)
@@ -162,3 +172,6 @@ def test_the_still_of_a_floor_has_its_points_and_a_grid(tmp_path):
             assert is_near(still[y, x], (94, 224, 138), 30)
         middle = still[34 + 60 : 34 + 360, 6 + 60 : 6 + 500]
         assert (np.abs(middle - FLOOR).max(axis=2) > 60).any()  # the grid
+        whole = tool.snapshot()
+        tool.clear()
+        assert tool.snapshot() != whole

@@ -296,6 +296,7 @@ def test_methods_do_what_the_mouse_does(tmp_path, user_folder):
         tool.load(file)
         np.testing.assert_array_equal(shown(tool._view), OTHER)
         assert tool._view.picture.name == "other.png"
+        tool.load(robsim.Frame(FLOOR))
         tool.go_back()
         assert tool._view.picture.name == "a picture"
         file.write_bytes(b"nothing")
@@ -305,6 +306,8 @@ def test_methods_do_what_the_mouse_does(tmp_path, user_folder):
         tool.load(OTHER)
         tool.capture(whole=True)
         np.testing.assert_array_equal(tool._view.drawing.sketch.image[..., :3], OTHER)
+        tool.go_back()
+        np.testing.assert_array_equal(shown(tool._view), FLOOR)
 
 
 def test_what_is_packed_is_unpacked():
