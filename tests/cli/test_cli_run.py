@@ -336,3 +336,10 @@ def test_a_callback_that_ends_the_program_keeps_the_steps(mine):
     )
     command("run", "mine", "--steps", "9", cwd=mine.parent)
     assert len(robsim.Trace.load(mine.parent / "robsim-run" / "cut-short.npz")) == 3
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_what_was_not_asked_for_is_not_in_json(tmp_path):
+    run = command("run", "--steps", "2", "--out", "out", "--json", cwd=tmp_path)
+    assert json.loads(run.stdout) == {}
+    assert "--measure" in run.stderr

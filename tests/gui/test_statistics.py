@@ -114,6 +114,19 @@ def test_they_come_once_a_second_while_it_runs_and_at_once_on_pause(computing):
     assert len(panel.sent) == 3
 
 
+def test_those_of_a_run_before_a_reset_are_not_told():
+    panel = FakePanel(n_resets=0, n_steps=4, trace=trace_with(np.zeros((4, 3))))
+    statistics = Statistics(panel)
+    statistics.look(10.0)
+    statistics.close(300)
+    panel.record.n_resets = 1
+    panel.record.n_steps = 0
+    statistics.changed()
+    assert statistics.look(10.1) == math.inf  # one at a time
+    panel.jobs.pop()()
+    assert panel.sent == []
+
+
 def test_those_that_take_long_come_less_often(computing):
     class Slow(Statistics):
         def message(self, trace):
