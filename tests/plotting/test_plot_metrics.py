@@ -215,6 +215,8 @@ def test_larger_ellipses_leave_the_paths_and_the_verdict_as_they_are():
         assert (len(inside.get_paths()), len(missed.get_paths())) == (4, 1)
         sizes.append(np.ptp(drawn_ellipses(axes), axis=1))
     np.testing.assert_allclose(sizes[1], 5 * sizes[0])
+    small = make_trace(covariance=np.broadcast_to(1e-6 * np.eye(3), (50, 3, 3)))
+    assert "2000 times as large" in plot_ellipses(small).get_title(loc="left")
 
 
 def test_ellipses_are_drawn_where_the_covariance_is_known_and_not_huge():

@@ -257,3 +257,13 @@ def test_u_cannot_be_read_before_it_is_decided():
         with pytest.raises(RuntimeError, match=r"step 0.*step\.last_u") as caught:
             sim.run(1)
         assert any(slot in note for note in caught.value.__notes__)
+
+
+@pytest.mark.long
+def test_recursion_is_told_in_few_lines():
+    def run():
+        robsim.Simulation(control=lambda step: run()).run(1)
+
+    with pytest.raises(RecursionError) as caught:
+        run()
+    assert caught.value.__notes__ == ["in the callback control at step 0"] * 8

@@ -273,3 +273,9 @@ def test_a_reset_repeats_the_run_with_its_own_inputs(run):
     np.testing.assert_array_equal(sim.run(5).u, u)
     sim.reset(seed=2)
     assert not np.array_equal(sim.run(5).u, u)
+
+
+def test_a_recording_is_no_live_camera():
+    for source in (0, "rtsp://camera/1", "/dev/video0"):
+        with pytest.raises(ValueError, match=r"source .*live camera"):
+            robsim.Recording(source)
