@@ -321,6 +321,13 @@ def test_an_output_that_cannot_be_written():
     assert "No space left on device" in run.stderr
 
 
+def test_a_terminal_without_the_sign_for_degrees(monkeypatch):
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    run = cli("robots", "list")
+    assert run.returncode == 0, run.stderr
+    assert "90?, faces up" in run.stdout
+
+
 def test_a_command_that_is_stopped_says_so(monkeypatch):
     def stopped(**options):
         raise KeyboardInterrupt

@@ -10,7 +10,7 @@ import pytest
 import robsim
 from browsers import FakeBrowser, pixels_of_floor, settled, tiled_floor
 from python_cameras import PATIENT, EndlessCamera
-from robsim.calibration import Chessboard, Corners
+from robsim.calibration import Chessboard, Corners, FloorSheet
 from robsim.imaging import (
     Calibration,
     Intrinsics,
@@ -316,6 +316,27 @@ def test_sheets_in_a_picture(tmp_path, monkeypatch):
         assert tool.find_sheets(mark=80, places={1: (0, 0)}).rms < 0.3
 
 
+def test_a_mark_that_is_measured_while_sheets_are_found_counts_for_them(tool, browser, monkeypatch):
+    begun, goes_on = threading.Event(), threading.Event()
+
+    def corners(mark):
+        return np.concatenate([*FloorSheet(1, mark).corners().values()])
+
+    def find(image, mark):
+        begun.set()
+        assert goes_on.wait(300)
+        return {1: Corners(corners(mark), corners(mark) + 200)}
+
+    monkeypatch.setattr("robsim.gui._tools.floor.sheets.find_sheets", find)
+    browser.say("sheets")
+    assert begun.wait(300)
+    browser.say("set", name="mark", value=100)
+    browser.take("state", sheets={"mark": 100, "found": []})
+    goes_on.set()
+    wait_for(lambda: tool._view.sheets.task().corners)
+    np.testing.assert_allclose(tool._view.sheets.task().corners[1].positions, corners(100))
+
+
 @pytest.fixture(scope="module")
 def boards():
     """Pictures of a board, through a lens that distorts."""
@@ -435,6 +456,21 @@ def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, browser
     tool.load(small)
     assert tool.take_board() == 54
     assert lens.taken[0].size == (640, 480)
+
+
+def test_of_a_picture_that_was_loaded_no_board_is_taken_by_itself(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    camera = EndlessCamera(np.zeros((60, 80, 3), np.uint8))
+    with robsim.Camera(camera, **PATIENT) as device, robsim.gui.floor_panel(device) as tool:
+        lens, looked = tool._view.lens, []
+        tool.load(np.zeros((48, 64, 3), np.uint8))
+        monkeypatch.setattr(lens, "_look_at", lambda picture, **_: looked.append(picture))
+        tool._view.ask(lambda: setattr(lens, "watches", True))
+        tool.load(np.ones((48, 64, 3), np.uint8))
+        settled(tool._view)
+        assert looked == []
+        tool.go_back()
+        wait_for(lambda: looked)
 
 
 def test_with_another_side_of_a_square_the_pictures_stay(tool, browser, fakes):

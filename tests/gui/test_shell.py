@@ -116,16 +116,6 @@ def test_the_time_line_shows_past_steps_and_the_newest_again(shell):
     assert slider.input_value() == "101"
 
 
-def test_a_trace_that_is_played_back_moves_the_time_line(shell):
-    host = shell(setup={"source": "trace"})
-    host.state(state="running", k=99, steps=100)
-    host.frame(30, past=True)
-    host.rest()
-    assert host.tab.locator(".robsim-timeline input").input_value() == "30"
-    host.state(state="ended", k=99, steps=100)
-    assert host.tab.locator(".robsim-transport [name=start]").is_enabled()
-
-
 # Settings.
 
 

@@ -152,24 +152,6 @@ def test_what_is_open_stays_open_and_is_asked_for_again(tab_of):
     assert not host.tab.get_by_text("old", exact=True).is_visible()
 
 
-def test_the_tree_rests_while_the_steps_rush_by_and_shows_past_steps(tab_of):
-    host = tab_of("inspector")
-    wait_sent(host, "inspect")
-    host.state(k=213, steps=214, state="running", speed=20)
-    host.rest(ASK_GAP)
-    host.forget()
-    host.frame(214)
-    host.rest(ASK_GAP)
-    assert host.sent("inspect") == []
-    host.state(k=214, steps=215)
-    host.rest(ASK_GAP)
-    host.forget()
-    host.tab.click(".robsim-camera canvas")
-    host.tab.keyboard.press("ArrowLeft")
-    (look,) = wait_sent(host, "look")
-    assert wait_sent(host, "inspect")[0]["k"] == look["k"] == 213
-
-
 def figure():
     out = io.BytesIO()
     Image.new("RGB", (90, 30), "white").save(out, "PNG")

@@ -224,6 +224,12 @@ def test_a_line_that_is_gone_is_gone_for_the_tool(watcher):
     wait_for(lambda: not tool._view.links)
 
 
+@pytest.mark.long
+def test_another_robot_from_a_cell_is_shown(watcher):
+    watcher.view.runner.robot = "sheep"
+    wait_for(lambda: watcher.newest("setup")["robot"]["name"] == "sheep")
+
+
 def test_a_recorded_run_has_no_tools(watch):
     sim = simulation()
     watcher = watch(sim.run(3))
