@@ -130,14 +130,6 @@ def test_a_class_of_the_users_own_keeps_what_it_adds():
     assert repr(tired) == "Tired(voltage=0.1)"
 
 
-@pytest.mark.long
-@given(st.floats(allow_nan=False, allow_infinity=False))
-def test_every_bit_of_a_number_is_kept(voltage):
-    spin = pickle.loads(pickle.dumps(Spin(voltage)))
-    assert spin.voltage.hex() == voltage.hex()
-    assert eval(repr(spin), dict(NAMES)).voltage.hex() == voltage.hex()
-
-
 def test_a_pickle_is_checked_as_the_constructor_is():
     drive = DriveAround.__new__(DriveAround)
     with pytest.raises(ValueError, match="hold"):

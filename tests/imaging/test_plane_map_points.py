@@ -35,13 +35,6 @@ def test_three_points_on_a_line():
         refused(SQUARE, bad, "^positions.*line")
 
 
-def test_points_of_another_shape_or_number():
-    for points in (SQUARE[:3], [(1, 2, 3)] * 4, [1, 2], [(0, 0), (1,)]):
-        refused(points, SQUARE, "pixels")
-    refused([*SQUARE, (5, 5)], SQUARE, "5 and 4")
-    refused(SQUARE, [*SQUARE[:3], (np.nan, 1)], "positions")
-
-
 TABLE = PlaneMap([[1.9, 0.3, -120], [-0.1, 2.4, -60], [1e-4, 5e-4, 1]])
 GRID = np.array([(u, v) for u in (40, 240, 440, 600) for v in (30, 200, 450)], float)
 

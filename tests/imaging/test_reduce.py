@@ -30,3 +30,10 @@ def test_a_pixel_is_the_mean_of_its_block(rng):
 def test_a_width_of_nothing_is_refused():
     with pytest.raises(ValueError, match="width"):
         _core.reduced(robsim.Frame(np.zeros((4, 4, 3), np.uint8)), 0)
+
+
+def test_large_factors_go_in_steps_and_never_below_the_width():
+    image = np.full((1600, 2000, 3), 255, np.uint8)
+    smaller = _core.reduced(robsim.Frame(image), 230)
+    assert smaller.shape == (200, 250, 3)
+    assert (smaller == 255).all()

@@ -195,3 +195,13 @@ def test_measured_marks_and_a_picture_keep_the_sheets_in_it(with_sheets):
         calibrate_floor(pixels, places, **options)
     with pytest.raises(ValueError, match=r"480 x 400 px"):
         sheet_shifts(image[:400], kept)
+
+
+def test_another_sheet_of_the_same_number_does_not_count(with_sheets):
+    image, given = with_sheets
+    twin = image.copy()
+    part = image[60:130, 30:140]
+    twin[260:330, 30:140] = part
+    found = sheet_shifts(twin, given)
+    assert found[1] < 0.2
+    assert set(found) == {1, 2, 3}

@@ -19,6 +19,8 @@ def recorded(tmp_path_factory):
     record(folder, 2).close()
     setup = folder / "setup.toml"
     setup.write_text(setup.read_text().replace("format = 2", "format = 1"))
+    rows = folder / "steps.csv"  # whose last column, of the headings, came later
+    rows.write_text("".join(line.rpartition(",")[0] + "\n" for line in rows.read_text().split()))
     return folder
 
 

@@ -100,6 +100,12 @@ def test_a_session_agrees_with_itself(recorded):
     assert check_agreement(session) == 25  # again
 
 
+def test_players_show_the_video(recorded):
+    recording = robsim.Recording(recorded / "frames.mkv")
+    assert recording.dt == pytest.approx(0.2)
+    assert [sessions.number_of(frame) for frame in recording] == list(range(25))
+
+
 def test_the_default_video_shifts_poses_by_less_than_a_tenth_of_a_pixel(recorded):
     session = Session(recorded)
     error = robsim.Experiment(session).run().pose_measured - session.trace.pose_measured

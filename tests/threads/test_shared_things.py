@@ -153,3 +153,30 @@ def test_the_garbage_collector_looks_at_a_run():
     finally:
         gc.set_threshold(*before)
         gc.unfreeze()
+
+
+def test_frames_that_several_threads_draw_again():
+    sim = robsim.Simulation(resolution=(100, 80), noise=robsim.UniformNoise(5), seed=1)
+    frames = [sim.step().frame.image.copy() for _ in range(8)]
+
+    def draw():
+        for _ in range(4):
+            for k, expected in enumerate(frames):
+                np.testing.assert_array_equal(sim.render_step(k).image, expected)
+
+    together(draw, draw, draw)
+
+
+def test_callbacks_in_several_threads():
+    """With callbacks the runs take turns; each gives what it gives alone."""
+
+    def make(seed):
+        sim = robsim.Simulation(seed=seed, **SMALL)
+        sim.control = lambda step: (0.2 + 0.001 * sim.rng.random(), 0.1)
+        return sim
+
+    alone = [make(seed).run(60).u for seed in range(3)]
+    sims = [make(seed) for seed in range(3)]
+    together(*(lambda sim=sim: sim.run(60) for sim in sims))
+    for sim, expected in zip(sims, alone, strict=True):
+        np.testing.assert_array_equal(sim.trace.u, expected)

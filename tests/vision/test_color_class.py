@@ -128,12 +128,6 @@ def test_a_simulation_takes_classes_or_their_file(color_file):
 # --- rgb_to_yuv
 
 
-def test_pure_colors_by_hand():
-    image = np.array([[[255, 0, 0], [0, 255, 0], [0, 0, 255]]], np.uint8)
-    # 38 * 255/128 = 75.7, -22 * 255/128 = -43.8, 64 * 255/128 = 127.5, and so on, rounded down
-    assert rgb_to_yuv(image).tolist() == [[[75, 84, 255], [149, 44, 20], [29, 255, 108]]]
-
-
 def test_every_value_of_every_channel_fits_into_a_byte():
     levels = np.arange(0, 256, 5, dtype=np.uint8)  # 0 and 255 among them
     image = np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(52, -1, 3)

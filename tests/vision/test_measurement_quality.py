@@ -198,3 +198,18 @@ def test_huge_figures_break_neither_filters_nor_reports_nor_plots():
         assert str(trace.tracking())
     robsim.plotting.plot_errors(robsim.pose_errors(trace))
     robsim.plotting.plot_traces(trace)
+
+
+def test_the_batch_table_says_what_its_standard_errors_do_not_cover():
+    trace = simulation(headings=None, identify_from="measurement").run(100)
+    tracked = robsim.batch_estimate(trace, method="output_error")
+    assert any("resemble their neighbours" in remark for remark in tracked.remarks)
+    true = robsim.batch_estimate(trace, identify_from="truth", method="output_error")
+    assert not any("resemble their neighbours" in remark for remark in true.remarks)
+
+
+def test_covariances_of_any_size_and_of_less_than_full_rank():
+    for scale in (0, 1e-300, 1, 1e300):
+        for covariance in (np.eye(3), np.ones((3, 3)), np.outer((1, -2, 3), (1, -2, 3))):
+            measurement = robsim.Measurement((1, 2, 3), covariance=scale * covariance)
+            np.testing.assert_array_equal(measurement.covariance, scale * covariance)

@@ -103,11 +103,6 @@ def test_the_robot_software_takes_the_second_chance():
         assert copy.by_second_chance
 
 
-def test_colours_go_with_an_image():
-    with pytest.raises(ValueError, match="colors"):
-        detect({"red": [], "blue": []}, MARKERS, colors=COLORS)
-
-
 # --- the masks
 
 

@@ -64,3 +64,14 @@ def test_what_is_looked_for_comes_from_the_robot():
     assert options_of(robsim.Simulation(robot=few, measure=True, smoothing=1)) == (66, 3, 1)
     bare = robsim.vision.MarkerLayout(43, 14)  # knows no areas
     assert options_of(robsim.Simulation(markers=bare, measure=True)) == (12, 64, 1)
+
+
+def test_find_blobs_takes_them_from_markers_too():
+    sim = robsim.Simulation(robot="lab", resolution=(480, 480), noise=robsim.GaussianNoise(40))
+    markers = robsim.load_robot("lab").marker_layout()
+    found = robsim.find_blobs(sim.frame, sim.colors, markers=markers)
+    assert found == robsim.find_blobs(sim.frame, sim.colors, minimum_area=11, smoothing=3)
+    assert found == sim.find_blobs(sim.frame)
+    # of an array nobody knows the scale: a pixel counts as one of the area
+    plain = robsim.find_blobs(sim.frame.image, sim.colors, markers=markers)
+    assert all(blob.area >= 66 for blob in plain["red"])

@@ -30,22 +30,39 @@ HARD_LIMIT = 300  # s
 STOPPED = 0.8  # s
 EVERY = 4  # each so many rounds one is in a process of its own
 
-#: name -> (by when the robot must stand, exit code, what the last line of stderr begins with)
+
+def fail():
+    raise ZeroDivisionError("of the fault")
+
+
+def fork():
+    multiprocessing.get_context("fork").Process(target=time.sleep, args=(2,)).start()
+
+
+KILLED = ("time to live", -signal.SIGKILL, "")
+INTERRUPTED = ("at once", -signal.SIGINT, "KeyboardInterrupt")
+#: name -> (by when the robot must stand, exit code, what the last line of stderr begins with, what
+#: a callback does)
 ENDS = {
-    "SIGKILL": ("time to live", -signal.SIGKILL, ""),
+    "SIGKILL": KILLED,
     "SIGTERM": ("time to live", -signal.SIGTERM, ""),
-    "abort()": ("time to live", -signal.SIGABRT, ""),
-    "_exit()": ("time to live", 7, ""),
-    "SIGKILL, a fork lives on": ("time to live", -signal.SIGKILL, ""),
-    "SIGKILL, interpreter held": ("time to live", -signal.SIGKILL, ""),
-    "SIGKILL after step()": ("time to live", -signal.SIGKILL, ""),
-    "stopped, child's SIGINT": ("at once", -signal.SIGINT, "KeyboardInterrupt"),
-    "child's SIGINT": ("at once", -signal.SIGINT, "KeyboardInterrupt"),
-    "child's SIGINT after step()": ("at once", -signal.SIGINT, "KeyboardInterrupt"),
-    "sys.exit()": ("at once", 5, ""),
+    "abort()": ("time to live", -signal.SIGABRT, "", os.abort),
+    "_exit()": ("time to live", 7, "", lambda: os._exit(7)),
+    "SIGKILL, a fork lives on": (*KILLED, fork),
+    "SIGKILL, interpreter held": (
+        "time to live",
+        -signal.SIGKILL,
+        "",
+        lambda: keep_interpreter(300),
+    ),
+    "SIGKILL after step()": KILLED,
+    "stopped, child's SIGINT": INTERRUPTED,
+    "child's SIGINT": INTERRUPTED,
+    "child's SIGINT after step()": INTERRUPTED,
+    "sys.exit()": ("at once", 5, "", lambda: sys.exit(5)),
     "end after step()": ("at once", 0, ""),
     "end beside a run": ("at once", 0, ""),
-    "error in callback": ("at once", 1, "ZeroDivisionError"),
+    "error in callback": ("at once", 1, "ZeroDivisionError", fail),
 }
 
 
@@ -60,7 +77,7 @@ class ChildRound(Checked):
         super().__init__(f"child {seed} {number}", slack)
         rng = self.rng
         self.end = list(ENDS)[number // EVERY % len(ENDS)]
-        self.promise, self.code, self.last_line = ENDS[self.end]
+        self.promise, self.code, self.last_line, *_ = ENDS[self.end]
         self.camera_kind = rng.choice([kind for kind in kinds if kind != "file"])
         is_native = self.promise == "time to live"
         self.motors_kind = rng.choice(robots.NATIVE if is_native else robots.KINDS)
@@ -159,31 +176,15 @@ def say():
     print(time.monotonic(), flush=True)
 
 
-def end_by_itself(end):
-    """End the process from within a callback, if it ends so."""
-    if end == "SIGKILL, interpreter held":
-        keep_interpreter(cameras.LONG)
-    if end == "SIGKILL, a fork lives on":
-        multiprocessing.get_context("fork").Process(target=time.sleep, args=(2,)).start()
-    if end in ("abort()", "_exit()", "sys.exit()", "error in callback"):
-        say()
-    if end == "abort()":
-        os.abort()
-    if end == "_exit()":
-        os._exit(7)
-    if end == "sys.exit()":
-        sys.exit(5)
-    if end == "error in callback":
-        raise ZeroDivisionError("of the fault")
-
-
 def main(told):
     faulthandler.dump_traceback_later(HARD_LIMIT - 5)
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def control(step):
-        if step.k == told["k"]:
-            end_by_itself(told["end"])
+        if step.k == told["k"] and len(ENDS[told["end"]]) > 3:
+            if "SIG" not in told["end"]:
+                say()
+            ENDS[told["end"]][3]()
         if step.k == 1:
             print("drives", flush=True)
         return input_of(step.k)

@@ -129,9 +129,10 @@ class Round(Checked):
 
     def run(self, folder):
         """Drive, and check what comes of it."""
-        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+        limits = resource.RLIMIT_FSIZE, resource.getrlimit(resource.RLIMIT_FSIZE)
         folder = Path(folder, "session") if self.is_recorded else None
         with ExitStack() as stack:
+            stack.callback(resource.setrlimit, *limits)
             self.camera = stack.enter_context(cameras.camera_of(self.camera_kind, self.rng))
             is_cut = any(fault.is_cut for fault in self.faults)
             self.robot = robots.Robot(self.motors_kind, is_cut)
@@ -148,9 +149,9 @@ class Round(Checked):
             self.drive()
             wait_for(lambda: not self.robot.drives())
             if self.rng.random() < 0.5:  # the disk has room again
-                resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-            self.close_experiment()
-            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+                resource.setrlimit(*limits)
+            with suppress(*self.expected_errors()), self.experiment or ExitStack():
+                pass
         self.check_error()
         self.check_stop()
         if self.experiment is not None:
@@ -183,13 +184,6 @@ class Round(Checked):
         with suppress(LineError):  # it may be cut
             if self.motors is not None:
                 self.motors.close()
-
-    def close_experiment(self):
-        try:
-            with self.experiment or ExitStack():
-                pass
-        except BaseException as error:
-            self.check(isinstance(error, self.expected_errors()), f"closing: {error!r}")
 
     # What must hold.
 
