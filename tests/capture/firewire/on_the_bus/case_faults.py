@@ -1,6 +1,9 @@
 """What goes wrong on a bus: each by its name, and mended where it can be."""
 
 import contextlib
+import ctypes
+import errno
+import fcntl
 import os
 import subprocess
 import sys
@@ -195,3 +198,18 @@ def test_features_that_were_set_hold_when_it_is_plugged_in_again(start):
                 read_until_timeout(camera)
                 bus.plug_in()
                 wait_for(lambda: camera.counts.reopened)
+
+
+@pytest.mark.parametrize("name", ["__open_2", "__open64_2"])
+def test_programs_that_check_their_calls_see_the_bus(start, name):
+    start(new_lab())
+    library = ctypes.CDLL(None, use_errno=True)
+    descriptor = library[name](b"/dev/fw1", os.O_RDWR)
+    assert descriptor >= 0
+    buffer = ctypes.create_string_buffer(8)
+    fcntl.fcntl(descriptor, fcntl.F_SETFL, os.O_NONBLOCK)
+    assert library["__read_chk"](descriptor, buffer, 8, 8) == -1  # no event has come
+    assert ctypes.get_errno() == errno.EAGAIN
+    os.close(descriptor)
+    assert library[name](b"/dev/fw7", os.O_RDWR) == -1
+    assert ctypes.get_errno() == errno.ENOENT
