@@ -13,7 +13,8 @@ from pathlib import Path
 from mutants.fault import Fault
 
 _LONGEST = 3600  # s, of a build or a run of tests; what hangs is caught
-_LONGEST_IN_CPP = 300  # s
+_LONGEST_IN_CPP = 120  # s
+_LONGEST_TEST = 120  # s; whoever waits longer for what a fault keeps from happening has caught it
 #: Folders of tests that take long, by the folder of the fault; other faults: folders of its name.
 _RELATED = {
     "_base": "files trace robots simulation fuzz",
@@ -129,6 +130,7 @@ class Bench:
 
     def _pytest(self, root: Path, marks: str, folders: list[str]) -> str | None:
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-n", "2", "-p", "no:cacheprovider"]
+        command += ["-o", f"timeout={_LONGEST_TEST}"]
         environment = os.environ | {"PYTHONPATH": str(self.site), "OPENBLAS_NUM_THREADS": "1"}
         try:
             done = run([*command, "-m", marks, *folders], cwd=root, env=environment)
