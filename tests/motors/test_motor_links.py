@@ -100,8 +100,11 @@ def test_it_keeps_the_robot_going_while_python_does_something_else(robot):
         assert robot.counts.old == 0
 
 
-def test_the_watchdog_needs_no_interpreter():
-    for seconds in LONGER_AND_LONGER:
+@pytest.mark.parametrize(
+    "holds", [LONGER_AND_LONGER, pytest.param([16], marks=pytest.mark.slow)], ids=["short", "16 s"]
+)
+def test_the_watchdog_needs_no_interpreter(holds):
+    for seconds in holds:
         with MotorReceiver() as robot, motors_of(robot, ttl=SHORT) as motors:
             watchdog = Watchdog(motors)
             motors((1, 1))
