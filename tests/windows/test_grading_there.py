@@ -40,7 +40,7 @@ def test_a_class_is_graded(tmp_path):
     (tmp_path / "handed/zoe/estimate_state.py").write_text("import os\nos._exit(0)")
     status, said = ran(tmp_path, "robsim", "grade", "hw3", "handed", "--out", "graded")
     assert status == 1, said
-    assert "isolation: process, job object; not: user, files" in said
+    assert "isolation: process; not: user, files" in said
     with (tmp_path / "graded/class.csv").open(encoding="utf-8-sig", newline="") as file:
         points = {row["student"]: float(row["points"]) for row in csv.DictReader(file)}
     assert points == {"anna": 6, "zoe": 0}

@@ -127,11 +127,7 @@ ATTEMPTS: dict[str, Callable[[dict[str, Any]], str]] = {
     "connect": _connect,
     "send a packet": _send,
 }
-if sys.platform == "win32":
-    from robsim.grading._isolation._processes.windows import attempts
-
-    ATTEMPTS |= attempts.ATTEMPTS
-else:
+if sys.platform != "win32":
     ATTEMPTS |= {
         "start a process": _fork,
         "run a program": _execute,

@@ -16,7 +16,7 @@ from typing import Any
 
 from robsim._base.report import Quantity, Report
 from robsim.grading._errors import GraderError
-from robsim.grading._isolation._layers.layer import JOB, Layers
+from robsim.grading._isolation._layers.layer import Layers
 from robsim.grading._isolation._request import Isolation
 from robsim.grading._isolation._start import start_worker
 
@@ -106,11 +106,6 @@ class IsolationReport(Report):
     def _end(self) -> str:
         if self.certain_end:
             return "The end of a worker is certain: what it has started ends with it."
-        if any(name == JOB and holds for name, holds, _ in self.layers):
-            return (
-                "What a worker has started ends with it, but not what it has made a service of "
-                "Windows start."
-            )
         return (
             "A worker may leave a process that outlives it: it is looked for and ended, but a "
             "process that flees faster than that is not found."

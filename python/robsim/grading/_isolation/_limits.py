@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from robsim._base.checks import check_float, check_int
 
 _MI = 1 << 20
+#: Bytes that each file counts at least: to remove a folder takes milliseconds on some disks.
+BLOCK = 1 << 16
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,3 +86,8 @@ def as_size(count: int) -> str:
         if count >= size:
             return f"{count / size:.4g} {unit}"
     return f"{count} bytes"
+
+
+def room_for(sizes: Iterable[int]) -> int:
+    """Return how much files of these sizes (bytes) count at most."""
+    return sum(size + BLOCK for size in sizes)

@@ -81,8 +81,6 @@ def start_worker(
     modules = tuple(dict.fromkeys((*modules, module)))
     if sys.platform == "linux" and HAS_ZYGOTE:
         from robsim.grading._isolation._forked import forked_worker as worker_of
-    elif sys.platform == "win32":
-        from robsim.grading._isolation._processes.windows.fresh import fresh_worker as worker_of
     else:
         from robsim.grading._isolation._processes.fresh import fresh_worker as worker_of
     worker = worker_of(request, channel, memory, modules, path)

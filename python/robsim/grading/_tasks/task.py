@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from robsim.grading._isolation import Isolation, Limits
-from robsim.grading._isolation._processes.written import room_for
+from robsim.grading._isolation._limits import room_for
 from robsim.grading._submissions import Rules, SubmissionFiles
 from robsim.grading._tasks.allowed import Frames
 

@@ -27,7 +27,7 @@ class Layer:
         return named if self.holds and self.text else self.name
 
 
-PROCESS, JOB, LIMITS, USER, MEMORY = "process", "job object", "limits", "user", "memory"
+PROCESS, LIMITS, USER, MEMORY = "process", "limits", "user", "memory"
 FILES, CALLS, PIDS, NETWORK = "files", "system calls", "own process numbers", "own network"
 
 

@@ -43,7 +43,10 @@ def command_for(entry: str, *arguments: int) -> list[str]:
     package = str(Path(__file__).parents[4])
     module, _, function = entry.partition(":")
     called = f"{function}({', '.join(map(str, arguments))})"
-    code = f"import sys; sys.path.append({package!r}); from {module} import {function}; {called}"
+    code = (
+        f"import sys; p = sys.path; at = [one.endswith('-packages') for one in (*p, '-packages')]; "
+        f"p.insert(at.index(True), {package!r}); from {module} import {function}; {called}"
+    )
     program = sys.executable
     if sys.platform == "win32":  # where that of a virtual environment starts another process
         program = getattr(sys, "_base_executable", program)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import stat
 import sys
-from collections.abc import Iterable
 
-_BLOCK = 1 << 16  # bytes: to remove a folder takes milliseconds on some disks
+from robsim.grading._isolation._limits import BLOCK
+
+assert sys.platform == "linux"
+
 _DEEPEST = 100  # folders in folders
 
 
@@ -24,8 +26,8 @@ def exceeds(folder: str, most: int) -> bool:
         try:
             with os.scandir(here) as entries:
                 for entry in entries:
-                    status = _status(entry)
-                    total += max(_BLOCK, _size_on_disk(status))
+                    status = entry.stat(follow_symlinks=False)
+                    total += max(BLOCK, 512 * status.st_blocks)
                     if total > most:
                         return True
                     if stat.S_ISDIR(status.st_mode):
@@ -35,20 +37,3 @@ def exceeds(folder: str, most: int) -> bool:
         except OSError:
             return True
     return False
-
-
-def _status(entry: os.DirEntry[str]) -> os.stat_result:
-    if sys.platform == "win32":  # a folder there knows the size of an open file only later
-        return os.lstat(entry.path)
-    return entry.stat(follow_symlinks=False)
-
-
-def _size_on_disk(status: os.stat_result) -> int:
-    if sys.platform == "win32":
-        return status.st_size
-    return status.st_blocks * 512
-
-
-def room_for(sizes: Iterable[int]) -> int:
-    """Return how much `exceeds` counts for files of these sizes (bytes)."""
-    return sum(size + _BLOCK for size in sizes)
