@@ -5,7 +5,6 @@ import io
 import json
 import re
 from itertools import chain
-from xml.etree import ElementTree
 
 import pytest
 from hypothesis import given
@@ -107,10 +106,6 @@ def check_other_formats(result):
     for test in content["tests"]:
         assert not HARMFUL.search(test["name"] + test["output"])
         assert set(Outline(test["output"]).names) <= ELEMENTS - {"script", "style", "a"}
-
-    root = ElementTree.fromstring(reports.junit_xml([result]))
-    assert len(list(root.iter("testcase"))) == len(result.tests)
-    assert not any(HARMFUL.search("".join([*e.itertext(), *e.attrib.values()])) for e in root)
 
     for columns in ("robsim", "moodle", "canvas", "blackboard"):
         table = reports.marks_table([result, submission("s2", [])], columns=columns)

@@ -44,7 +44,7 @@ def write_class_files(
     results: Sequence[SubmissionResult],
     tables: ClassTables,
 ) -> None:
-    """Write page, table and JUnit file of a class into the folder of its results.
+    """Write page and table of a class into the folder of its results.
 
     Without what was `handed` in nothing is said of programs that resemble each other.
     """

@@ -16,7 +16,7 @@ from robsim.assignments._results import SubmissionResult
 from robsim.grading import AssignmentError
 
 PATHS = "paths.json"
-_TAKEN = frozenset({"class.html", "class.csv", "junit.xml", "results.json"})
+_TAKEN = frozenset({"class.html", "class.csv", "results.json"})
 _MOST = 2**26  # bytes
 
 

@@ -1,7 +1,6 @@
 """Reports of grading: pages, tables and files, for students, teachers and platforms."""
 
 from robsim.assignments._reports.marks.gradescope import gradescope, write_gradescope
-from robsim.assignments._reports.marks.junit import junit_xml
 from robsim.assignments._reports.marks.tables import marks_table
 from robsim.assignments._reports.similarity.winnowing import Program, program_of
 from robsim.assignments._reports.student_text import student_text
@@ -12,7 +11,6 @@ __all__ = [
     "Program",
     "for_student",
     "gradescope",
-    "junit_xml",
     "marks_table",
     "program_of",
     "student_text",

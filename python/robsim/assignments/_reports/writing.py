@@ -9,7 +9,6 @@ from pathlib import Path
 
 from robsim._base.checks import Floats
 from robsim._base.files import as_folder, write_whole
-from robsim.assignments._reports.marks.junit import junit_xml
 from robsim.assignments._reports.marks.tables import marks_table
 from robsim.assignments._reports.markup import Html
 from robsim.assignments._reports.pages.class_page import class_page, tests_of
@@ -23,7 +22,7 @@ from robsim.assignments._reports.words import heading
 from robsim.assignments._results import SubmissionResult
 
 RESULT, PAGE, TEXT, TEACHERS = "result.json", "index.html", "result.txt", "teacher.html"
-CLASS, MARKS, JUNIT = "class.html", "class.csv", "junit.xml"
+CLASS, MARKS = "class.html", "class.csv"
 
 #: The best run of a student in a test, (N, 2), in px of the work area.
 Paths = Mapping[str, Mapping[str, Floats]]
@@ -82,7 +81,7 @@ def write_class(
     columns: str = "robsim",
     title: str | None = None,
 ) -> None:
-    """Write the reports of a class: ``class.html``, ``class.csv``, ``junit.xml``.
+    """Write the reports of a class: ``class.html``, ``class.csv``.
 
     Parameters
     ----------
@@ -125,7 +124,6 @@ def write_class(
     table = marks_table(shown, columns=columns, title=title)
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / MARKS, _utf8(table))
-    write_whole(folder / JUNIT, junit_xml(shown))
     content = class_page(shown, floors=floors, pairs=pairs, links=links)
     write_whole(folder / CLASS, _utf8(content))
 

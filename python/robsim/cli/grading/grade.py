@@ -24,7 +24,7 @@ HELP = (
     "Each is run in a process of its own, which sees the frames and none of the truth. Results are "
     "written after each test: the same command goes on where it was ended, and runs again only "
     "what has changed. In the folder of each student are index.html and result.txt for them, and "
-    "teacher.html with all; beside these class.html, class.csv and junit.xml.\n\n"
+    "teacher.html with all; beside these class.html and class.csv.\n\n"
     "With --public, for students: the public tests of what they have written.\n\n"
     "The exit status is 0 if all have all points, 1 if points are missing, 2 if the assignment is "
     "not complete, broken, or something could not be graded, 3 if submissions cannot be shut in as "

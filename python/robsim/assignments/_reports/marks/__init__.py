@@ -1,1 +1,1 @@
-"""Marks for other programs: tables for learning platforms, JUnit, Gradescope."""
+"""Marks for other programs: tables for learning platforms, Gradescope."""
