@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 import shutil
+import sys
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import fields
 from os import PathLike
 from pathlib import Path
@@ -17,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from robsim._base.checks import LONGEST_NAME, check_bool, check_float, check_text
 from robsim._base.files import naming, read_text, sync_folder, write_whole
-from robsim._base.files.leftovers import hidden_path, is_hidden_path, locked_folder
 from robsim._base.files.reading import MOST_TOML
+from robsim._base.files.writing import hidden_path
 from robsim._base.text import listed, one_line, quoted
 from robsim._core import ColorClass
 from robsim.imaging._images import Pixels, load_image
@@ -324,12 +326,19 @@ def _store(robot: RobotDefinition, overwrite: bool) -> RobotDefinition:
 
 @contextmanager
 def _locked(parent: Path) -> Iterator[None]:
-    """Let one process at a time change the robots; remove what a killed one left."""
-    with locked_folder(parent):
-        for folder in parent.glob(".*"):
-            if is_hidden_path(folder) and folder.is_dir() and not folder.is_symlink():
-                shutil.rmtree(folder, ignore_errors=True)
+    """Let one process at a time change the robots; a killed one lets go of it."""
+    if sys.platform == "win32":
         yield
+        return
+    import fcntl
+
+    descriptor = os.open(parent, os.O_RDONLY)
+    try:
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def _discard(folder: Path) -> None:

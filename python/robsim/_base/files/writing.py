@@ -13,9 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from os import PathLike, fspath
 from pathlib import Path
+from secrets import token_hex
 from typing import BinaryIO
-
-from robsim._base.files.leftovers import create_hidden, drop_hidden, is_clean, note_clean, sweep
 
 
 def write_whole(file: Path, content: bytes) -> None:
@@ -50,8 +49,15 @@ def open_whole(file: Path) -> Iterator[BinaryIO]:
             part.discard()
 
 
+def hidden_path(folder: Path, suffix: str = "") -> Path:
+    """Return an unused path in a folder, hidden and short."""
+    return folder / f".robsim-part-{token_hex(16)}{suffix}"
+
+
 class PartialFile:
     """A hidden file that is written by anybody, by its path, and then takes the place of a file.
+
+    A process that is killed leaves it behind.
 
     Parameters
     ----------
@@ -74,11 +80,13 @@ class PartialFile:
             self._old = _status(file)
             self._target = _target_of(file)
             folder = Path(tempfile.gettempdir()) if self._target is None else self._target.parent
-            sweep(folder)
-            mode = 0o666 if self._old is None else 0o600
-            self.path, self.descriptor = create_hidden(folder, suffix, mode)
-        # Also for a writer that is forgotten, and at exit.
-        self._drop = weakref.finalize(self, _drop, self.path, self.descriptor, os.getpid())
+            self.path = hidden_path(folder, suffix)
+            opened = [-1]
+            # Also for a writer that is forgotten, and at exit.
+            self._drop = weakref.finalize(self, _drop, self.path, opened, os.getpid())
+            flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+            opened[0] = os.open(self.path, flags, 0o666 if self._old is None else 0o600)
+            self.descriptor = opened[0]
 
     def commit(self, *, overwrite: bool = True) -> None:
         """Bring the content to the disk and give it its name.
@@ -100,7 +108,7 @@ class PartialFile:
             self._keep_mode()
             if os.name == "nt":  # there, an open file cannot be renamed
                 os.close(self.descriptor)
-            _rename(self.path, self._target, overwrite)
+            (os.replace if overwrite else _rename_new)(self.path, self._target)
             self._drop.detach()
             with suppress(OSError):  # the content is on the disk
                 os.close(self.descriptor)
@@ -119,17 +127,6 @@ class PartialFile:
             os.fchmod(self.descriptor, stat.S_IMODE(self._old.st_mode))
 
 
-def _rename(path: Path, target: Path, overwrite: bool) -> None:
-    was_clean = is_clean(target.parent)
-    if overwrite:
-        os.replace(path, target)
-    else:
-        _rename_new(path, target)
-    if was_clean:
-        with suppress(OSError):
-            note_clean(target.parent)
-
-
 def _rename_new(path: Path, target: Path) -> None:
     """Rename a file, unless there is one of the new name."""
     try:
@@ -145,9 +142,12 @@ def _rename_new(path: Path, target: Path) -> None:
             os.unlink(path)
 
 
-def _drop(path: Path, descriptor: int, process: int) -> None:
-    if os.getpid() == process:  # a forked child has the writers of its parent, too
-        drop_hidden(path, descriptor)
+def _drop(path: Path, opened: list[int], process: int) -> None:
+    if os.getpid() == process and opened[0] >= 0:  # a forked child has its parent's writers, too
+        with suppress(OSError):
+            os.unlink(path)
+        with suppress(OSError):
+            os.close(opened[0])
 
 
 def _status(file: Path) -> os.stat_result | None:
