@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from functools import cache, lru_cache
+from functools import lru_cache
 from pathlib import Path
 from secrets import token_hex
 from typing import Any
@@ -23,11 +23,6 @@ def data_folder() -> Path:
     """Return the user's folder: ``$ROBSIM_DATA`` if it is set, else the system's data folder."""
     if folder := os.environ.get("ROBSIM_DATA"):
         return Path(folder).expanduser()
-    return _system_folder()
-
-
-@cache
-def _system_folder() -> Path:
     import platformdirs
 
     return platformdirs.user_data_path("robsim")
