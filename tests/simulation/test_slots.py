@@ -298,6 +298,10 @@ def test_what_was_used_wrongly_says_what_it_has():
     for options, note in (
         ({"control": lambda step: step.pose}, "step.measurement.pose"),
         ({"control": lambda step: (step.pose_true[0], 0)}, "the truth"),
+        (
+            {"control": lambda step: step.mesurement.pose[:2]},
+            "did you mean 'measurement'?",
+        ),
         ({"evaluate_model": lambda world: world.pose}, "a WorldState has dt, k, last_u, model, "),
         ({"control": lambda step: step.measurement[0]}, "a Measurement has "),
         ({"control": sets_input}, "read-only"),

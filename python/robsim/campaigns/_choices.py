@@ -108,19 +108,9 @@ def options_value(vary: Any) -> dict[str, dict[Label, Choice]]:
     return {_option_name(name): _choices(name, values) for name, values in vary.items()}
 
 
-_ELSEWHERE = {
-    "seed": "it is an argument of the campaign, and each run has its own",
-    "steps": "it is an argument of the campaign, the same for all runs",
-    "runs": "it is an argument of the campaign",
-    "time_limit": "it is an argument of the campaign",
-}
-
-
 def _option_name(name: Any) -> str:
     if not isinstance(name, str):
         raise TypeError(f"vary must have names of options, got {quoted(name)}")
-    if name in _ELSEWHERE:
-        raise ValueError(f"vary cannot have {name}: {_ELSEWHERE[name]}")
     check_names("vary: a simulation has no option", [name], (*OPTIONS, *SLOTS, FOLDER), ValueError)
     return name
 

@@ -36,7 +36,6 @@ from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
 from robsim.simulation import _slots as slots
 from robsim.simulation._options import (
-    NOT_OF_EXPERIMENT,
     UNLIMITED,
     colors_value,
     limits_value,
@@ -50,7 +49,6 @@ from robsim.simulation._outside.frame_source import FrameSource
 from robsim.simulation._outside.mirrored import mirrored_remark
 from robsim.simulation._outside.motors import Motors, stop_input_value
 from robsim.simulation._runner import Runner
-from robsim.simulation._scenario import OPTIONS
 from robsim.simulation._slots import RobotCallbacks
 from robsim.trace import Trace
 from robsim.trace._columns import POSES, RECORDED
@@ -142,9 +140,6 @@ class Experiment(Runner):
 
     _GROUPS = RECORDED
     _AGAIN = "robsim.Experiment(frames, ...)"
-    _OPTIONS_ELSEWHERE = NOT_OF_EXPERIMENT | dict.fromkeys(
-        (*OPTIONS, "adjust_background"), "it is an option of robsim.Simulation, of its world"
-    )
 
     @slots.shows_slots(RobotCallbacks, _DEFAULTS)
     def __init__(

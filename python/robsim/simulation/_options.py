@@ -59,21 +59,6 @@ KINDS: dict[str, tuple[type, ...]] = {
 
 UNLIMITED = 2**62 - 1  # steps
 
-_OF_RUN = "it is an argument of run"
-_OF_MODEL = "it is part of the model: model=robsim.RobotParameters(dt=...)"
-_OF_EXPERIMENT = "it is an option of robsim.Experiment, whose frames come from outside"
-
-#: What is no option of a simulated world, and where it belongs.
-NOT_OF_SIMULATION = {
-    "frames": "frames from outside are for robsim.Experiment(frames, ...)",
-    **dict.fromkeys(
-        ("send", "stop_input", "frame_timeout", "limits", "record", "lossless"), _OF_EXPERIMENT
-    ),
-    "true_model": "the world follows model=..., the robot's software believes define_model=...",
-    **{"dt": _OF_MODEL, "steps": _OF_RUN, "progress": _OF_RUN},
-}
-NOT_OF_EXPERIMENT = {"dt": _OF_MODEL, "steps": _OF_RUN, "progress": _OF_RUN}
-
 _PIXEL = np.zeros((1, 1, 3), np.uint8)
 _MAXIMUM_START = 1e6  # work-area px
 _MOST_PIXELS = 2**26  # of a floor, whose four images take 0.8 GB then

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.public import told_by_name
 from robsim._base.seeds import Seed, seed_sequence, stream, stream_number
 from robsim._base.text import quoted
 from robsim._core import ColorClass, Frame, MarkerLayout, Step
@@ -318,7 +317,6 @@ class Runner(Slotted):
                     note_misuse(error, self._core.last_step)
                 raise
 
-    @told_by_name
     def reset(self, *, seed: Seed = None) -> None:
         """Return to the start; the next run begins with step 0.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any, ClassVar
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -142,11 +142,6 @@ class Scenario:
     True
     >>> others = [scenario.replace(seed=seed) for seed in range(10)]
     """
-
-    _OPTIONS_ELSEWHERE: ClassVar[dict[str, str]] = options.NOT_OF_SIMULATION | dict.fromkeys(
-        (*(slot for slot in SLOTS if slot not in options.KINDS), "time_limit"),
-        "code is no data: give it to Simulation itself",
-    )
 
     robot: str | PathLike[str] | RobotDefinition | None = None
     area: tuple[int, int] = (1200, 1200)

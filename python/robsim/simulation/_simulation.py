@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._base.checks import Floats, is_int
-from robsim._base.public import told_by_name
 from robsim._base.seeds import Seed, seed_sequence
 from robsim._base.text import quoted
 from robsim._core import Frame, RobotModel, RobotParameters
@@ -98,7 +97,6 @@ class Simulation(WorldSlots, Runner):
     SLOTS = slots.names()
     _GROUPS = SIMULATED
     _AGAIN = "robsim.Simulation(sim.scenario, control=...)"
-    _OPTIONS_ELSEWHERE = options.NOT_OF_SIMULATION
 
     @slots.shows_slots(AllCallbacks, dict.fromkeys(_STAGES, _SAME))
     def __init__(
@@ -291,7 +289,6 @@ class Simulation(WorldSlots, Runner):
     def _theta_true(self) -> ArrayLike:
         return (self._world.model or RobotModel()).theta
 
-    @told_by_name
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
         """Run some steps; a run continues where the last one ended.
 

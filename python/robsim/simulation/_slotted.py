@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, SupportsIndex
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._base.public import hint_at_option
-from robsim._base.spelling import closest, no_attribute, suggestion, with_article
+from robsim._base.spelling import check_names, closest, no_attribute, suggestion, with_article
 from robsim._core import Step
 from robsim.simulation import _slots as table
 from robsim.simulation._callbacks.call_times import CallTimes
@@ -51,10 +50,9 @@ class Slotted(RobotSlots, ABC):
     @classmethod
     def _check_names(cls, callbacks: Iterable[str]) -> None:
         """Raise TypeError if the ``**callbacks`` of the class have a name that is no slot."""
-        for name in callbacks:
-            if name not in cls.SLOTS:
-                hint = hint_at_option(cls, name, inspect.signature(cls).parameters)
-                raise TypeError(f"{cls.__name__} has no option {name!r}: {hint}")
+        if others := [name for name in callbacks if name not in cls.SLOTS]:
+            known = inspect.signature(cls).parameters
+            check_names(f"{cls.__name__} has no option", others, known, TypeError)
 
     def _fill_slots(self, given: Mapping[str, Any]) -> None:
         """Fill the slots with what was given for them, or the default."""
@@ -158,9 +156,6 @@ class Slotted(RobotSlots, ABC):
             return f"{name} is fixed: give it to {kind}({name}=...)"
         if is_method:
             return f"{name} is a method of {kind} and cannot be set: call sim.{name}(...)"
-        if name in _options_elsewhere(type(self)):
-            what = "slot" if name in SLOTS else "option"
-            return f"{kind} has no {what} {name!r}: {_options_elsewhere(type(self))[name]}"
         settable = [
             known
             for known in dir(type(self))
@@ -252,11 +247,6 @@ class Slotted(RobotSlots, ABC):
 
 #: What to do in place of setting a property.
 _ADVICE = {"model": ": fill define_model, then call sim.reset()"}
-
-
-def _options_elsewhere(kind: type) -> dict[str, str]:
-    options: dict[str, str] = getattr(kind, "_OPTIONS_ELSEWHERE", {})
-    return options
 
 
 def is_code(value: Any) -> bool:

@@ -55,19 +55,6 @@ def longest_run(mask: Bools) -> slice:
     return slice(int(starts[best]), int(stops[best]))
 
 
-# Where something is that users look for in a trace, by other names.
-_ELSEWHERE = {
-    "time": "trace.t",
-    "pose": "trace.pose_true",
-    "measurement": "trace.pose_measured",
-    "estimate": "trace.pose_estimated",
-    "columns": "trace.names",
-    "steps": "len(trace)",
-    "frame": "sim.render_step(k): a trace keeps no frames",
-    "frames": "sim.render_step(k): a trace keeps no frames",
-}
-
-
 def _is_public(name: str) -> bool:
     return not name.startswith("_")
 
@@ -227,9 +214,6 @@ class Trace:
         if not name.startswith("_"):
             if name in self.names:
                 raise no_attribute(f"{name} is a column: trace[{name!r}]")
-            if name in _ELSEWHERE:
-                hint = f"; did you mean {_ELSEWHERE[name]}?"
-                raise no_attribute(f"a trace has no attribute {quoted(name)}{hint}")
             hint = suggestion(name, (*self.names, *filter(_is_public, dir(self))))
             raise no_attribute(f"a trace has no attribute {quoted(name)}{hint}")
         raise AttributeError(f"a trace has no attribute {quoted(name)}")

@@ -6,7 +6,7 @@ import dis
 import re
 import sys
 
-from robsim._base.spelling import with_article
+from robsim._base.spelling import closest, with_article
 from robsim._core import Sample, Step
 from robsim.simulation._callbacks.errors import CallbackError, callback_of
 
@@ -62,7 +62,8 @@ def _attributes(value: object, name: str | None) -> str | None:
     inside = [one for one in _public(kind) if hasattr(_read(value, one), name)]
     if isinstance(value, Step) and inside:
         return f"did you mean step.{f'.{name} or step.'.join(inside)}.{name}?"
-    return _members(kind)
+    meant = closest(name, _public(kind))
+    return f"did you mean {meant!r}? {_members(kind)}" if meant else _members(kind)
 
 
 def _read(value: object, name: str) -> object:
