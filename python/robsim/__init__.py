@@ -10,41 +10,21 @@ import importlib as _importlib
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
 
-from robsim._base.public import present as _present
-from robsim._core import wrap_angle
-from robsim.capture import Camera
-from robsim.control import DriveAround, FollowPath, GoToPoint, Replay, Spin, score_path
-from robsim.evaluation import pose_consistency, pose_errors
-from robsim.identification import RecursiveLeastSquares, batch_estimate, identifiability
-from robsim.imaging import Frame, GaussianNoise, Recording, UniformNoise
-from robsim.robots import load_robot
-from robsim.simulation import (
-    Dropout,
-    Estimate,
-    Experiment,
-    Observation,
-    ParameterMismatch,
-    PoseNoise,
-    RobotModel,
-    RobotParameters,
-    Scenario,
-    Simulation,
-    Step,
-    Unicycle,
-    WheelNoise,
-)
-from robsim.trace import Trace
-from robsim.vision import ColorClass, Measurement, find_blobs, load_colors, locate
-
 if _TYPE_CHECKING:
     __version__: str
     from robsim import bench as bench
     from robsim import doctor as doctor
     from robsim import plotting as plotting
     from robsim import reference as reference
+    from robsim._core import wrap_angle
     from robsim.campaigns import campaign
+    from robsim.capture import Camera
+    from robsim.control import DriveAround, FollowPath, GoToPoint, Replay, Spin, score_path
     from robsim.doctor import check_estimator, check_parameter_estimator
+    from robsim.evaluation import pose_consistency, pose_errors
     from robsim.gui import panel
+    from robsim.identification import RecursiveLeastSquares, batch_estimate, identifiability
+    from robsim.imaging import Frame, GaussianNoise, Recording, UniformNoise
     from robsim.plotting import (
         play,
         plot_batch,
@@ -53,6 +33,24 @@ if _TYPE_CHECKING:
         plot_parameters,
         plot_traces,
     )
+    from robsim.robots import load_robot
+    from robsim.simulation import (
+        Dropout,
+        Estimate,
+        Experiment,
+        Observation,
+        ParameterMismatch,
+        PoseNoise,
+        RobotModel,
+        RobotParameters,
+        Scenario,
+        Simulation,
+        Step,
+        Unicycle,
+        WheelNoise,
+    )
+    from robsim.trace import Trace
+    from robsim.vision import ColorClass, Measurement, find_blobs, load_colors, locate
 
 __all__ = [
     "Camera",
@@ -105,64 +103,63 @@ __all__ = [
     "wrap_angle",
 ]
 
-# Loaded when asked for: `import robsim` needs no matplotlib, and is quick.
-_LATE_ROOMS = (
-    *(
-        "bench",
-        "calibration",
-        "campaigns",
-        "digests",
-        "doctor",
-        "grading",
-        "gui",
-        "gym",
-        "live",
-        "motors",
-        "plotting",
-    ),
-    *("assignments", "reference", "sessions", "tasks"),
-)
-_LATE_NAMES = {
-    name: "plotting" if name.startswith("pl") else "doctor"
-    for name in __all__
-    if name == "play" or name.startswith(("plot_", "check_"))
-} | {"campaign": "campaigns", "panel": "gui"}
-
-_ROOMS = (
-    *(
-        "capture",
-        "control",
-        "evaluation",
-        "identification",
-        "imaging",
-        "robots",
-        "simulation",
-        "trace",
-    ),
-    *("vision", *_LATE_ROOMS),
-)
-
-_present({**globals(), "__all__": [name for name in __all__ if name in globals()]})
+#: Everything is loaded when it is asked for, so that `import robsim` takes no time: the rooms, and
+#: the names of each that are here, too.
+_ROOMS = {
+    "assignments": "",
+    "bench": "",
+    "calibration": "",
+    "campaigns": "campaign",
+    "capture": "Camera",
+    "control": "DriveAround FollowPath GoToPoint Replay Spin score_path",
+    "digests": "",
+    "doctor": "check_estimator check_parameter_estimator",
+    "evaluation": "pose_consistency pose_errors",
+    "grading": "",
+    "gui": "panel",
+    "gym": "",
+    "identification": "RecursiveLeastSquares batch_estimate identifiability",
+    "imaging": "Frame GaussianNoise Recording UniformNoise",
+    "live": "",
+    "motors": "",
+    "plotting": "play plot_batch plot_errors plot_frame plot_parameters plot_traces",
+    "reference": "",
+    "robots": "load_robot",
+    "sessions": "",
+    "simulation": "Dropout Estimate Experiment Observation ParameterMismatch PoseNoise RobotModel "
+    "RobotParameters Scenario Simulation Step Unicycle WheelNoise",
+    "tasks": "",
+    "trace": "Trace",
+    "vision": "ColorClass Measurement find_blobs load_colors locate",
+}
+_HOMES = {name: room for room, names in _ROOMS.items() for name in names.split()}
 
 
 def __getattr__(name: str) -> _Any:
-    if name == "__version__":
-        return _importlib.import_module("importlib.metadata").version("robsim")
-    if name in _LATE_ROOMS:
+    if name in _ROOMS:
         return _importlib.import_module(f"robsim.{name}")
-    if name in _LATE_NAMES:
-        return getattr(__getattr__(_LATE_NAMES[name]), name)
-    message = f"module 'robsim' has no attribute {name!r}"
-    if name.startswith("_"):
-        raise AttributeError(message)
+    if name == "__version__":
+        value = _importlib.import_module("importlib.metadata").version("robsim")
+    elif name == "wrap_angle":
+        value = _importlib.import_module("robsim._core").wrap_angle
+    elif name in _HOMES:
+        value = getattr(__getattr__(_HOMES[name]), name)
+    elif name.startswith("_"):
+        raise AttributeError(f"module 'robsim' has no attribute {name!r}")
+    else:
+        _refuse(name)
+    globals()[name] = value
+    return value
+
+
+def _refuse(name: str) -> None:
+    """Raise AttributeError with the room that has a name, or the name that was meant."""
     from robsim._base.spelling import no_attribute, suggestion
 
-    # These are quick to load; `plotting` would load matplotlib.
-    late = map(__getattr__, ("campaigns", "gui", "reference"))
-    loaded = [*late, *(globals()[room] for room in _ROOMS if room in globals())]
-    for room in loaded:
-        if name in room.__all__:
-            raise no_attribute(f"{message}: it is {room.__name__}.{name}")
+    message = f"module 'robsim' has no attribute {name!r}"
+    for room in set(_ROOMS) - {"plotting", "gym"}:  # which load what not everybody has or needs
+        if name in (module := __getattr__(room)).__all__:
+            raise no_attribute(f"{message}: it is {module.__name__}.{name}")
     raise no_attribute(message + suggestion(name, __all__))
 
 

@@ -23,6 +23,7 @@ SHELL = "".join(re.findall(r"```sh\n(.*?)```", README, re.DOTALL))
 
 def commands_of(group):
     for command in group.commands.values():
+        command = command.loaded() if hasattr(command, "loaded") else command
         if hasattr(command, "commands"):
             yield from commands_of(command)
         else:

@@ -1,4 +1,4 @@
-"""The command line: the program ``robsim``, with one module per command."""
+"""The command line: the program ``robsim``, with one module per command, loaded when it is run."""
 
 from __future__ import annotations
 
@@ -7,22 +7,56 @@ import logging
 import sys
 import warnings
 from importlib.metadata import version
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from robsim.cli import bench, check, colors, errors, notebooks, robots, track
-from robsim.cli.assignment import app as assignment
-from robsim.cli.calibration import app as calibration
-from robsim.cli.command import Command, Group
-from robsim.cli.grading import grade
-from robsim.cli.live import cameras, live, serving
-from robsim.cli.shared import SWITCH
-from robsim.cli.simulated import campaign, demo, gui, run
-from robsim.cli.tasks import app as tasks
+from robsim.cli import errors
+from robsim.cli.command import Group, Later
+
+#: Each command, the module that has it, and what it does.
+_COMMANDS = {
+    "demo": ("simulated.demo", "Drive a robot, track it by camera and estimate its parameters."),
+    "new": ("simulated.new", "Write the default callbacks to a folder, as templates to edit."),
+    "run": ("simulated.run", "Run a simulation, optionally with the callbacks of a folder."),
+    "campaign": (
+        "simulated.campaign",
+        "Run a simulation many times, over seeds and options, and compare the means.",
+    ),
+    "gui": (
+        "simulated.gui",
+        "Open the panel in the browser: camera view, controls, traces, callbacks.",
+    ),
+    "check": ("check", "Check your callbacks: what is wrong, in which situation and line."),
+    "grade": ("grading.grade", "Grade submissions by an assignment."),
+    "track": ("track", "Track the robot in a video file or a folder of images."),
+    "cameras": ("live.cameras", "List the cameras of this computer, what is missing, and why."),
+    "live": ("live.live", "Drive a robot under a real camera, with the callbacks of a folder."),
+    "serve": ("live.serving", "Serve the simulated lab as a camera that other programs open."),
+    "notebooks": ("notebooks", "Copy the notebooks for students into a folder."),
+    "bench": ("bench", "Measure how fast, or how exact, robsim is on this machine."),
+    "assignment": (
+        "assignment.app",
+        "Make an assignment for a course, that robsim grade grades by.",
+    ),
+    "calibrate": (
+        "calibration.app",
+        "Calibrate a camera: its lens, and where it looks at the floor from.",
+    ),
+    "tasks": ("tasks.app", "Tasks to solve: what they ask, and how good a solution is."),
+    "robots": ("robots", "Show, add and choose robots."),
+    "colors": ("colors", "Show, train and test the colour classes that vision detects."),
+}
+
+
+class _Commands(Group):
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.commands = {name: Later(name, *place) for name, place in _COMMANDS.items()}
+
 
 app = typer.Typer(
-    cls=Group,
+    cls=_Commands,
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
@@ -30,36 +64,12 @@ app = typer.Typer(
     help="Camera-based control of mobile robots, simulated.",
     epilog="Start with: robsim demo",
 )
-app.command(cls=Command, help=demo.HELP, epilog=demo.EXAMPLE)(demo.demo)
-app.command(cls=Command, help=run.NEW_HELP, epilog=run.NEW_EXAMPLE)(run.new)
-app.command(cls=Command, help=run.RUN_HELP, epilog=run.RUN_EXAMPLE)(run.run)
-app.command(cls=Command, help=campaign.HELP, epilog=campaign.EXAMPLE)(campaign.campaign)
-app.command(cls=Command, help=gui.HELP, epilog=gui.EXAMPLE)(gui.gui)
-app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)
-app.command(cls=Command, help=grade.HELP, epilog=grade.EXAMPLE)(grade.grade)
-app.command(cls=Command, help=track.HELP, epilog=track.EXAMPLE)(track.track)
-app.command(cls=Command, help=cameras.HELP, epilog=cameras.EXAMPLE)(cameras.cameras)
-app.command(cls=Command, help=live.HELP, epilog=live.EXAMPLE)(live.live)
-app.command(
-    cls=Command,
-    help=serving.HELP,
-    epilog=serving.EXAMPLE,
-    # What stands after COMMAND is for the command, options as well.
-    context_settings={"allow_interspersed_args": False},
-)(serving.serve)
-app.command(cls=Command, help=notebooks.HELP, epilog=notebooks.EXAMPLE)(notebooks.notebooks)
-app.command(cls=Command, help=bench.HELP, epilog=bench.EXAMPLE)(bench.bench)
-app.add_typer(assignment.app, name="assignment", cls=Group)
-app.add_typer(calibration.app, name="calibrate", cls=Group)
-app.add_typer(tasks.app, name="tasks", cls=Group)
-app.add_typer(robots.app, name="robots", cls=Group)
-app.add_typer(colors.app, name="colors", cls=Group)
 
 
 @app.callback(invoke_without_command=True)
 def _root(
     show_version: Annotated[
-        bool, typer.Option("--version", metavar=SWITCH, help="Print the version and stop.")
+        bool, typer.Option("--version", metavar="", help="Print the version and stop.")
     ] = False,
 ) -> None:
     if show_version:

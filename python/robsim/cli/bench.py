@@ -15,7 +15,6 @@ from robsim.cli.text import whole_number
 
 EXAMPLE = "Example: robsim bench"
 HELP = (
-    "Measure how fast, or how exact, robsim is on this machine.\n\n"
     "The alternatives, OpenCV and numpy, are timed in the same run on the same frames. OpenCV must "
     "be installed.\n\n"
     "With --panel: how many different frames of a panel Chromium paints in a second, how long "

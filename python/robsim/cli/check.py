@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 EXAMPLE = "Example: robsim check mine"
 HELP = (
-    "Check your callbacks: what is wrong, in which situation and line.\n\n"
     "Each file of the folder is tried in many situations: a robot that is not seen, a heading that "
     "passes +-180 degrees, the wall, a long run. The exit status is 0 if all are well, 1 if one is "
     "ill, 2 if there is nothing to check. A check ends a call that takes longer than 5 s.\n\n"

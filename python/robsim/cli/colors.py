@@ -23,12 +23,13 @@ from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, load_colo
 from robsim.vision._color_masks import paint_classes
 from robsim.vision._color_score import ColorScore, Region, score_color
 
+HELP = (
+    "A colour class is a name with ranges of Y (brightness), U and V; a colour file contains "
+    "several. Most commands accept one: --colors FILE."
+)
 app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich",
-    help="Show, train and test the colour classes that vision detects.\n\n"
-    "A colour class is a name with ranges of Y (brightness), U and V; a colour file contains "
-    "several. Most commands accept one: --colors FILE.",
     epilog="Start with: robsim colors frame",
 )
 

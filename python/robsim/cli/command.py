@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 import typer
@@ -42,6 +43,35 @@ class Group(TyperGroup):
                 raise
             errors.print_error(f"the output cannot be written: {error.strerror}")
             raise typer.Exit(2) from None
+
+
+class Later(TyperCommand):
+    """A command, or a group of commands, whose module is loaded when it is run.
+
+    The module has a function of its name, or an `app`, and HELP and EXAMPLE.
+    """
+
+    def __init__(self, name: str, module: str, summary: str) -> None:
+        super().__init__(name, help=summary, rich_markup_mode="rich")
+        self._module = module
+
+    def loaded(self) -> Any:
+        """Return the command itself."""
+        module: Any = importlib.import_module(f"robsim.cli.{self._module}")
+        about = f"{self.help}\n\n{module.HELP}"
+        holder = typer.Typer(rich_markup_mode="rich", pretty_exceptions_enable=False)
+        if hasattr(module, "app"):
+            holder.add_typer(module.app, name=self.name, cls=Group, help=about)
+        else:
+            options = {"help": about, "epilog": module.EXAMPLE}
+            options["context_settings"] = getattr(module, "SETTINGS", None)
+            define = holder.command(self.name, cls=Command, **options)
+            define(getattr(module, str(self.name)))
+        return typer.main.get_group(holder).commands[str(self.name)]
+
+    def make_context(self, *args: Any, **extra: Any) -> Any:
+        """Begin to run the command itself."""
+        return self.loaded().make_context(*args, **extra)
 
 
 def _without_types(params: list[Any]) -> list[Any]:

@@ -10,10 +10,7 @@ import typer
 from robsim.cli import errors
 
 EXAMPLE = "Example: robsim notebooks coursework"
-HELP = (
-    "Copy the notebooks for students into a folder.\n\n"
-    "They need Jupyter: pip install notebook 'robsim\\[notebook]'. Then: jupyter notebook FOLDER"
-)
+HELP = "They need Jupyter: pip install notebook 'robsim\\[notebook]'. Then: jupyter notebook FOLDER"
 
 
 def notebooks(

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim import plotting
+import robsim
 from robsim._base.files import write_whole
 from robsim._base.report import Report
 from robsim._base.text import one_line
@@ -144,13 +144,13 @@ def write_results(
     trace.save(out / "trace.npz")
     figures: dict[str, Any] = {
         "camera.jpg": _camera_figure(simulation),
-        "traces.png": plotting.plot_traces(trace),
+        "traces.png": robsim.plotting.plot_traces(trace),
     }
     report = _report(trace, method)
     if np.isfinite(trace.parameters).any() and np.isfinite(trace.pose_true).any():
-        figures["parameters.png"] = plotting.plot_parameters(trace)
+        figures["parameters.png"] = robsim.plotting.plot_parameters(trace)
     if report is not None:
-        figures["batch.png"] = plotting.plot_batch(report).get_figure()
+        figures["batch.png"] = robsim.plotting.plot_batch(report).get_figure()
     for name in _FIGURES:
         if name in figures:
             save_figure(out / name, figures[name])
@@ -164,7 +164,7 @@ def write_results(
 def _camera_figure(simulation: Runner) -> Any:
     step = simulation.last_step
     is_tracked = simulation.trace.is_tracked
-    axes = plotting.plot_frame(
+    axes = robsim.plotting.plot_frame(
         simulation.frame,
         blobs=step.blobs if is_tracked else None,
         measurement=step.measurement,

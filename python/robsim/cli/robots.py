@@ -17,15 +17,14 @@ from robsim.cli.text import number, parse_point, parse_points
 if TYPE_CHECKING:
     from robsim.robots import RobotDefinition
 
-HELP = "Show, add and choose robots."
-
+HELP = (
+    "A robot is an image from above with an outline, two markers of different colours, a "
+    "size and an alignment. Some ship with robsim; yours are stored in your user folder, or in "
+    "$ROBSIM_DATA."
+)
 app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich",
-    help=HELP
-    + "\n\nA robot is an image from above with an outline, two markers of different colours, a "
-    "size and an alignment. Some ship with robsim; yours are stored in your user folder, or in "
-    "$ROBSIM_DATA.",
     epilog="Start with: robsim robots list",
 )
 

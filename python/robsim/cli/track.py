@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 VIDEO = "tracked.mp4"
 EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
 HELP = (
-    "Track the robot in a video file or a folder of images.\n\n"
     "Writes the trace, the figures and an annotated video. For a camera that views the floor "
     "obliquely, give four or more points whose positions are known."
 )

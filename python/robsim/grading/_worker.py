@@ -29,7 +29,12 @@ from robsim.grading._wire import LIMITS, Channel, Kind, Ready, WireError
 R = TypeVar("R")
 
 # The same for all workers, so that they come from one zygote.
-_MODULES = ("numpy", "robsim", "robsim.grading._robot_half", "robsim.grading._calls.answering")
+_MODULES = (
+    "numpy",
+    *("robsim.capture", "robsim.control", "robsim.evaluation", "robsim.identification"),
+    *("robsim.imaging", "robsim.robots", "robsim.simulation", "robsim.trace", "robsim.vision"),
+    *("robsim.grading._robot_half", "robsim.grading._calls.answering"),
+)
 _ENDING = 0.2  # s that a worker whose run is over has to end by itself
 _DYING = 1.0  # s after its connection is closed, until it is known how it ended
 

@@ -7,14 +7,15 @@ import typer
 from robsim.cli.assignment import calibrate, check, new, pack
 from robsim.cli.command import Command
 
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    help="Make an assignment for a course, that robsim grade grades by.\n\n"
+HELP = (
     "In this order: new writes a folder, whose assignment.toml and sheet.md are yours to edit; "
     "calibrate finds from which score on there are points; check grades all that is known to be "
     "right or wrong, before you rely on it; pack writes what students get, and an autograder for "
-    "Gradescope.",
+    "Gradescope."
+)
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich",
     epilog="Start with: robsim assignment new controller hw1",
 )
 app.command(cls=Command, help=new.HELP, epilog=new.EXAMPLE)(new.new)

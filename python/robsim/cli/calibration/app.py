@@ -7,14 +7,15 @@ import typer
 from robsim.cli.calibration import check, floor, lens, sheet
 from robsim.cli.command import Command
 
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    help="Calibrate a camera: its lens, and where it looks at the floor from.\n\n"
+HELP = (
     "In this order: print a board (sheet), hold it in front of the camera (lens), lay floor sheets "
     "or measure marks (floor), look at the grid (check). The result is one file, for robsim live, "
     "robsim track and robsim.Camera. Lock zoom and focus first; after the floor, do not move the "
-    "camera.",
+    "camera."
+)
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich",
     epilog="Start with: robsim calibrate sheet --kind chessboard --out board.pdf",
 )
 app.command(cls=Command, help=sheet.HELP, epilog=sheet.EXAMPLE)(sheet.sheet)

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 EXAMPLE = "Example: robsim grade hw3 submissions"
 HELP = (
-    "Grade submissions by an assignment.\n\n"
     "Each is run in a process of its own, which sees the frames and none of the truth. Results are "
     "written after each test: the same command goes on where it was ended, and runs again only "
     "what has changed. In the folder of each student are index.html and result.txt for them, and "

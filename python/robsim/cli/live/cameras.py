@@ -10,10 +10,7 @@ from robsim.cli import errors
 from robsim.cli.shared import SWITCH, Json
 
 EXAMPLE = "Example: robsim cameras"
-HELP = (
-    "List the cameras of this computer, what is missing, and why.\n\n"
-    "Each with what to give robsim.Camera. None of them is opened."
-)
+HELP = "Each with what to give robsim.Camera. None of them is opened."
 
 
 def cameras(

@@ -38,7 +38,6 @@ _SLEW_RATE = 10.0  # V/s
 
 EXAMPLE = "Example: robsim live --camera simulated --control go-to-point:900,300 --seconds 15"
 HELP = (
-    "Drive a robot under a real camera, with the callbacks of a folder.\n\n"
     "Try it without hardware: --camera simulated is a simulated lab in real time. Before a real "
     "robot drives: --check. The robot is stopped at the end, by Ctrl-C, when a callback fails and "
     "when a frame is late; the results are kept. Without a controller, yours or --control, it is "

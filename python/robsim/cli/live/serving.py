@@ -14,11 +14,12 @@ from robsim.cli.text import about, number, parse_size, whole_number
 if TYPE_CHECKING:
     from robsim.live import GigeServer, SimulatedLab
 
+#: What stands after COMMAND is for the command, options as well.
+SETTINGS = {"allow_interspersed_args": False}
 EXAMPLE = (
     "Example: robsim serve --firewire robsim live --camera firewire:// --area 1200x1200 --check"
 )
 HELP = (
-    "Serve the simulated lab as a camera that other programs open.\n\n"
     "--gige: as a GigE Vision camera, which any viewer on the network can open, and robsim live "
     "--camera gige://ADDRESS. It goes on until Ctrl-C.\n\n"
     "--firewire: as a FireWire camera for COMMAND, which is run and sees it: robsim, or another "

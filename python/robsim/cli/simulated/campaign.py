@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 EXAMPLE = "Example: robsim campaign --example noise.toml"
 HELP = (
-    "Run a simulation many times, over seeds and options, and compare the means.\n\n"
     "The file says what is run: --example writes one to edit. The table has, for each number, its "
     "mean with a confidence interval, the difference to the first case, and how many runs more "
     "decide whether there is one.\n\n"

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 EXAMPLE = "Example: robsim demo"
 HELP = (
-    "Drive a robot, track it by camera and estimate its parameters.\n\n"
     "The robot drives around; a noisy camera measures where it is. From these measurements "
     "recursive least squares estimates the parameters of its model online, and a batch fit at the "
     "end. Both stand beside the true values. Figures and the trace are written to a folder."

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
 EXAMPLE = "Example: robsim gui mine"
 HELP = (
-    "Open the panel in the browser: camera view, controls, traces, callbacks.\n\n"
     "With a folder it runs the callbacks there, and takes in what you change in them. A trace, a "
     "session or a video is played back. Without any of these there is a simulation to play "
     "with.\n\n"

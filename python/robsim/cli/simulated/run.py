@@ -1,8 +1,7 @@
-"""The commands ``robsim new`` (callback templates) and ``robsim run`` (a simulation)."""
+"""The command ``robsim run``: a simulation."""
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -37,42 +36,18 @@ from robsim.cli.simulated.options import (
 )
 from robsim.cli.text import about, parse_headings, parse_size, parse_start, whole_number
 from robsim.imaging._video import CODECS, LOSSLESS
-from robsim.simulation._slots import SLOTS
 
 if TYPE_CHECKING:
     from robsim import Simulation
 
-NEW_EXAMPLE = "Example: robsim new mine"
-NEW_HELP = (
-    f"Write the {len(SLOTS)} default callbacks to a folder, as templates to edit.\n\n"
-    "Each file is a stage of the loop: control.py, measure.py, ... Optional stages are switched "
-    "off: set ENABLED = True in their files. Then: robsim gui FOLDER, or robsim run FOLDER"
-)
-RUN_EXAMPLE = "Example: robsim run mine --steps 300 --measure"
-RUN_HELP = (
-    "Run a simulation, optionally with the callbacks of a folder.\n\n"
+EXAMPLE = "Example: robsim run mine --steps 300 --measure"
+HELP = (
     "Figures and the trace are written to a folder. Without a controller, yours or --control, the "
     "robot spins. Ctrl-C ends the run and keeps its results."
 )
 
 _LOSSLESS = " and ".join(suffix for suffix, codec in CODECS.items() if codec == LOSSLESS)
 _SUFFIXES = f"{', '.join(CODECS)}; {_LOSSLESS} are lossless."
-
-
-def new(
-    folder: Annotated[
-        Path, typer.Argument(metavar="FOLDER", help="The folder; created if needed.")
-    ],
-) -> None:
-    """Write the default callbacks to a folder."""
-    from robsim.simulation._folders.callback_folder import new_folder
-
-    with errors.report_errors():
-        files = new_folder(folder)
-    errors.say(f"written to {folder}: {', '.join(file.name for file in files)}")
-    name = shlex.quote(str(folder))
-    errors.say(f"edit them, then see them drive: robsim gui {name}")
-    errors.say(f"or run them without a window: robsim run {name}")
 
 
 def run(

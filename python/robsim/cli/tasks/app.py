@@ -7,15 +7,14 @@ import typer
 from robsim.cli.command import Command
 from robsim.cli.tasks import showing, trying
 
-HELP = "Tasks to solve: what they ask, and how good a solution is."
-
+HELP = (
+    "A task is a world, the callbacks that you write for it, and scores. Show one with --to "
+    "to get its sheet and files to start from; edit them, and try them as often as you like: they "
+    "are run beside a reference, in the same runs."
+)
 app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich",
-    help=HELP
-    + "\n\nA task is a world, the callbacks that you write for it, and scores. Show one with --to "
-    "to get its sheet and files to start from; edit them, and try them as often as you like: they "
-    "are run beside a reference, in the same runs.",
     epilog="Start with: robsim tasks list",
 )
 app.command("list", cls=Command, epilog="Example: robsim tasks list")(showing.list_tasks)

@@ -1,0 +1,33 @@
+"""The command ``robsim new``: templates of callbacks."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robsim.cli import errors
+
+EXAMPLE = "Example: robsim new mine"
+HELP = (
+    "Each file is a stage of the loop: control.py, measure.py, ... Optional stages are switched "
+    "off: set ENABLED = True in their files. Then: robsim gui FOLDER, or robsim run FOLDER"
+)
+
+
+def new(
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="The folder; created if needed.")
+    ],
+) -> None:
+    """Write the default callbacks to a folder."""
+    from robsim.simulation._folders.callback_folder import new_folder
+
+    with errors.report_errors():
+        files = new_folder(folder)
+    errors.say(f"written to {folder}: {', '.join(file.name for file in files)}")
+    name = shlex.quote(str(folder))
+    errors.say(f"edit them, then see them drive: robsim gui {name}")
+    errors.say(f"or run them without a window: robsim run {name}")
