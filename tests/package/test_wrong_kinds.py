@@ -66,8 +66,7 @@ VALID = {
     "MotorReceiver.mean(end)": NOT_FINITE,
 }
 
-#: Values of the right kind are all taken, or refused by the name of something else; OpenCV crashes
-#: on the largest pictures.
+#: Values of the right kind are all taken, or refused by the name of something else.
 ANY_MEANING = {
     *("campaign(runs)", "calibrate(seed)", "draw_grid(image)", "sheet_shifts(image)"),
     *("Chessboard.find(image)", "Charuco.find(image)", "find_sheets(image)"),

@@ -15,6 +15,8 @@ from robsim.imaging._opencv import load_opencv
 Rectangle = tuple[float, float, float, float]
 Pixels = NDArray[np.uint8]
 
+_LARGEST = 32_767  # px
+
 #: What OpenCV is needed for.
 PURPOSE = "finding a calibration pattern"
 
@@ -60,5 +62,7 @@ def mark_dictionary(bits: int) -> Any:
 def gray_of(image: Any) -> Pixels:
     if not (isinstance(image, np.ndarray) and image.dtype == np.uint8 and image.shape[2:] == (3,)):
         raise TypeError(f"image must be a uint8 array of shape (H, W, 3), got {quoted(image)}")
+    if not 0 < min(image.shape) <= max(image.shape) <= _LARGEST:  # OpenCV ends the process
+        raise ValueError(f"image must have 1 to {_LARGEST} px a side, got shape {image.shape}")
     gray: Pixels = load_opencv(PURPOSE).cvtColor(image, load_opencv(PURPOSE).COLOR_RGB2GRAY)
     return gray
