@@ -4,12 +4,14 @@ import dataclasses
 import gc
 import os
 import re
+import sys
 import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import graded
 import robsim
 from graded import HONEST, PATIENT, assert_same_trace, folder_of, ran_here
 from robsim.grading import Key, Limits, Submission, SubmissionError, check_isolation
@@ -172,6 +174,21 @@ def test_the_compiled_file_of_a_masked_module_cannot_be_read(tmp_path):
         pytest.skip("files are open here")
     error = failure(tmp_path, code, masked=["robsim.evaluation._errors"])
     assert "PermissionError" in str(error)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="there zygotes are")
+def test_much_may_be_hidden_where_a_process_may_open_little(tmp_path):
+    import resource
+
+    few, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    graded.zygotes.close_zygotes()
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(400, few), most))
+    try:
+        hiding = submission(tmp_path, control=HONEST["control"], masked=["robsim.reference"])
+        assert len(hiding.run(SCENARIO, steps=3, seed=1)) == 3
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (few, most))
+        graded.zygotes.close_zygotes()
 
 
 def test_samples_of_the_truth_are_for_parameter_estimators(tmp_path):
