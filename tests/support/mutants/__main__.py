@@ -41,9 +41,11 @@ def main() -> None:
             continue
         one = known.get((fault.file, fault.start, fault.new))
         if one is None:
-            one = tried(bench, group, fault, given.tests, given.before)
+            one = tried(bench, group, fault, given.tests)
             done.append(one)
-            given.out.write_text(json.dumps(done, indent=1))
+        if given.before and one["built"] and not one["caught"] and one["before"] is None:
+            one["before"] = tried(bench, group, fault, given.before)["caught"]
+        given.out.write_text(json.dumps(done, indent=1))
         if one["built"]:
             groups[group] += 1
             print(f"{one['caught'] or 'NOT CAUGHT'} | {fault.about}", flush=True)
@@ -52,23 +54,21 @@ def main() -> None:
     show([one for one in done if one["built"]])
 
 
-def tried(bench: Bench, group: str, fault: Fault, tests: Path, before: Path | None) -> dict:
+def tried(bench: Bench, group: str, fault: Fault, tests: Path) -> dict:
     """Put a fault in, try it, take it out; return what came of it as plain data."""
     begin = time.monotonic()
-    caught, before_too = None, None
+    caught = None
     fault.put_into(bench.tree)
     try:
         built = bench.build() is None
         if built:
             caught = bench.caught_by(tests, fault)
-            if caught is None and before is not None:
-                before_too = bench.caught_by(before, fault) or ""
     finally:
         bench.restore(fault.file)
     seconds = round(time.monotonic() - begin)
     return {
         **fault.record(),
-        **{"group": group, "built": built, "caught": caught or "", "before": before_too},
+        **{"group": group, "built": built, "caught": caught or "", "before": None},
         "seconds": seconds,
     }
 
