@@ -112,7 +112,6 @@ _ROOMS = {
     "campaigns": "campaign",
     "capture": "Camera",
     "control": "DriveAround FollowPath GoToPoint Replay Spin score_path",
-    "digests": "",
     "doctor": "check_estimator check_parameter_estimator",
     "evaluation": "pose_consistency pose_errors",
     "grading": "",

@@ -1,17 +1,26 @@
-"""The numbers that robsim ships, computed here and in the surroundings of other machines."""
+"""The numbers that robsim promises, computed here and in the surroundings of other machines."""
 
 import json
 import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-import robsim
+from digest_report import (
+    Digest,
+    DigestReport,
+    compare_digests,
+    digest_of,
+    digits_of,
+    some_of,
+)
 from robsim._core import cpu_paths
-from robsim.digests import Digest, DigestReport
-from robsim.digests._compare import digest_of, digits_of, some_of
+
+DIGESTS = Path(__file__).parent
 
 SURROUNDINGS = {
     "an old processor, and a C library without AVX2 and FMA": {
@@ -23,11 +32,15 @@ SURROUNDINGS = {
 }
 
 
-def promises_kept(*arguments, **surroundings):
+def program(*arguments, **surroundings):
     command = [sys.executable, *arguments]
-    run = subprocess.run(
+    return subprocess.run(
         command, env=os.environ | surroundings, capture_output=True, text=True, check=False
     )
+
+
+def promises_kept(*arguments, **surroundings):
+    run = program(*arguments, **surroundings)
     assert run.returncode == 0, run.stdout + run.stderr
     return run.stdout
 
@@ -35,7 +48,7 @@ def promises_kept(*arguments, **surroundings):
 @pytest.mark.long
 @pytest.mark.kernels
 def test_this_machine_computes_what_others_do():
-    report = robsim.digests.compare_digests()
+    report = compare_digests()
     assert report.ok, report
     assert len(report.digests) >= 38
     assert all(one.digits is None for one in report.digests if one.promised is None)
@@ -44,15 +57,29 @@ def test_this_machine_computes_what_others_do():
 @pytest.mark.slow
 @pytest.mark.parametrize("surroundings", SURROUNDINGS.values(), ids=SURROUNDINGS)
 def test_other_surroundings_compute_the_same(surroundings):
-    promises_kept("-m", "robsim.digests", **surroundings)
+    promises_kept(DIGESTS, **surroundings)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", cpu_paths())
 def test_all_instructions_compute_the_same_without_docstrings_and_in_any_order(path):
-    arguments = ("-OO", "-m", "robsim.digests", "--path", path, "--json")
+    arguments = ("-OO", DIGESTS, "--path", path, "--json")
     printed = json.loads(promises_kept(*arguments, PYTHONHASHSEED="7"))
     assert printed["verdict"] == "as promised"
+
+
+@pytest.mark.slow
+def test_what_is_written_is_expected_from_then_on(tmp_path):
+    for file in DIGESTS.glob("*.py"):
+        shutil.copy(file, tmp_path)
+    expected = tmp_path / "expected.json"
+    promises_kept(tmp_path, "--write", expected)
+    promises_kept(tmp_path)
+    values = json.loads(expected.read_text())
+    assert values["bytes"] == json.loads((DIGESTS / "expected.json").read_text())["bytes"]
+    values["bytes"]["path: Chirp"] = "another"
+    expected.write_text(json.dumps(values))
+    assert program(tmp_path).returncode == 1
 
 
 def test_a_digest_tells_bytes_shapes_and_types_apart():

@@ -1,15 +1,15 @@
-"""``python -m robsim.digests``: compare this machine with the numbers that robsim ships."""
+"""``python tests/digests``: compare this machine with the numbers that robsim gives elsewhere."""
 
 import argparse
 import sys
 
+from digest_report import compare_digests, write_expected
 from robsim._core import cpu_path, cpu_paths, force_cpu_path
-from robsim.digests._compare import compare_digests, write_expected
 
 
 def main() -> int:
     """Print the comparison; return 1 if something is not as promised."""
-    parser = argparse.ArgumentParser(prog="python -m robsim.digests", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python tests/digests", description=__doc__)
     parser.add_argument(
         "--path", choices=cpu_paths(), default=cpu_path(), help="instructions that the core uses"
     )

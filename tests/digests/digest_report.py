@@ -1,4 +1,4 @@
-"""`compare_digests`: what this machine computes beside what robsim ships."""
+"""`compare_digests`: what this machine computes beside what others did."""
 
 from __future__ import annotations
 
@@ -15,11 +15,10 @@ from typing import Any
 import numpy as np
 import scipy
 
+from digest_cases import BYTES, DIGITS
 from robsim._base.checks import Floats
-from robsim._base.files import write_whole
 from robsim._base.report import Column, Quantity, Report, Row, Table
 from robsim._core import cpu_path
-from robsim.digests._cases import BYTES, DIGITS
 
 _EXPECTED = Path(__file__).with_name("expected.json")
 _ALL_DIGITS = 17  # of a double: the numbers are equal
@@ -110,7 +109,7 @@ class DigestReport(Report):
 
 
 def compare_digests() -> DigestReport:
-    """Compute small runs of every kind, and compare them with what robsim ships.
+    """Compute small runs of every kind, and compare them with what is expected.
 
     Worlds, paths, frames, measurements and the recursive estimate are the same to the last byte on
     every machine and with every version of what robsim needs; where linear algebra or numpy's
@@ -121,9 +120,6 @@ def compare_digests() -> DigestReport:
     DigestReport
         The comparison; print it.
 
-    Examples
-    --------
-    >>> print(robsim.digests.compare_digests())
     """
     expected = json.loads(_EXPECTED.read_text())
     return DigestReport(
@@ -187,4 +183,4 @@ def write_expected(file: str | PathLike[str]) -> None:
         "bytes": {name: digest_of(arrays()) for name, arrays in BYTES.items()},
         "digits": {name: some_of(numbers()).tolist() for name, (_, numbers) in DIGITS.items()},
     }
-    write_whole(Path(file), (json.dumps(values, indent=1) + "\n").encode())
+    Path(file).write_bytes((json.dumps(values, indent=1) + "\n").encode())
