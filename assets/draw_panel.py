@@ -10,7 +10,7 @@ from PIL import Image
 from playwright.sync_api import Page as Tab
 
 import robsim
-from robsim.gui._bench.browser import open_chromium
+from bench_panel.browser import open_chromium
 from robsim.gui._hosts.page import Page
 from robsim.gui._panel.view import PanelView
 

@@ -81,14 +81,10 @@ def closed_page(monkeypatch):
 @pytest.fixture
 def small_bench(monkeypatch):
     """Let ``robsim bench`` measure with small images, in a sixth of the time."""
-    from robsim import GaussianNoise
     from robsim.bench import run_bench
-    from robsim.bench._accuracy import run
 
     small = partial(run_bench, sizes=(480,), frames=3, steps=20)
     monkeypatch.setattr("robsim.bench.run_bench", small)
-    few = {"sizes": (480,), "noises": (None, GaussianNoise(10))}
-    monkeypatch.setattr(run, "run_accuracy_bench", partial(run.run_accuracy_bench, **few))
 
 
 @pytest.fixture

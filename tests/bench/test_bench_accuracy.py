@@ -6,9 +6,9 @@ import sys
 import numpy as np
 import pytest
 
+import benches
 import robsim
-from commands import command
-from robsim.bench._accuracy import apriltag, result, run
+from bench_accuracy import apriltag, result, run
 
 cv2 = pytest.importorskip("cv2")
 
@@ -45,12 +45,12 @@ def test_the_tag_is_found_where_it_lies():
 
 
 @pytest.mark.long
-@pytest.mark.usefixtures("small_bench")
-def test_the_command_writes_the_figure_and_prints_right_numbers(tmp_path):
-    options = ("--accuracy", "--frames", "4", "--figure", "accuracy.png")
-    done = command("bench", *options, "--json", cwd=tmp_path)
-    assert done.exit_code == 0, done.stderr
-    cases = json.loads(done.stdout)["cases"]
+def test_the_program_writes_the_figure_and_prints_right_numbers(tmp_path, monkeypatch, capsys):
+    few = {"sizes": (480,), "noises": (None, robsim.GaussianNoise(10))}
+    monkeypatch.setattr(run.run_accuracy_bench, "__kwdefaults__", few)
+    figure = tmp_path / "accuracy.png"
+    benches.main(["accuracy", "--frames", "4", "--figure", str(figure), "--json"])
+    cases = json.loads(capsys.readouterr().out)["cases"]
     assert set(cases) == {"480_clean", "480_gaussian_10"}
     for case in cases.values():
         assert case["misses"] == case["false"] == 0
@@ -60,24 +60,27 @@ def test_the_command_writes_the_figure_and_prints_right_numbers(tmp_path):
             assert 0 < case[other]["rms_xy"] < 1
     assert cases["480_clean"]["weighted"]["rms_xy"] < 0.5 * cases["480_clean"]["counted"]["rms_xy"]
     assert 0.1 < cases["480_gaussian_10"]["nees"] < 3
-    assert (tmp_path / "accuracy.png").stat().st_size > 10_000
+    assert figure.stat().st_size > 10_000
 
 
 @pytest.mark.long
-def test_wrong_options_are_refused_before_anything_is_measured(tmp_path):
-    (tmp_path / "folder.png").mkdir()
+def test_wrong_options_are_refused_before_anything_is_measured(tmp_path, capsys):
+    folder = tmp_path / "folder.png"
+    folder.mkdir()
     # 10 000 frames: what measured them first would take an hour
-    many = ("--accuracy", "--frames", "10000")
+    many = ("accuracy", "--frames", "10000")
     for options, message in (
-        (("--accuracy", "--frames", "10001"), "--frames"),
+        (("accuracy", "--frames", "10001"), "frames"),
         ((*many, "--rounds", "3"), "--rounds"),
-        (("--frames", "3"), "--frames"),
-        ((*many, "--figure", "folder.png"), "folder.png"),
-        (("--accuracy", "--camera"), "--camera and --accuracy"),
+        (("grading", "--frames", "3"), "--frames"),
+        ((*many, "--figure", str(folder)), "folder.png"),
+        (("accuracy", "camera"), "camera"),
+        (("camera", "--rounds", "0"), "rounds"),
     ):
-        done = command("bench", *options, cwd=tmp_path)
-        assert done.exit_code != 0, options
-        assert message in done.stderr
+        with pytest.raises(SystemExit) as ended:
+            benches.main(options)
+        assert ended.value.code == 2, options
+        assert message in capsys.readouterr().err
 
 
 def test_without_opencv_it_says_what_to_install(monkeypatch):

@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
+import benches
 import gige_cameras
-from commands import command
+from bench_camera import run as camera
+from bench_camera import serving
 from needs import needs_extension
 from robsim import _core
-from robsim.bench import _camera as camera
-from robsim.live._bench import serving
 
 cv2 = pytest.importorskip("cv2")
 
@@ -18,13 +18,12 @@ SIZE = (320, 240)
 
 
 @pytest.mark.long
-def test_the_command_prints_numbers_for_scripts(tmp_path, monkeypatch):
+def test_the_program_prints_numbers_for_scripts(monkeypatch, capsys):
     few = {"rounds": 1, "sizes": (SIZE,)}
     monkeypatch.setattr(camera.run_camera_bench, "__kwdefaults__", few)
     monkeypatch.setattr(serving, "WAYS", ())
-    run = command("bench", "--camera", "--rounds", "1", "--json", cwd=tmp_path)
-    assert run.exit_code == 0, run.stderr
-    paths = json.loads(run.stdout)["paths"]
+    benches.main(["camera", "--rounds", "1", "--json"])
+    paths = json.loads(capsys.readouterr().out)["paths"]
     assert list(paths) == [f"{format_}_320x240" for format_ in camera.FORMATS]
     for name, path in paths.items():
         assert path["to_rgb_ratio"] == pytest.approx(path["to_rgb_opencv"] / path["to_rgb"])

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from commands import command
-from robsim.bench._campaign import dask_tasks, parent, run, scaling
+import benches
+from bench_campaign import dask_tasks, parent, run, scaling
 from sizes import thorough
 
 PARENT = parent.ParentCost(submit=10e-6, receive=90e-6, row=10e-6, flying=0.0)
@@ -13,14 +13,13 @@ TASK = dask_tasks.TaskCost(client=900e-6, scheduler=800e-6)
 
 
 @pytest.mark.slow
-def test_the_command_prints_numbers_for_scripts(tmp_path, monkeypatch):
+def test_the_program_prints_numbers_for_scripts(monkeypatch, capsys):
     few = {"rounds": 1, "seconds": 0.01, "sizes": (20, 40), "tasks": 10}
     monkeypatch.setattr(run.run_campaign_bench, "__kwdefaults__", few)
     if not thorough(True, False):
         monkeypatch.setattr(run, "dask_task_cost", lambda tasks: TASK)
-    ended = command("bench", "--campaign", "--rounds", "1", "--json", cwd=tmp_path)
-    assert ended.exit_code == 0, ended.stderr
-    found = json.loads(ended.stdout)
+    benches.main(["campaign", "--rounds", "1", "--json"])
+    found = json.loads(capsys.readouterr().out)
     assert list(found["serial"]) == ["no_frames", "frames_240"]
     for row in found["serial"].values():
         assert row["ratio"] == pytest.approx(row["campaign"] / row["bare"])

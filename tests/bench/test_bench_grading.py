@@ -4,17 +4,16 @@ import json
 
 import pytest
 
-from commands import command
-from robsim.bench._grading import run
+import benches
+from bench_grading import run
 
 
 @pytest.mark.long
-def test_the_command_prints_numbers_for_scripts(tmp_path, monkeypatch):
+def test_the_program_prints_numbers_for_scripts(monkeypatch, capsys):
     few = {"rounds": 1, "seconds": 0.01, "isolation": "auto"}
     monkeypatch.setattr(run.run_grading_bench, "__kwdefaults__", few)
-    ended = command("bench", "--grading", "--rounds", "1", "--json", cwd=tmp_path)
-    assert ended.exit_code == 0, ended.stderr
-    found = json.loads(ended.stdout)
+    benches.main(["grading", "--rounds", "1", "--json"])
+    found = json.loads(capsys.readouterr().out)
     assert list(found["steps"]) == [*run.KINDS]
     for row in found["steps"].values():
         assert row["ratio"] == pytest.approx(row["worker"] / row["here"])

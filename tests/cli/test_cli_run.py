@@ -125,7 +125,7 @@ def test_a_wrong_call_says_what_is_wrong(tmp_path, monkeypatch):
         ("--pixels and --positions", ("track", ".", "--pixels", "1,2 3,4")),
         ("no images", ("track", ".")),
         ("--unit", ("run", "--unit", "inch")),
-        ("--rounds", ("bench", "--camera", "--rounds", "0")),
+        ("--rounds", ("bench", "--rounds", "0")),
     ]:
         run = command(*arguments)
         assert run.exit_code == 2, arguments

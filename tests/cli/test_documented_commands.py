@@ -50,8 +50,6 @@ SHORTER = {
     "robsim demo": "robsim demo --steps 100",
     "--seconds 15": "--steps 20 --frame-timeout 300",
     "robsim bench": "robsim bench --rounds 1",
-    "--rounds 1 --accuracy": "--accuracy --frames 3",
-    "--rounds 1 --panel": "--panel",
     "tasks try park": "tasks try park --runs 1",
 }
 

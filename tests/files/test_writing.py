@@ -199,7 +199,7 @@ def test_two_processes_write_into_one_folder_and_lose_nothing(tmp_path):
 # What writes otherwise: the writer itself; in memory for it; into a temporary folder or a pipe; to
 # where a killed run must leave what it had.
 OTHERS = (
-    *("_base/files/", "bench/", "gui/_bench/", "notebooks/", "grading/", "imaging/_opencv.py"),
+    *("_base/files/", "notebooks/", "grading/", "imaging/_opencv.py"),
     *("assignments/_checking/rehearsal.py", "assignments/_making/folder.py"),
     *("assignments/_own_tests/child.py", "assignments/_packing/archive.py"),
     *("campaigns/_engines/processes.py", "cli/results.py", "cli/simulated/run.py"),

@@ -8,9 +8,9 @@ from urllib.request import Request, urlopen
 import numpy as np
 import pytest
 
+from bench_panel import in_lab
+from bench_panel.lab import Lab, lab_server, write_notebook
 from painted_frames import assert_order
-from robsim.gui._bench import in_lab
-from robsim.gui._bench.lab import Lab, lab_server, write_notebook
 from robsim.imaging import save_image
 from waiting import wait_for
 
@@ -34,7 +34,7 @@ STILL = "img[class^=robsim-still]"
 @pytest.fixture(scope="module")
 def server(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("robsim.gui._bench.lab._PATIENCE", 300.0)
+        patch.setattr("bench_panel.lab._PATIENCE", 300.0)
         with lab_server(tmp_path_factory.mktemp("lab")) as running:
             yield running
 

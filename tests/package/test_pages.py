@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.bench._campaign import dask_tasks, parent, scaling
+from bench_campaign import dask_tasks, parent, scaling
 
 SITE = Path(__file__).parents[2] / "notebooks/site"
 PAGES = sorted(SITE.glob("*.md"))

@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from robsim.gui._bench.figures import painted
+from bench_panel.figures import painted
 
 
 def assert_order(monkeypatch, module, measure):

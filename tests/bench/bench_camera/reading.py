@@ -1,4 +1,4 @@
-"""The program that reads: ``python -m robsim.live._bench.reading URL CODING WIDTH HEIGHT S``."""
+"""The program that reads: ``python reading.py URL CODING WIDTH HEIGHT S``."""
 
 from __future__ import annotations
 

@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from bench_campaign.dask_tasks import TaskCost
+from bench_campaign.many_workers import EACH, Throughput, simulated
+from bench_campaign.parent import ParentCost
 from robsim._base.report import Column, Quantity, Row, Table, percent
 from robsim._base.report.numbers import Format
-from robsim.bench._campaign.dask_tasks import TaskCost
-from robsim.bench._campaign.many_workers import EACH, Throughput, simulated
-from robsim.bench._campaign.parent import ParentCost
 from robsim.campaigns._engines.chunks import size_for
 from robsim.campaigns._engines.executors import seconds_of_chunk
 

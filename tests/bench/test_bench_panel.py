@@ -1,14 +1,17 @@
 """The measurement of the panel: what is read back from the screen is what was sent."""
 
+import json
 import sys
 from contextlib import nullcontext
 from dataclasses import replace
 
 import pytest
 
+import benches
+from bench_panel import in_page, run
+from bench_panel.figures import Painted, PanelBench, Watched, painted
+from chromium_browser import running_chromium
 from painted_frames import assert_order
-from robsim.gui._bench import in_page, run
-from robsim.gui._bench.figures import Painted, PanelBench, Watched, painted
 
 
 def test_figures_are_of_the_frames_that_were_seen():
@@ -30,23 +33,30 @@ def test_nothing_painted_is_no_result():
         painted("page", Watched(seen=[(1, 2.0)], began=0.0, ended=9.0), {})
 
 
-def test_a_machine_without_jupyterlab_is_told(monkeypatch):
+def test_the_program_prints_numbers_and_says_where_there_is_no_jupyterlab(monkeypatch, capsys):
     page = Painted(host="page", rate=30.0, latency_median=9.0, latency_p95=20.0, busy=20.0)
     monkeypatch.setattr(run, "open_chromium", nullcontext)
     monkeypatch.setattr(run, "measure_page", lambda browser, seconds: page)
     monkeypatch.setattr(run, "measure_matplotlib", lambda: 500.0)
     monkeypatch.setattr(run, "is_lab_there", lambda: False)
-    assert "JupyterLab is left out" in str(run.run_panel_bench())
+    benches.main(["panel"])
+    assert "JupyterLab is left out" in capsys.readouterr().out
     monkeypatch.setattr(run, "is_lab_there", lambda: True)
     lab = replace(page, host="JupyterLab")
     monkeypatch.setattr(run, "measure_lab", lambda browser, seconds: lab)
-    assert "left out" not in str(run.run_panel_bench())
+    benches.main(["panel", "--json"])
+    assert [*json.loads(capsys.readouterr().out)["hosts"]] == ["page", "JupyterLab"]
 
 
 def test_what_is_missing_is_told_with_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "playwright", None)
     with pytest.raises(ImportError, match="pip install playwright"):
         run.run_panel_bench()
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    yield from running_chromium()
 
 
 @pytest.mark.slow

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from robsim.gui._bench.browser import new_context, watch
-from robsim.gui._bench.figures import Painted, painted
-from robsim.gui._bench.scene import measured_view
+from bench_panel.browser import new_context, watch
+from bench_panel.figures import Painted, painted
+from bench_panel.scene import measured_view
 from robsim.gui._hosts.page import Page
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from robsim.gui._bench.barcode import SAMPLER
-from robsim.gui._bench.figures import Watched
+from bench_panel.barcode import SAMPLER
+from bench_panel.figures import Watched
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, Page

@@ -11,9 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from robsim._base.checks import check_float, check_int
-from robsim.bench._campaign.dask_tasks import ASSUMED, dask_task_cost
-from robsim.bench._campaign.loops import (
+from bench_campaign.dask_tasks import ASSUMED, dask_task_cost
+from bench_campaign.loops import (
     KINDS,
     STEPS,
     bare_loop,
@@ -21,9 +20,10 @@ from robsim.bench._campaign.loops import (
     by_pool,
     separate_processes,
 )
-from robsim.bench._campaign.parent import parent_cost
-from robsim.bench._campaign.result import CampaignBench
-from robsim.bench._campaign.scaling import scaling_of
+from bench_campaign.parent import parent_cost
+from bench_campaign.result import CampaignBench
+from bench_campaign.scaling import scaling_of
+from robsim._base.checks import check_float, check_int
 from robsim.campaigns import campaign
 
 _PROCESSES = 2

@@ -11,7 +11,7 @@ from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from robsim.bench._campaign.loops import KINDS, STEPS
+from bench_campaign.loops import KINDS, STEPS
 from robsim.campaigns import campaign
 from robsim.campaigns._engines.chunks import SECONDS
 from robsim.campaigns._runs import Job, Row

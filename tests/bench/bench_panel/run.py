@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from robsim.gui._bench.browser import open_chromium
-from robsim.gui._bench.figures import PanelBench
-from robsim.gui._bench.in_lab import is_lab_there, measure_lab
-from robsim.gui._bench.in_page import measure_page
-from robsim.gui._bench.with_matplotlib import measure_matplotlib
+from bench_panel.browser import open_chromium
+from bench_panel.figures import PanelBench
+from bench_panel.in_lab import is_lab_there, measure_lab
+from bench_panel.in_page import measure_page
+from bench_panel.with_matplotlib import measure_matplotlib
 
 
 def run_panel_bench(*, seconds: float = 8.0) -> PanelBench:

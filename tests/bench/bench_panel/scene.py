@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
+from bench_panel.barcode import stamped_picture
 from robsim._core import DriveAround, Step
-from robsim.gui._bench.barcode import stamped_picture
 from robsim.gui._panel.run.settings.estimator import default_estimator
 from robsim.gui._panel.view import PanelView
 from robsim.simulation import Simulation

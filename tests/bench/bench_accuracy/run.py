@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from bench_accuracy.apriltag import AprilTag
+from bench_accuracy.blobs import BlobMethods
+from bench_accuracy.result import AccuracyCase, AccuracyResult, Errors, errors_of
 from robsim._base.checks import Floats, check_int
 from robsim._core import Frame, PlaneMap, Renderer
-from robsim.bench._accuracy.apriltag import AprilTag
-from robsim.bench._accuracy.blobs import BlobMethods
-from robsim.bench._accuracy.result import AccuracyCase, AccuracyResult, Errors, errors_of
 from robsim.bench._render import AREA
 from robsim.evaluation._measurement_bound import SeenMarkers, marker_polygons
 from robsim.imaging._noise import GaussianNoise, Noise, UniformNoise

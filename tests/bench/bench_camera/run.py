@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from bench_camera.result import CameraBench, Path
 from robsim._base.checks import check_int
 from robsim._core import Frame, Measurement, cpu_path, find_blobs, from_rgb, locate, to_rgb
-from robsim.bench._camera_result import CameraBench, Path
 from robsim.bench._cases import Call, timed
 from robsim.bench._vision import as_found, check_same, contours, opencv_finder, opencv_limits
 from robsim.imaging._images import Pixels

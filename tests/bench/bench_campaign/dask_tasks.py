@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import operator
 import subprocess
 import sys
 import tempfile
@@ -58,13 +59,9 @@ def _run(executor: Any, tasks: int) -> None:
     left, flying = tasks, set[Future[Any]]()
     while left or flying:
         while left and len(flying) < _FLYING:
-            flying.add(executor.submit(_nothing, left))
+            flying.add(executor.submit(operator.index, left))
             left -= 1
         _, flying = wait(flying, return_when=FIRST_COMPLETED)
-
-
-def _nothing(number: int) -> int:
-    return number
 
 
 def _processor_time(process: Any) -> float:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robsim.bench._campaign.parent import ParentCost
+from bench_campaign.parent import ParentCost
 
 EACH = 2  # chunks of a worker in flight
 _CHUNKS = 6  # of each of them in a simulation

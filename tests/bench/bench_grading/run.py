@@ -6,9 +6,9 @@ import math
 import time
 from dataclasses import dataclass
 
+from bench_grading.result import GradingBench
 from robsim._base.checks import check_float, check_int
 from robsim._core import DriveAround
-from robsim.bench._grading.result import GradingBench
 from robsim.grading._graded_run import all_here, asking, graded_run, started
 from robsim.grading._isolation import Isolation, Limits
 from robsim.grading._seeds import RunSeeds

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from robsim.capture import CaptureError
@@ -22,6 +23,8 @@ FPS = 30.0  # of which a FireWire camera of this size sends each other one
 WAYS = (("gige", "raw8"), ("gige", "rgb8"), ("firewire", "yuv422"))
 NOISE_PERCENT = 1.0
 PATIENCE = 60  # s, for all but the reading
+
+_READING = Path(__file__).with_name("reading.py")
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ def _read(transport: str, coding: str, seconds: float, size: tuple[int, int]) ->
         is_bus = isinstance(server, VirtualBus)
         done = subprocess.run(
             [
-                *(sys.executable, "-m", "robsim.live._bench.reading"),
+                *(sys.executable, str(_READING)),
                 *("firewire://" if is_bus else server.url, coding, *map(str, lab.area)),
                 str(seconds),
             ],

@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter
 from robsim.plotting import _style as style
 
 if TYPE_CHECKING:
-    from robsim.bench._accuracy.result import AccuracyCase, AccuracyResult
+    from bench_accuracy.result import AccuracyCase, AccuracyResult
 
 # Colour, marker, and where it lies above the others.
 _LOOKS = {

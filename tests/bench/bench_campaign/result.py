@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from bench_campaign.scaling import Scaling
 from robsim._base.report import Column, Quantity, Report, Row, Table
-from robsim.bench._campaign.scaling import Scaling
 
 
 @dataclass(frozen=True, kw_only=True)

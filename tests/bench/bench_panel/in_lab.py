@@ -8,14 +8,16 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from robsim.gui._bench.browser import new_context, watch
-from robsim.gui._bench.figures import Painted, painted
-from robsim.gui._bench.lab import Lab, Server, lab_server, write_notebook
+from bench_panel.browser import new_context, watch
+from bench_panel.figures import Painted, painted
+from bench_panel.lab import Lab, Server, lab_server, write_notebook
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
-_SHOW = """from robsim.gui._bench.scene import measured_view
+_SHOW = f"""import sys
+sys.path.insert(0, {str(Path(__file__).parents[1])!r})
+from bench_panel.scene import measured_view
 from robsim.gui._hosts.notebook import NotebookLink
 view, steps = measured_view()
 NotebookLink(view).display(view.snapshot)"""

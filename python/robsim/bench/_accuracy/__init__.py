@@ -1,1 +1,0 @@
-"""How exact the measurement is, beside its bound and beside others: ``robsim bench --accuracy``."""

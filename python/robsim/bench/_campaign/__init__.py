@@ -1,1 +1,0 @@
-"""What campaigns cost, beside the same loops by hand."""

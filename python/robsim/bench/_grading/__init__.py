@@ -1,1 +1,0 @@
-"""What a step of a graded run costs: the robot half in a worker, beside all in one process."""

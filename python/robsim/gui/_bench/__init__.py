@@ -1,1 +1,0 @@
-"""How fast the panel is: what is painted, and when."""

@@ -1,0 +1,1 @@
+"""How exact the measurement is, beside its bound and beside others: ``./run bench accuracy``."""

@@ -1,0 +1,1 @@
+"""What campaigns cost, beside the same loops by hand: ``./run bench campaign``."""

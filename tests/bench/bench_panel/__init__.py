@@ -1,0 +1,1 @@
+"""How fast the panel is, what is painted and when: ``./run bench panel``."""
