@@ -3,7 +3,7 @@
 What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `trace`,
 `vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
 `capture`, `calibration`, `motors`, `sessions`, `campaigns`, `grading`, `tasks`, `assignments`,
-`live`, `plotting`, `gui`, `doctor`, `bench`.
+`live`, `plotting`, `gui`, `doctor`.
 """
 
 import importlib as _importlib
@@ -12,7 +12,6 @@ from typing import Any as _Any
 
 if _TYPE_CHECKING:
     __version__: str
-    from robsim import bench as bench
     from robsim import doctor as doctor
     from robsim import plotting as plotting
     from robsim import reference as reference
@@ -107,7 +106,6 @@ __all__ = [
 #: the names of each that are here, too.
 _ROOMS = {
     "assignments": "",
-    "bench": "",
     "calibration": "",
     "campaigns": "campaign",
     "capture": "Camera",

@@ -72,7 +72,7 @@ PYTHON = {
     "many runs": {"campaigns"},
     "submissions": {"grading", "plotting"},
     "exercises": {"tasks"},
-    "views": {"doctor", "bench", "live", "gym"},
+    "views": {"doctor", "live", "gym"},
     "courses": {"assignments"},
     "panels": {"gui"},
     "face": {"__init__"},

@@ -34,7 +34,7 @@ _COMMANDS = {
     "live": ("live.live", "Drive a robot under a real camera, with the callbacks of a folder."),
     "serve": ("live.serving", "Serve the simulated lab as a camera that other programs open."),
     "notebooks": ("notebooks", "Copy the notebooks for students into a folder."),
-    "bench": ("bench", "Measure how fast robsim is on this machine."),
+    "bench": ("simulated.bench", "Measure how fast robsim is on this machine."),
     "assignment": (
         "assignment.app",
         "Make an assignment for a course, that robsim grade grades by.",

@@ -9,7 +9,7 @@ import numpy as np
 
 from robsim._base.checks import Floats
 from robsim._core import Blob, ColorClass, Detection, Frame, MarkerLayout, detect
-from robsim.bench._vision import Found, contours, opencv_finder, opencv_limits
+from robsim.cli.simulated.bench_table import Found, opencv_finder, opencv_limits
 
 _GROWN = 2  # px around a blob whose pixels count, too
 _GREY = 128  # chroma without colour
@@ -57,7 +57,7 @@ class BlobMethods:
 
     def opencv(self, frame: Frame) -> Floats | None:
         """Return the pose by the moments of OpenCV's contours; None if it is not found."""
-        find = opencv_finder(self._cv2, frame.image, self._limits, self._smoothing, contours)
+        find = opencv_finder(self._cv2, frame.image, [*self._colors.values()], self._smoothing)
         return _pose(self._detect(frame, _as_blobs(find())))
 
     def _detect(self, frame: Frame, blobs: Blobs) -> Detection:

@@ -13,7 +13,7 @@ from bench_accuracy.blobs import BlobMethods
 from bench_accuracy.result import AccuracyCase, AccuracyResult, Errors, errors_of
 from robsim._base.checks import Floats, check_int
 from robsim._core import Frame, PlaneMap, Renderer
-from robsim.bench._render import AREA
+from robsim.cli.simulated.bench_table import AREA
 from robsim.evaluation._measurement_bound import SeenMarkers, marker_polygons
 from robsim.imaging._noise import GaussianNoise, Noise, UniformNoise
 from robsim.imaging._opencv import load_opencv

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from robsim._base.report import Column, Quantity, Report, Row, Table, percent
-from robsim.bench._cases import Case
 
 RATE = 30  # frames/s
 LIVE_REMARKS = (
@@ -26,27 +26,29 @@ class Path:
         How it sends pixels, such as ``"yuv422"``.
     size : (int, int)
         Width and height of the frames (px).
-    to_rgb : Case
-        From the bytes to RGB (ms).
-    to_pose : Case or None
-        From the bytes to the robot's pose (ms); OpenCV's ends with the blobs. None if the pixels
+    to_rgb : dict of str to float
+        From the bytes to RGB (s), by ``"ours"`` and ``"opencv"``.
+    to_pose : dict of str to float or None
+        From the bytes to the robot's pose (s); OpenCV's ends with the blobs. None if the pixels
         have no colours.
     """
 
     format: str
     size: tuple[int, int]
-    to_rgb: Case
-    to_pose: Case | None = None
+    to_rgb: Mapping[str, float]
+    to_pose: Mapping[str, float] | None = None
 
     @property
     def row(self) -> Row:
         """Its row in the table."""
         values: list[float | None] = []
-        for case in (self.to_rgb, self.to_pose):
-            theirs = None if case is None else case.others["opencv"]
-            ours = None if case is None else case.ours
-            values += [ours, theirs, theirs / ours if ours and theirs else None]
-        share = None if self.to_pose is None else RATE * self.to_pose.ours / 1e3
+        for times in (self.to_rgb, self.to_pose):
+            if times is None:
+                values += [None, None, None]
+            else:
+                ours, theirs = times["ours"], times["opencv"]
+                values += [1e3 * ours, 1e3 * theirs, theirs / ours]
+        share = None if self.to_pose is None else RATE * self.to_pose["ours"]
         return Row(f"{self.format}_{self.size[0]}x{self.size[1]}", [*values, share], unit="ms")
 
 

@@ -11,8 +11,7 @@ import numpy as np
 from bench_camera.result import CameraBench, Path
 from robsim._base.checks import check_int
 from robsim._core import Frame, Measurement, cpu_path, find_blobs, from_rgb, locate, to_rgb
-from robsim.bench._cases import Call, timed
-from robsim.bench._vision import as_found, check_same, contours, opencv_finder, opencv_limits
+from robsim.cli.simulated.bench_table import Call, check_same_blobs, opencv_finder, timed
 from robsim.imaging._images import Pixels
 from robsim.imaging._noise import GaussianNoise
 from robsim.imaging._opencv import load_opencv
@@ -107,7 +106,6 @@ def _path(cv2: Any, simulation: Simulation, format_: str, rounds: int) -> Path:
     theirs = np.empty_like(image)
     convert = opencv_conversion(cv2, format_, theirs)
     to_image = timed(
-        format_,
         {
             "ours": lambda: to_rgb(buffers.next(), width, height, format_),
             "opencv": lambda: convert(buffers.next()),
@@ -121,7 +119,7 @@ def _path(cv2: Any, simulation: Simulation, format_: str, rounds: int) -> Path:
         format=format_,
         size=(width, height),
         to_rgb=to_image,
-        to_pose=timed(format_, calls, rounds),
+        to_pose=timed(calls, rounds),
     )
 
 
@@ -137,14 +135,7 @@ def _measure_calls(
     plane_map, colors = simulation.frame.plane_map, simulation.colors
     markers = simulation.markers
     height, width, _ = theirs.shape
-    core = simulation._core
-    finder = opencv_finder(
-        cv2,
-        theirs,
-        {color.name: opencv_limits(color) for color in colors},
-        core.smoothing,
-        contours,
-    )
+    finder = opencv_finder(cv2, theirs, colors, simulation._core.smoothing)
 
     def blobs() -> dict[str, Any]:
         image = to_rgb(buffers.next(), width, height, format_)
@@ -158,7 +149,7 @@ def _measure_calls(
         convert(buffers.next())
         return finder()
 
-    check_same(as_found(blobs()), opencv(), format_, 5 * core.minimum_area)
+    check_same_blobs(blobs(), opencv())
     if ours() is None:
         raise RuntimeError(f"robsim must find the robot in a frame in {format_}")
     return {"ours": ours, "opencv": opencv}

@@ -31,7 +31,7 @@ def bench(
     as_json: Json = False,
 ) -> None:
     """Measure how fast robsim is on this machine."""
-    from robsim.bench import run_bench
+    from robsim.cli.simulated.bench_table import run_bench
 
     with errors.report_errors():
         result = run_bench(rounds=rounds)
