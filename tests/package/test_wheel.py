@@ -1,0 +1,46 @@
+"""What a wheel holds: what users need. What only developers ask for stays in the clone."""
+
+import importlib.metadata
+import re
+from pathlib import Path
+
+import robsim
+
+PACKAGE = Path(robsim.__file__).parent
+
+#: Words in the names of what only developers need.
+OF_DEVELOPERS = {
+    *("bench", "benches", "conftest", "digest", "digests"),
+    *("double", "doubles", "fake", "test", "tests"),
+}
+
+#: What is called so, and is for users: the command `robsim bench`, what a grade rests on, and the
+#: tests that teachers write.
+OF_USERS = (
+    *("robsim/cli/simulated/bench.py", "robsim/cli/simulated/bench_table.py"),
+    "robsim/assignments/_grading/digests.py",
+    *("robsim/assignments/_own_tests/", "robsim/assignments/templates/tests/"),
+)
+
+
+def files_of_wheel():
+    """What the wheel lists that is installed; where the tree is used as it is, its package."""
+    listed = importlib.metadata.files("robsim") or ()
+    if any(file.locate() == PACKAGE / "__init__.py" for file in listed):
+        return [file.as_posix() for file in listed]
+    files = (file for file in PACKAGE.rglob("*") if file.is_file())
+    return [file.relative_to(PACKAGE.parent).as_posix() for file in files]
+
+
+def test_a_wheel_has_the_packages_alone():
+    packages = r"(robsim|pytest_robsim|robsim-[^/]*\.dist-info|robsim\.libs)/"
+    programs = r"(\.\./)+(bin|Scripts)/robsim"
+    files = files_of_wheel()
+    assert [file for file in files if not re.match(f"{packages}|{programs}", file)] == []
+
+
+def test_a_wheel_has_nothing_that_only_developers_need():
+    files = [file for file in files_of_wheel() if "__pycache__" not in file]
+    assert "robsim/cli/simulated/bench_table.py" in files
+    named = [file for file in files if OF_DEVELOPERS & {*re.split(r"[^a-z]+", file)}]
+    assert [file for file in named if not file.startswith(OF_USERS)] == []
