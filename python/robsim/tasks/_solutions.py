@@ -25,7 +25,7 @@ REFERENCE, NAIVE = "reference", "naive"
 #: The module from which a solution has the values of its task.
 MODULE = "task"
 
-_START = "start"
+_START = Path(__file__).parent / "start"
 
 SHIPPED = Path(__file__).parent / "solutions"
 
@@ -131,7 +131,7 @@ def module_source(task: Task) -> bytes:
 
 def starting_files(task: Task) -> dict[str, bytes]:
     """Return what students begin with, by names of files: one for each slot, and ``task.py``."""
-    files = {file.name: file.read_bytes() for file in (SHIPPED / task.name / _START).glob("*.py")}
+    files = {file.name: file.read_bytes() for file in (_START / task.name).glob("*.py")}
     return files | {f"{MODULE}.py": module_source(task)}
 
 
