@@ -3,11 +3,13 @@
 import os
 import stat
 import sys
+from dataclasses import replace
 
 import pytest
 
 from robsim.assignments import Assignment, new_assignment
 from robsim.grading import Key
+from robsim.tasks._solutions import solutions_in
 
 each = pytest.mark.parametrize(
     "template", ["controller", "path", "identification", "measurement", "state"]
@@ -27,11 +29,8 @@ def test_a_new_folder_is_an_assignment_with_the_solutions_that_ship(tmp_path, te
     assert public.points + hidden.points == 9
     assert [file.public for file in read.files] == [True]
     task = public.task
-    for one in task.solutions:
-        kind = "right" if one.is_right else "wrong"
-        place = made.folder / "solutions" / task.name / kind / one.name
-        files = {file.stem: file.read_bytes() for file in place.iterdir()}
-        assert one.files.items() >= files.items() > set()
+    found = solutions_in(made.folder / "solutions" / task.name, task.slots)
+    assert [replace(one, folder=None) for one in found] == list(task.solutions)
     sheet = (made.folder / "sheet.md").read_text()
     for slot in made.slots:
         assert f"`{slot}" in sheet

@@ -7,6 +7,7 @@ import pytest
 
 from commands import command
 from robsim.tasks import TASKS, Limit, Park, _trying
+from small_assignments import solution
 
 pytestmark = pytest.mark.long
 
@@ -53,7 +54,8 @@ def test_what_one_begins_with_can_be_tried(name, tmp_path):
 
 
 def test_a_solution_is_as_good_as_the_reference(tmp_path):
-    words = ("tasks", "try", "park", str(Park().solutions[0].folder), "--runs", "1")
+    solution(tmp_path / "mine", kind="park")
+    words = ("tasks", "try", "park", "mine", "--runs", "1")
     run = command(*words, "--figure", "a.png", "--json", cwd=tmp_path)
     assert run.exit_code == 0
     assert json.loads(run.stdout)["verdict"] == "as good as the reference"

@@ -5,6 +5,7 @@ import pytest
 
 import robsim
 from robsim.tasks import Limit, Measure, Park, _trying
+from small_assignments import solution
 
 SHORT = {"steps": 40, "runs": 2}
 
@@ -33,7 +34,7 @@ def shipped(task, name):
     return next(one for one in task.solutions if one.name == name)
 
 
-def test_the_reference_is_as_good_as_itself_and_naive_is_not():
+def test_the_reference_is_as_good_as_itself_and_naive_is_not(tmp_path):
     task = Measure(**SHORT)
     own = tried(task, shipped(task, "reference"))
     assert any("default parameters" in remark for remark in own.remarks)
@@ -41,7 +42,7 @@ def test_the_reference_is_as_good_as_itself_and_naive_is_not():
     assert set(own.statistics.values()) == {1.0}
     assert own.points == 1
     assert own.values == own.reference
-    naive = tried(task, shipped(task, "naive").folder)
+    naive = tried(task, solution(tmp_path / "mine", "naive", "measure"))
     assert naive.verdict == "no better than a naive solution"
     assert naive.points < 0.1
     assert naive.reference == own.reference

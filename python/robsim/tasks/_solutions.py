@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,8 +26,6 @@ MODULE = "task"
 
 _START = Path(__file__).parent / "start"
 
-SHIPPED = Path(__file__).parent / "solutions"
-
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
@@ -40,8 +37,8 @@ class Solution:
         Its name; ``"reference"`` and ``"naive"`` are those that scores are relative to.
     is_right : bool
         Whether it is to get full points, or fewer.
-    folder : Path
-        Where it was read from.
+    folder : Path, optional
+        Where it was read from; None = it ships with robsim.
     files : mapping of str to bytes
         The Python files by name without ``.py``, as they were then.
     slots : tuple of str
@@ -50,7 +47,7 @@ class Solution:
 
     name: str
     is_right: bool
-    folder: Path
+    folder: Path | None
     files: Mapping[str, bytes] = field(repr=False)
     slots: tuple[str, ...]
 
@@ -97,7 +94,7 @@ class Solution:
         task : Task
             What it is told of.
         """
-        return folder_with(task, self.folder, self.files)
+        return folder_with(task, self.folder or Path(self.name), self.files)
 
     def __repr__(self) -> str:
         kind = "right" if self.is_right else "wrong"
@@ -138,9 +135,6 @@ def starting_files(task: Task) -> dict[str, bytes]:
 def solutions_in(folder: str | PathLike[str], slots: tuple[str, ...]) -> tuple[Solution, ...]:
     """Return the solutions of a folder: those in ``right``, the reference first, and ``wrong``.
 
-    What the reference has beside its slots, all others can import, too: so they need not repeat
-    what they do not change.
-
     Raises
     ------
     OSError
@@ -148,28 +142,32 @@ def solutions_in(folder: str | PathLike[str], slots: tuple[str, ...]) -> tuple[S
     ValueError
         If there is no reference, or a folder has none of the slots.
     """
-    found = tuple(_found(as_folder(folder), slots))
+    found = tuple(with_shared(_found(as_folder(folder), slots)))
     if not any(one.is_right and one.name == REFERENCE for one in found):
         raise ValueError(f"{one_line(folder)} must have a solution right/{REFERENCE}")
     return found
 
 
 def _found(folder: Path, slots: tuple[str, ...]) -> Iterator[Solution]:
-    shared: dict[str, bytes] = {}
     for kind, first in (("right", REFERENCE), ("wrong", NAIVE)):
         places = [one for one in (folder / kind).glob("*") if one.is_dir() and _is_named(one)]
         for place in sorted(places, key=lambda one: (one.name != first, one.name)):
-            one = Solution.read(place, slots, is_right=kind == "right")
-            if one.is_right and one.name == REFERENCE:
-                shared = {name: file for name, file in one.files.items() if name not in SLOTS}
-            yield replace(one, files={**shared, **one.files})
+            yield Solution.read(place, slots, is_right=kind == "right")
+
+
+def with_shared(solutions: Iterable[Solution]) -> Iterator[Solution]:
+    """Yield solutions with the helpers of the reference, the first: they need not repeat them."""
+    shared: dict[str, bytes] = {}
+    for one in solutions:
+        if one.is_right and one.name == REFERENCE:
+            shared = helpers(one)
+        yield replace(one, files={**shared, **one.files})
+
+
+def helpers(solution: Solution) -> dict[str, bytes]:
+    """Return the files of a solution that fill no slot."""
+    return {name: file for name, file in solution.files.items() if name not in SLOTS}
 
 
 def _is_named(folder: Path) -> bool:
     return not folder.name.startswith((".", "__"))
-
-
-@cache
-def shipped_solutions(task: str, slots: tuple[str, ...]) -> tuple[Solution, ...]:
-    """Return the solutions of a kind of task that ship with robsim."""
-    return solutions_in(SHIPPED / task, slots)

@@ -16,7 +16,8 @@ from robsim.simulation import Scenario, Simulation
 from robsim.simulation._slots import AllCallbacks
 from robsim.tasks._score import Score
 from robsim.tasks._sheet import sheet_of
-from robsim.tasks._solutions import Solution, shipped_solutions, starting_files
+from robsim.tasks._shipped import shipped_solutions
+from robsim.tasks._solutions import Solution, starting_files
 from robsim.trace import Trace
 from robsim.trace._trace import check_trace
 

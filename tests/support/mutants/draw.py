@@ -11,9 +11,9 @@ from mutants import in_cpp, in_python
 from mutants.fault import Fault
 from mutants.named import named_faults
 
-#: Not drawn from: solutions and templates are for students, what is written for JavaScript is not
+#: Not drawn from: templates are for students, what is written for JavaScript is not
 #: Python, and what is read by another compiler than ours is not compiled here.
-_LEFT_OUT = ("/solutions/", "/start/", "/templates/", "/bench", "windows", "_neon")
+_LEFT_OUT = ("/start/", "/templates/", "/bench", "windows", "_neon")
 _LANGUAGES = {"python": ("*.py", in_python.faults_in), "cpp": ("*.cpp", in_cpp.faults_in)}
 
 

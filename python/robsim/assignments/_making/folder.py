@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import string
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -20,8 +20,8 @@ from robsim.assignments._making.sheet import sheet_for
 from robsim.assignments._making.template import TEMPLATES, Template
 from robsim.assignments._reading.assignment_file import FILE, KEY, SOLUTIONS
 from robsim.grading import Key
-from robsim.tasks import Task
-from robsim.tasks._solutions import starting_files
+from robsim.tasks import Solution, Task
+from robsim.tasks._solutions import helpers, starting_files
 
 SHEET, START, OWN_TESTS = "sheet.md", "start", "own_tests.py"
 
@@ -99,14 +99,19 @@ def _fill(folder: Path, template: Template, task: Task, name: str) -> None:
     (folder / START).mkdir()
     for path, content in starting_files(task).items():
         write_whole(folder / START / path, content)
-    for solution in task.solutions:
-        kind = "right" if solution.is_right else "wrong"
-        shutil.copytree(
-            solution.folder,
-            folder / SOLUTIONS / task.name / kind / solution.name,
-            ignore=shutil.ignore_patterns("__pycache__", ".*"),
-        )
+    _write_solutions(folder / SOLUTIONS / task.name, task.solutions)
     _write(folder / SHEET, sheet_for(Assignment.load(folder)))
+
+
+def _write_solutions(folder: Path, solutions: Sequence[Solution]) -> None:
+    """Write solutions; all can import the helpers of the reference, the first, without a copy."""
+    shared: dict[str, bytes] = {}
+    for one in solutions:
+        place = folder / ("right" if one.is_right else "wrong") / one.name
+        place.mkdir(parents=True)
+        for name, content in one.files.items() - shared.items():
+            write_whole(place / f"{name}.py", content)
+        shared = helpers(solutions[0])
 
 
 def _rules(template: Template, task: Task) -> dict[str, str]:

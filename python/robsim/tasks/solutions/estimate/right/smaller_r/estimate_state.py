@@ -1,7 +1,0 @@
-"""An extended Kalman filter that takes the measurements for more exact than they are."""
-
-import numpy as np
-from kalman import KalmanFilter
-from task import MEASUREMENT_SIGMA, PROCESS_SIGMA
-
-estimate_state = KalmanFilter(0.7 * np.array(MEASUREMENT_SIGMA), PROCESS_SIGMA)

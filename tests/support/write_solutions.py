@@ -1,0 +1,18 @@
+"""Pack the solutions of tasks: `python write_solutions.py FOLDER FILE`.
+
+A test compares FILE with the folder, so that no change of a solution is forgotten.
+"""
+
+import sys
+from pathlib import Path
+
+from robsim.tasks._shipped import pack
+
+
+def sources_in(folder: Path) -> dict[str, str]:
+    """Return the files of a folder by the name of their task."""
+    return {file.stem: file.read_text(encoding="utf-8") for file in sorted(folder.glob("*.toml"))}
+
+
+if __name__ == "__main__":
+    Path(sys.argv[2]).write_bytes(pack(sources_in(Path(sys.argv[1]))))

@@ -1,0 +1,64 @@
+"""The solutions that ship: packed as they are written, readable nowhere in what is installed."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+import robsim
+from robsim.tasks import TASKS, _shipped
+from write_solutions import sources_in
+
+COMPILED = (".so", ".pyd", ".pyc")
+SOURCES = Path(__file__).parents[2] / "assets/solutions"
+
+
+@pytest.mark.skipif(not SOURCES.is_dir(), reason="needs the sources")
+def test_what_is_packed_is_what_is_written():
+    packed = _shipped.unpack(_shipped.PACKED.read_bytes())
+    assert packed == sources_in(SOURCES), "run ./run stubs"
+    assert packed.keys() == TASKS.keys()
+
+
+def test_all_are_programs_that_say_what_they_are():
+    for kind in TASKS.values():
+        said = set()
+        for one in kind().solutions:
+            assert one.folder is None
+            assert one.files.keys() >= set(one.slots)
+            for name, content in one.files.items():
+                compile(content, name, "exec")
+                assert content.startswith(b'"""')
+            said.add(tuple(content for _, content in sorted(one.files.items())))
+        assert len(said) == len(kind().solutions)
+
+
+@pytest.mark.long
+def test_no_file_that_is_installed_shows_one():
+    solutions = [one for kind in TASKS.values() for one in kind().solutions]
+    texts = {content.decode() for one in solutions for content in one.files.values()}
+    for folder, _, names in os.walk(Path(robsim.__file__).parent):
+        for file in (Path(folder, name) for name in names if not name.endswith(COMPILED)):
+            installed = file.read_text(encoding="utf-8", errors="replace")
+            assert not any(text in installed for text in texts), file
+
+
+def shipped(tmp_path, monkeypatch, changes):
+    file = tmp_path / "solutions.bin"
+    base = '[base]\n"control.py" = \'\'\'\n"""One."""\nspeed = 1\n\'\'\'\n[right.reference]\n'
+    file.write_bytes(_shipped.pack({tmp_path.name: base + changes}))
+    monkeypatch.setattr(_shipped, "PACKED", file)
+    return _shipped.shipped_solutions(tmp_path.name, ("control",))
+
+
+def test_one_is_the_base_with_changes_in_turn(tmp_path, monkeypatch):
+    changes = '[wrong.naive]\nsays = "Two."\n"1" = "2"\n"= 2" = "= 3"\n"more.py" = "a = 1"\n'
+    reference, naive = shipped(tmp_path, monkeypatch, changes)
+    assert reference.files == {"control": b'"""One."""\nspeed = 1\n'}
+    assert naive.files == {"control": b'"""Two."""\nspeed = 3\n', "more": b"a = 1"}
+    assert (reference.is_right, naive.is_right) == (True, False)
+
+
+def test_a_change_of_what_is_not_there_is_refused(tmp_path, monkeypatch):
+    with pytest.raises(ValueError, match=r"naive.*'velocity'"):
+        shipped(tmp_path, monkeypatch, '[wrong.naive]\n"velocity" = "0"\n')
