@@ -19,7 +19,7 @@ def _few(monkeypatch):
 
 @pytest.fixture
 def folder(tmp_path):
-    made = new_assignment("state", tmp_path / "hw1", seed=1).folder
+    made = new_assignment("estimate", tmp_path / "hw1", seed=1).folder
     file = made / "assignment.toml"
     text = file.read_text().replace("steps = 60", "steps = 20").replace("runs = 10", "runs = 2")
     file.write_text(text)

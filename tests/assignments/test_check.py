@@ -20,7 +20,7 @@ WIDE["consistency"] = {"full": 1e6, "zero": 1e7, "low": 1e-6, "low_zero": 1e-7}
 def made(tmp_path_factory):
     """An assignment with short runs, and without tests of the teacher's own."""
     folder = tmp_path_factory.mktemp("made") / "hw1"
-    new_assignment("state", folder, seed=1)
+    new_assignment("estimate", folder, seed=1)
     file = folder / "assignment.toml"
     text = file.read_text().replace("steps = 60", "steps = 20").replace("runs = 10", "runs = 2")
     file.write_text(text.partition("# Tests of your own")[0])

@@ -50,8 +50,8 @@ def test_what_makes_no_sense_is_refused(tmp_path):
     for named, words in {
         "--students": ("pack", str(tmp_path)),
         "--install": ("pack", str(tmp_path), "--students", "a.zip", "--install", "x"),
-        "exists": ("new", "state", str(tmp_path), "--no-calibrate"),
-        "'state'": ("new", "stat", str(tmp_path / "x"), "--no-calibrate"),
+        "exists": ("new", "estimate", str(tmp_path), "--no-calibrate"),
+        "'measure'": ("new", "mesure", str(tmp_path / "x"), "--no-calibrate"),
     }.items():
         done = command("assignment", *words)
         assert done.exit_code == 2

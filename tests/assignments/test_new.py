@@ -11,9 +11,7 @@ from robsim.assignments import Assignment, new_assignment
 from robsim.grading import Key
 from robsim.tasks._solutions import solutions_in
 
-each = pytest.mark.parametrize(
-    "template", ["controller", "path", "identification", "measurement", "state"]
-)
+each = pytest.mark.parametrize("template", ["park", "follow", "identify", "measure", "estimate"])
 
 
 @each
@@ -51,25 +49,25 @@ def test_no_two_have_the_same_numbers_or_the_same_key(tmp_path, template):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="modes of files are those of Unix")
 def test_nobody_else_can_read_the_key(tmp_path):
-    new_assignment("measurement", tmp_path / "hw1")
+    new_assignment("measure", tmp_path / "hw1")
     assert stat.S_IMODE(os.stat(tmp_path / "hw1/key").st_mode) == 0o600
     assert not Key.read(tmp_path / "hw1/key").is_public
 
 
 def test_the_name_is_that_of_the_folder_or_what_is_given(tmp_path, monkeypatch):
-    assert new_assignment("measurement", tmp_path / "a/b/hw1").name == "hw1"
-    assert new_assignment("measurement", tmp_path / "x", name='Übung "1"').name == 'Übung "1"'
+    assert new_assignment("measure", tmp_path / "a/b/hw1").name == "hw1"
+    assert new_assignment("measure", tmp_path / "x", name='Übung "1"').name == 'Übung "1"'
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
-    assert new_assignment("measurement", "hw1").name == "hw1"
+    assert new_assignment("measure", "hw1").name == "hw1"
 
 
 def test_wrong_arguments_are_refused_before_anything_is_written(tmp_path):
     (tmp_path / "taken").mkdir()
     with pytest.raises(FileExistsError, match="taken"):
-        new_assignment("measurement", tmp_path / "taken")
-    for template, wrong in (("measurment", {}), ("measurement", {"seed": -1})):
-        with pytest.raises(ValueError, match="seed" if wrong else "measurment"):
+        new_assignment("measure", tmp_path / "taken")
+    for template, wrong in (("mesure", {}), ("measure", {"seed": -1})):
+        with pytest.raises(ValueError, match="seed" if wrong else "mesure"):
             new_assignment(template, tmp_path / "hw1", **wrong)
     assert list(tmp_path.rglob("*")) == [tmp_path / "taken"]
 
@@ -77,5 +75,5 @@ def test_wrong_arguments_are_refused_before_anything_is_written(tmp_path):
 def test_a_folder_that_cannot_be_filled_is_removed(tmp_path, monkeypatch):
     monkeypatch.setattr("robsim.assignments._making.folder.sheet_for", lambda assignment: 1 / 0)
     with pytest.raises(ZeroDivisionError):
-        new_assignment("measurement", tmp_path / "hw1")
+        new_assignment("measure", tmp_path / "hw1")
     assert list(tmp_path.iterdir()) == []

@@ -24,7 +24,7 @@ on_unix = pytest.mark.skipif(sys.platform == "win32", reason="they are scripts o
 def made(tmp_path_factory):
     """An assignment with short runs and limits that somebody has written."""
     folder = tmp_path_factory.mktemp("made") / "hw1"
-    new_assignment("state", folder, seed=1)
+    new_assignment("estimate", folder, seed=1)
     change(folder, ("steps = 60", "steps = 20"), ("runs = 10", "runs = 2"))
     tests = {name: {"limits": LIMITS, "power": 1.0} for name in ("public", "hidden")}
     (folder / "limits.json").write_text(json.dumps({"format": 1, "tests": tests}))
@@ -106,7 +106,7 @@ def test_what_is_hidden_is_found_wherever_it_was_copied_to(calibrated, secret, t
 
 
 def test_without_limits_nothing_is_packed(tmp_path):
-    made = new_assignment("state", tmp_path / "hw1")
+    made = new_assignment("estimate", tmp_path / "hw1")
     for pack in (pack_students, pack_gradescope):
         with pytest.raises(AssignmentError, match=r"public.*limit"):
             pack(made, tmp_path / "packed.zip")

@@ -7,7 +7,7 @@ import pytest
 
 from commands import command
 from robsim.doctor import TaskReport, check_folder
-from robsim.tasks import TASKS, EstimateState, Measure, Park
+from robsim.tasks import TASKS, Estimate, Measure, Park
 from sizes import thorough
 
 # What is found first of each of the wrong solutions that ship.
@@ -111,12 +111,12 @@ def test_what_ships_is_told_apart_and_explained(tmp_path, name, solution):
 @pytest.fixture(scope="module")
 def too_sure(tmp_path_factory):
     """A folder whose filter has too small an R, and a file that the task does not ask for."""
-    files = shipped(EstimateState(), "r_too_small") | {"control": "no Python"}
+    files = shipped(Estimate(), "r_too_small") | {"control": "no Python"}
     return folder_of(tmp_path_factory.mktemp("too_sure"), files)
 
 
 def test_a_page_says_what_is_short_and_why(too_sure):
-    task = EstimateState(runs=4)
+    task = Estimate(runs=4)
     report = check_folder(too_sure, task=task)
     assert isinstance(report, TaskReport)
     assert not report.is_solved
@@ -141,8 +141,8 @@ def test_the_command_gives_the_report(too_sure):
 
 def test_the_file_says_nothing_of_the_values_and_the_task_does(tmp_path):
     """What another sheet has said is not believed."""
-    folder = folder_of(tmp_path, shipped(EstimateState(), "reference") | {"task": "AREA = None\n"})
-    assert check_folder(folder, task=EstimateState(runs=2)).trial.failed == {}
+    folder = folder_of(tmp_path, shipped(Estimate(), "reference") | {"task": "AREA = None\n"})
+    assert check_folder(folder, task=Estimate(runs=2)).trial.failed == {}
 
 
 def test_what_cannot_be_loaded_is_not_tried(tmp_path):

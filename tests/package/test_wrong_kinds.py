@@ -184,7 +184,7 @@ def new_folder():
 
 @cache
 def new_assignment():
-    return robsim.assignments.new_assignment("measurement", Path(new_folder(), "hw1"), seed=1)
+    return robsim.assignments.new_assignment("measure", Path(new_folder(), "hw1"), seed=1)
 
 
 #: An example of an argument that has to be given, by name; by callable and name where they differ.
@@ -195,12 +195,12 @@ EXAMPLES = {
     "Solution.choice.task": robsim.tasks.Measure,
     "Solution.read.is_right": lambda: True,
     "TaskCalibration.from_record.record": lambda: calibrated().as_record(),
-    "TaskCalibration.stale.task": robsim.tasks.EstimateState,
-    "calibrate.task": lambda: robsim.tasks.EstimateState(steps=20, runs=1),
+    "TaskCalibration.stale.task": robsim.tasks.Estimate,
+    "calibrate.task": lambda: robsim.tasks.Estimate(steps=20, runs=1),
     "Submission.call.name": lambda: "fit",
     "Submission.calls.name": lambda: "fit",
     "Intrinsics.matrix": lambda: [[50, 0, 20], [0, 50, 20], [0, 0, 1]],
-    "new_assignment.template": lambda: "measurement",
+    "new_assignment.template": lambda: "measure",
     "pack_gradescope.path": lambda: Path(new_folder(), "autograder.zip"),
     "calibrate_assignment.folder": lambda: new_assignment().folder,
     "check_assignment.folder": lambda: new_assignment().folder,

@@ -26,7 +26,7 @@ from robsim.grading import Key
 from robsim.imaging import Calibration, Intrinsics, PlaneMap, load_calibration, save_calibration
 from robsim.robots import save_robot
 from robsim.sessions import Session
-from robsim.tasks import EstimateState
+from robsim.tasks import Estimate
 from robsim.vision import save_colors
 
 EXPECTED = "expected.json"
@@ -204,7 +204,7 @@ def _assignment(folder: Path) -> Any:
 
 def _graded(assignment: Path) -> str:
     """Return the result of the reference solution, without times and names of this machine."""
-    reference = EstimateState().solutions[0]
+    reference = Estimate().solutions[0]
     with tempfile.TemporaryDirectory() as name:
         submission, own = Path(name, "ada"), Path(name, "hw3")
         shutil.copytree(assignment, own)

@@ -83,7 +83,7 @@ def lines():
         module = importlib.import_module(f"robsim.{room}".rstrip("."))
         for public in module.__all__:
             name, value = f"{module.__name__}.{public}", getattr(module, public)
-            if room and public in robsim.__all__:
+            if room and public in robsim.__all__ and value is getattr(robsim, public):
                 yield f"{name} = robsim.{public}"
             elif isinstance(value, type):
                 yield from members(name, value)

@@ -5,13 +5,13 @@ import pytest
 
 import robsim
 from robsim.evaluation import wrapped_error
-from robsim.tasks import EstimateState
+from robsim.tasks import Estimate
 
 
 @pytest.mark.long
 def test_the_told_noise_of_measurements_is_what_they_have():
     for noise in (0, 20):
-        one = EstimateState(noise=noise, dropout=0)
+        one = Estimate(noise=noise, dropout=0)
         errors = [
             wrapped_error(trace.pose_measured, trace.pose_true)
             for trace in (one.simulation(seed=seed).run(60) for seed in range(8))
@@ -21,7 +21,7 @@ def test_the_told_noise_of_measurements_is_what_they_have():
 
 
 def test_a_pose_and_a_covariance_are_scored_by_hand():
-    one = EstimateState(steps=30, dropout=0)
+    one = Estimate(steps=30, dropout=0)
     truth = one.simulation(seed=1).run(30).pose_true
 
     def estimate_state(step):
@@ -35,7 +35,7 @@ def test_a_pose_and_a_covariance_are_scored_by_hand():
 
 
 def test_without_an_estimate_there_is_no_score_and_without_a_covariance_no_consistency():
-    one = EstimateState(steps=20, dropout=0)
+    one = Estimate(steps=20, dropout=0)
     trace = one.simulation(
         seed=1, estimate_state=lambda step: robsim.Estimate((0, 0, 0), np.zeros((3, 3)))
     ).run(20)
@@ -45,7 +45,7 @@ def test_without_an_estimate_there_is_no_score_and_without_a_covariance_no_consi
 
 @pytest.mark.long
 def test_the_reference_is_consistent_with_the_noises_that_are_told():
-    one = EstimateState(slip=1.0, turn=0.03, noise=10)
+    one = Estimate(slip=1.0, turn=0.03, noise=10)
     result = robsim.campaign(
         one.scenario,
         vary={"folder": {"reference": one.solutions[0].choice(one)}},

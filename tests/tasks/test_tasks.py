@@ -6,7 +6,7 @@ import pytest
 import robsim
 from robsim.tasks import (
     TASKS,
-    EstimateState,
+    Estimate,
     Follow,
     Identify,
     Limit,
@@ -46,7 +46,7 @@ def test_a_task_by_name_is_that_of_its_class():
         (lambda: task("measure", nois=3), "'nois'"),
         (lambda: Measure(noise=-1), "noise"),
         (lambda: Measure(dropout=1.1), "dropout"),
-        (lambda: EstimateState(steps=19), "steps"),
+        (lambda: Estimate(steps=19), "steps"),
         (lambda: Identify(mismatch=0), "mismatch"),
         (lambda: Park(goal=(1, 2)), "goal"),
         (lambda: Park(goal=(20, 300, 0)), "goal.*80"),

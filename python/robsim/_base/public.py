@@ -18,8 +18,9 @@ def present(namespace: dict[str, Any]) -> None:
         The ``globals()`` of the module.
     """
     # `robsim` presents its own names when it is loaded; rooms that are loaded later know them.
-    at_the_top = getattr(sys.modules.get("robsim"), "__all__", ())
+    homes = getattr(sys.modules.get("robsim"), "_HOMES", {})
     for name in namespace["__all__"]:
         value = namespace[name]
         if getattr(value, "__module__", "").startswith("robsim"):
-            value.__module__ = "robsim" if name in at_the_top else namespace["__name__"]
+            at_the_top = namespace["__name__"] == f"robsim.{homes.get(name)}"
+            value.__module__ = "robsim" if at_the_top else namespace["__name__"]

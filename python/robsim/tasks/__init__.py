@@ -2,7 +2,7 @@
 
 from robsim._base.public import present as _present
 from robsim.tasks._by_name import TASKS, task
-from robsim.tasks._kinds.estimate import EstimateState
+from robsim.tasks._kinds.estimate import Estimate
 from robsim.tasks._kinds.follow import Follow
 from robsim.tasks._kinds.identify import Identify
 from robsim.tasks._kinds.measure import Measure
@@ -17,7 +17,7 @@ from robsim.tasks._trial import TaskTrial
 
 __all__ = [
     "TASKS",
-    "EstimateState",
+    "Estimate",
     "Follow",
     "Identify",
     "Limit",

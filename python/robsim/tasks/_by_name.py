@@ -8,14 +8,14 @@ from typing import Any
 
 from robsim._base.checks import check_text
 from robsim._base.spelling import check_names
-from robsim.tasks._kinds.estimate import EstimateState
+from robsim.tasks._kinds.estimate import Estimate
 from robsim.tasks._kinds.follow import Follow
 from robsim.tasks._kinds.identify import Identify
 from robsim.tasks._kinds.measure import Measure
 from robsim.tasks._kinds.park import Park
 from robsim.tasks._task import Task
 
-_KINDS = (Park, Follow, Identify, EstimateState, Measure)
+_KINDS = (Park, Follow, Identify, Measure, Estimate)
 
 #: The kinds of tasks by name.
 TASKS: Mapping[str, type[Task]] = MappingProxyType({kind.name: kind for kind in _KINDS})

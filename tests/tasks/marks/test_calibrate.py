@@ -5,10 +5,10 @@ import json
 
 import pytest
 
-from robsim.tasks import EstimateState, Measure, TaskCalibration, calibrate
+from robsim.tasks import Estimate, Measure, TaskCalibration, calibrate
 from robsim.tasks._marks import files
 
-TASK = EstimateState(steps=20, runs=2)
+TASK = Estimate(steps=20, runs=2)
 CHOSEN = ("reference", "larger_r", "naive", "no_q")
 SOLUTIONS = [one for one in TASK.solutions if one.name in CHOSEN]
 FAILING = dataclasses.replace(
@@ -100,7 +100,7 @@ def test_what_changed_is_to_be_calibrated_again(calibration):
     record = json.loads(json.dumps(calibration.as_record()))
     known = TaskCalibration.from_record(record)
     assert known.stale(TASK, SOLUTIONS) is None
-    other_task = EstimateState(steps=20, runs=2, slip=0.31)
+    other_task = Estimate(steps=20, runs=2, slip=0.31)
     assert known.stale(other_task, SOLUTIONS).startswith("the task is not the one")
     changed = dataclasses.replace(SOLUTIONS[1], files=SOLUTIONS[1].files | {"more": b"x = 1"})
     assert known.stale(TASK, [SOLUTIONS[0], changed, *SOLUTIONS[2:]]).startswith("the solutions")

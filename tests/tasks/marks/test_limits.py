@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest
 
-from robsim.tasks import EstimateState, Limit, Measure
+from robsim.tasks import Estimate, Limit, Measure
 from robsim.tasks._marks import sets
 from robsim.tasks._marks.limits import limits_from
 
@@ -25,7 +25,7 @@ def skewed(rng, n, *, scale, shift):
 
 @pytest.mark.long
 def test_right_solutions_fail_as_rarely_as_promised_whatever_the_distribution(rng):
-    task, promised, n = EstimateState(), 0.05, 59
+    task, promised, n = Estimate(), 0.05, 59
     kinds = [{"scale": 1.0, "shift": 0.0}, {"scale": 1.3, "shift": -0.05}]
     naive = as_sets(np.full((3, 3), 5.0))
     fresh = [skewed(rng, 4000, **kind) for kind in kinds]
@@ -69,7 +69,7 @@ def test_a_score_that_hardly_ever_differs_does_not_scale_the_limits_of_others():
 
 
 def test_no_points_are_given_where_naive_is_and_never_close_to_the_limit():
-    task = EstimateState()
+    task = Estimate()
     rows = np.tile(np.exp([[0.1, 0.1, 0.1], [0.1, 0.1, -0.1]]), (PILOT, 1))
     naive = as_sets(np.tile([3.0, 1.0, 0.01], (3, 1)))
     limits = limits_from(task, [as_sets(rows)], naive, PILOT, rank=1)
@@ -87,7 +87,7 @@ LIMITS = {
 
 
 def test_points_are_shares_of_fractions_less_what_failed():
-    scores = EstimateState().scores
+    scores = Estimate().scores
     assert sets.points_of(scores, LIMITS, [1.5, 2.0, 0.5], 1.0) == pytest.approx(1)
     assert sets.points_of(scores, LIMITS, [3.0, 2.0, 1.0], 1.0) == pytest.approx(0.35 / 2 + 0.65)
     assert sets.points_of(scores, LIMITS, [1.0, 1.0, 1.0], 0.7) == pytest.approx(0.7)
@@ -95,7 +95,7 @@ def test_points_are_shares_of_fractions_less_what_failed():
 
 
 def test_the_statistic_of_a_test_is_that_of_runs_that_came_through():
-    task = EstimateState(runs=2)
+    task = Estimate(runs=2)
     failed = np.array([False, False, False, True, True, True])
     own = sets.Runs(np.array([[2.0, 2, 3]] * 2 + [[8.0, 8, 2]] + [[np.nan] * 3] * 3), failed)
     reference = sets.Runs(np.ones((6, 3)), np.zeros(6, dtype=bool))

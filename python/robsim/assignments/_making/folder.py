@@ -17,7 +17,7 @@ from robsim._base.spelling import check_names
 from robsim._base.text import one_line
 from robsim.assignments._assignment import Assignment
 from robsim.assignments._making.sheet import sheet_for
-from robsim.assignments._making.template import TEMPLATES, Template
+from robsim.assignments._making.template import TEMPLATES, draw
 from robsim.assignments._reading.assignment_file import FILE, KEY, SOLUTIONS
 from robsim.grading import Key
 from robsim.tasks import Solution, Task
@@ -43,7 +43,7 @@ def new_assignment(
     Parameters
     ----------
     template : str
-        One of `TEMPLATES`, such as ``"controller"``.
+        One of `TEMPLATES`, such as ``"park"``.
     folder : path
         The folder, which is made.
     name : str, optional
@@ -68,8 +68,7 @@ def new_assignment(
     title = check_name("name", place.absolute().name if name is None else name)
     if seed is not None:
         check_int("seed", seed, minimum=0, maximum=_MOST_SEED)
-    chosen = TEMPLATES[template]
-    task = chosen.draw(np.random.default_rng(seed))
+    task = draw(template, np.random.default_rng(seed))
     try:
         place.mkdir(parents=True)
     except FileExistsError:
@@ -77,23 +76,23 @@ def new_assignment(
             f"{one_line(place)} exists: give another name, or remove it first"
         ) from None
     try:
-        _fill(place, chosen, task, title)
+        _fill(place, task, title)
         return Assignment.load(place)
     except BaseException:
         shutil.rmtree(place, ignore_errors=True)
         raise
 
 
-def _fill(folder: Path, template: Template, task: Task, name: str) -> None:
+def _fill(folder: Path, task: Task, name: str) -> None:
     """Write the files; the sheet last, which is of what is read then."""
     values = {
         "name": _toml(name),
-        "title": template.title,
+        "title": _title(task),
         "folder": one_line(folder),
         "task": task.name,
     }
     Key.new().write(folder / KEY)
-    _write(folder / FILE, _filled("assignment.toml", values | _rules(template, task)))
+    _write(folder / FILE, _filled("assignment.toml", values | _rules(task)))
     _write(folder / "README.md", _filled("README.md", values))
     _write(folder / OWN_TESTS, (_FILES / f"tests/{task.name}.py").read_text(encoding="utf-8"))
     (folder / START).mkdir()
@@ -114,10 +113,10 @@ def _write_solutions(folder: Path, solutions: Sequence[Solution]) -> None:
         shared = helpers(solutions[0])
 
 
-def _rules(template: Template, task: Task) -> dict[str, str]:
-    kind = template.kind
+def _rules(task: Task) -> dict[str, str]:
+    kind = type(task)
     return {
-        "title": _toml(template.title),
+        "title": _toml(_title(task)),
         "slots": _toml(list(kind.slots)),
         "given": _toml(kind.given),
         "masked": _toml([*kind.masked, "robsim.assignments"]),
@@ -127,6 +126,11 @@ def _rules(template: Template, task: Task) -> dict[str, str]:
         "hidden_title": _toml(f"{kind.title[0].upper()}{kind.title[1:]}, in other worlds"),
         "parameters": "\n".join(_parameters(task.parameters)),
     }
+
+
+def _title(task: Task) -> str:
+    """Return the heading of a task's sheet."""
+    return task.sheet.splitlines()[0].removeprefix("# ")
 
 
 def _parameters(values: Mapping[str, Any]) -> list[str]:

@@ -16,7 +16,7 @@ HELP = (
 app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich",
-    epilog="Start with: robsim assignment new controller hw1",
+    epilog="Start with: robsim assignment new park hw1",
 )
 app.command(cls=Command, help=new.HELP, epilog=new.EXAMPLE)(new.new)
 app.command(cls=Command, help=calibrate.HELP, epilog=calibrate.EXAMPLE)(calibrate.calibrate)

@@ -13,10 +13,10 @@ from robsim.cli.assignment.options import Jobs, report_errors
 from robsim.cli.shared import SWITCH
 from robsim.cli.text import whole_number
 
-EXAMPLE = "Example: robsim assignment new controller hw1"
+EXAMPLE = "Example: robsim assignment new park hw1"
 HELP = (
     "Make the folder of a new assignment.\n\n"
-    "TEMPLATE is controller, path, identification, measurement or state. The folder gets a key of "
+    "TEMPLATE is park, follow, identify, measure or estimate. The folder gets a key of "
     "its own, numbers drawn for it, sheet, solutions right and wrong, a public and a hidden test, "
     "and limits that are calibrated for it, which takes 10 to 30 minutes: Ctrl-C leaves a "
     "folder that robsim assignment calibrate completes. Its README.md says what is what."

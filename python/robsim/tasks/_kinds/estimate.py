@@ -27,7 +27,7 @@ _HOLD = 4
 
 
 @dataclass(frozen=True, kw_only=True)
-class EstimateState(Task):
+class Estimate(Task):
     """Estimate the pose of a robot that slips, from noisy measurements that are missing at times.
 
     Parameters

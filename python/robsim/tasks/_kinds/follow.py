@@ -52,7 +52,7 @@ class Follow(Task):
     """
 
     name: ClassVar[str] = "follow"
-    title: ClassVar[str] = "drive the robot along a path"
+    title: ClassVar[str] = "follow a path with the robot"
     slots: ClassVar[tuple[str, ...]] = ("control",)
     given: ClassVar[str] = "pose"
     scores: ClassVar[tuple[Score, ...]] = (
