@@ -107,5 +107,5 @@ def test_no_board_is_found_where_there_is_none():
 
 def test_a_picture_that_opencv_could_not_take_is_refused():
     for shape in ((2**32, 8, 3), (8, 40_000, 3), (0, 8, 3)):
-        with pytest.raises(ValueError, match="^image"):
+        with pytest.raises(ValueError, match=r"^image"):
             Chessboard(7, 5, square=20).find(np.broadcast_to(np.uint8(0), shape))
