@@ -32,7 +32,6 @@ _COMMANDS = {
     "track": ("track", "Track the robot in a video file or a folder of images."),
     "cameras": ("live.cameras", "List the cameras of this computer, what is missing, and why."),
     "live": ("live.live", "Drive a robot under a real camera, with the callbacks of a folder."),
-    "serve": ("live.serving", "Serve the simulated lab as a camera that other programs open."),
     "notebooks": ("notebooks", "Copy the notebooks for students into a folder."),
     "bench": ("simulated.bench", "Measure how fast robsim is on this machine."),
     "assignment": (

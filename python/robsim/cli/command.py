@@ -63,9 +63,7 @@ class Later(TyperCommand):
         if hasattr(module, "app"):
             holder.add_typer(module.app, name=self.name, cls=Group, help=about)
         else:
-            options = {"help": about, "epilog": module.EXAMPLE}
-            options["context_settings"] = getattr(module, "SETTINGS", None)
-            define = holder.command(self.name, cls=Command, **options)
+            define = holder.command(self.name, cls=Command, help=about, epilog=module.EXAMPLE)
             define(getattr(module, str(self.name)))
         return typer.main.get_group(holder).commands[str(self.name)]
 

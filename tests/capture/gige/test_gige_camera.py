@@ -4,12 +4,15 @@ To open a camera takes seconds: one looks at several things each time.
 """
 
 import os
+import re
+import subprocess
 from contextlib import suppress
 
 import numpy as np
 import pytest
 
 import robsim
+from commands import command
 from gige_cameras import (
     ADDRESS,
     SCENARIO,
@@ -22,7 +25,7 @@ from gige_cameras import (
     ticks_of,
     wait_for_camera,
 )
-from needs import needs_extension
+from needs import needs_extension, needs_program
 from robsim.capture import (
     CameraBusyError,
     CameraFeatures,
@@ -191,3 +194,28 @@ def test_it_is_found_by_its_serial_number_and_keeps_the_rate_of_its_world(server
         robsim.Camera("gige://no-such-camera.invalid")
     report = robsim.capture.find_cameras(network=True)
     assert any(server.serial in line and f'robsim.Camera("{URL}")' in line for line in report.found)
+
+
+@pytest.mark.slow
+def test_the_tool_of_aravis_reads_it(server):
+    tool = needs_program("arv-camera-test-0.8", "aravis-tools")
+    wait_for_camera()
+    words = [tool, "--duration=1", "--no-packet-socket", "-n", ADDRESS, "-a"]
+
+    def n_completed():
+        said = subprocess.run(words, capture_output=True, text=True, timeout=300).stdout
+        assert re.search(r"image width\s*= 320\n", said)
+        return int(re.search(r"n_completed_buffers\s*= (\d+)\n", said)[1])
+
+    wait_for(n_completed)
+
+
+@pytest.mark.slow
+def test_live_drives_the_robot(server, tmp_path):
+    words = ("live", "--camera", server.url, "--motors", f"udp:{server.lab.address}")
+    words += ("--area", "{}x{}".format(*server.lab.area), "--steps", "200")
+    words += ("--control", "go-to-point:900,600")
+    words += ("--frame-timeout", "100", "--no-record", "--out", str(tmp_path))
+    wait_for(lambda: command(*words).exit_code == 0)  # it may not be reached at once
+    track = robsim.Trace.load(tmp_path / "trace.npz").pose_measured
+    assert abs(track[-1, :2] - track[0, :2]).max() > 10

@@ -18,7 +18,7 @@ from robsim.capture import Camera
 from robsim.capture._sources import meant_address
 from robsim.cli.text import about
 from robsim.live import SimulatedLab
-from robsim.motors import MotorReceiver, SerialMotors, UdpMotors
+from robsim.motors import SerialMotors, UdpMotors
 from robsim.simulation._outside.frame_source import DT_TOLERANCE
 
 SIMULATED, NONE = "simulated", "none"
@@ -76,7 +76,7 @@ def opened(
     with ExitStack() as stack:
         lab = None
         if camera == SIMULATED:
-            lab = stack.enter_context(new_lab(robot, area, plane_map, fps))
+            lab = stack.enter_context(_new_lab(robot, area, plane_map, fps))
         source = lab or _source(camera)
         is_asked = lab is None and fps is not None
         with about("--camera" if calibration is None else "--camera or --calibration"):
@@ -111,34 +111,22 @@ def _check_step(camera: Camera, model_dt: float | None, every: int | None) -> No
         )
 
 
-def new_lab(
+def _new_lab(
     robot: str | None,
     area: tuple[int, int] | None,
     plane_map: PlaneMap | None,
     fps: float | None,
-    *,
-    steps: tuple[int, int] = (1, 1),
-    receiver: MotorReceiver | None = None,
 ) -> SimulatedLab:
-    """Return the simulated lab of the options; its frames have a size in steps of `steps` (px)."""
+    """Return the simulated lab of the options."""
     width, height = area or Scenario.area
     scale = _LAB_SIZE / max(width, height)
     scenario = Scenario(
         robot=robot,
         area=(width, height),
-        resolution=(_rounded(scale * width, steps[0]), _rounded(scale * height, steps[1])),
+        resolution=(max(round(scale * width), 16), max(round(scale * height), 16)),
         headings=None,
     )
-    return SimulatedLab(
-        scenario,
-        fps=LAB_RATE if fps is None else fps,
-        plane_map=plane_map,
-        receiver=receiver,
-    )
-
-
-def _rounded(length: float, step: int) -> int:
-    return max(round(length / step) * step, 16)
+    return SimulatedLab(scenario, fps=LAB_RATE if fps is None else fps, plane_map=plane_map)
 
 
 def _source(text: str) -> int | str:
