@@ -9,7 +9,7 @@ import benches
 import gige_cameras
 from bench_camera import run as camera
 from bench_camera import serving
-from needs import needs_extension
+from needs import needs_double
 from robsim import _core
 
 cv2 = pytest.importorskip("cv2")
@@ -35,7 +35,7 @@ def test_the_program_prints_numbers_for_scripts(monkeypatch, capsys):
 
 @pytest.mark.slow
 def test_live_cameras_are_read_by_a_process_of_its_own(monkeypatch):
-    needs_extension("firewire")
+    needs_double("firewire")
     monkeypatch.setattr(serving, "WAYS", serving.WAYS[::2])
     monkeypatch.setattr(serving, "PATIENCE", 300)
     with gige_cameras.alone():

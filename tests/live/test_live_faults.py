@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from needs import needs_extension
+from needs import needs_double, needs_extension
 from sizes import thorough
 
-SUPPORT = Path(__file__).parents[1] / "support"
 ROUNDS = thorough(range(0, 60, 3), range(0, 60, 5))
 ROUNDS_ON_WIRES = thorough((17, 21, 24, 35, 52), (17, 24, 35))  # what goes wrong with cameras
 SLACK = 100  # s, by which a busy machine may be late
@@ -24,7 +23,7 @@ pytestmark = [
 
 
 def check(*words):
-    path = os.pathsep.join([str(SUPPORT), os.environ.get("PYTHONPATH", "")])
+    path = os.pathsep.join(filter(None, sys.path))
     done = subprocess.run(
         [sys.executable, "-m", *map(str, words)],
         capture_output=True,
@@ -42,7 +41,7 @@ def test_whatever_goes_wrong_the_robot_stands():
 
 def test_whatever_goes_wrong_with_a_bus_or_a_server_the_robot_stands():
     pytest.importorskip("serial")
-    needs_extension("firewire")
+    needs_double("firewire")
     needs_extension("gige")
     check(
         *("live_faults", "--slack", SLACK, "--workers", 1, "--cameras", "firewire", "gige"),

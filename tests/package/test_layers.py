@@ -49,11 +49,9 @@ CPP = {
     },
     "simulation/remote": {"text", "timing", "imaging", "simulation/seam", "simulation/robot"},
     "simulation": {"timing", "simulation/seam", "simulation/robot"},
-    "virtual_bus": {"threads", "imaging", "imaging/raw"},
     "laboratory": {
         *("timing", "threads", "elementary", "geometry", "random", "imaging", "model", "world"),
         *("world/noise", "capture", "motors", "simulation/seam", "simulation/world"),
-        "virtual_bus",
     },
 }
 

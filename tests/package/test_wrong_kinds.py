@@ -14,7 +14,6 @@ import tempfile
 from collections.abc import Iterator
 from functools import cache, partial
 from pathlib import Path
-from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -97,13 +96,6 @@ def run():
 @cache
 def lab():
     return robsim.live.SimulatedLab(robsim.Scenario(area=(300, 300), seed=1))
-
-
-def virtual_bus():
-    """A bus as far as its methods look at what they are given: it may not be built here."""
-    bus = object.__new__(robsim.live.VirtualBus)
-    bus.cameras, bus._server = (lab(),), MagicMock()
-    return bus
 
 
 def trace():
@@ -367,7 +359,6 @@ OBJECTS = {
         submission_folder(), slots="control", functions="fit"
     ),
     "LabTruth": lambda: lab().truth,
-    "VirtualBus": virtual_bus,
 }
 
 

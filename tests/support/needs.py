@@ -6,6 +6,9 @@ import shutil
 
 import pytest
 
+#: What serves a camera that an extension reads: see tests/doubles.
+DOUBLES = {"firewire": "_bus_server"}
+
 
 def needs_extension(name):
     """Return the extension of robsim; skip the test where it is not built."""
@@ -13,6 +16,16 @@ def needs_extension(name):
         return importlib.import_module(f"robsim._{name}")
     except ImportError as error:
         _without(name, str(error))
+
+
+def needs_double(name):
+    """Return the extension of robsim; skip the test unless that and its camera are built."""
+    extension = needs_extension(name)
+    try:
+        importlib.import_module(DOUBLES[name])
+    except ImportError as error:
+        _without(name, str(error))
+    return extension
 
 
 def needs_program(name, what):

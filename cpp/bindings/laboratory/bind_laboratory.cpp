@@ -3,17 +3,14 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
-#include "robsim/laboratory/bus_server.hpp"
 #include "robsim/laboratory/laboratory_camera.hpp"
 #include "robsim/laboratory/view_warp.hpp"
-#include "robsim/threads/native_thread.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -135,75 +132,9 @@ std::shared_ptr<LaboratoryCamera> make_camera(const std::shared_ptr<Laboratory>&
                               top.value_or(nullptr)});
 }
 
-// In a forked process there is no thread of it, and the file is the parent's.
-using Bus = OfProcess<BusServer>;
-
-using BusCamera =
-    std::tuple<std::pair<int, int>, double, std::vector<std::string>, std::string, bool>;
-
-std::shared_ptr<Bus> make_bus(const std::string& path, const py::object& cameras,
-                              const py::object& cameras_in_labs, bool card_is_fast) {
-  auto devices = cameras_in_labs.cast<std::vector<std::shared_ptr<CaptureDevice>>>();
-  std::vector<BusCameraOptions> options;
-  for (const auto& [size, fps, codings, filter, is_fast] : cameras.cast<std::vector<BusCamera>>()) {
-    options.push_back({size.first, size.second, fps, codings, filter, is_fast});
-  }
-  return {new Bus("the virtual bus", path, options, std::move(devices), card_is_fast),
-          [](const Bus* bus) {
-            if (!PyGILState_Check()) {
-              delete bus;
-              return;
-            }
-            const WithoutInterpreter others;
-            delete bus;
-          }};
-}
-
-void bind_bus(py::module_& module) {
-  Class<Bus, std::shared_ptr<Bus>>(public_in(module, "robsim._core"), "BusServer",
-                                   "The virtual FireWire bus. Users take robsim.live.VirtualBus.")
-      .def(py::init(&make_bus), py::arg("path"), py::arg("cameras"), py::arg("devices"),
-           py::arg("card_is_fast"))
-      .def("close",
-           [](const Bus& self) {
-             if (!self.is_here()) return;
-             const WithoutInterpreter wait;
-             self->close();
-           })
-      .def(
-          "guid_of", [](const Bus& self, int camera) { return self->guid_of(camera); },
-          py::arg("camera"))
-      .def(
-          "unplug", [](const Bus& self, int camera) { self->unplug(camera); }, py::arg("camera"))
-      .def(
-          "plug_in", [](const Bus& self, int camera) { self->plug_in(camera); }, py::arg("camera"))
-      .def(
-          "stall", [](const Bus& self, int camera, double s) { self->stall(camera, s); },
-          py::arg("camera"), py::arg("seconds"))
-      .def(
-          "deny", [](const Bus& self, int camera, bool denied) { self->deny(camera, denied); },
-          py::arg("camera"), py::arg("is_denied"))
-      .def(
-          "shorten", [](const Bus& self, int camera, bool is) { self->shorten(camera, is); },
-          py::arg("camera"), py::arg("is_short"))
-      .def(
-          "reset", [](const Bus& self, bool power_fails) { self->reset(power_fails); },
-          py::arg("power_fails"))
-      .def(
-          "refuse", [](const Bus& self, bool c, bool b) { self->refuse(c, b); },
-          py::arg("channels"), py::arg("bandwidth"))
-      .def(
-          "lost_frames", [](const Bus& self, int camera) { return self->lost_frames(camera); },
-          py::arg("camera"))
-      .def(
-          "is_sending", [](const Bus& self, int camera) { return self->is_sending(camera); },
-          py::arg("camera"));
-}
-
 }  // namespace
 
 void bind_laboratory(py::module_& module) {
-  bind_bus(module);
   Class<Laboratory, std::shared_ptr<Laboratory>>(public_in(module, "robsim._core"), "Laboratory",
                                                  "The simulated world in real time. Users take "
                                                  "robsim.live.SimulatedLab.")

@@ -8,7 +8,6 @@ from robsim.live._gige_server import GigeServer
 from robsim.live._lab import SimulatedLab
 from robsim.live._lens import Lens
 from robsim.live._truth import LabTruth
-from robsim.live._virtual_bus import VirtualBus, VirtualCamera
 
 __all__ = [
     "CameraCheck",
@@ -18,8 +17,6 @@ __all__ = [
     "LabTruth",
     "Lens",
     "SimulatedLab",
-    "VirtualBus",
-    "VirtualCamera",
     "check_camera",
 ]
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from doubles import VirtualBus, VirtualCamera
 from robsim.capture import CaptureError
 from robsim.imaging._noise import GaussianNoise
 from robsim.live._gige_server import GigeServer
 from robsim.live._lab import SimulatedLab
-from robsim.live._virtual_bus import VirtualBus, VirtualCamera
 from robsim.simulation._scenario import Scenario
 
 SIZE = (1280, 960)

@@ -11,24 +11,21 @@ from pathlib import Path
 
 import pytest
 
-import robsim
-from needs import needs_extension
+from doubles import with_bus_library
+from needs import needs_double
 
 pytestmark = [pytest.mark.slow, pytest.mark.sanitized]
 
 CASES = sorted(Path(__file__).with_name("on_the_bus").glob("case_*.py"))
-LIBRARY = Path(robsim.__file__).parent / "preloaded" / "virtual_bus.so"
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.stem)
 def test_on_the_bus(case):
-    needs_extension("firewire")
-    before = os.environ.get("LD_PRELOAD", "").split()
-    places = [str(Path(__file__).parents[2] / "support"), str(Path(robsim.__file__).parents[1])]
+    needs_double("firewire")
     environment = {
         **os.environ,
-        "LD_PRELOAD": " ".join([*before, str(LIBRARY)]),  # a sanitizer comes first
-        "PYTHONPATH": os.pathsep.join([*places, os.environ.get("PYTHONPATH", "")]),
+        "LD_PRELOAD": with_bus_library(),
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
     }
     arguments = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-m", "", str(case)]
     run = subprocess.run(

@@ -5,8 +5,9 @@ from contextlib import contextmanager, nullcontext
 
 import gige_cameras
 import robsim
+from doubles import VirtualBus, with_bus_library
 from needs import needs_extension
-from robsim.live import GigeServer, SimulatedLab, VirtualBus
+from robsim.live import GigeServer, SimulatedLab
 from waiting import wait_for
 
 CAN = {
@@ -99,7 +100,7 @@ def opened(kind, rng):
     """Read such a camera in this process; on FireWire it was started with the virtual bus."""
     with served(kind, rng) as made:
         if kind == "firewire":
-            os.environ["ROBSIM_VIRTUAL_BUS"] = made.environment["ROBSIM_VIRTUAL_BUS"]
+            os.environ |= made.environment
             wait_for(needs_extension("firewire").cameras)
         options = {"frame_timeout": 0.3, "reopen": rng.random() < 0.5}
         try:
@@ -111,5 +112,4 @@ def opened(kind, rng):
 
 def with_bus():
     """Return the environment of a process that can see virtual buses; there is none yet."""
-    with SimulatedLab() as lab, VirtualBus(lab) as bus:
-        return {**os.environ, "LD_PRELOAD": bus.environment["LD_PRELOAD"]}
+    return os.environ | {"LD_PRELOAD": with_bus_library()}

@@ -36,7 +36,6 @@ _RELATED = {
     "simd": "simd vision world",
     "simulation": "simulation threads grading digests",
     "tasks": "tasks assignments doctor guards",
-    "virtual_bus": "capture",
     "vision": "vision simd fuzz simulation digests",
     "world": "world simd simulation digests",
 }
@@ -72,7 +71,8 @@ class Bench:
         for name in ("CMakeLists.txt", "pyproject.toml", "README.md", "LICENSE"):
             shutil.copy2(self.root / name, self.tree)
         (self.tree / "tests").mkdir()
-        shutil.copytree(self.root / "tests/core", self.tree / "tests/core")
+        for name in ("core", "doubles"):
+            shutil.copytree(self.root / "tests" / name, self.tree / "tests" / name)
         packages = run([sys.executable, "-c", "import site; print(site.getsitepackages()[0])"])
         configured = run(
             [
@@ -88,7 +88,9 @@ class Bench:
 
     def build(self) -> str | None:
         """Compile what changed and install all of it; return what the compiler says if it fails."""
-        built = run(["cmake", "--build", str(self.folder / "cmake")], env=_path())
+        targets = ("all", "robsim_doubles")
+        command = ["cmake", "--build", str(self.folder / "cmake"), "--target", *targets]
+        built = run(command, env=_path())
         if built.returncode:
             return built.stdout[-2000:]
         shutil.rmtree(self.site, ignore_errors=True)
@@ -131,7 +133,8 @@ class Bench:
     def _pytest(self, root: Path, marks: str, folders: list[str]) -> str | None:
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-n", "2", "-p", "no:cacheprovider"]
         command += ["-o", f"timeout={_LONGEST_TEST}"]
-        environment = os.environ | {"PYTHONPATH": str(self.site), "OPENBLAS_NUM_THREADS": "1"}
+        path = f"{self.site}{os.pathsep}{self.folder / 'cmake/tests/doubles'}"
+        environment = os.environ | {"PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
         try:
             done = run([*command, "-m", marks, *folders], cwd=root, env=environment)
         except subprocess.TimeoutExpired:

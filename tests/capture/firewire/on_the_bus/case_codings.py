@@ -6,9 +6,9 @@ import pytest
 import robsim
 import sanitizers
 from bus_cameras import LARGE, SIZE, error_of, new_lab
+from doubles import VirtualCamera
 from python_cameras import PATIENT
 from robsim.capture import CameraFeatures, CaptureError
-from robsim.live import VirtualCamera
 from waiting import wait_for
 
 

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from robsim.live import VirtualBus, VirtualCamera
+from doubles import VirtualBus, VirtualCamera
 from waiting import wait_for
 
 VENDOR = "robsim virtual bus"
@@ -23,8 +23,8 @@ class OnTheBus:
         # Here, as pytest reads this file where the extension is not built, too.
         from robsim import _firewire
 
-        self.bus = VirtualBus(cameras, **options)
-        os.environ["ROBSIM_VIRTUAL_BUS"] = self.bus.environment["ROBSIM_VIRTUAL_BUS"]
+        self.bus = VirtualBus(*cameras, **options)
+        os.environ |= self.bus.environment
         wait_for(lambda: len(_firewire.cameras()) == len(cameras))
         assert all(vendor == VENDOR for _, vendor, _ in _firewire.cameras())
 

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <vector>
 
-#include "robsim/virtual_bus/bus_memory.hpp"
+#include "virtual_bus/bus_memory.hpp"
 
 namespace robsim::virtual_bus {
 

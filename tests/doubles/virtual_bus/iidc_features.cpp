@@ -1,10 +1,10 @@
-#include "robsim/virtual_bus/iidc_features.hpp"
+#include "virtual_bus/iidc_features.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "robsim/virtual_bus/register_bits.hpp"
+#include "virtual_bus/register_bits.hpp"
 
 namespace robsim::virtual_bus {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "robsim/virtual_bus/bus_memory.hpp"
+#include "virtual_bus/bus_memory.hpp"
 
 namespace robsim::virtual_bus {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "robsim/virtual_bus/bus_memory.hpp"
+#include "virtual_bus/bus_memory.hpp"
 
 namespace robsim::virtual_bus {
 

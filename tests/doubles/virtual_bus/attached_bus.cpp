@@ -1,4 +1,4 @@
-#include "robsim/virtual_bus/attached_bus.hpp"
+#include "virtual_bus/attached_bus.hpp"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -9,7 +9,7 @@
 #include <map>
 #include <mutex>
 
-#include "robsim/virtual_bus/system_calls.hpp"
+#include "virtual_bus/system_calls.hpp"
 
 namespace robsim::virtual_bus {
 

@@ -1,6 +1,6 @@
 #include <string>
 
-#include "robsim/virtual_bus/iidc_registers.hpp"
+#include "virtual_bus/iidc_registers.hpp"
 
 namespace robsim::virtual_bus {
 

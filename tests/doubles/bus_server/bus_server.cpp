@@ -1,8 +1,4 @@
-#include "robsim/laboratory/bus_server.hpp"
-
-#include <stdexcept>
-
-#ifdef __linux__
+#include "bus_server/bus_server.hpp"
 
 #include <fcntl.h>
 #include <linux/futex.h>
@@ -18,12 +14,13 @@
 #include <cstdio>
 #include <cstring>
 #include <new>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
 #include "robsim/threads/native_thread.hpp"
 #include "robsim/timing/monotonic.hpp"
-#include "robsim/virtual_bus/bus_memory.hpp"
+#include "virtual_bus/bus_memory.hpp"
 
 namespace robsim {
 
@@ -252,7 +249,7 @@ void BusServer::plug_in(int camera) {
   state_->is_held[static_cast<std::size_t>(camera)] = false;
 }
 
-void BusServer::stall(int camera, double seconds) {
+void BusServer::stall(double seconds, int camera) {
   state_->camera(camera).silent_until = std::llround((monotonic_now() + seconds) * 1e9);
 }
 
@@ -282,30 +279,3 @@ bool BusServer::is_sending(int camera) const {
 }
 
 }  // namespace robsim
-
-#else
-
-namespace robsim {
-
-struct BusServer::State {};
-
-BusServer::BusServer(const std::string&, const std::vector<BusCameraOptions>&,
-                     std::vector<std::shared_ptr<CaptureDevice>>, bool) {
-  throw std::runtime_error("the virtual FireWire bus imitates Linux, and this is another system");
-}
-BusServer::~BusServer() = default;
-void BusServer::close() noexcept {}
-std::string BusServer::guid_of(int) const { return {}; }
-void BusServer::unplug(int) {}
-void BusServer::plug_in(int) {}
-void BusServer::stall(int, double) {}
-void BusServer::deny(int, bool) {}
-void BusServer::shorten(int, bool) {}
-void BusServer::reset(bool) {}
-void BusServer::refuse(bool, bool) {}
-std::int64_t BusServer::lost_frames(int) const { return 0; }
-bool BusServer::is_sending(int) const { return false; }
-
-}  // namespace robsim
-
-#endif

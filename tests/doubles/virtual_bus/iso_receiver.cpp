@@ -1,4 +1,4 @@
-#include "robsim/virtual_bus/iso_receiver.hpp"
+#include "virtual_bus/iso_receiver.hpp"
 
 #include <arpa/inet.h>
 #include <linux/futex.h>

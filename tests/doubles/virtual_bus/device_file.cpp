@@ -1,4 +1,4 @@
-#include "robsim/virtual_bus/device_file.hpp"
+#include "virtual_bus/device_file.hpp"
 
 #include <arpa/inet.h>
 #include <linux/firewire-cdev.h>
@@ -15,10 +15,10 @@
 #include <cerrno>
 #include <cstring>
 
-#include "robsim/virtual_bus/attached_bus.hpp"
-#include "robsim/virtual_bus/iidc_registers.hpp"
-#include "robsim/virtual_bus/iso_receiver.hpp"
-#include "robsim/virtual_bus/system_calls.hpp"
+#include "virtual_bus/attached_bus.hpp"
+#include "virtual_bus/iidc_registers.hpp"
+#include "virtual_bus/iso_receiver.hpp"
+#include "virtual_bus/system_calls.hpp"
 
 namespace robsim::virtual_bus {
 

@@ -11,9 +11,9 @@
 #include <thread>
 #include <vector>
 
-#include "robsim/virtual_bus/device_file.hpp"
-#include "robsim/virtual_bus/iidc_features.hpp"
-#include "robsim/virtual_bus/iidc_registers.hpp"
+#include "virtual_bus/device_file.hpp"
+#include "virtual_bus/iidc_features.hpp"
+#include "virtual_bus/iidc_registers.hpp"
 
 namespace robsim::virtual_bus {
 

@@ -39,7 +39,7 @@ class BusServer {
   std::string guid_of(int camera) const;
   void unplug(int camera);
   void plug_in(int camera);
-  void stall(int camera, double seconds);
+  void stall(double seconds, int camera);
   void deny(int camera, bool is_denied);
   void shorten(int camera, bool is_short);
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "robsim/virtual_bus/bus_memory.hpp"
+#include "virtual_bus/bus_memory.hpp"
 
 namespace robsim::virtual_bus {
 

@@ -1,11 +1,11 @@
-#include "robsim/virtual_bus/iidc_registers.hpp"
+#include "virtual_bus/iidc_registers.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "robsim/virtual_bus/iidc_features.hpp"
-#include "robsim/virtual_bus/register_bits.hpp"
+#include "virtual_bus/iidc_features.hpp"
+#include "virtual_bus/register_bits.hpp"
 
 namespace robsim::virtual_bus {
 

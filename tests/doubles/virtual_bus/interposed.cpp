@@ -24,9 +24,9 @@
 #include <mutex>
 #include <string>
 
-#include "robsim/virtual_bus/attached_bus.hpp"
-#include "robsim/virtual_bus/device_file.hpp"
-#include "robsim/virtual_bus/system_calls.hpp"
+#include "virtual_bus/attached_bus.hpp"
+#include "virtual_bus/device_file.hpp"
+#include "virtual_bus/system_calls.hpp"
 
 #define INTERPOSED extern "C" __attribute__((visibility("default")))
 
