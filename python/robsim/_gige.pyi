@@ -1,4 +1,4 @@
-"""GigE Vision cameras, read and served by Aravis."""
+"""GigE Vision cameras, read by Aravis."""
 
 from collections.abc import Sequence
 from typing import TypedDict
@@ -41,22 +41,6 @@ class GigeCamera(CaptureDevice):
     @property
     def features(self) -> list[tuple[str, bool, list[float], str, float, float]]: ...
     def set_features(self, wishes: Sequence[tuple[str, Sequence[float] | None]]) -> None: ...
-
-class GigeServer:
-    def __init__(
-        self,
-        device: CaptureDevice,
-        *,
-        address: str,
-        serial: str,
-        size: tuple[int, int],
-        fps: float,
-    ) -> None: ...
-    @property
-    def sent(self) -> int: ...
-    @property
-    def failure(self) -> str: ...
-    def close(self) -> None: ...
 
 def find_cameras(seconds: float = 1.0) -> list[Identity]: ...
 def lost_between(last: int, id: int) -> int: ...

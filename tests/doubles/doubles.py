@@ -1,4 +1,4 @@
-"""Cameras that imitate real ones: the simulated lab as a camera on a FireWire bus.
+"""Cameras that imitate real ones: the simulated lab on a FireWire bus, and as a GigE camera.
 
 What they are made of is compiled by the target ``robsim_doubles`` of CMake, into a folder that
 ``./run`` puts on the path.
@@ -28,7 +28,22 @@ class VirtualCamera:
     is_fast: bool = False  # S800 of IEEE 1394b; otherwise S400
 
 
-class VirtualBus:
+class _Double:
+    """What its server can is its own, too; it ends with `close`, or with nobody who has it."""
+
+    _server = None
+
+    def __getattr__(self, name):
+        return getattr(self._server, name)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+class VirtualBus(_Double):
     """A FireWire bus whose cameras, up to four, show simulated labs.
 
     Programs that are started with `environment` see it as the kernel's own, libdc1394 and all that
@@ -66,19 +81,35 @@ class VirtualBus:
         """The environment of a process that is to see the bus."""
         return os.environ | {"LD_PRELOAD": with_bus_library(), "ROBSIM_VIRTUAL_BUS": self._path}
 
-    def __getattr__(self, name):
-        return getattr(self._server, name)
 
-    def __enter__(self):
-        return self
+class GigeServer(_Double):
+    """The camera of a lab as a GigE Vision camera at 127.0.0.1.
 
-    def __exit__(self, *_):
-        self.close()
+    Each frame of the lab goes out once, in order, at the lab's rate, as RGB8, Bayer or Mono8,
+    whichever the client chooses, or a part of it. The lab's faults are seen by the client: a torn
+    frame comes with packets missing, a stalled camera sends nothing, and one that is unplugged does
+    not answer. Its `failure` says why it has ended by itself.
+
+    The camera is the fake one of Aravis. It sends at most 1000 frames/s of at most 2048 px a side,
+    of exposure and gain only the brightness follows, and nobody must trust what else its registers
+    say.
+    """
+
+    serial = "ROBSIM-1"
+    url = "gige://127.0.0.1"
+
+    def __init__(self, lab):
+        self.lab = lab
+        server = import_module("_gige_server").GigeServer
+        self._server = server(lab._open_device(), self.serial, lab.size, 1 / lab.dt)
+        self.close = weakref.finalize(self, _end, os.getpid(), self._server)
 
 
-def _end(process, server, folder):
-    if os.getpid() == process:  # not one that was forked from it
-        server.close()
+def _end(process, server, folder=None):
+    if os.getpid() != process:  # it was forked from that one
+        return
+    server.close()
+    if folder is not None:
         folder.cleanup()
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from needs import needs_double, needs_extension
+from needs import needs_double
 from sizes import thorough
 
 ROUNDS = thorough(range(0, 60, 3), range(0, 60, 5))
@@ -42,7 +42,7 @@ def test_whatever_goes_wrong_the_robot_stands():
 def test_whatever_goes_wrong_with_a_bus_or_a_server_the_robot_stands():
     pytest.importorskip("serial")
     needs_double("firewire")
-    needs_extension("gige")
+    needs_double("gige")
     check(
         *("live_faults", "--slack", SLACK, "--workers", 1, "--cameras", "firewire", "gige"),
         *("--only", *ROUNDS_ON_WIRES),

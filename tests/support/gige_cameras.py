@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 
 import robsim
-from needs import needs_extension
+from doubles import GigeServer
+from needs import needs_double, needs_extension
 from python_cameras import PATIENT
 from robsim import _core
 from robsim.capture import CameraBusyError, NoCameraError, UnpluggedError
-from robsim.live import GigeServer, SimulatedLab
+from robsim.live import SimulatedLab
 from robsim.motors import UdpMotors
 from waiting import wait_for
 
@@ -39,6 +40,7 @@ def alone():
 @contextlib.contextmanager
 def served(scenario=SCENARIO, *, fps=FPS, **options):
     """Serve a lab; the server is told, and its `lab`."""
+    needs_double("gige")
     with SimulatedLab(scenario, fps=fps, **options) as lab, GigeServer(lab) as server:
         yield server
 

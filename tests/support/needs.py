@@ -7,7 +7,7 @@ import shutil
 import pytest
 
 #: What serves a camera that an extension reads: see tests/doubles.
-DOUBLES = {"firewire": "_bus_server"}
+DOUBLES = {"firewire": "_bus_server", "gige": "_gige_server"}
 
 
 def needs_extension(name):

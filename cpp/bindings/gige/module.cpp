@@ -18,8 +18,6 @@
 #include "robsim/capture/gige/discovery.hpp"
 #include "robsim/capture/gige/frame_ids.hpp"
 #include "robsim/capture/gige/gige_camera.hpp"
-#include "robsim/capture/gige/gige_server.hpp"
-#include "robsim/threads/native_thread.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -28,35 +26,6 @@ using namespace robsim::bindings;
 namespace {
 
 const char* const name = "robsim._gige";
-
-// In a forked process there is no thread of it, and its locks may be held for ever.
-using Server = OfProcess<GigeServer>;
-
-std::shared_ptr<Server> make_server(const std::shared_ptr<CaptureDevice>& device,
-                                    const std::string& address, const std::string& serial,
-                                    std::pair<int, int> size, double fps) {
-  const WithoutInterpreter wait;
-  GigeServerOptions options;
-  options.address = address;
-  options.serial = serial;
-  options.width = size.first;
-  options.height = size.second;
-  options.fps = fps;
-  return {new Server("the server", device, options), [](const Server* server) {
-            if (!PyGILState_Check()) {
-              delete server;
-              return;
-            }
-            const WithoutInterpreter others;
-            delete server;
-          }};
-}
-
-void close_server(const Server& server) {
-  if (!server.is_here()) return;
-  const WithoutInterpreter wait;
-  server->close();
-}
 
 py::dict identity_dict(const GigeIdentity& identity) {
   py::dict values;
@@ -103,7 +72,7 @@ std::shared_ptr<GigeCamera> make_camera(const std::string& source,
 }  // namespace
 
 PYBIND11_MODULE(_gige, module) {
-  module.doc() = "GigE Vision cameras, read and served by Aravis.";
+  module.doc() = "GigE Vision cameras, read by Aravis.";
   py::module_::import("robsim._core");  // which knows the classes that these build on
   translate_capture_errors();
   py::class_<GigeCamera, CaptureDevice, std::shared_ptr<GigeCamera>> camera(
@@ -120,14 +89,6 @@ PYBIND11_MODULE(_gige, module) {
       .def_property_readonly("info", &info_of,
                              "dict or None: what it is and what it sends, once it was open.");
   bind_features(camera);
-  py::class_<Server, std::shared_ptr<Server>>(
-      public_in(module, name), "GigeServer",
-      "The thread that serves a camera. Users take robsim.live.GigeServer.")
-      .def(py::init(&make_server), py::arg("device"), py::kw_only(), py::arg("address"),
-           py::arg("serial"), py::arg("size"), py::arg("fps"))
-      .def_property_readonly("sent", [](const Server& self) { return self->sent(); })
-      .def_property_readonly("failure", [](const Server& self) { return self->failure(); })
-      .def("close", &close_server);
   module.def(
       "find_cameras",
       [](double seconds) {

@@ -4,7 +4,6 @@ from robsim._base.public import present as _present
 from robsim.live._camera_check import CameraCheck, check_camera
 from robsim.live._camera_findings import CameraFinding
 from robsim.live._faults import CameraFaults
-from robsim.live._gige_server import GigeServer
 from robsim.live._lab import SimulatedLab
 from robsim.live._lens import Lens
 from robsim.live._truth import LabTruth
@@ -13,7 +12,6 @@ __all__ = [
     "CameraCheck",
     "CameraFaults",
     "CameraFinding",
-    "GigeServer",
     "LabTruth",
     "Lens",
     "SimulatedLab",

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from doubles import VirtualBus, VirtualCamera
+from doubles import GigeServer, VirtualBus, VirtualCamera
 from robsim.capture import CaptureError
 from robsim.imaging._noise import GaussianNoise
-from robsim.live._gige_server import GigeServer
 from robsim.live._lab import SimulatedLab
 from robsim.simulation._scenario import Scenario
 

@@ -15,7 +15,6 @@ import robsim
 from commands import command
 from gige_cameras import (
     ADDRESS,
-    SCENARIO,
     URL,
     camera_of,
     driven,
@@ -33,7 +32,6 @@ from robsim.capture import (
     FrameTimeoutError,
     NoCameraError,
 )
-from robsim.live import GigeServer, SimulatedLab
 from sizes import thorough
 from waiting import wait_for
 
@@ -98,14 +96,6 @@ def test_frames_are_those_of_the_lab_after_a_stall_too_and_poses_are_right(serve
         # The device's own clock says when, and never before it was.
         assert truth.t[tick] <= frame.epoch + frame.t <= frame.epoch + frame.t_arrival
     assert server.sent_frames >= 160
-
-
-@pytest.mark.slow
-@pytest.mark.sanitized
-def test_an_address_serves_one_camera(server):
-    with SimulatedLab(SCENARIO) as lab, pytest.raises(CameraBusyError, match="3956"):
-        GigeServer(lab)
-    wait_for_camera()  # the first one goes on
 
 
 WAYS = [

@@ -5,9 +5,9 @@ from contextlib import contextmanager, nullcontext
 
 import gige_cameras
 import robsim
-from doubles import VirtualBus, with_bus_library
+from doubles import GigeServer, VirtualBus, with_bus_library
 from needs import needs_extension
-from robsim.live import GigeServer, SimulatedLab
+from robsim.live import SimulatedLab
 from waiting import wait_for
 
 CAN = {

@@ -178,15 +178,6 @@ std::optional<GigeIdentity> ask_gige_camera(const std::string& host, double pati
   return std::nullopt;
 }
 
-void knock(const std::string& address) {
-  in_addr target{};
-  inet_pton(AF_INET, address.c_str(), &target);
-  const sockaddr_in to = gvcp_at(target);
-  const Socket socket;
-  static_cast<void>(sendto(socket.get(), question.data(), question.size(), 0,
-                           reinterpret_cast<const sockaddr*>(&to), sizeof to));
-}
-
 std::vector<GigeIdentity> find_gige_cameras(double seconds) {
   const std::vector<Network> list = networks();
   std::vector<pollfd> ready;

@@ -21,9 +21,6 @@ std::optional<GigeIdentity> ask_gige_camera(const std::string& host, double pati
 /// All cameras that answer on the networks of this computer within some seconds.
 std::vector<GigeIdentity> find_gige_cameras(double seconds);
 
-/// Asks the camera at an address, and does not wait for what it says.
-void knock(const std::string& address);
-
 bool is_ipv4_address(const std::string& text);
 
 }  // namespace robsim

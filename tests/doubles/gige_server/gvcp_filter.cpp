@@ -1,4 +1,4 @@
-#include "robsim/capture/gige/gvcp_filter.hpp"
+#include "gige_server/gvcp_filter.hpp"
 
 #ifdef __linux__
 

@@ -1,4 +1,4 @@
-#include "robsim/capture/gige/gige_server.hpp"
+#include "gige_server/gige_server.hpp"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -15,8 +15,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "gige_server/gvcp_filter.hpp"
 #include "robsim/capture/gige/discovery.hpp"
-#include "robsim/capture/gige/gvcp_filter.hpp"
 #include "robsim/capture/gige/pixel_format_of.hpp"
 #include "robsim/imaging/raw/from_rgb.hpp"
 #include "robsim/threads/native_thread.hpp"
@@ -26,7 +26,6 @@ namespace robsim {
 
 namespace {
 
-constexpr int largest_side = 2048;         // px
 constexpr std::size_t most_waiting = 3;    // frames: more would only be older
 constexpr double longest_wait = 0.1;       // s in which the fake camera answers no client
 constexpr double fresh = 0.2;              // periods of age
@@ -39,30 +38,30 @@ constexpr double torn_part = 0.5;  // of the packets
 using Seconds = std::chrono::duration<double>;
 using Lock = std::unique_lock<std::mutex>;
 
-[[noreturn]] void fail_at(const std::string& address, const std::string& reason = "") {
-  throw CaptureError(CaptureFault::failed, "no camera can be served at " + address + ": " + reason +
-                                               "it must be the address of an interface of this "
-                                               "computer, such as 127.0.0.1");
-}
-
 // The fake camera of Aravis would go on in silence if the port is taken.
-void check_address(const std::string& text) {
+void check_port(const std::string& text) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(gvcp_port);
   inet_pton(AF_INET, text.c_str(), &address.sin_addr);
   const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  const int error =
-      bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ? 0
-                                                                                         : errno;
+  const int failed = bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  const int error = errno;
   close(descriptor);
-  if (error == EADDRINUSE) {
-    throw CaptureError(CaptureFault::busy,
-                       "port " + std::to_string(gvcp_port) + " of " + text +
-                           " is taken: an address serves one GigE Vision camera, and another "
-                           "program does; end it, or give the address of another interface");
-  }
-  if (error != 0) fail_at(text, std::strerror(error) + std::string("; "));
+  if (failed) throw std::runtime_error("the port of GigE Vision: " + std::string(strerror(error)));
+}
+
+// Asks the camera what it is, and does not wait for what it says.
+void knock(const std::string& text) {
+  constexpr std::array<std::uint8_t, 8> question{0x42, 0x01, 0, 2, 0, 0, 0, 1};
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(gvcp_port);
+  inet_pton(AF_INET, text.c_str(), &address.sin_addr);
+  const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  static_cast<void>(sendto(descriptor, question.data(), question.size(), 0,
+                           reinterpret_cast<const sockaddr*>(&address), sizeof address));
+  close(descriptor);
 }
 
 std::optional<PixelFormat> served_format(ArvPixelFormat code) {
@@ -117,11 +116,6 @@ std::uint32_t memory_end_of(ArvFakeCamera* camera) {
 
 GigeServer::GigeServer(std::shared_ptr<CaptureDevice> device, GigeServerOptions options)
     : device_(std::move(device)), options_(std::move(options)) {
-  if (options_.width > largest_side || options_.height > largest_side) {
-    throw std::invalid_argument("a camera that is served has at most " +
-                                std::to_string(largest_side) + " x " +
-                                std::to_string(largest_side) + " px");
-  }
   plug_in();
   thread_ = start_thread([this] { run(); });
 }
@@ -132,7 +126,7 @@ std::string GigeServer::failure() const {
 }
 
 void GigeServer::plug_in() {
-  check_address(options_.address);
+  check_port(options_.address);
   {
     const Lock lock(mutex_);
     ends_ = false;
@@ -143,7 +137,7 @@ void GigeServer::plug_in() {
   });
   starter.join();
   if (!camera_ || !arv_gv_fake_camera_is_running(camera_.get())) {
-    fail_at(options_.address);
+    throw std::runtime_error("the fake camera of Aravis does not run");
   }
   ArvFakeCamera* const camera = arv_gv_fake_camera_get_fake_camera(camera_.get());
   filter_control_packets(memory_end_of(camera));

@@ -31,7 +31,7 @@ struct GigeServerOptions {
 /// nothing.
 class GigeServer {
  public:
-  /// Throws CaptureError: `busy` if the address is taken, `failed` if it is none of this computer.
+  /// Throws std::runtime_error if the address is taken. Frames have at most 2048 px a side.
   GigeServer(std::shared_ptr<CaptureDevice> device, GigeServerOptions options);
   ~GigeServer() { close(); }
   GigeServer(const GigeServer&) = delete;
