@@ -10,12 +10,10 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
 
-#include "gige_server/gvcp_filter.hpp"
 #include "robsim/capture/gige/discovery.hpp"
 #include "robsim/capture/gige/pixel_format_of.hpp"
 #include "robsim/imaging/raw/from_rgb.hpp"
@@ -31,52 +29,43 @@ constexpr double longest_wait = 0.1;       // s in which the fake camera answers
 constexpr double fresh = 0.2;              // periods of age
 constexpr double replug_interval = 0.1;    // s
 constexpr double usual_exposure = 10'000;  // us
-constexpr guint32 first_url = 0x200;       // register: where the description is
 const char* const lost_packets = "gvsp-lost-ratio";
 constexpr double torn_part = 0.5;  // of the packets
 
 using Seconds = std::chrono::duration<double>;
 using Lock = std::unique_lock<std::mutex>;
 
+// The socket of a question to a camera, or of the camera itself, and the camera's address.
+struct Control {
+  explicit Control(const std::string& text) {
+    address.sin_family = AF_INET;
+    address.sin_port = htons(gvcp_port);
+    inet_pton(AF_INET, text.c_str(), &address.sin_addr);
+  }
+  ~Control() { close(descriptor); }
+  Control(const Control&) = delete;
+  Control& operator=(const Control&) = delete;
+
+  const sockaddr* to() const { return reinterpret_cast<const sockaddr*>(&address); }
+
+  int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+};
+
 // The fake camera of Aravis would go on in silence if the port is taken.
 void check_port(const std::string& text) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(gvcp_port);
-  inet_pton(AF_INET, text.c_str(), &address.sin_addr);
-  const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  const int failed = bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-  const int error = errno;
-  close(descriptor);
-  if (failed) throw std::runtime_error("the port of GigE Vision: " + std::string(strerror(error)));
+  const Control camera(text);
+  if (bind(camera.descriptor, camera.to(), sizeof camera.address) != 0) {
+    throw std::runtime_error(text + " serves no camera: " + std::strerror(errno));
+  }
 }
 
 // Asks the camera what it is, and does not wait for what it says.
 void knock(const std::string& text) {
   constexpr std::array<std::uint8_t, 8> question{0x42, 0x01, 0, 2, 0, 0, 0, 1};
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(gvcp_port);
-  inet_pton(AF_INET, text.c_str(), &address.sin_addr);
-  const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  static_cast<void>(sendto(descriptor, question.data(), question.size(), 0,
-                           reinterpret_cast<const sockaddr*>(&address), sizeof address));
-  close(descriptor);
-}
-
-std::optional<PixelFormat> served_format(ArvPixelFormat code) {
-  if (code == ARV_PIXEL_FORMAT_MONO_16) return PixelFormat::mono16;
-  return pixel_format_of(code);
-}
-
-// Whether a format can have the size that a client asks for by registers.
-bool is_size_of(PixelFormat format, int width, int height) {
-  try {
-    check_size(format, width, height);
-    return true;
-  } catch (const std::invalid_argument&) {
-    return false;
-  }
+  const Control camera(text);
+  static_cast<void>(sendto(camera.descriptor, question.data(), question.size(), 0, camera.to(),
+                           sizeof camera.address));
 }
 
 // The part of an image that a client has chosen, moved into it where it does not lie in it.
@@ -97,19 +86,6 @@ void brighten(std::uint8_t* data, std::size_t size, double factor) {
 
 void write_register(ArvFakeCamera* camera, guint32 address, double value) {
   arv_fake_camera_write_register(camera, address, static_cast<guint32>(std::lround(value)));
-}
-
-// The first address behind the memory of a camera: the description, which has the end of it, is
-// told as "Local:NAME;ADDRESS;SIZE".
-std::uint32_t memory_end_of(ArvFakeCamera* camera) {
-  std::array<char, 513> text{};
-  arv_fake_camera_read_memory(camera, first_url, text.size() - 1, text.data());
-  const std::string url = text.data();
-  const std::size_t size = url.rfind(';'), place = url.rfind(';', size - 1);
-  const auto number = [&](std::size_t from) {
-    return static_cast<std::uint32_t>(std::strtoul(url.c_str() + from + 1, nullptr, 16));
-  };
-  return number(place) + number(size);
 }
 
 }  // namespace
@@ -140,7 +116,6 @@ void GigeServer::plug_in() {
     throw std::runtime_error("the fake camera of Aravis does not run");
   }
   ArvFakeCamera* const camera = arv_gv_fake_camera_get_fake_camera(camera_.get());
-  filter_control_packets(memory_end_of(camera));
   write_register(camera, ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, options_.width);
   write_register(camera, ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, options_.height);
   write_register(camera, ARV_FAKE_CAMERA_REGISTER_WIDTH, options_.width);
@@ -248,9 +223,9 @@ void GigeServer::fill(ArvBuffer* buffer, ArvPixelFormat code, double brightness)
   const std::optional<Captured> next = wait_for_next();
   const int width = arv_buffer_get_image_width(buffer);
   const int height = arv_buffer_get_image_height(buffer);
-  const std::optional<PixelFormat> format = served_format(code);
-  const bool is_served = next && format && width <= next->image.width() &&
-                         height <= next->image.height() && is_size_of(*format, width, height);
+  const std::optional<PixelFormat> format = pixel_format_of(code);
+  const bool is_served =
+      next && format && width <= next->image.width() && height <= next->image.height();
   if (!lose(!is_served ? 1 : next->is_complete ? 0 : torn_part) || !is_served) return;
   // The size that it tells is 0: the room is that of the frame.
   std::size_t ignored = 0;
