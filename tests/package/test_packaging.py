@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-import robsim
-
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 WORKFLOWS = ROOT / ".github/workflows"
@@ -46,13 +44,3 @@ def test_pytest_finds_its_plugin():
     """A package of its own, as each run of pytest on a machine loads it."""
     assert PROJECT["entry-points"]["pytest11"] == {"pytest_robsim": "pytest_robsim"}
     assert importlib.util.find_spec("pytest_robsim") is not None
-
-
-def test_what_is_installed_is_the_rooms_and_their_data():
-    """No double of a camera: what is compiled for tests stays in the folder of the build."""
-    package = Path(robsim.__file__).parent
-    files = [file.relative_to(package) for file in package.rglob("*") if file.is_file()]
-    folders = {file.parts[0] for file in files if len(file.parts) > 1}
-    assert folders <= {*robsim._ROOMS, "_base", "cli", "assets", "notebooks", "__pycache__"}
-    compiled = {file.name.partition(".")[0] for file in files if file.suffix in (".so", ".pyd")}
-    assert compiled <= {"_core", "_firewire", "_gige"}
