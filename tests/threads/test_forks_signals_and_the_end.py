@@ -173,7 +173,7 @@ except ImportError:
     made = [interpreters.create()]
 for one in made:
     try:
-        print(interpreters.run_string(one, "import robsim"))
+        print(interpreters.run_string(one, "import robsim; robsim.Simulation"))
     except interpreters.RunFailedError as error:
         print(error)
 print("of", len(made))
