@@ -7,6 +7,7 @@ What is used first is here. The rest is one step down, by subject: `robsim.imagi
 """
 
 import importlib as _importlib
+from _thread import RLock as _RLock
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
 
@@ -131,8 +132,18 @@ _ROOMS = {
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names.split()}
 
+#: Rooms import one another: two threads that began with different ones would see halves of them.
+_loading = _RLock()
+
 
 def __getattr__(name: str) -> _Any:
+    if name.startswith("_") and name != "__version__":
+        raise AttributeError(f"module 'robsim' has no attribute {name!r}")
+    with _loading:
+        return _loaded(name)
+
+
+def _loaded(name: str) -> _Any:
     if name in _ROOMS:
         return _importlib.import_module(f"robsim.{name}")
     if name == "__version__":
@@ -140,9 +151,7 @@ def __getattr__(name: str) -> _Any:
     elif name == "wrap_angle":
         value = _importlib.import_module("robsim._core").wrap_angle
     elif name in _HOMES:
-        value = getattr(__getattr__(_HOMES[name]), name)
-    elif name.startswith("_"):
-        raise AttributeError(f"module 'robsim' has no attribute {name!r}")
+        value = getattr(_loaded(_HOMES[name]), name)
     else:
         _refuse(name)
     globals()[name] = value
@@ -155,7 +164,7 @@ def _refuse(name: str) -> None:
 
     message = f"module 'robsim' has no attribute {name!r}"
     for room in set(_ROOMS) - {"plotting", "gym"}:  # which load what not everybody has or needs
-        if name in (module := __getattr__(room)).__all__:
+        if name in (module := _loaded(room)).__all__:
             raise no_attribute(f"{message}: it is {module.__name__}.{name}")
     raise no_attribute(message + suggestion(name, __all__))
 

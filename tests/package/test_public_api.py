@@ -47,3 +47,33 @@ def test_a_name_says_where_it_is_public():
     with pytest.raises(TypeError, match="step") as caught:
         robsim.Spin()(3)
     assert "robsim._core" not in str(caught.value)
+
+
+AT_ONCE = """
+import random, threading
+import robsim
+
+errors, names = [], [name for name in (*robsim.__all__, *robsim._ROOMS) if name != "gym"]
+
+
+def ask(seed):
+    for name in random.Random(seed).sample(names, len(names)):
+        try:
+            getattr(robsim, name)
+        except Exception as error:
+            errors.append((name, error))
+
+
+threads = [threading.Thread(target=ask, args=(seed,)) for seed in range(12)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+print(errors)
+"""
+
+
+@pytest.mark.long
+def test_threads_that_ask_for_rooms_at_once_get_whole_ones():
+    run = subprocess.run([sys.executable, "-c", AT_ONCE], capture_output=True, text=True)
+    assert (run.stdout, run.stderr) == ("[]\n", "")

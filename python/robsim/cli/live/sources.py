@@ -9,7 +9,6 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from robsim import Scenario
 from robsim._base.checks import check_float
 from robsim._base.spelling import closest
 from robsim._base.text import quoted
@@ -19,6 +18,7 @@ from robsim.capture._sources import meant_address
 from robsim.cli.text import about
 from robsim.live import SimulatedLab
 from robsim.motors import SerialMotors, UdpMotors
+from robsim.simulation import Scenario
 from robsim.simulation._outside.frame_source import DT_TOLERANCE
 
 SIMULATED, NONE = "simulated", "none"
