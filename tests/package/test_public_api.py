@@ -33,6 +33,7 @@ def test_a_module_offers_what_it_says_and_nothing_else():
         inner = {"cli"} if module is robsim else {"templates"}  # imported by other tests, or data
         assert visible - inner <= set(module.__all__), module
     assert {"Simulation", "vision", "plotting"} <= set(dir(robsim))
+    assert not hasattr(robsim, "_nothing")
 
 
 def test_a_name_says_where_it_is_public():
