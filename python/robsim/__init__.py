@@ -7,6 +7,7 @@ What is used first is here. The rest is one step down, by subject: `robsim.imagi
 """
 
 import importlib as _importlib
+import os as _os
 from _thread import RLock as _RLock
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
@@ -134,6 +135,16 @@ _HOMES = {name: room for room, names in _ROOMS.items() for name in names.split()
 
 #: Rooms import one another: two threads that began with different ones would see halves of them.
 _loading = _RLock()
+
+
+def _begin_anew() -> None:
+    """Have a lock that nobody holds, in a process forked while another thread had it."""
+    global _loading
+    _loading = _RLock()
+
+
+if hasattr(_os, "register_at_fork"):
+    _os.register_at_fork(after_in_child=_begin_anew)
 
 
 def __getattr__(name: str) -> _Any:
