@@ -17,9 +17,10 @@ _LONGEST_IN_CPP = 120  # s
 _LONGEST_TEST = 120  # s; whoever waits longer for what a fault keeps from happening has caught it
 #: Folders of tests that take long, by the folder of the fault; other faults: folders of its name.
 _RELATED = {
-    "_base": "files trace robots simulation fuzz",
+    "_base": "files trace robots simulation fuzz digests",
     "assignments": "assignments cli",
     "bindings": "bindings simulation threads fuzz vision",
+    "calibration": "calibration live",
     "capture": "capture live",
     "cli": "cli",
     "estimation": "estimation identification simd digests",
