@@ -11,6 +11,7 @@ import os as _os
 from _thread import RLock as _RLock
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
+from typing import NoReturn as _NoReturn
 
 if _TYPE_CHECKING:
     __version__: str
@@ -169,12 +170,12 @@ def _loaded(name: str) -> _Any:
     return value
 
 
-def _refuse(name: str) -> None:
+def _refuse(name: str) -> _NoReturn:
     """Raise AttributeError with the room that has a name, or the name that was meant."""
     from robsim._base.spelling import no_attribute, suggestion
 
     message = f"module 'robsim' has no attribute {name!r}"
-    for room in set(_ROOMS) - {"plotting", "gym"}:  # which load what not everybody has or needs
+    for room in sorted({*_ROOMS} - {"gym", "plotting"}):  # those load what not everybody has
         if name in (module := _loaded(room)).__all__:
             raise no_attribute(f"{message}: it is {module.__name__}.{name}")
     raise no_attribute(message + suggestion(name, __all__))

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import robsim
+from robsim.grading import Limits, Submission, SubmissionError, check_isolation
 from robsim.tasks import TASKS, _shipped
 from write_solutions import sources_in
 
@@ -62,3 +63,19 @@ def test_one_is_the_base_with_changes_in_turn(tmp_path, monkeypatch):
 def test_a_change_of_what_is_not_there_is_refused(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match=r"naive.*'velocity'"):
         shipped(tmp_path, monkeypatch, '[wrong.naive]\n"velocity" = "0"\n')
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("code", [
+    "robsim.tasks.Park().solutions",
+    "open(os.path.join(os.path.dirname(robsim.__file__), 'tasks', 'solutions.bin'), 'rb')",
+])  # fmt: skip
+def test_a_submission_that_is_graded_cannot_unpack_them(tmp_path, code):
+    if "open" in code and not check_isolation().closed["files"]:
+        pytest.skip("files are open here")
+    file = tmp_path / "control.py"
+    file.write_text(f"import os\nimport robsim\n{code}\ndef control(step):\n    return 0, 0\n")
+    limits = Limits(first_call=300, run=600)
+    graded = Submission(file, slots="control", masked=TASKS["park"]().masked, limits=limits)
+    with pytest.raises(SubmissionError, match="tasks"):
+        graded.run(robsim.Scenario(resolution=(200, 200)), steps=2, seed=1)
