@@ -3,6 +3,7 @@
 import io
 import os
 import random
+import re
 import stat
 import struct
 import zipfile
@@ -151,7 +152,8 @@ def test_entries_that_share_their_bytes_count_each(tmp_path):
     many = content[:listed] + one * 50
     tail = struct.pack("<4s4H2LH", b"PK\x05\x06", 0, 0, 50, 50, len(one) * 50, listed, 0)
     (tmp_path / "s001.zip").write_bytes(many + tail)
-    assert "twice" in str(refused(tmp_path / "s001.zip", Rules(ratio=10_000)))
+    said = str(refused(tmp_path / "s001.zip", Rules(ratio=10_000)))
+    assert re.search("twice|Overlapped", said)  # in our words, or in those of a newer zipfile
 
 
 def test_what_is_no_zip_or_cut_off(tmp_path):
