@@ -11,6 +11,7 @@ from bench_camera import run as camera
 from bench_camera import serving
 from needs import needs_double
 from robsim import _core
+from sent_pixels import from_rgb
 
 cv2 = pytest.importorskip("cv2")
 
@@ -54,7 +55,7 @@ def test_opencv_makes_the_same_image(rng, format_, most):
     raw = rng.integers(0, 256, 16 * 8, dtype=np.uint8)
     if format_ != "bayer_rggb":
         image = rng.integers(0, 256, (8, 16, 3), dtype=np.uint8)
-        raw = np.frombuffer(_core.from_rgb(image, format_), np.uint8)
+        raw = np.frombuffer(from_rgb(image, format_), np.uint8)
     theirs = np.empty((8, 16, 3), np.uint8)
     camera.opencv_conversion(cv2, format_, theirs)(raw)
     ours = _core.to_rgb(raw, 16, 8, format_)

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "robsim/imaging/raw/from_rgb.hpp"
+#include "raw/from_rgb.hpp"
 #include "robsim/imaging/raw/to_rgb.hpp"
 #include "robsim/simd/cpu_path.hpp"
 

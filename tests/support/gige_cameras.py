@@ -17,6 +17,7 @@ from robsim import _core
 from robsim.capture import CameraBusyError, NoCameraError, UnpluggedError
 from robsim.live import SimulatedLab
 from robsim.motors import UdpMotors
+from sent_pixels import from_rgb
 from waiting import wait_for
 
 ADDRESS = "127.0.0.1"
@@ -95,7 +96,7 @@ def through(pixel_format):
 
     def converted(image):
         height, width = image.shape[:2]
-        return _core.to_rgb(_core.from_rgb(image, name), width, height, name)
+        return _core.to_rgb(from_rgb(image, name), width, height, name)
 
     return converted
 

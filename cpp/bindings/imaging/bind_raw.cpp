@@ -6,7 +6,6 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/signature.hpp"
-#include "robsim/imaging/raw/from_rgb.hpp"
 #include "robsim/imaging/raw/to_rgb.hpp"
 
 namespace py = pybind11;
@@ -34,17 +33,6 @@ py::array_t<std::uint8_t> rgb_of(const ArrayLike& raw, int width, int height,
     to_rgb(view, image.writable_view());
   }
   return image_array(image);
-}
-
-py::bytes raw_of(const PixelArray& image, const std::string& format) {
-  const ImageView view = image_view(image, "image");
-  const PixelFormat chosen = pixel_format_named(format);
-  std::string raw(bytes_of(chosen, view.width, view.height), '\0');
-  {
-    const WithoutInterpreter native;
-    from_rgb(view, chosen, reinterpret_cast<std::uint8_t*>(raw.data()));
-  }
-  return py::bytes(raw);
 }
 
 }  // namespace
@@ -77,25 +65,5 @@ Raises
 ------
 TypeError, ValueError
     If there are too few bytes, or the format does not have that size.
-)")
-      .def("from_rgb", &raw_of, py::arg("image"), py::arg("format"), R"(
-Return what a camera would send of an image, by the formats of `to_rgb`.
-
-Parameters
-----------
-image : array (H, W, 3) of uint8
-    The image, RGB.
-format : str
-    The format.
-
-Returns
--------
-bytes
-    The rows, without gaps.
-
-Raises
-------
-TypeError, ValueError
-    If the format does not have that size.
 )");
 }

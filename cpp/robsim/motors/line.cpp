@@ -58,7 +58,7 @@ constexpr int no_signal = MSG_NOSIGNAL;
 constexpr int no_signal = 0;
 #endif
 
-bool is_for_later(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
+bool may_come_later(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
 
 void make_non_blocking(int descriptor) {
   fcntl(descriptor, F_SETFD, FD_CLOEXEC);
@@ -192,7 +192,7 @@ bool Line::write_some(std::string_view& text) {
   } else {
     n = ::write(descriptor_, text.data(), text.size());
   }
-  if (n < 0 && !is_for_later(errno)) fail("cannot be written to", errno);
+  if (n < 0 && !may_come_later(errno)) fail("cannot be written to", errno);
   if (n > 0) text.remove_prefix(static_cast<std::size_t>(n));
   return text.empty();
 }
@@ -223,7 +223,7 @@ std::optional<Line::Piece> Line::read() {
   const ssize_t n = is_socket_ ? recvfrom(descriptor_, bytes, sizeof(bytes), 0,
                                           reinterpret_cast<sockaddr*>(&address), &size)
                                : ::read(descriptor_, bytes, sizeof(bytes));
-  if (n < 0 && is_for_later(errno)) return std::nullopt;
+  if (n < 0 && may_come_later(errno)) return std::nullopt;
   // A terminal may say 0 where nothing has come.
   if (n == 0 && !is_socket_ && !is_hung_up(descriptor_)) return std::nullopt;
   is_deaf_ = !is_socket_ && n <= 0;  // otherwise each wait would end at once

@@ -14,9 +14,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "raw/from_rgb.hpp"
 #include "robsim/capture/gige/discovery.hpp"
 #include "robsim/capture/gige/pixel_format_of.hpp"
-#include "robsim/imaging/raw/from_rgb.hpp"
 #include "robsim/threads/native_thread.hpp"
 #include "robsim/timing/monotonic.hpp"
 

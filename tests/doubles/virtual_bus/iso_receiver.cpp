@@ -13,8 +13,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "raw/from_rgb.hpp"
 #include "robsim/imaging/image.hpp"
-#include "robsim/imaging/raw/from_rgb.hpp"
 #include "robsim/threads/native_thread.hpp"
 
 namespace robsim::virtual_bus {

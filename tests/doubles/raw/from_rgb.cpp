@@ -1,4 +1,4 @@
-#include "robsim/imaging/raw/from_rgb.hpp"
+#include "raw/from_rgb.hpp"
 
 #include <algorithm>
 #include <cstring>
