@@ -26,5 +26,4 @@ def number(points: float) -> str:
 
 
 def of_most(points: float, most: float) -> str:
-    """Return points as a text such as ``"2.5 of 4 points"``."""
     return f"{number(points)} of {number(most)} {'point' if most == 1 else 'points'}"

@@ -20,12 +20,10 @@ class SubmissionReport(Report):
 
     @property
     def title(self) -> str:
-        """Which submission of what."""
         return f"{self.of.student}, {self.of.title}"
 
     @property
     def quantities(self) -> Sequence[Quantity]:
-        """The points, and how many there are."""
         return (
             Quantity("points", "points", self.of.points, "", ".2f"),
             Quantity("most", "of", self.of.most, "", "g"),

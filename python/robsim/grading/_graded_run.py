@@ -162,7 +162,6 @@ def _with_trace(error: GradingError, simulation: Simulation) -> GradingError:
 
 
 def set_noise_keys(simulation: Simulation, seeds: RunSeeds) -> None:
-    """Give the noise of each frame a key of its own, if there are any."""
     if seeds.noise_keys is not None:
         simulation._world.set_noise_keys(seeds.noise_keys)
 

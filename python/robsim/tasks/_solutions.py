@@ -165,7 +165,6 @@ def with_shared(solutions: Iterable[Solution]) -> Iterator[Solution]:
 
 
 def helpers(solution: Solution) -> dict[str, bytes]:
-    """Return the files of a solution that fill no slot."""
     return {name: file for name, file in solution.files.items() if name not in SLOTS}
 
 

@@ -108,12 +108,10 @@ class Finding:
 
     @property
     def verdict(self) -> str:
-        """A word for the table."""
         return "WRONG" if self.wrong else "well"
 
     @property
     def problem(self) -> Problem:
-        """What a report says of it."""
         return Problem(kind=self.what, sentence=self.wrong)
 
 

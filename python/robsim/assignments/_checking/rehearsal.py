@@ -64,7 +64,6 @@ def cast_of(assignment: Assignment) -> list[Part]:
 
 
 def _kinds(assignment: Assignment) -> Iterator[Task]:
-    """Yield a task of each kind."""
     yield from {test.task.name: test.task for test in assignment.tests}.values()
 
 

@@ -82,7 +82,6 @@ def _paths(
 
 
 def _programs(assignment: Assignment, handed: Iterable[Handed]) -> Iterator[tuple[str, Program]]:
-    """Yield what was handed in, as far as it can be read."""
     for one in handed:
         try:
             files = read_submission(one.path, assignment._rules())

@@ -40,7 +40,6 @@ class Plan:
 
     @property
     def assignment(self) -> Assignment:
-        """The assignment."""
         return self.work.assignment
 
 

@@ -157,7 +157,6 @@ def _renamed(test: TaskTest, result: TestResult) -> TestResult:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of what grades."""
     return {
         "robsim": robsim.__version__,
         "numpy": np.__version__,

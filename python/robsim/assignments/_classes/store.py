@@ -47,7 +47,6 @@ class ResultFolder:
             return None
 
     def students(self) -> list[str]:
-        """Return the names of all that have a result."""
         return sorted(file.parent.name for file in self.folder.glob(f"*/{RESULT}"))
 
     def write(

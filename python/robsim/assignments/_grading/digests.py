@@ -16,7 +16,6 @@ _FORMAT = "robsim grading 1"
 
 
 def of_submission(files: SubmissionFiles) -> str:
-    """Return the digest of what was handed in."""
     return hashlib.sha256(files.to_message()).hexdigest()
 
 

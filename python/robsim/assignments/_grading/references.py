@@ -80,7 +80,6 @@ def _task(test: TaskTest) -> GradedTask:
 
 
 def numbers_of(test: TaskTest, trace: Trace) -> Mapping[str, float]:
-    """Return the numbers of a run by score; raise AssignmentError if there are none."""
     try:
         numbers = test.task.score(trace)
         return {score.name: float(numbers[score.name]) for score in test.task.scores}

@@ -26,7 +26,6 @@ def student_for(assignment: Assignment, student: str, *, public: bool) -> str:
 
 
 def seeds_of(assignment: Assignment, test: TaskTest, student: str, run: int) -> RunSeeds:
-    """Return the seeds of a run of a test."""
     return RunSeeds.of_key(
         key_for(assignment, public=test.public),
         student_for(assignment, student, public=test.public),

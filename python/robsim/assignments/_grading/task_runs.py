@@ -178,7 +178,6 @@ def _run(
 
 
 def failed_run(run: int, error: SubmissionError) -> FailedRun:
-    """Return what is told of a run that the submission has ended."""
     return FailedRun(
         run=run,
         reason=clean_text(str(error)),

@@ -108,7 +108,6 @@ class GradingWork:
     units: tuple[Unit, ...]
 
     def doer(self) -> Grader:
-        """Return what does jobs."""
         return Grader(self)
 
     def lost(self, job: Job, /) -> Row:
@@ -129,7 +128,6 @@ class Grader:
         self._doctor = Doctor()
 
     def rows(self, jobs: Sequence[Job], /) -> list[Row]:
-        """Return the rows of some jobs."""
         return [self._row(job) for job in jobs]
 
     def _row(self, job: Job) -> Row:

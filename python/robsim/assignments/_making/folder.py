@@ -129,7 +129,6 @@ def _rules(task: Task) -> dict[str, str]:
 
 
 def _title(task: Task) -> str:
-    """Return the heading of a task's sheet."""
     return task.sheet.splitlines()[0].removeprefix("# ")
 
 

@@ -8,7 +8,6 @@ from robsim.assignments._assignment import Assignment
 
 
 def sheet_for(assignment: Assignment) -> str:
-    """Return the sheet of an assignment, in Markdown."""
     return "\n\n".join(_parts(assignment)) + "\n"
 
 

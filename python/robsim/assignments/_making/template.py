@@ -29,7 +29,6 @@ class Range:
     digits: int = 0
 
     def draw(self, rng: np.random.Generator) -> float:
-        """Return a number of the range."""
         return round(float(rng.uniform(self.least, self.most)), self.digits)
 
 

@@ -35,16 +35,13 @@ class OwnTest:
     failure: str = ""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return it as data that JSON can hold."""
         return asdict(self)
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> OwnTest:
-        """Return what `to_dict` gives."""
         return cls(**data)
 
     def result(self, status: str, sentence: str, *, points: float = 0.0, **more: Any) -> TestResult:
-        """Return a result of it."""
         return TestResult(
             name=self.name,
             title=self.title,

@@ -25,7 +25,6 @@ _SHORTEST = 12  # bytes of a solution; fewer may stand anywhere
 
 
 def check_assignment_value(assignment: object) -> None:
-    """Raise TypeError for what is no Assignment."""
     if not isinstance(assignment, Assignment):
         raise TypeError(f"assignment must be an Assignment, got {quoted(assignment)}")
 
@@ -105,7 +104,6 @@ def _limits(test: TaskTest) -> dict[str, Any]:
 
 
 def _columns(runs: list[Mapping[str, float]]) -> dict[str, list[float | None]]:
-    """Return the numbers of runs by score; None for what is none, as JSON has it."""
     return {
         name: [None if math.isnan(run[name]) else run[name] for run in runs] for name in runs[0]
     }

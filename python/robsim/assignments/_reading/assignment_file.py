@@ -225,7 +225,6 @@ def _refused(message: str) -> AssignmentError:
 
 
 def _check_rules(keys: Keys, assignment: Assignment) -> None:
-    """Raise AssignmentError for modules that cannot be."""
     try:
         assignment._rules()
     except (TypeError, ValueError) as error:

@@ -48,7 +48,6 @@ class Keys:
         return AssignmentError(message, file=self.file)
 
     def refuse(self, message: object) -> NoReturn:
-        """Raise the error that says what is wrong in this table."""
         raise self._error(f"{self.place}: {message}") from None
 
     def _got(self, key: str, expected: str) -> NoReturn:

@@ -55,7 +55,6 @@ def tag(name: str, /, *content: object, **attributes: Any) -> Html:
 
 
 def data_uri(png: bytes) -> Html:
-    """Return a picture as an address that has it all."""
     return Html("data:image/png;base64," + base64.b64encode(png).decode("ascii"))
 
 

@@ -80,12 +80,10 @@ def blame(test: TestResult) -> str:
 
 
 def result_text(test: TestResult) -> str:
-    """Return the points of a test, where there are any."""
     return "no points" if test.status == ERROR else of_most(test.points, test.most)
 
 
 def score_text(score: ScoreResult) -> str:
-    """Return what a score came to, up to where it has all points, and from where on none."""
     return f"{_came_to(score)} ({_limits(score)})"
 
 
@@ -177,7 +175,6 @@ def play_command(result: SubmissionResult, test: TestResult) -> str:
 
 
 def isolation_text(result: SubmissionResult) -> str:
-    """Return what has shut a submission in."""
     return result.isolation.removeprefix("isolation: ")
 
 
@@ -191,5 +188,4 @@ def not_graded(result: SubmissionResult) -> str:
 
 
 def versions_text(result: SubmissionResult) -> str:
-    """Return the versions of what graded."""
     return ", ".join(f"{name} {version}" for name, version in result.versions.items())

@@ -44,12 +44,10 @@ class Request:
         return self.isolation in ("auto", "strict")
 
     def to_message(self) -> dict[str, Any]:
-        """Return plain values."""
         return asdict(self)
 
     @classmethod
     def from_message(cls, message: dict[str, Any]) -> Request:
-        """Return the request that plain values tell of."""
         return cls(
             **{
                 **message,

@@ -57,7 +57,6 @@ class SubmissionFiles:
 
     @property
     def modules(self) -> dict[str, bytes]:
-        """The Python files at the top, by name without ``.py``."""
         return {
             PurePosixPath(path).stem: content
             for path, content in self.sources.items()

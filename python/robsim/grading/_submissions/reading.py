@@ -155,7 +155,6 @@ def _of_folder(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFi
 
 
 def _modules(files: dict[str, bytes]) -> dict[str, bytes]:
-    """Return the Python files at the top."""
     return {path: c for path, c in files.items() if "/" not in path and path.endswith(".py")}
 
 

@@ -82,16 +82,13 @@ class Rules:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The slots and the functions."""
         return (*self.slots, *self.functions)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the rules as data that JSON can hold."""
         return asdict(self)
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Rules:
-        """Return the rules of `to_dict`; raise what the class raises."""
         return cls.of(**data)
 
 

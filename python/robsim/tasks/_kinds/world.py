@@ -38,12 +38,10 @@ _ROUNDING = 1e-9  # V
 
 
 def camera_noise(percent: float) -> GaussianNoise | None:
-    """Return the noise of a level in percent; None for 0."""
     return GaussianNoise(percent) if percent > 0 else None
 
 
 def dropout_of(probability: float) -> Dropout | None:
-    """Return dropouts with a probability; None for 0."""
     return Dropout(probability, steps=_HIDDEN_STEPS) if probability > 0 else None
 
 

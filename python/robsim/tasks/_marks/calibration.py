@@ -243,7 +243,6 @@ def _percents(shares: tuple[float, float]) -> str:
 
 
 def check_task(task: Any) -> None:
-    """Raise TypeError unless it is a task."""
     if not isinstance(task, Task):
         raise TypeError(f"task must be a Task, got {quoted(task)}")
 

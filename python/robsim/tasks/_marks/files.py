@@ -49,7 +49,6 @@ def write_calibrations(file: Path, calibrations: Mapping[str, TaskCalibration]) 
 
 @cache
 def shipped_calibrations() -> Mapping[str, TaskCalibration]:
-    """Return the calibrations that ship with robsim, by the name of the task."""
     return read_calibrations(SHIPPED)
 
 

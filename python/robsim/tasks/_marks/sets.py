@@ -41,7 +41,6 @@ class Runs:
     first_error: str = ""
 
     def first(self, count: int) -> Runs:
-        """Return some of them."""
         return Runs(self.values[:count], self.failed[:count])
 
 

@@ -43,7 +43,6 @@ class Program:
 
     @cached_property
     def prints(self) -> tuple[Print, ...]:
-        """Its fingerprints, in the order of the text."""
         return tuple(
             each
             for number, piece in enumerate(self.pieces)

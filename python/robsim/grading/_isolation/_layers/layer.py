@@ -17,7 +17,6 @@ class Layer:
 
     @classmethod
     def left_out(cls, name: str) -> Layer:
-        """Return a layer that nobody has asked for."""
         return cls(name, False, "left out")
 
     @property
@@ -58,7 +57,6 @@ class Layers:
         return Layer.left_out(name)
 
     def holds(self, *names: str) -> bool:
-        """Return whether all of these hold."""
         return all(self[name].holds for name in names)
 
     @property
@@ -87,10 +85,8 @@ class Layers:
         return f"{text}; not: {', '.join(missing)}" if missing else text
 
     def to_message(self) -> list[list[Any]]:
-        """Return plain values."""
         return [[layer.name, layer.holds, layer.text] for layer in self.layers]
 
     @classmethod
     def from_message(cls, message: list[list[Any]]) -> Layers:
-        """Return the layers that plain values tell of."""
         return cls(tuple(Layer(*values) for values in message))

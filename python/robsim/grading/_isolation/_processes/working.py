@@ -34,7 +34,6 @@ def _unbuffered(descriptor: int) -> TextIO:
 
 
 def tell(layers: Layers, report: socket.socket) -> None:
-    """Tell the grader what shuts this process in."""
     report.sendall(json.dumps({"layers": layers.to_message()}).encode() + b"\n")
 
 

@@ -64,12 +64,10 @@ class ZygoteProcess:
 
     @property
     def process(self) -> int:
-        """Its process number."""
         return self._process.pid
 
     @property
     def alive(self) -> bool:
-        """Whether it runs."""
         return self._process.poll() is None
 
     @property

@@ -57,7 +57,6 @@ class Notebook:
 
     @property
     def slots(self) -> tuple[str, ...]:
-        """The slots."""
         return tuple(self.variables)
 
 

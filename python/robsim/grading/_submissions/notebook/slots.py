@@ -48,7 +48,6 @@ class Value:
 
     @property
     def told(self) -> str:
-        """Cell and way, for messages."""
         return f"{one_line(self.way)} in {self.statement.cell.title}"
 
     @property

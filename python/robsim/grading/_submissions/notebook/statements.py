@@ -85,7 +85,6 @@ class Statement:
 
     @property
     def is_definition(self) -> bool:
-        """Whether it is a function or a class, which runs nothing by itself."""
         return isinstance(self.node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
 
     @property
@@ -95,7 +94,6 @@ class Statement:
 
     @property
     def place(self) -> str:
-        """Cell and line, for messages."""
         return f"cell {self.cell.number}, line {self.node.lineno}"
 
     @property
