@@ -84,17 +84,14 @@ class Driver(Worker):
 
     @property
     def has_motors(self) -> bool:
-        """Whether there is a robot to be stopped."""
         return isinstance(self.runner, Experiment) and self.runner._motors is not None
 
     @property
     def is_live(self) -> bool:
-        """Whether a camera sets the pace."""
         return isinstance(self.runner, Experiment) and self.runner.is_live
 
     @property
     def n_waiting(self) -> int:
-        """Number of commands that are not carried out yet."""
         return len(self._jobs)
 
     @property
@@ -132,7 +129,6 @@ class Driver(Worker):
         return self.call(lambda: self._attempt(self._show_start))
 
     def start(self) -> Future[None]:
-        """Run on, until something ends it."""
         return self._move(lambda: self._set("running"), ends_run=False)
 
     def pause(self) -> Future[None]:
@@ -411,7 +407,6 @@ class _Answer(Future[Any]):
 
 
 def pause_all() -> None:
-    """Pause all runs, such as when the user interrupts a notebook."""
     for worker in at_work():
         if isinstance(worker, Driver):
             worker.pause()

@@ -96,7 +96,6 @@ def panel(what: Shown, *, speed: float | None = None, goals: ArrayLike | None = 
 
 
 def is_shown(what: Shown) -> bool:
-    """Return whether there is a panel of a run."""
     with lock:
         return _panel_of(what) is not None
 

@@ -28,7 +28,6 @@ class FrameClock:
         self.due = 0.0  # by the monotonic clock
 
     def sent(self, now: float) -> None:
-        """Note that a frame goes out."""
         self.due = max(self.due + _GAP, now + 0.5 * _GAP)
 
 

@@ -120,7 +120,6 @@ class Link(ABC):
         return False  # where that is not known
 
     def lacks(self, newest: object) -> bool:
-        """Return whether it is watched, and this was not sent."""
         return self.is_watched and self.shown is not newest
 
     def has_room(self, now: float) -> bool:

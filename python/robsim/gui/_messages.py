@@ -63,7 +63,6 @@ def message(value: Any) -> dict[str, Any]:
 
 
 def maybe(check: Check) -> Check:
-    """Return a check that takes null, too."""
     return lambda value: None if value is None else check(value)
 
 

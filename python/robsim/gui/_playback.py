@@ -28,7 +28,6 @@ class Playback:
 
     @property
     def n_steps(self) -> int:
-        """Number of steps of the record."""
         return self._record.n_steps
 
     @property
@@ -52,7 +51,6 @@ class Playback:
         return self.stage
 
     def seek(self, k: int) -> None:
-        """Go to a step."""
         self._at, self._next, self._shown = k, k + 1, None
 
     def _step(self, k: int) -> Step:
@@ -63,7 +61,6 @@ class Playback:
         return self._record.step(k, frame)
 
     def reset(self) -> None:
-        """Go to the first step."""
         self.seek(0)
 
     def stop(self) -> bool:

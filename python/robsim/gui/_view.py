@@ -48,7 +48,6 @@ class View(Worker):
         self.post(lambda: self.links.append(link))
 
     def disconnect(self, link: Link) -> None:
-        """Remove a line."""
         self.post(lambda: self._disconnect(link))
 
     def receive(self, link: Link, message: Any, buffers: Buffers = ()) -> None:
@@ -75,7 +74,6 @@ class View(Worker):
     # In the thread.
 
     def send(self, head: Mapping[str, Any], *buffers: bytes) -> None:
-        """Send a message to all who watch."""
         for link in self.links:
             if link.is_watched:
                 link.send(head, buffers)
@@ -86,7 +84,6 @@ class View(Worker):
 
     @property
     def is_watched(self) -> bool:
-        """Whether anybody looks."""
         return any(link.is_watched for link in self.links)
 
     def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:

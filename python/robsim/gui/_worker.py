@@ -121,7 +121,6 @@ class Worker(ABC):
 
     @property
     def is_here(self) -> bool:
-        """Whether the caller is in the thread, such as in a callback."""
         return threading.current_thread() is self._thread
 
     def _begin(self) -> None:

@@ -80,13 +80,11 @@ class Page:
     # In the thread.
 
     def came(self, page: Socket) -> None:
-        """Note that a page shows it."""
         with self._change:
             self.pages.add(page)
             self._left = None
 
     def went(self, page: Socket) -> None:
-        """Note that one has gone."""
         with self._change:
             self.pages.discard(page)
             if not self.pages:

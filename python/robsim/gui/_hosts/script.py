@@ -28,7 +28,6 @@ def script() -> str:
 
 
 def words(name: str, **values: object) -> str:
-    """Return a text of the module, with its values."""
     return _texts()[name].format(**values)
 
 
@@ -40,12 +39,10 @@ def _texts() -> dict[str, str]:
 
 @functools.cache
 def style() -> str:
-    """Return the style sheet."""
     return "\n".join(file.read_text("utf-8") for file in sorted(STATIC.rglob("*.css")))
 
 
 def page_script() -> str:
-    """Return the module of the page, which stands beside the first one."""
     return (STATIC / "page.js").read_text("utf-8")
 
 

@@ -88,7 +88,6 @@ class PanelView(View):
 
     @property
     def is_running(self) -> bool:
-        """Whether the run goes on by itself."""
         return self.driver.state == "running"
 
     def finish(self) -> None:
@@ -168,12 +167,10 @@ class PanelView(View):
         return self.driver.n_waiting < factor * _MOST_COMMANDS
 
     def check_room(self, factor: int = 1) -> None:
-        """Refuse a command that the run cannot take."""
         if not self.has_room(factor):
             raise Refused("The run does not answer: a callback is still busy")
 
     def tell_setup(self) -> None:
-        """Tell all browsers what they were told at first, since it has changed."""
         self.send(self._gathered("setup"))
 
     def tell(self, link: Link) -> None:
@@ -183,7 +180,6 @@ class PanelView(View):
             self.guarded(part.greet, link)
 
     def tell_state(self) -> None:
-        """Tell all browsers the state."""
         self.send(self._gathered("state"))
 
     def parted(self) -> None:

@@ -65,7 +65,6 @@ class Sheet:
         return y
 
     def length(self, words: str, kind: str = "regular", size: float = 12) -> float:
-        """Return how long a line is."""
         return _font(kind, size).getlength(words) / _TIMES
 
     def rows(self, words: str, width: float) -> list[str]:
@@ -92,11 +91,9 @@ class Sheet:
         self.box((x - radius, y - radius, x + radius, y + radius), fill=ink, radius=radius)
 
     def paste(self, picture: Shown, left: int, top: int) -> None:
-        """Put a picture there."""
         self._image.paste(picture.image, (_TIMES * left, _TIMES * top))
 
     def png(self) -> bytes:
-        """Return it as a small PNG."""
         return small_png(self._image.reduce(_TIMES))
 
 

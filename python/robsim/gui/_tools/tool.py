@@ -248,7 +248,6 @@ class ToolView(View):
 
     @property
     def is_over(self) -> bool:
-        """Whether it has been closed."""
         return self._is_over
 
     def parted(self) -> None:

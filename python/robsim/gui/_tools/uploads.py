@@ -72,7 +72,6 @@ class Upload:
 
     @property
     def is_complete(self) -> bool:
-        """Whether all of it has come."""
         return len(self.content) == self.size
 
     def add(self, message: dict[str, Any]) -> None:

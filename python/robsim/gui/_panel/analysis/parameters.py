@@ -31,7 +31,6 @@ class Parameters(Summary):
 
 
 def listed(numbers: ArrayLike) -> list[float | None]:
-    """Return an array as a flat list for JSON, None for what is not finite."""
     return [x if np.isfinite(x) else None for x in np.ravel(numbers).tolist()]
 
 

@@ -72,7 +72,6 @@ class CameraView(Part):
         return math.inf if len(ready) == len(lacking) else now + SLOW
 
     def encode(self, shot: Shot, width: int) -> bytes:
-        """Return the picture of a step."""
         return picture_of(shot.frame, width)
 
     def _show(self) -> None:

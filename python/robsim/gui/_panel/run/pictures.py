@@ -124,7 +124,6 @@ def _why_missed(record: Record, frame: Frame, blobs: Mapping[str, Sequence[Blob]
 
 
 def picture_of(frame: Frame | None, width: int) -> bytes:
-    """Return the camera's picture as a JPEG, not much wider than what is shown of it."""
     return b"" if frame is None else jpeg(reduced(frame, max(width, 1)))
 
 

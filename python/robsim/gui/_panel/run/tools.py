@@ -83,7 +83,6 @@ class Tools(Part):
         self._name = name
 
     def has(self, line: ToolLine) -> bool:
-        """Return whether a line is that of the tool which is open."""
         return line in self._lines.values()
 
     def _choose(self, link: Link, message: dict[str, Any]) -> None:

@@ -129,7 +129,6 @@ class ColorTraining:
 
     @property
     def value(self) -> tuple[ColorClass, ...]:
-        """The classes as they are now."""
         return tuple(one.color for one in self.classes.values())
 
     def train(
@@ -211,7 +210,6 @@ class ColorTraining:
             self.classes[color.name] = kept
 
     def remove(self, name: str) -> None:
-        """Remove a class."""
         del self.classes[self._known(name).color.name]
 
     def drift(self, name: str) -> list[tuple[str, Floats, float]]:
@@ -233,5 +231,4 @@ def _check_count(count: int) -> None:
 
 
 def ranges_of(color: ColorClass) -> tuple[tuple[int, int], ...]:
-    """Return the ranges of Y, U and V."""
     return color.y, color.u, color.v

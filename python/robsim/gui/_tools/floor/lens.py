@@ -116,7 +116,6 @@ class LensPictures:
 
     @property
     def is_busy(self) -> bool:
-        """Whether a picture is looked at, or the lens is fitted."""
         return self._finding.is_busy or self._fitting.is_busy or bool(self._waiting)
 
     def wait(self, timeout: float) -> None:
@@ -126,7 +125,6 @@ class LensPictures:
 
     @property
     def _size(self) -> tuple[int, int]:
-        """That of the pictures that were taken (px)."""
         return self.taken[0].size if self.taken else (1, 1)
 
     # What changes it.

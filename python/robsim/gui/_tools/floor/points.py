@@ -44,7 +44,6 @@ class PlacedPoint:
 
     @property
     def is_complete(self) -> bool:
-        """Whether its place is given."""
         return None not in self.place
 
 
@@ -188,7 +187,6 @@ class FloorPoints:
         self._change(points=tuple(one for one in self.draft.points if one is not gone))
 
     def clear(self) -> None:
-        """Remove all points."""
         if self.draft.points:
             self._change(points=())
 
@@ -225,22 +223,18 @@ class FloorPoints:
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is a change to be undone."""
         return bool(self._before)
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is a change that was undone."""
         return bool(self._after)
 
     def undo(self) -> None:
-        """Undo the last change; nothing if there is none."""
         if self._before:
             self._after.append(self.draft)
             self.draft = self._before.pop()
 
     def redo(self) -> None:
-        """Do again what was undone last; nothing if there is nothing."""
         if self._after:
             self._before.append(self.draft)
             self.draft = self._after.pop()

@@ -87,7 +87,6 @@ class FloorSheets:
         self._seen = SeenSheets((0, 0), _MARK)
 
     def task(self) -> SeenSheets:
-        """Return what is fitted."""
         return self._seen
 
     def looking(self, image: Pixels) -> Callable[[], FoundSheets | str]:

@@ -131,7 +131,6 @@ class RobotDrawing:
         self.put(part, np.insert(corners, corner, finite_array("at", at, (2,)), axis=0))
 
     def remove(self, part: str, corner: int) -> None:
-        """Remove a corner."""
         self.put(part, np.delete(self._polygon(part), self._index(part, corner), axis=0))
 
     # The whole.
@@ -177,22 +176,18 @@ class RobotDrawing:
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is a change to be undone."""
         return bool(self._before)
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is a change that was undone."""
         return bool(self._after)
 
     def undo(self) -> None:
-        """Undo the last change; nothing if there is none."""
         if self._before:
             self._after.append(self.sketch)
             self.sketch = self._before.pop()
 
     def redo(self) -> None:
-        """Do again what was undone last; nothing if there is nothing."""
         if self._after:
             self._before.append(self.sketch)
             self.sketch = self._after.pop()

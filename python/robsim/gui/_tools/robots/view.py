@@ -161,7 +161,6 @@ class RobotsView(ToolView):
     # What changes it; TypeError, ValueError or OSError: nothing was changed.
 
     def change(self, change: Callable[[], object]) -> None:
-        """Do what changes the drawing, and tell what came of it."""
         try:
             change()
         finally:

@@ -76,7 +76,6 @@ class Range(Setting):
         """Change it, in the thread of the run, to a number within the limits."""
 
     def is_within(self, value: float) -> bool:
-        """Return whether it can be set to a number."""
         return self.low <= value <= self.high
 
     def set(self, value: Any) -> Remarks:
