@@ -51,7 +51,6 @@ def _limits(minimum: float, exclusive_minimum: float, maximum: float) -> str:
 
 
 def is_int(value: Any) -> bool:
-    """Return whether `value` is an int and not a bool."""
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 

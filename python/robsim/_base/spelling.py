@@ -77,7 +77,6 @@ def check_names(
 
 
 def with_article(name: str) -> str:
-    """Return a name with a or an before it."""
     return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"
 
 

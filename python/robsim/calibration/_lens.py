@@ -120,7 +120,6 @@ class Fit:
 
     @property
     def squares(self) -> float:
-        """Sum of the squared errors."""
         return float(sum((one**2).sum() for one in self.errors))
 
     @property

@@ -203,5 +203,4 @@ class LensCalibration(Report):
 
 
 def _thirds(cells: int) -> Any:
-    """Return the cells at the beginning, in the middle and at the end."""
     return [0], list(range(1, cells - 1)), [cells - 1]

@@ -60,17 +60,14 @@ class BoardTaker:
 
     @property
     def empty_parts(self) -> list[str]:
-        """Parts of the picture that no board has reached."""
         return empty_parts(self._kept, self._size)
 
 
 def is_resized(one: Chessboard | Charuco, other: Chessboard | Charuco) -> bool:
-    """Return whether two boards differ, but in the side of their squares alone."""
     return one != other and replace(one, square=other.square) == other
 
 
 def resized(corners: Corners, one: Chessboard | Charuco, other: Chessboard | Charuco) -> Corners:
-    """Return the corners of a board as those of another one, whose squares have another side."""
     return Corners(corners.positions * (other.square / one.square), corners.pixels)
 
 

@@ -122,7 +122,6 @@ class CampaignSpec:
         return frozenset((*ROW_COLUMNS, *self.vary))
 
     def _chosen(self, case: Case) -> dict[str, Choice]:
-        """Return the choices of a case by option."""
         return {name: self.vary[name][label] for name, label in case.labels.items()}
 
     def _scenario_of(self, case: Case) -> Scenario:
@@ -152,7 +151,6 @@ class CampaignSpec:
         return np.random.SeedSequence(root.entropy, spawn_key=(*root.spawn_key, run))
 
     def _with_seed(self, seed: Seed) -> CampaignSpec:
-        """Return the same campaign with another seed."""
         return replace(self, seed=seed)
 
     @property

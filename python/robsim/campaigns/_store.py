@@ -153,7 +153,6 @@ class Store:
         self._database.execute("COMMIT")
 
     def count(self) -> int:
-        """Return how many of the runs of the campaign are there."""
         with self._naming():
             found = self._database.execute(
                 "SELECT count(*) FROM runs WHERE run < ?", (self._spec.runs,)

@@ -117,7 +117,6 @@ class CampaignSummary(Report):
 
     @property
     def _first(self) -> str:
-        """The first group, in the width of a column."""
         return self.groups[0] if len(self.groups[0]) <= _WIDEST else "the first"
 
     def _values(self, group: int, index: int) -> list[object]:

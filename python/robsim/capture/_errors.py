@@ -81,5 +81,4 @@ _BY_FAULT = {kind.fault: kind for kind in _KINDS}
 
 
 def error_of(fault: str, text: str) -> CaptureError:
-    """Return the error for a fault of the core."""
     return _BY_FAULT[fault](text)

@@ -59,7 +59,6 @@ class Wishes:
         return None if self.fps is None else 1 / self.fps
 
     def refuse(self, source: str, *names: str) -> None:
-        """Raise ValueError if something was asked that a source cannot do."""
         for name in names:
             value = getattr(self, name)
             if value is not None:

@@ -50,7 +50,6 @@ class Situation:
     measurements: tuple[Measurement | None, ...] = ()
 
     def first(self, steps: int) -> Situation:
-        """Return the first steps of the situation."""
         return replace(
             self,
             poses=self.poses[:steps],

@@ -103,7 +103,6 @@ class Trial:
 
     @property
     def failed_at(self) -> int:
-        """The step of the error."""
         return len(self.outputs)
 
 
@@ -243,7 +242,6 @@ class EstimatorUnderTest:
 
     @contextmanager
     def observed(self) -> Iterator[None]:
-        """Keep what the estimator prints, and leave out its warnings."""
         with redirect_stdout(self.stdout), warnings.catch_warnings():
             # Numpy's warnings precede an error that says more, or are harmless.
             warnings.simplefilter("ignore")
@@ -306,7 +304,6 @@ class _TrialRun:
         return self._error is not None
 
     def trial(self) -> Trial:
-        """Return the outcome."""
         return Trial(
             situation=self._situation,
             outputs=np.array(self._outputs),

@@ -11,7 +11,6 @@ from robsim.imaging._images import Pixels, check_pixels
 
 
 def check_iterable(frames: Any) -> None:
-    """Raise TypeError unless the argument ``frames`` can be iterated over."""
     if not isinstance(frames, Iterable):
         raise TypeError(f"frames must be an iterable of frames, got {quoted(frames)}")
 
@@ -29,7 +28,6 @@ def frame_size(pixels: Pixels) -> tuple[int, int]:
 
 
 def check_same_size(name: str, size: tuple[int, int], first: tuple[int, int]) -> None:
-    """Raise ValueError if a frame has another size than the first one."""
     if size != first:
         raise ValueError(
             f"{name} is {size[0]} x {size[1]} px, the frames before it {first[0]} x {first[1]} px"

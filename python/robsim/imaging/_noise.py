@@ -26,7 +26,6 @@ class _Noise:
 
     @property
     def _native(self) -> VisualNoise:
-        """The C++ core's noise of this kind and level."""
         return native_noise(self._kind, float(self.percent))
 
     def add(self, image: Pixels, seed: int, index: int = 0, *, out: Pixels | None = None) -> Pixels:

@@ -15,12 +15,10 @@ _LIGHTENED = bytes(min(round(value / SHADOW), 255) for value in range(256))
 
 
 def darkened(pixels: Pixels) -> Pixels:
-    """Return pixels of the light as they are in the shadow."""
     return _looked_up(_DARKENED, pixels)
 
 
 def lightened(pixels: Pixels) -> Pixels:
-    """Return pixels of the shadow as they are in the light."""
     return _looked_up(_LIGHTENED, pixels)
 
 

@@ -106,7 +106,6 @@ class CameraFinding:
 
 
 def three_digits(value: float) -> str:
-    """Return a value as people read it; what is next to nothing is 0."""
     return "0" if abs(value) < _NOTHING else f"{value:.3g}"
 
 

@@ -46,7 +46,6 @@ Panels = Sequence[Axes] | NDArray[np.object_]
 
 
 def check_optional(name: str, value: Any, kind: type) -> None:
-    """Raise a TypeError unless a value is None or of a kind; see `check_kind`."""
     if value is not None:
         check_kind(name, value, kind)
 

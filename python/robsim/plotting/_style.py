@@ -104,7 +104,6 @@ def panel(ax: Axes | None, size: tuple[float, float]) -> Axes:
 
 
 def position_labels(unit: str) -> tuple[str, str]:
-    """Return what stands beside axes of x and y."""
     return f"x ({unit})", f"y ({unit})"
 
 
@@ -143,7 +142,6 @@ def line_marker(steps: int) -> str:
 
 
 def n_steps(count: int) -> str:
-    """Return a number of steps as a text."""
     return "1 step" if count == 1 else f"{count} steps"
 
 
@@ -168,7 +166,6 @@ def shown_unit(unit: str) -> tuple[float, str]:
 
 
 def drawn_color(name: str) -> str:
-    """Return the drawing colour of a colour class: that of its name, if it is a colour name."""
     return name if is_color_like(name) else GUIDE
 
 

@@ -29,7 +29,6 @@ def data_folder() -> Path:
 
 
 def settings_file() -> Path:
-    """Return the file that stores the default robot."""
     return data_folder() / "settings.toml"
 
 
@@ -62,7 +61,6 @@ def _stored_name(file: FileVersion) -> Any:
 
 
 def missing_robot_error(name: str) -> ValueError:
-    """Return the error for a default robot that no longer exists."""
     return ValueError(
         f"settings file {one_line(settings_file())}: the default robot, {quoted(name)}, no longer "
         f"exists; {_RESET}"

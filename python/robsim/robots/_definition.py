@@ -238,7 +238,6 @@ def from_colors(
 
 
 def by_color(robot: RobotDefinition) -> dict[str, Floats]:
-    """Return the polygons around a robot's markers by their colours."""
     return {robot.marker_colors[role]: polygon for role, polygon in robot.markers.items()}
 
 

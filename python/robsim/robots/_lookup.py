@@ -24,17 +24,14 @@ _SHIPPED = ASSETS / "robots"
 
 
 def shipped_robots() -> dict[str, Path]:
-    """Return the folders of the robots that ship with robsim, by name."""
     return _folders(_SHIPPED)
 
 
 def user_robots_folder() -> Path:
-    """Return the folder that contains the user's robots."""
     return data_folder() / "robots"
 
 
 def user_robots() -> dict[str, Path]:
-    """Return the folders of the user's robots, by name."""
     return _folders(user_robots_folder())
 
 
@@ -49,7 +46,6 @@ def name_key(name: str) -> str:
 
 
 def same_name(name: str, names: dict[str, Path]) -> str | None:
-    """Return the name that is equal without regard to case, or None."""
     return next((other for other in names if name_key(other) == name_key(name)), None)
 
 

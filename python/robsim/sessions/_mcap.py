@@ -134,5 +134,4 @@ def _pose(row: Row, origin: int) -> tuple[str, float, dict[str, Any]]:
 
 
 def _text_of(session: Session) -> str:
-    """Return the set-up as JSON; dates as text."""
     return one_line(json.dumps(session.setup, default=str))

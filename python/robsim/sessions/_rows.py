@@ -227,5 +227,4 @@ def columns_of(rows: Iterable[Row], *names: str) -> dict[str, Floats]:
 
 
 def with_frame(row: Row, number: int | None, left_out: str) -> Row:
-    """Return a row with the number of its picture in the video, or why there is none."""
     return replace(row, video_frame=number, left_out=left_out)

@@ -126,7 +126,6 @@ class SessionWriter:
 
     @property
     def counts(self) -> Counts:
-        """What has been written so far."""
         return replace(self._files.counts)
 
     @property
@@ -185,7 +184,6 @@ class SessionWriter:
 
 
 def check_is_free(folder: str | PathLike[str]) -> None:
-    """Raise FileExistsError if a folder has a session already."""
     if any(os.path.lexists(Path(folder) / name) for name in (SETUP, ROWS, VIDEO, END, TRACE)):
         raise FileExistsError(
             f"{one_line(folder)} has a recorded session already, which is not overwritten: give "

@@ -344,7 +344,6 @@ class Runner(Slotted):
         self._changed = ()
 
     def _seed_core(self) -> None:
-        """Give the C++ core the random streams of the seed."""
         self._core.set_controller_seed(stream_number(self._seed, "controller"))
 
     def _slots_changed(self) -> None:

@@ -294,7 +294,6 @@ def _written(name: str, value: Any) -> Any:
 
 
 def _shipped_name(robot: RobotDefinition) -> str | None:
-    """Return the name of the shipped robot that this one equals, or None."""
     return next((name for name in shipped_robots() if as_robot(name) == robot), None)
 
 

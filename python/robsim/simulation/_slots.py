@@ -158,12 +158,10 @@ def are_samples_given(identify_from: str, slots: Iterable[str]) -> bool:
 
 
 def switches() -> str:
-    """Return the names of the slots that take True, for messages."""
     return " and ".join(name for name, slot in SLOTS.items() if slot.is_switch)
 
 
 def is_default(value: object) -> bool:
-    """Return whether a slot's value asks for the default."""
     return isinstance(value, str) and value == DEFAULT
 
 

@@ -218,7 +218,6 @@ class Slotted(RobotSlots, ABC):
         return None
 
     def _put(self, slot: str, value: Any) -> None:
-        """Put a value into the slot of the C++ core."""
         self._core.set_slot(slot, self._called(slot, self._stage(slot, value)))
 
     def _stage(self, slot: str, callback: Any) -> Any:
@@ -250,7 +249,6 @@ _ADVICE = {"model": ": fill define_model, then call sim.reset()"}
 
 
 def is_code(value: Any) -> bool:
-    """Return whether the value of a slot is Python code, and not a native stage."""
     return callable(value) and type(value) not in _NATIVE
 
 

@@ -49,7 +49,6 @@ def group_of(field: str) -> str | None:
 
 
 def empty_groups(names: Iterable[str]) -> dict[str, Floats]:
-    """Return groups of the schema without a row."""
     return {name: np.empty((0, len(GROUPS[name].units))) for name in names}
 
 

@@ -13,7 +13,6 @@ MAXIMUM_DELAY = 1000  # steps
 
 
 def check_delay(name: str, delay: Any) -> float:
-    """Return a delay in steps; else raise TypeError or ValueError."""
     return check_float(name, delay, "steps", minimum=0, maximum=MAXIMUM_DELAY)
 
 

@@ -63,7 +63,6 @@ class NotRecordedError(ValueError):
 
 
 def how_recorded(name: str) -> str:
-    """Return how a group of columns is recorded."""
     return _HOW.get(name, "it was not recorded in this run")
 
 

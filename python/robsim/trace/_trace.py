@@ -33,7 +33,6 @@ _SHOWN_COLUMNS = 4
 
 
 def check_trace(trace: Any) -> None:
-    """Raise a TypeError unless it is a trace."""
     if not isinstance(trace, Trace):
         hint = ": give sim.trace" if isinstance(getattr(trace, "trace", None), Trace) else ""
         raise TypeError(f"trace must be a Trace, got {quoted(trace)}{hint}")

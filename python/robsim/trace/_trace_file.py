@@ -35,7 +35,6 @@ Content = tuple[Mapping[str, Floats], RunInfo, int]
 
 
 def write_trace(path: Path, content: Content) -> None:
-    """Write the content of a trace into one file."""
     write_whole(path, pack_trace(content))
 
 

@@ -111,7 +111,6 @@ class TrackingStatistics(Report):
         )
 
     def _reported(self) -> tuple[Quantity, ...]:
-        """Return the errors that measurements report; nothing if they do not."""
         return () if math.isnan(self.reported_xy) else self._pair("reported", "reported error")
 
     def _pair(self, key: str, title: str) -> tuple[Quantity, Quantity]:

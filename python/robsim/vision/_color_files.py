@@ -73,7 +73,6 @@ def _read(path: Path) -> tuple[ColorClass, ...]:
 
 
 def colors_of_text(text: str) -> tuple[ColorClass, ...]:
-    """Return the classes of a text in the format of a colour file; else raise ValueError."""
     return _colors_of(parse_toml(text))
 
 

@@ -54,7 +54,6 @@ def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
 
 
 def paint_of(name: str, index: int) -> tuple[int, ...]:
-    """Return the RGB of a class: the colour that its name says, or one by its number."""
     try:
         return ImageColor.getrgb(name)[:3]
     except ValueError:

@@ -200,11 +200,9 @@ class _Samples:
 
     @property
     def count(self) -> int:
-        """Number of frames by now, with those left out."""
         return len(self._frames) + len(self._skipped)
 
     def skip(self, why: str) -> None:
-        """Leave out a frame."""
         self._skipped.append(why)
 
     def trained(self, missed: Sequence[str] = ()) -> TrainedColor:

@@ -21,7 +21,6 @@ _LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-])(?:{_PART}[ \t]*\.[ \t]*){{{_MOST_PA
 
 
 def as_folder(folder: str | PathLike[str]) -> Path:
-    """Return `folder` as a Path; raise TypeError if it is not path-like."""
     return as_path(folder, "folder")
 
 

@@ -50,7 +50,6 @@ def open_whole(file: Path) -> Iterator[BinaryIO]:
 
 
 def hidden_path(folder: Path, suffix: str = "") -> Path:
-    """Return an unused path in a folder, hidden and short."""
     return folder / f".robsim-part-{token_hex(16)}{suffix}"
 
 

@@ -56,7 +56,6 @@ def roles_of(name: str, values: Any) -> tuple[str, str]:
 
 
 def taken_roles(table: dict[str, Any]) -> dict[str, Any]:
-    """Take those entries out of a table that have the name of a role, and return them."""
     return {role: table.pop(role) for roles in ROLES for role in roles if role in table}
 
 

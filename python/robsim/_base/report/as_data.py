@@ -67,5 +67,4 @@ def _rows(report: Report) -> tuple[str, list[tuple[Any, dict[str, Any]]]]:
 
 
 def import_pandas() -> Any:
-    """Return pandas; else raise ImportError."""
     return import_optional("pandas", "to_pandas needs")

@@ -70,7 +70,6 @@ def _problem(number: int, problem: Problem) -> Iterator[str]:
 
 
 def _wrapped(start: str, sentence: str) -> list[str]:
-    """Return the lines of a sentence that begins with a mark, and is indented by its length."""
     return textwrap.wrap(
         printable(sentence),
         _WIDTH,

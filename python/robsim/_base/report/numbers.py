@@ -46,7 +46,6 @@ def percent(fraction: float, decimals: int = 1) -> str:
 
 
 def count(part: int, whole: int) -> str:
-    """Return a number and the share it has in a whole, such as ``"3 (75.0 %)"``."""
     return f"{part} ({percent(part / whole)})" if whole else f"{part}"
 
 

@@ -88,7 +88,6 @@ class FloorSheet:
 
 
 def sheet_of(mark: int) -> int:
-    """Return the number of the sheet that a mark is on, by the mark's own number."""
     return mark // (_MARKS[0] * _MARKS[1]) + 1
 
 

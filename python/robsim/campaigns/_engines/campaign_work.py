@@ -20,15 +20,12 @@ class CampaignWork:
     spec: CampaignSpec
 
     def doer(self) -> Worker:
-        """Return what does runs."""
         return Worker(self.spec)
 
     def lost(self, job: Job, /) -> Row:
-        """Return the row of a run whose process ends, whenever it is tried."""
         return Row(*job, DIED, None, 0.0, {})
 
     def check_can_be_sent(self) -> None:
-        """Raise TypeError for code that other processes cannot be sent."""
         check_can_be_sent(self.spec)
 
 

@@ -51,19 +51,15 @@ class ExecutorWorkers(Generic[JobT, RowT]):
         self._sent: Any = work if sent is None else sent
 
     def room(self) -> int:
-        """Return how many chunks they may have at a time."""
         return _EACH * int(getattr(self._executor, "_max_workers", None) or _WORKERS_OF_UNKNOWN)
 
     def seconds(self) -> float:
-        """Return how long a chunk may take (s)."""
         return SECONDS
 
     def lost(self, job: JobT, /) -> RowT:
-        """Return the row of a job whose worker dies, whenever it is tried."""
         return self._work.lost(job)
 
     def submit(self, jobs: list[JobT], /) -> Future[list[RowT]]:
-        """Hand over a chunk."""
         return self._executor.submit(rows_of, self._sent, jobs)
 
     def is_death(self, error: Exception, /) -> bool:

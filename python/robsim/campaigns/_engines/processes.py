@@ -47,19 +47,15 @@ class Processes(Generic[JobT, RowT]):
             os.unlink(self._file)
 
     def room(self) -> int:
-        """Return how many chunks they may have at a time."""
         return self._count + 1
 
     def seconds(self) -> float:
-        """Return how long a chunk may take (s)."""
         return SECONDS
 
     def is_death(self, error: Exception, /) -> bool:
-        """Whether a chunk was lost with its process."""
         return isinstance(error, _LOST)
 
     def lost(self, job: JobT, /) -> RowT:
-        """Return the row of a job whose process ends, whenever it is tried."""
         return self._work.lost(job)
 
     def submit(self, jobs: list[JobT], /) -> Future[list[RowT]]:

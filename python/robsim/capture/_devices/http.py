@@ -143,5 +143,4 @@ class HttpCamera:
         return decoded(jpeg), None, arrived, n_passed, n_torn
 
     def close(self) -> None:
-        """Close the connection."""
         self._stream = None

@@ -36,7 +36,6 @@ _STALL = 5.0
 
 
 def back_end_of_system() -> str:
-    """Return the back end of a camera by number on this operating system."""
     return {"win32": "msmf", "darwin": "avfoundation"}.get(sys.platform, "v4l2")
 
 
@@ -205,7 +204,6 @@ def _check_node(node: str) -> None:
 
 
 def no_permission(node: str) -> str:
-    """Return what to do about a node that this user must not read."""
     return (
         f"no permission to read {node}: add yourself to its group (sudo usermod -aG video $USER) "
         "and log in again"

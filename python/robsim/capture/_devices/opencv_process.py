@@ -29,7 +29,6 @@ _KINDS = {
 
 
 def is_possible() -> bool:
-    """Return whether this system and this Python can have such a process."""
     return sys.platform != "win32" and bool(sys.executable)
 
 
@@ -51,7 +50,6 @@ class OpenCvHere:
         self._camera.open()
 
     def close(self) -> None:
-        """Give it back."""
         self._camera.close()
 
     def read(self) -> tuple[Any, None, float, int, int]:

@@ -196,7 +196,6 @@ def _shown(slot: str, check: CheckReport | str) -> str:
 
 
 def _named_tables(reports: Mapping[str, CheckReport]) -> list[Table]:
-    """Return the tables of all reports, with keys that tell them apart."""
     return [
         replace(table, key=f"{slot}_{table.key}")
         for slot, one in reports.items()

@@ -52,13 +52,11 @@ class CallbackCalls:
         return result
 
     def problem(self, kind: str, sentence: str, situation: str = "", line: Any = None) -> Problem:
-        """Return a problem at a line, or where the callback is defined."""
         return Problem(
             kind=kind, sentence=sentence, situation=situation, line=line or self._callback.line
         )
 
     def slowness(self) -> Iterator[Problem]:
-        """Yield whether the calls take longer than the budget."""
         try:
             self._clock.check(self._callback.budget)
         except BadResult as slow:

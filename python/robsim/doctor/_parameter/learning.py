@@ -63,7 +63,6 @@ class Learning:
 
     @property
     def error(self) -> Floats:
-        """The error of the estimates, for x, y and the heading."""
         return self.error_of(self.before)
 
     @property

@@ -32,7 +32,6 @@ _HARDLY = 0.2  # a gain below it leaves a moving robot behind
 
 
 def named(chosen: npt.NDArray[np.bool_]) -> str:
-    """Return the names of chosen components."""
     return " and ".join(name for name, one in zip(AXES, chosen, strict=True) if one)
 
 

@@ -46,17 +46,14 @@ class Trials:
 
     @cached_property
     def gap(self) -> Trial:
-        """It is out of sight for a while."""
         return self.estimator.try_in(self.weaves.unseen("robot out of sight", UNSEEN))
 
     @cached_property
     def late(self) -> Trial:
-        """It is not seen at first."""
         return self.estimator.try_in(self.weaves.unseen("robot not seen yet", range(5)))
 
     @cached_property
     def hidden(self) -> Trial:
-        """It is hidden now and then."""
         return self.estimator.try_in(self.blinks)
 
     @cached_property
@@ -93,16 +90,13 @@ class Trials:
 
     @cached_property
     def ignores_dt(self) -> bool:
-        """Whether the estimates are the same for another time between two steps."""
         return self.is_unchanged(replace(self.blinks, dt=self.blinks.dt / 2))
 
     @cached_property
     def ignores_inputs(self) -> bool:
-        """Whether the estimates are the same for other inputs."""
         return self.is_unchanged(replace(self.blinks, u=self.blinks.u + 0.1))
 
     def is_unchanged(self, changed: Situation) -> bool:
-        """Return whether another version of the drive `hidden` gives exactly the same estimates."""
         return np.array_equal(self.hidden.outputs, self.estimator.try_in(changed).outputs)
 
 

@@ -61,7 +61,6 @@ class _Drive:
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether it stands still at the end."""
         return float(np.mean(self.last_steps)) < _AT_REST
 
 

@@ -76,7 +76,6 @@ def _pose_errors(trace: Trace) -> Floats:
 
 
 def _from_measurements(trace: Trace) -> Floats:
-    """Return how far the estimates are from the measurements (N, 3)."""
     return wrapped_error(trace.pose_estimated, trace.pose_measured)[_SETTLED:]
 
 

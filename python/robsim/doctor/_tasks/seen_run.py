@@ -44,7 +44,6 @@ class SeenRun:
         return Problem(kind=kind, sentence=sentence, situation=situation, k=k)
 
     def tolerance(self, name: str, default: float) -> float:
-        """Return a tolerance that the task tells its solutions by name."""
         return float(self.task.values.get(name, default))
 
 

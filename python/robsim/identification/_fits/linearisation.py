@@ -66,7 +66,6 @@ class Linearisation:
         return self.cost < 1
 
     def is_better(self, residuals: Floats) -> bool:
-        """Return whether these residuals have a lower cost."""
         return bool(np.square(residuals / self.sigma).sum() < self.cost)
 
     def eliminated(self, damping: float = 0.0) -> tuple[Floats, Floats, Floats]:

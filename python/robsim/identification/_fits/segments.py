@@ -37,7 +37,6 @@ class Record:
 
     @property
     def seen(self) -> Bools:
-        """The steps with a pose."""
         return np.asarray(np.isfinite(self.poses[:, 0]))
 
     def with_delay(self, input_delay: float) -> Record:

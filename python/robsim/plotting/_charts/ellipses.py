@@ -146,7 +146,6 @@ def _drawn_rows(trace: Trace, every: int | None) -> NDArray[np.int64]:
 
 
 def _extent(trace: Trace) -> float:
-    """Return the extent of the estimated path, the larger of x and y."""
     return float(
         np.ptp(trace.pose_estimated[np.isfinite(trace.pose_estimated[:, 0]), :2], axis=0).max()
     )

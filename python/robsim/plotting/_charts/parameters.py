@@ -109,7 +109,6 @@ def relative_scale(true: Floats) -> Floats:
 
 
 def percent(fraction: float, _position: float) -> str:
-    """Return a fraction as a tick label in percent."""
     return f"{100 * fraction:g} %"
 
 

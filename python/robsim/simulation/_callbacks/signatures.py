@@ -25,7 +25,6 @@ def accepts(function: Callable[..., object], count: int) -> bool:
 
 
 def signature_of(function: Callable[..., object]) -> inspect.Signature | None:
-    """Return the signature of a callable, None if it is not known."""
     try:
         return inspect.signature(function)
     except (TypeError, ValueError):  # of compiled objects
@@ -66,7 +65,6 @@ def _inner(function: Callable[..., object]) -> Callable[..., object]:
 
 
 def where_defined(function: Callable[..., object]) -> str:
-    """Return signature and place of a callable, as ``(a, b) (control.py:3)``."""
     return f"{signature_of(function) or '(...)'}{place_of(function)}"
 
 

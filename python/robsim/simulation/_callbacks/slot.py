@@ -157,12 +157,10 @@ class Slot(Generic[T]):
 
     @property
     def n_arguments(self) -> int:
-        """How many arguments the callback gets."""
         return 1 if self.argument else 0
 
     @property
     def arguments(self) -> str:
-        """The same in words."""
         return f"one argument, {self.argument}" if self.argument else "no argument"
 
     @overload

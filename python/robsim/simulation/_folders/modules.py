@@ -129,7 +129,6 @@ class FolderModules(MetaPathFinder, Loader):
 
 
 def module_name(slot: str) -> str:
-    """Return the module name of the file of a slot."""
     return f"{_PACKAGE}{slot}"
 
 
@@ -153,5 +152,4 @@ def _decoded(source: bytes, file: str) -> str:
 
 
 def reserved_names(names: Iterable[str]) -> set[str]:
-    """Return the names that belong to modules of Python or of robsim's dependencies."""
     return set(names) & _RESERVED

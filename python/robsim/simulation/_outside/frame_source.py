@@ -261,7 +261,6 @@ class FrameSource:
             )
 
     def model(self) -> RobotModel:
-        """Return the default model, with the dt of the frames."""
         return RobotModel(RobotParameters() if self.dt is None else RobotParameters(dt=self.dt))
 
     def checked(self, define_model: Callable[[], Any]) -> Callable[[], Any]:
@@ -337,7 +336,6 @@ class _Reader:
 
     @property
     def is_waiting(self) -> bool:
-        """Whether an item was asked for that has not come yet."""
         return self._since is not None
 
     @contextmanager

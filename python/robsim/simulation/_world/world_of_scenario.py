@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 
 def frame_size(scenario: Scenario) -> tuple[int, int]:
-    """Return width and height of the frames (px)."""
     return scenario.resolution or scenario.area
 
 
@@ -40,7 +39,6 @@ def new_world(scenario: Scenario) -> _core.SimulatedWorld:
 
 
 def apply_noise(world: _core.SimulatedWorld, scenario: Scenario) -> None:
-    """Give a world the camera noise of a scenario."""
     world.set_noise(as_native_noise(scenario.noise))
 
 
@@ -109,7 +107,6 @@ def _start_pose(scenario: Scenario, seed: np.random.SeedSequence) -> ArrayLike:
 
 
 def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.Scene:
-    """Return what the camera of a scenario looks at."""
     return make_scene(
         robot=scenario._robot_definition,
         area=scenario.area,
