@@ -40,7 +40,6 @@ using Place = std::pair<double, double>;
 using Places = std::vector<Place>;
 using Outline = std::shared_ptr<const MarkerShape>;
 
-// Such as markers['right'].
 std::string entry(const char* name, const std::string& role) {
   return std::string(name) + "['" + role + "']";
 }

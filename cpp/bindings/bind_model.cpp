@@ -123,7 +123,6 @@ struct Steps {
     }
   }
 
-  // An array with a result of this shape for each step.
   py::array_t<double> results(Shape shape) const {
     if (is_many) shape.insert(shape.begin(), count);
     return py::array_t<double>(shape);

@@ -37,7 +37,6 @@ std::shared_ptr<T> make_native(A&&... arguments) {
   });
 }
 
-// Without the interpreter's lock.
 template <typename F>
 auto natively(const F& call) {
   const WithoutInterpreter others;

@@ -153,7 +153,6 @@ std::function<Input(const StepPointer&)> native_controller(const py::object& val
   return [controller](const StepPointer& step) { return (*controller)(*step); };
 }
 
-// The native stage if it is asked for.
 template <typename Result>
 std::function<Result(const StepPointer&)> if_default(const py::object& value,
                                                      Result (*stage)(const StepPointer&)) {

@@ -11,7 +11,6 @@ using namespace robsim::bindings;
 
 namespace {
 
-// The bits of the stages of these slots.
 std::uint32_t bits_of(const std::vector<std::string>& slots) {
   std::uint32_t bits = 0;
   for (const std::string& slot : slots) {

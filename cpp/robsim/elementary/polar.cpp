@@ -29,7 +29,6 @@ Scaled scaled(double a, double b) {
   return {larger, smaller, 1};
 }
 
-// a / b
 DoubleDouble quotient(const DoubleDouble& a, const DoubleDouble& b) {
   const double q = a.high / b.high;
   const DoubleDouble product = exact_product(q, b.high);
@@ -55,7 +54,6 @@ DoubleDouble arc_tangent(double y, double x) {
   return exact_sum(angle_and_t.high, angle_and_t.low + rest);
 }
 
-// whole - part
 DoubleDouble difference(const double (&whole)[2], const DoubleDouble& part) {
   const DoubleDouble high = exact_sum(whole[0], -part.high);
   return {high.high, high.low + (whole[1] - part.low)};

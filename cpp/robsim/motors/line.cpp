@@ -105,7 +105,6 @@ std::string udp_name(const std::string& host, int port) {
   return "UDP " + (is_ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
 }
 
-// What a user can do about it.
 std::string remedy(int error) {
   if (error == ECONNREFUSED) return ": nothing listens there; is the robot on, its port right?";
   if (error == EADDRINUSE) return ": another program listens there";

@@ -25,7 +25,6 @@ std::string number(double value, int decimals) {
 
 std::string px(double value) { return number(value, 1) + " px"; }
 
-// Such as "red and blue".
 std::string both(const Detection& d, const char* link = " and ") {
   return d.markers.first.color + link + d.markers.second.color;
 }

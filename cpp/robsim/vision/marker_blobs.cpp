@@ -40,7 +40,6 @@ double smallest_width(const MarkerLayout& markers, const PlaneMap& map, int widt
   return std::max(smallest, least_far_width * middle);
 }
 
-// The odd number of pixels nearest to a width.
 int odd_window(double width) {
   return 2 * static_cast<int>(std::min(width, maximum_window) / 2) + 1;
 }

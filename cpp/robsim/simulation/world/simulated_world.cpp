@@ -18,7 +18,6 @@ auto& at_step(Ring& ring, std::int64_t k) {
   return ring[ring.size() == 1 ? 0 : static_cast<std::size_t>(k) % ring.size()];  // % is slow
 }
 
-// The pose that a capture shows; nothing if something hides the robot.
 std::optional<Pose> seen(const SimulatedWorld::Capture& capture) {
   return capture.hidden ? std::nullopt : std::optional(capture.pose);
 }

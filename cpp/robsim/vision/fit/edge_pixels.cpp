@@ -17,7 +17,6 @@ constexpr int most_side = 1 << 14;     // of the box around it (px)
 constexpr int most_in_box = 1 << 24;   // px
 constexpr int most_at_edge = 1 << 18;  // px
 
-/// A pose with the sine and cosine of its heading.
 struct Placed {
   Pose pose;
   double sin, cos;

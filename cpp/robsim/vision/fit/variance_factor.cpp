@@ -60,7 +60,6 @@ constexpr int most_number = 256;
 constexpr int most_products = 1 << 14;
 constexpr auto most = static_cast<float>(most_number);
 
-// The nearest whole numbers.
 void round_block(const float (&values)[EdgeBlock::size], std::int16_t* numbers) {
   using Floats = simd::LanesOf<float, 16>;
   float raised[EdgeBlock::size];  // above 0, where to round is to cut off

@@ -123,7 +123,6 @@ ROBSIM_AVX2_INLINE __m256i table(const std::array<T, 16>& values) {
   return simd::load_halves(values.data(), values.data());
 }
 
-// The tables in registers.
 struct RegisterTables {
   __m256i threshold;
   __m256i change;  // alias xor column
