@@ -201,13 +201,14 @@ def test_a_recorded_run_is_tracked_from_its_file_as_it_was(tmp_path):
     run = command("track", "run.mkv", "--area", "1200x1200", cwd=tmp_path)
     assert run.exit_code == 0, run.stderr
     assert "8 (100 %)\n" in run.stdout
-    one, other = (
+    trace, other = (
         robsim.Trace.load(tmp_path / folder / "trace.npz")
         for folder in ("robsim-run", "robsim-track")
     )
-    np.testing.assert_array_equal(one.pose_measured, other.pose_measured)
+    np.testing.assert_array_equal(trace.pose_measured, other.pose_measured)
     recording = robsim.Recording(tmp_path / "robsim-track" / "tracked.mp4")
     assert len(list(recording)) == 8
+    assert 1 / recording.dt == pytest.approx(1 / trace.info.dt, rel=0.01)
 
 
 @pytest.fixture

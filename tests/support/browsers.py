@@ -5,15 +5,23 @@ import threading
 import time
 from contextlib import contextmanager
 
+import numpy as np
+
 from robsim.gui._hosts.page import Page
 from robsim.gui._link import Link
 from robsim.gui._panel.view import PanelView
-from robsim.gui._tools.floor.example import pixels_of_floor, tiled_floor
+from robsim.gui._tools.floor.example import floor_to_pixels, tiled_floor
 from waiting import wait_for
 
 __all__ = ["Link", "Page", "PanelView", "pixels_of_floor", "tiled_floor"]
 
 _PATIENCE = 300  # s
+
+
+def pixels_of_floor(places):
+    """Where the camera of the example shows places (N, 2) on the floor (mm)."""
+    mapped = np.column_stack([places, np.ones(len(places))]) @ floor_to_pixels().T
+    return mapped[:, :2] / mapped[:, 2:]
 
 
 class FakeBrowser(Link):

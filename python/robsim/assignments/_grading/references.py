@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from robsim.assignments._assignment import Assignment, TaskTest
 from robsim.assignments._grading.seeds import seeds_of, student_for
@@ -48,12 +47,6 @@ class References:
                 self._kept.clear()
             self._kept[place] = numbers_of(test, self.trace(test, student, run))
         return self._kept[place]
-
-    def of_public_runs(self, test: TaskTest) -> dict[str, list[float]]:
-        """Return the numbers of the reference in the runs that all students have, by score."""
-        public = replace(test, public=True, reference_values={})
-        runs = [self.numbers(public, "", run) for run in range(test.task.runs)]
-        return {score.name: [run[score.name] for run in runs] for score in test.task.scores}
 
     def trace(self, test: TaskTest, student: str, run: int) -> Trace:
         """Return a run of the reference; raise AssignmentError if it fails."""

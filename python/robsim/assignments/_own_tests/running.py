@@ -22,7 +22,6 @@ from robsim.grading import AssignmentError, clean_text
 _CHILD = "robsim.assignments._own_tests.child"
 _LISTING = 60.0  # s
 _OUT_OF_TIME = "not run: out of time"
-_DONE = (0, 1)  # exit statuses of pytest: all passed, some failed
 _SAID = 600  # characters of what a child that failed said last
 
 

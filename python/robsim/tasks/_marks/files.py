@@ -9,9 +9,7 @@ from pathlib import Path
 
 from robsim._base.files import write_whole
 from robsim._base.text import one_line
-from robsim.tasks._limit import Limit
-from robsim.tasks._marks.calibration import TaskCalibration, task_digest
-from robsim.tasks._task import Task
+from robsim.tasks._marks.calibration import TaskCalibration
 
 SHIPPED = Path(__file__).parents[1] / "limits.json"
 
@@ -50,11 +48,3 @@ def write_calibrations(file: Path, calibrations: Mapping[str, TaskCalibration]) 
 @cache
 def shipped_calibrations() -> Mapping[str, TaskCalibration]:
     return read_calibrations(SHIPPED)
-
-
-def shipped_limits(task: Task) -> Mapping[str, Limit] | None:
-    """Return the limits that ship for a task; None unless it has its default parameters."""
-    calibration = shipped_calibrations().get(task.name)
-    if calibration is None or calibration.task_digest != task_digest(task):
-        return None
-    return calibration.limits

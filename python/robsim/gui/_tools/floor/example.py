@@ -21,18 +21,11 @@ _BLUR = 5.0  # mm, about a px
 _LIGHT, _DARK, _SPREAD, _NOISE = 150.0, 70.0, 14.0, 1.5  # levels
 
 
-def pixels_of_floor(places: Floats) -> Floats:
-    """Return where the camera of the example shows places (N, 2) on the floor (mm)."""
-    mapped = np.column_stack([places, np.ones(len(places))]) @ _to_pixel().T
-    found: Floats = mapped[:, :2] / mapped[:, 2:]
-    return found
-
-
 @functools.cache
 def tiled_floor() -> Pixels:
     """Return the picture of the floor, (H, W, 3)."""
     width, height = _SIZE
-    a, b, c = np.linalg.inv(_to_pixel())
+    a, b, c = np.linalg.inv(floor_to_pixels())
     across, down = np.arange(width)[None, :], np.arange(height)[:, None]
     depth = c[0] * across + c[1] * down + c[2]
     x = (a[0] * across + a[1] * down + a[2]) / depth
@@ -50,7 +43,7 @@ def tiled_floor() -> Pixels:
     return picture
 
 
-def _to_pixel() -> Floats:
+def floor_to_pixels() -> Floats:
     """Return the homography (3, 3) from the floor (mm) to the pixels."""
     c, s = math.cos(_TILT), math.sin(_TILT)
     turned = np.array(((1, 0, 0), (0, c, -s), (0, s, c)))  # from the area to the camera
