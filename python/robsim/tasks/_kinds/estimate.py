@@ -13,7 +13,7 @@ from robsim._core import DriveAround, RobotModel
 from robsim.evaluation import nees, wrapped_error
 from robsim.simulation import PoseNoise, Scenario
 from robsim.simulation._world.scene import HEADINGS
-from robsim.tasks._kinds.world import AREA, DT, RESOLUTION, camera_noise, dropout_of
+from robsim.tasks._kinds.world import AREA, DT, RESOLUTION, rms_of_poses, small_world
 from robsim.tasks._score import Score
 from robsim.tasks._task import MOST_STEPS, Task
 from robsim.trace import Trace
@@ -97,17 +97,12 @@ class Estimate(Task):
     @property
     def scenario(self) -> Scenario:
         """The world of its runs: a robot that drives around, and slips."""
-        return Scenario(
-            robot="lab",
-            area=AREA,
-            resolution=RESOLUTION,
+        return small_world(
+            noise=self.noise,
             boundary="unlimited",
-            start="random",
-            noise=camera_noise(self.noise),
-            dropout=dropout_of(self.dropout),
+            dropout=self.dropout,
             process_noise=PoseNoise.from_sigma(self.slip, self.slip, self.turn),
             control=DriveAround(hold=_HOLD),
-            measure=True,
         )
 
     @property
@@ -127,8 +122,7 @@ class Estimate(Task):
         trace.require("pose_true")
         error = wrapped_error(trace.pose_estimated, trace.pose_true)[self.unscored :]
         return {
-            "position": _rms(error[:, :2]),
-            "heading": float(np.rad2deg(_rms(error[:, 2:]))),
+            **rms_of_poses(error),
             "consistency": _mean_nees(error, trace.covariance[self.unscored :]) / 3,
         }
 
@@ -142,10 +136,6 @@ def _measured(noise: float) -> Floats:
     step_size = np.array([AREA[0] / RESOLUTION[0], AREA[1] / RESOLUTION[1], 2 * np.pi / HEADINGS])
     sigma: Floats = np.sqrt(step_size**2 / 12 + np.square(_BY_NOISE) * noise**2)
     return sigma
-
-
-def _rms(rows: Floats) -> float:
-    return float(np.sqrt(np.mean((rows**2).sum(axis=1))))
 
 
 def _mean_nees(error: Floats, covariance: Floats) -> float:

@@ -8,19 +8,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from robsim._base.checks import Floats, check_float
+from robsim._base.checks import Floats
 from robsim.control import score_path
 from robsim.control._waypoints import as_waypoints
-from robsim.simulation import Scenario
-from robsim.tasks._kinds.world import (
-    DT,
-    MAXIMUM_VOLTAGE,
-    check_inside,
-    driving_world,
-    voltage_beyond_limit,
-)
+from robsim.tasks._kinds.driving import MAXIMUM_VOLTAGE, DrivingTask, check_inside
+from robsim.tasks._kinds.world import DT
 from robsim.tasks._score import Score
-from robsim.tasks._task import MASKED, Task
+from robsim.tasks._task import MASKED
 from robsim.trace import Trace
 from robsim.trace._trace import check_trace
 
@@ -29,7 +23,7 @@ _RADIUS = 25.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Follow(Task):
+class Follow(DrivingTask):
     """Drive along a path, from waypoint to waypoint.
 
     Parameters
@@ -53,8 +47,6 @@ class Follow(Task):
 
     name: ClassVar[str] = "follow"
     title: ClassVar[str] = "follow a path with the robot"
-    slots: ClassVar[tuple[str, ...]] = ("control",)
-    given: ClassVar[str] = "pose"
     scores: ClassVar[tuple[Score, ...]] = (
         Score(
             name="error",
@@ -94,14 +86,6 @@ class Follow(Task):
         points = tuple(map(tuple, as_waypoints(self.waypoints).tolist()))
         object.__setattr__(self, "waypoints", points)
         check_inside("waypoints", points)
-        check_float("noise", self.noise, "%", minimum=0, maximum=100)
-        check_float("dropout", self.dropout, minimum=0, maximum=1)
-        check_float("mismatch", self.mismatch, minimum=0, maximum=0.3)
-
-    @property
-    def scenario(self) -> Scenario:
-        """The world of its runs: another start in each."""
-        return driving_world(noise=self.noise, dropout=self.dropout, mismatch=self.mismatch)
 
     @property
     def values(self) -> Mapping[str, Any]:
@@ -117,10 +101,6 @@ class Follow(Task):
     def goals(self) -> Floats:
         """The waypoints, (N, 2)."""
         return np.array(self.waypoints)
-
-    def broken_rule(self, trace: Trace) -> str | None:
-        """Return in which step a voltage was too large."""
-        return voltage_beyond_limit(trace)
 
     def score(self, trace: Trace) -> dict[str, float]:
         """Return error, time and waypoints left; a path that is not completed has neither of both.

@@ -12,7 +12,7 @@ from robsim._base.checks import Floats, check_float, check_int
 from robsim._core import DriveAround, RobotModel
 from robsim.identification import regression_of
 from robsim.simulation import ParameterMismatch, PoseNoise, Scenario
-from robsim.tasks._kinds.world import AREA, DT, RESOLUTION, camera_noise
+from robsim.tasks._kinds.world import DT, rms, rms_of_poses, small_world
 from robsim.tasks._score import Score
 from robsim.tasks._task import MOST_STEPS, Task
 from robsim.trace import Trace
@@ -100,18 +100,13 @@ class Identify(Task):
     @property
     def scenario(self) -> Scenario:
         """The world of its runs: another robot in each, which drives around, and slips."""
-        return Scenario(
-            robot="lab",
-            area=AREA,
-            resolution=RESOLUTION,
+        return small_world(
+            noise=self.noise,
             boundary="unlimited",
             headings=None,
-            start="random",
-            noise=camera_noise(self.noise),
             process_noise=PoseNoise.from_sigma(self.slip, self.slip, self.turn),
             mismatch=ParameterMismatch(self.mismatch),
             control=_EXCITATION,
-            measure=True,
             identify_from="measurement",
         )
 
@@ -131,18 +126,10 @@ class Identify(Task):
         phi = regression_of(trace, identify_from="truth").phi
         error = trace.parameters - np.asarray(trace.info.theta_true, dtype=np.float64)
         last, early = (_predicted(phi, error[k]) for k in (-1, round(_EARLY * len(trace))))
-        return {
-            "position": _rms(last[:, :2]),
-            "heading": float(np.rad2deg(_rms(last[:, 2:]))),
-            "early": _rms(early[:, :2]),
-        }
+        return {**rms_of_poses(last), "early": rms(early[:, :2])}
 
 
 def _predicted(phi: Floats, error: Floats) -> Floats:
     """Return the errors of predicted poses, (N, 3), that an error of the parameters makes."""
     # e = sum(phi (theta - theta_true))
     return np.asarray(np.sum(phi * error, axis=2))
-
-
-def _rms(rows: Floats) -> float:
-    return float(np.sqrt(np.mean((rows**2).sum(axis=1))))

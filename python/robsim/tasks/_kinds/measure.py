@@ -11,7 +11,7 @@ import numpy as np
 from robsim._base.checks import check_float
 from robsim._core import DriveAround
 from robsim.simulation import Scenario
-from robsim.tasks._kinds.world import AREA, DT, RESOLUTION, camera_noise, dropout_of
+from robsim.tasks._kinds.world import AREA, DT, rms_of_poses, small_world
 from robsim.tasks._score import Score
 from robsim.tasks._task import MASKED, Task
 from robsim.trace import Trace
@@ -81,16 +81,11 @@ class Measure(Task):
     @property
     def scenario(self) -> Scenario:
         """The world of its runs: a robot that drives around."""
-        return Scenario(
-            robot="lab",
-            area=AREA,
-            resolution=RESOLUTION,
+        return small_world(
+            noise=self.noise,
             headings=None,
-            start="random",
-            noise=camera_noise(self.noise),
-            dropout=dropout_of(self.dropout),
+            dropout=self.dropout,
             control=DriveAround(),
-            measure=True,
         )
 
     @property
@@ -110,14 +105,8 @@ class Measure(Task):
         check_trace(trace)
         trace.require("pose_true")
         is_good = trace.seen & ~trace.is_false
-        errors = trace.error[is_good]
         is_lost = trace.is_false | ~(trace.seen | trace.hidden.astype(bool))
         return {
-            "position": _rms(errors[:, :2]),
-            "heading": float(np.rad2deg(_rms(errors[:, 2:]))),
+            **rms_of_poses(trace.error[is_good]),
             "lost": 100 * float(np.mean(is_lost)),
         }
-
-
-def _rms(rows: np.ndarray[Any, np.dtype[np.float64]]) -> float:
-    return float(np.sqrt(np.mean((rows**2).sum(axis=1)))) if len(rows) else float("nan")

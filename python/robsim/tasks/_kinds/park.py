@@ -8,19 +8,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from robsim._base.checks import Floats, check_float
+from robsim._base.checks import Floats
 from robsim.control import score_pose
 from robsim.control._waypoints import as_pose
-from robsim.simulation import Scenario
-from robsim.tasks._kinds.world import (
-    DT,
-    MAXIMUM_VOLTAGE,
-    check_inside,
-    driving_world,
-    voltage_beyond_limit,
-)
+from robsim.tasks._kinds.driving import MAXIMUM_VOLTAGE, DrivingTask, check_inside
+from robsim.tasks._kinds.world import DT
 from robsim.tasks._score import Score
-from robsim.tasks._task import Task
 from robsim.trace import Trace
 from robsim.trace._trace import check_trace
 
@@ -29,7 +22,7 @@ _POSITION_TOLERANCE, _HEADING_TOLERANCE = 20.0, 0.15
 
 
 @dataclass(frozen=True, kw_only=True)
-class Park(Task):
+class Park(DrivingTask):
     """Drive to a pose, position and heading, and stay there.
 
     Parameters
@@ -53,8 +46,6 @@ class Park(Task):
 
     name: ClassVar[str] = "park"
     title: ClassVar[str] = "park the robot at a pose"
-    slots: ClassVar[tuple[str, ...]] = ("control",)
-    given: ClassVar[str] = "pose"
     scores: ClassVar[tuple[Score, ...]] = (
         Score(
             name="settling",
@@ -100,14 +91,6 @@ class Park(Task):
         super().__post_init__()
         object.__setattr__(self, "goal", tuple(as_pose(self.goal, "goal").tolist()))
         check_inside("goal", [self.goal[:2]])
-        check_float("noise", self.noise, "%", minimum=0, maximum=100)
-        check_float("dropout", self.dropout, minimum=0, maximum=1)
-        check_float("mismatch", self.mismatch, minimum=0, maximum=0.3)
-
-    @property
-    def scenario(self) -> Scenario:
-        """The world of its runs: another start in each."""
-        return driving_world(noise=self.noise, dropout=self.dropout, mismatch=self.mismatch)
 
     @property
     def values(self) -> Mapping[str, Any]:
@@ -124,10 +107,6 @@ class Park(Task):
     def goals(self) -> Floats:
         """The pose, (3,)."""
         return np.array(self.goal)
-
-    def broken_rule(self, trace: Trace) -> str | None:
-        """Return in which step a voltage was too large."""
-        return voltage_beyond_limit(trace)
 
     def score(self, trace: Trace) -> dict[str, float]:
         """Return settling time, errors at the end and overshoot."""

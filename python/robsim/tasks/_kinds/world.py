@@ -1,86 +1,52 @@
-"""What the worlds of the tasks have in common: small frames, noise, dropouts, disturbances."""
+"""What the worlds of the tasks have in common: small frames, noise, dropouts; and their errors."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
-from robsim._base.text import quoted
+from robsim._base.checks import Floats
 from robsim._core import RobotModel
 from robsim.imaging import GaussianNoise
-from robsim.simulation import Dropout, ParameterMismatch, Scenario, WheelNoise
-from robsim.trace import Trace
-from robsim.trace._trace import check_trace
+from robsim.simulation import Dropout, Scenario
 
 #: Work area and frame (px): a ninth of the pixels, so that many runs are quick.
 AREA, RESOLUTION = (1200, 1200), (400, 400)
 
-#: A smaller area, so that a robot comes to a goal within some 100 steps.
-DRIVING_AREA, DRIVING_RESOLUTION = (640, 640), (320, 320)
-
 #: Time of a step (s).
 DT = RobotModel().dt
-
-#: What a motor may get (V); without a limit larger voltages are faster, beyond any motor.
-MAXIMUM_VOLTAGE = 1.0
 
 #: How long the robot is hidden at a time (steps).
 _HIDDEN_STEPS = 3
 
-#: What disturbs the voltages of the motors in each step.
-_PROCESS_NOISE = WheelNoise(0.1)
 
-#: How near to a wall a robot does not come (px): its radius, and some room.
-_WALL = 80
-
-_ROUNDING = 1e-9  # V
-
-
-def camera_noise(percent: float) -> GaussianNoise | None:
-    return GaussianNoise(percent) if percent > 0 else None
-
-
-def dropout_of(probability: float) -> Dropout | None:
-    return Dropout(probability, steps=_HIDDEN_STEPS) if probability > 0 else None
-
-
-def driving_world(*, noise: float, dropout: float, mismatch: float) -> Scenario:
-    """Return a world in which a controller is given measured poses, and the model is not exact."""
+def small_world(
+    *,
+    noise: float,
+    dropout: float = 0.0,
+    area: tuple[int, int] = AREA,
+    resolution: tuple[int, int] = RESOLUTION,
+    **options: Any,
+) -> Scenario:
+    """Return a world in which vision measures the pose, with camera noise (%) and dropouts."""
     return Scenario(
         robot="lab",
-        area=DRIVING_AREA,
-        resolution=DRIVING_RESOLUTION,
-        headings=None,
+        area=area,
+        resolution=resolution,
         start="random",
-        noise=camera_noise(noise),
-        dropout=dropout_of(dropout),
-        process_noise=_PROCESS_NOISE,
-        mismatch=ParameterMismatch(mismatch) if mismatch > 0 else None,
+        noise=GaussianNoise(noise) if noise > 0 else None,
+        dropout=Dropout(dropout, steps=_HIDDEN_STEPS) if dropout > 0 else None,
         measure=True,
+        **options,
     )
 
 
-def check_inside(name: str, positions: Iterable[Sequence[float]]) -> None:
-    """Raise ValueError unless a robot can drive to all positions in `DRIVING_AREA`."""
-    for position in positions:
-        if any(
-            not _WALL <= x <= side - _WALL for x, side in zip(position, DRIVING_AREA, strict=True)
-        ):
-            raise ValueError(
-                f"{name} must be at least {_WALL} px from the walls of the area, "
-                f"{' x '.join(map(str, DRIVING_AREA))} px, got {quoted(tuple(position))}"
-            )
+def rms(rows: Floats) -> float:
+    """Return the rms length of rows; NaN if there are none."""
+    return float(np.sqrt(np.mean((rows**2).sum(axis=1)))) if len(rows) else float("nan")
 
 
-def voltage_beyond_limit(trace: Trace) -> str | None:
-    """Return a sentence on the first voltage above `MAXIMUM_VOLTAGE`; None = there is none."""
-    check_trace(trace)
-    largest = np.abs(trace.u).max(axis=1)
-    rows = np.flatnonzero(largest > MAXIMUM_VOLTAGE + _ROUNDING)
-    if not len(rows):
-        return None
-    return (
-        f"{largest[rows[0]]:.3g} V at step {trace.k[rows[0]]}: a motor must not get more than "
-        f"{MAXIMUM_VOLTAGE:g} V"
-    )
+def rms_of_poses(errors: Floats) -> dict[str, float]:
+    """Return the rms of errors of poses, (N, 3): of the position (px), of the heading (degrees)."""
+    return {"position": rms(errors[:, :2]), "heading": float(np.rad2deg(rms(errors[:, 2:])))}
