@@ -10,13 +10,13 @@ import numpy as np
 
 from robsim._base.checks import Floats, check_float, check_int, check_mm_per_px, check_size
 from robsim._base.text import listed, quoted
+from robsim.gui._tools.history import History
 from robsim.robots._polygon_checks import finite_array
 
 #: Points that a map needs.
 FEWEST = 4
 MOST = 200
 _LARGEST_NUMBER = 10**6
-_MOST_CHANGES = 500  # that can be undone
 _FARTHEST = 1e6  # mm, or px
 _APART = 0.5  # px in the picture, of two points
 
@@ -114,7 +114,7 @@ def _near(points: Sequence[PlacedPoint], at: Floats, limit: float) -> list[tuple
     return [(points[i].number, points[j].number) for i, j in pairs[:3]]
 
 
-class FloorPoints:
+class FloorPoints(History[FloorDraft]):
     """A floor while its points are placed.
 
     Parameters
@@ -123,10 +123,10 @@ class FloorPoints:
         What there is already.
     """
 
-    def __init__(self, draft: FloorDraft) -> None:
-        self.draft = draft
-        self._before: list[FloorDraft] = []
-        self._after: list[FloorDraft] = []
+    @property
+    def draft(self) -> FloorDraft:
+        """What there is now."""
+        return self._now
 
     # Points.
 
@@ -219,26 +219,6 @@ class FloorPoints:
             )
         self._change(**changes)
 
-    # What was done.
-
-    @property
-    def can_undo(self) -> bool:
-        return bool(self._before)
-
-    @property
-    def can_redo(self) -> bool:
-        return bool(self._after)
-
-    def undo(self) -> None:
-        if self._before:
-            self._after.append(self.draft)
-            self.draft = self._before.pop()
-
-    def redo(self) -> None:
-        if self._after:
-            self._before.append(self.draft)
-            self.draft = self._after.pop()
-
     def _replace(self, number: int, *, goes_on: bool = False, **changes: Any) -> None:
         old = self.point(number)
         new = replace(old, **changes)
@@ -246,10 +226,7 @@ class FloorPoints:
         self._change(goes_on=goes_on, points=points)
 
     def _change(self, *, goes_on: bool = False, **changes: Any) -> None:
-        if not (goes_on and self._before):
-            self._before = [*self._before[1 - _MOST_CHANGES :], self.draft]
-        self._after.clear()
-        self.draft = replace(self.draft, **changes)
+        self.go_to(replace(self.draft, **changes), goes_on=goes_on)
 
 
 def checked_pixel(value: Any) -> tuple[float, float]:

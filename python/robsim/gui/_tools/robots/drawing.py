@@ -11,6 +11,7 @@ import numpy as np
 from robsim._base.checks import Floats, check_float, check_int
 from robsim._base.geometry.polygons import area_and_centroid, mask
 from robsim._base.text import quoted
+from robsim.gui._tools.history import History
 from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition
 from robsim.robots._definition import DEFAULT_COLORS, from_colors, roles_by_color
@@ -20,7 +21,6 @@ from robsim.robots._polygon_checks import finite_array, polygon
 #: The part that is no marker.
 OUTLINE = "outline"
 _FEWEST, _MOST = 3, 200  # corners
-_MOST_CHANGES = 500  # that can be undone
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class Sketch:
         return f"{role} marker ({part})" if role else f"{part} marker"
 
 
-class RobotDrawing:
+class RobotDrawing(History[Sketch]):
     """A robot while it is drawn.
 
     Parameters
@@ -85,22 +85,10 @@ class RobotDrawing:
         What there is already.
     """
 
-    def __init__(self, sketch: Sketch) -> None:
-        self.sketch = sketch
-        self._before: list[Sketch] = []
-        self._after: list[Sketch] = []
-
-    def begin(self, sketch: Sketch) -> None:
-        """Draw on another one; there is nothing to be undone."""
-        self.sketch = sketch
-        self._before.clear()
-        self._after.clear()
-
-    def go_to(self, sketch: Sketch) -> None:
-        """Draw on as it was once; that can be undone."""
-        if sketch is not self.sketch:
-            self._remember()
-            self.sketch = sketch
+    @property
+    def sketch(self) -> Sketch:
+        """What there is now."""
+        return self._now
 
     # Corners.
 
@@ -172,26 +160,6 @@ class RobotDrawing:
         height, width = self.sketch.image.shape[:2]
         return np.array(((width - 1) / 2, (height - 1) / 2))
 
-    # What was done.
-
-    @property
-    def can_undo(self) -> bool:
-        return bool(self._before)
-
-    @property
-    def can_redo(self) -> bool:
-        return bool(self._after)
-
-    def undo(self) -> None:
-        if self._before:
-            self._after.append(self.sketch)
-            self.sketch = self._before.pop()
-
-    def redo(self) -> None:
-        if self._after:
-            self._before.append(self.sketch)
-            self.sketch = self._after.pop()
-
     # What it is.
 
     def problems(self) -> list[str]:
@@ -261,14 +229,7 @@ class RobotDrawing:
     def _index(self, part: str, corner: int) -> int:
         return check_int("corner", corner, minimum=0, maximum=len(self._polygon(part)) - 1)
 
-    def _remember(self) -> None:
-        self._before = [*self._before[1 - _MOST_CHANGES :], self.sketch]
-        self._after.clear()
-
     def _change(self, changes: dict[str, Any], *, goes_on: bool = False) -> None:
-        if not (goes_on and self._before):
-            self._remember()
-        self._after.clear()
         if "outline" in changes:
             changes["centre"] = None
-        self.sketch = replace(self.sketch, **changes)
+        self.go_to(replace(self.sketch, **changes), goes_on=goes_on)

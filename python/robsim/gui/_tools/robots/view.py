@@ -259,7 +259,8 @@ class RobotsView(ToolView):
         return self._has_pictures or self.is_replaced
 
     def _reset(self) -> None:
-        self.drawing.go_to(self._begun)
+        if self.drawing.sketch is not self._begun:
+            self.drawing.go_to(self._begun)
         self._show_drawing()
 
     def _draw_on(self, sketch: Sketch, name: str = _NAME) -> None:
