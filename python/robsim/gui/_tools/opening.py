@@ -25,6 +25,9 @@ from robsim.imaging._images import Pixels, check_pixels, decoded, image_suffixes
 from robsim.robots import RobotDefinition
 from robsim.simulation import Experiment, Simulation
 
+#: What a tool is opened on.
+Seen = Camera | Recording | Simulation | Experiment | Frame | Pixels
+
 _FLOOR = 150  # level of what lies below a robot's picture
 
 

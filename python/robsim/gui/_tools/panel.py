@@ -20,6 +20,10 @@ class ToolPanel(HostedPanel):
 
     _view: ToolView
 
+    def __init__(self, view: ToolView) -> None:
+        self._view = view
+        super().__init__()
+
     def load(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
         """Show a picture in place of those that are shown, as if it were dropped on the tool.
 
@@ -85,6 +89,9 @@ class ToolPanel(HostedPanel):
             raise ValueError("k must be of a recording, which is not what is shown")
         k = check_int("k", k, minimum=0, maximum=count - 1)
         self._view.ask(lambda: self._view.look_at(k))
+
+    def _change(self, change: Callable[[], T]) -> T:
+        return self._view.ask(lambda: self._view.change(change))
 
     def _look(self, function: Callable[[], T]) -> T:
         """Return what a function returns of what was made, once it is closed, too."""

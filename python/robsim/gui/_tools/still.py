@@ -15,6 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from robsim._core import Frame, reduced
 from robsim.gui._frames import small_png
+from robsim.gui._hosts.script import words
 
 Points = Sequence[Sequence[float]]
 
@@ -43,7 +44,7 @@ class Sheet:
     def text(
         self,
         at: tuple[float, float],
-        words: str,
+        line: str,
         *,
         ink: str = TEXT,
         size: float = 12,
@@ -53,24 +54,25 @@ class Sheet:
         """Write a line whose middle is at a height; return where it ends."""
         font = _font(kind, size)
         anchor = "rm" if right else "lm"
-        self._pen.text((_TIMES * at[0], _TIMES * at[1]), words, ink, font, anchor=anchor)
-        return at[0] + font.getlength(words) / _TIMES
+        self._pen.text((_TIMES * at[0], _TIMES * at[1]), line, ink, font, anchor=anchor)
+        return at[0] + font.getlength(line) / _TIMES
 
-    def paragraph(self, at: tuple[float, float], words: str, width: float, **look: Any) -> float:
+    def paragraph(self, at: tuple[float, float], text: str, width: float, **look: Any) -> float:
         """Write lines of up to a width; return the height of the next one."""
         x, y = at
-        for row in self.rows(words, width):
+        for row in self.rows(text, width):
             self.text((x, y), row, **look)
             y += 17
         return y
 
-    def length(self, words: str, kind: str = "regular", size: float = 12) -> float:
-        return _font(kind, size).getlength(words) / _TIMES
+    def length(self, line: str, kind: str = "regular", size: float = 12) -> float:
+        """Return how long a line is."""
+        return _font(kind, size).getlength(line) / _TIMES
 
-    def rows(self, words: str, width: float) -> list[str]:
+    def rows(self, text: str, width: float) -> list[str]:
         """Return a text in lines of up to a width."""
         letter = self.length("n")
-        return textwrap.wrap(words, max(8, int(width / letter)))
+        return textwrap.wrap(text, max(8, int(width / letter)))
 
     def box(
         self,
@@ -90,7 +92,15 @@ class Sheet:
         x, y = at
         self.box((x - radius, y - radius, x + radius, y + radius), fill=ink, radius=radius)
 
-    def paste(self, picture: Shown, left: int, top: int) -> None:
+    def title(self, kind: str, about: str) -> float:
+        """Write which tool it is, and of what; return where that ends."""
+        end = self.text((6, 16), words(f"tool_title.{kind}"), size=13, kind="bold")
+        return self.text((end + 10, 16), about, ink=QUIET)
+
+    def show(self, picture: Shown, width: int, height: int) -> None:
+        """Put a picture below the title, in the middle of a box."""
+        self.box((6, 34, 6 + width, 34 + height), line=LINE)
+        left, top = 6 + (width - picture.size[0]) // 2, 34 + (height - picture.size[1]) // 2
         self._image.paste(picture.image, (_TIMES * left, _TIMES * top))
 
     def png(self) -> bytes:

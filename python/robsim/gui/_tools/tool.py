@@ -26,6 +26,9 @@ from robsim.imaging._images import Pixels
 
 T = TypeVar("T")
 
+#: What messages of browsers do, by their types.
+Acts = Mapping[str, Callable[[dict[str, Any]], object]]
+
 _STILL_WIDTH = 480  # px, of what stays in a saved notebook
 _REST = 0.5  # s after a change, since whoever drags on and on is not to wait for pictures
 
@@ -79,10 +82,12 @@ class ToolView(View):
             "grant": self._grant,
             "size": self._size,
             "look": self._look_at,
-            "freeze": self._freeze,
+            "freeze": _in_place(lambda m: self.freeze(m["on"])),
             "upload": self._uploads.take,
             "give_up": self._give_up,
-            "back": in_place(lambda _: self.go_back()),
+            "back": _in_place(lambda _: self.go_back()),
+            **{name: _in_place(act) for name, act in self.acts().items()},
+            **{name: _in_place(self._changing(act)) for name, act in self.changes().items()},
         }
 
     def close(self, timeout: float = 5.0) -> bool:
@@ -96,8 +101,16 @@ class ToolView(View):
     # What a tool adds.
 
     @abstractmethod
+    def acts(self) -> Acts:
+        """Return what messages do, and tell what came of it."""
+
+    def changes(self) -> Acts:
+        """Return what messages change; what came of it is told by `change`."""
+        return {}
+
     def head(self, picture: Picture) -> tuple[dict[str, Any], list[bytes]]:
         """Return what is told with a picture, and its buffers."""
+        return {}, []
 
     @abstractmethod
     def state(self) -> dict[str, Any]:
@@ -132,6 +145,13 @@ class ToolView(View):
         """
         picture = OnePicture(over_floor(pixels), name)
         return lambda: self.replace(picture)
+
+    def change(self, change: Callable[[], T]) -> T:
+        """Do what changes it, tell what came of it, and return what it returns."""
+        try:
+            return change()
+        finally:
+            self.tell_state()
 
     # What is shown.
 
@@ -327,11 +347,8 @@ class ToolView(View):
         self._show()
         self.tell_state()
 
-    def _freeze(self, link: Link, message: dict[str, Any]) -> None:
-        try:
-            self.freeze(message["on"])
-        except ValueError as error:
-            raise Refused(str(error)) from None
+    def _changing(self, act: Callable[[dict[str, Any]], object]) -> Callable[[Any], object]:
+        return lambda message: self.change(lambda: act(message))
 
     def _give_up(self, link: Link, message: dict[str, Any]) -> None:
         self._uploads.drop(lambda one: one.link is link and one.key == message["key"])
@@ -361,7 +378,7 @@ def _keep(links: list[Link], picture: bytes | None) -> None:
             link.keep(picture)
 
 
-def in_place(act: Callable[[dict[str, Any]], object]) -> Callable[[Link, dict[str, Any]], None]:
+def _in_place(act: Callable[[dict[str, Any]], object]) -> Callable[[Link, dict[str, Any]], None]:
     """Return a handler; what is wrong is told to the browser that asked for it."""
 
     def handle(link: Link, message: dict[str, Any]) -> None:

@@ -8,20 +8,14 @@ from pathlib import Path
 
 from robsim._base.files import as_path
 from robsim._base.text import quoted
-from robsim._core import ColorClass, Frame
-from robsim.capture import Camera
+from robsim._core import ColorClass
 from robsim.gui._tools.colors.training import Region
 from robsim.gui._tools.colors.view import ColorsView
-from robsim.gui._tools.opening import pictures_of
+from robsim.gui._tools.opening import Seen, pictures_of
 from robsim.gui._tools.panel import ToolPanel
-from robsim.imaging import Recording
-from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
-from robsim.simulation import Experiment, Simulation
 from robsim.simulation._options import colors_value
-
-Seen = Camera | Recording | Simulation | Experiment | Frame | Pixels
 
 
 def color_panel(
@@ -93,10 +87,6 @@ class ColorPanel(ToolPanel):
     _maker = "robsim.gui.color_panel"
     _view: ColorsView
 
-    def __init__(self, view: ColorsView) -> None:
-        self._view = view
-        super().__init__()
-
     @property
     def value(self) -> tuple[ColorClass, ...]:
         """The classes as they are now, in the order of the file. They can be set."""
@@ -107,7 +97,7 @@ class ColorPanel(ToolPanel):
         if colors is None:
             raise TypeError("value must be ColorClass objects, got None")
         known = colors_value(colors, None)
-        self._view.ask(lambda: self._view.change(lambda: self._view.training.replace(known)))
+        self._change(lambda: self._view.training.replace(known))
 
     def train(self, name: str, region: Region, *, more: bool = False) -> ColorClass:
         """Make a class from a region of the picture that is shown.

@@ -12,15 +12,7 @@ from robsim._core import ColorClass, Frame, MarkerLayout, color_histograms
 from robsim.gui._hosts.script import words
 from robsim.gui._tools.colors.found import found_in, painted
 from robsim.gui._tools.pictures import Picture
-from robsim.gui._tools.still import (
-    ACCENT,
-    CHOSEN,
-    LINE,
-    QUIET,
-    WARNING,
-    Sheet,
-    Shown,
-)
+from robsim.gui._tools.still import ACCENT, CHOSEN, LINE, QUIET, WARNING, Sheet, Shown
 
 _WIDTH, _HEIGHT = 1000, 500
 _SIDE = 455  # of the picture
@@ -56,8 +48,7 @@ def colors_still(
     """
     sheet = Sheet(_WIDTH, _HEIGHT)
     frame = None if picture is None else picture.frame
-    end = sheet.text((6, 16), words("tool_title.colors"), size=13, kind="bold")
-    end = sheet.text((end + 10, 16), title, ink=QUIET)
+    end = sheet.title("colors", title)
     if state["frozen"]:
         sheet.text((end + 10, 16), words("freeze"), ink=ACCENT)
     shown = Shown(frame, _SIDE)
@@ -66,9 +57,7 @@ def colors_still(
         verdict = _draw_test(shown, frame, state, colors, markers)
     if state["region"]:
         shown.rectangle(state["region"], _REGION)
-    sheet.box((6, 34, 6 + _SIDE, 34 + _SIDE), line=LINE)
-    left, top = ((_SIDE - size) // 2 for size in shown.size)
-    sheet.paste(shown, 6 + left, 34 + top)
+    sheet.show(shown, _SIDE, _SIDE)
     if verdict is not None:
         _write_verdict(sheet, *verdict)
     _write_classes(sheet, state)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
@@ -20,7 +20,7 @@ from robsim.gui._tools.colors.found import found_in, painted
 from robsim.gui._tools.colors.messages import MESSAGES
 from robsim.gui._tools.colors.training import OPTIONS, ColorTraining, Region, ranges_of
 from robsim.gui._tools.pictures import Picture, Pictures
-from robsim.gui._tools.tool import ToolView, in_place
+from robsim.gui._tools.tool import Acts, T, ToolView
 from robsim.robots import RobotDefinition
 from robsim.vision import ColorScore, colors_to_toml, save_colors, score_color
 from robsim.vision._color_files import colors_of_text
@@ -60,18 +60,19 @@ class ColorsView(ToolView):
         self._beside = Beside(self, "robsim colour score")
         super().__init__(source)
 
-    def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
-        acts: dict[str, Callable[[dict[str, Any]], object]] = {
+    def acts(self) -> Acts:
+        return {
             "choose": lambda message: self.choose(message["name"]),
             "region": lambda message: self._train(tuple(message["region"]), message["keep"]),
             "ranges": lambda message: self._set_ranges(message["ranges"]),
             "set": lambda message: self._set(message["name"], message["value"]),
             "thresholds": lambda message: self._take_text(message["text"]),
-            "remove": lambda _: self.change(lambda: self.training.remove(self._chosen)),
             "score": lambda _: self._score(),
             "save": lambda message: self._save(message["file"]),
         }
-        return {**super().handlers(), **{name: in_place(act) for name, act in acts.items()}}
+
+    def changes(self) -> Acts:
+        return {"remove": lambda _: self.training.remove(self._chosen)}
 
     def tell(self, link: Link) -> None:
         super().tell(link)
@@ -147,13 +148,10 @@ class ColorsView(ToolView):
         known = self.training.classes.get(name)
         return self._train(region, len(known.samples) if known and more else 0)
 
-    def change(self, change: Callable[[], object]) -> None:
-        """Do what changes the classes, and tell what came of it."""
-        try:
-            change()
-        finally:
-            self.tell_state()
+    def change(self, change: Callable[[], T]) -> T:
+        done = super().change(change)
         self.show_again()
+        return done
 
     def save(self, path: str | PathLike[str] | None = None) -> Path:
         """Write the classes into a file, which is the panel's from now on."""

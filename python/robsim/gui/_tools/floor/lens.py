@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from robsim.calibration._lens import FEWEST, View, lens_of_views, why_missing
 from robsim.calibration._taking import BoardTaker, empty_parts, is_resized, resized
 from robsim.gui._beside import Beside
 from robsim.gui._tools.pictures import Picture, Pictures
+from robsim.gui._tools.tool import Acts
 from robsim.imaging._frames import frame_size
 from robsim.imaging._opencv import load_opencv
 
@@ -75,7 +75,7 @@ class LensPictures:
         self._finding = Beside(view, "robsim board")
         self._fitting = Beside(view, "robsim lens")
 
-    def acts(self) -> dict[str, Callable[[dict[str, Any]], object]]:
+    def acts(self) -> Acts:
         """Return what is done with messages."""
         return {
             "board": lambda m: self.choose(m["pattern"], m["columns"], m["rows"], m["square"]),

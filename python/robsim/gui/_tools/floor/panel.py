@@ -12,22 +12,16 @@ from numpy.typing import ArrayLike
 from robsim._base.checks import check_float
 from robsim._base.files import as_path
 from robsim._base.text import quoted
-from robsim._core import Frame
 from robsim.calibration import Charuco, Chessboard, FloorCalibration, LensCalibration
 from robsim.calibration._floor import checked_places
-from robsim.capture import Camera
 from robsim.gui._tools.floor.example import TITLE, tiled_floor
 from robsim.gui._tools.floor.points import FloorDraft
 from robsim.gui._tools.floor.view import FloorView
-from robsim.gui._tools.opening import pictures_of
+from robsim.gui._tools.opening import Seen, pictures_of
 from robsim.gui._tools.panel import ToolPanel
 from robsim.gui._tools.pictures import OnePicture
-from robsim.imaging import Calibration, Recording, load_calibration
-from robsim.imaging._images import Pixels
+from robsim.imaging import Calibration, load_calibration
 from robsim.robots import load_robot
-from robsim.simulation import Experiment, Simulation
-
-Seen = Camera | Recording | Simulation | Experiment | Frame | Pixels
 
 _FILE, _EXAMPLE_FILE = "camera.toml", "example.toml"
 _DRAFT = FloorDraft(area=(1200, 1200), mm_per_px=2.0)
@@ -116,10 +110,6 @@ class FloorPanel(ToolPanel):
     _maker = "robsim.gui.floor_panel"
     _view: FloorView
 
-    def __init__(self, view: FloorView) -> None:
-        self._view = view
-        super().__init__()
-
     @property
     def value(self) -> Calibration:
         """The calibration as it is now; a ValueError says what is missing. It can be set.
@@ -138,7 +128,7 @@ class FloorPanel(ToolPanel):
             self._view.use("points")
             self._view.take(calibration)
 
-        self._view.ask(lambda: self._view.change(take))
+        self._change(take)
 
     @property
     def report(self) -> FloorCalibration:
@@ -178,7 +168,7 @@ class FloorPanel(ToolPanel):
             If an argument has the wrong type; nothing is changed then.
         """
         reach = check_float("reach", reach, "px", minimum=0)
-        return int(self._do(lambda: self._view.add(pixel, position, reach)))
+        return self._change(lambda: self._view.add(pixel, position, reach))
 
     def put(self, pixels: ArrayLike, positions: ArrayLike) -> None:
         """Place points in place of all that there are.
@@ -200,7 +190,7 @@ class FloorPanel(ToolPanel):
             self._view.points.put(pixels, positions)
             self._view.use("points")
 
-        self._do(put)
+        self._change(put)
 
     def move(self, point: int, pixel: tuple[float, float]) -> None:
         """Move a point.
@@ -217,7 +207,7 @@ class FloorPanel(ToolPanel):
         TypeError, ValueError
             If there is no such point, or an argument has the wrong type.
         """
-        self._do(lambda: self._view.points.move(point, pixel))
+        self._change(lambda: self._view.points.move(point, pixel))
 
     def snap(self, point: int, *, reach: float = 12.0) -> None:
         """Move a point to the nearest corner, such as of a tile, or dot.
@@ -234,7 +224,7 @@ class FloorPanel(ToolPanel):
         TypeError, ValueError
             If there is no such point, or no corner.
         """
-        self._do(lambda: self._view.snap(point, reach))
+        self._change(lambda: self._view.snap(point, reach))
 
     def place(self, point: int, position: tuple[float, float] | None) -> None:
         """Say where a point is on the floor.
@@ -251,7 +241,7 @@ class FloorPanel(ToolPanel):
         TypeError, ValueError
             If there is no such point, or an argument has the wrong type.
         """
-        self._do(lambda: self._view.points.place(point, position))
+        self._change(lambda: self._view.points.place(point, position))
 
     def remove(self, point: int) -> None:
         """Remove a point.
@@ -266,11 +256,11 @@ class FloorPanel(ToolPanel):
         TypeError, ValueError
             If there is no such point.
         """
-        self._do(lambda: self._view.points.remove(point))
+        self._change(lambda: self._view.points.remove(point))
 
     def clear(self) -> None:
         """Remove all points."""
-        self._do(self._view.points.clear)
+        self._change(self._view.points.clear)
 
     def fill(self, step: float) -> int:
         """Add the corners that the picture has where those of a regular grid are expected.
@@ -290,7 +280,7 @@ class FloorPanel(ToolPanel):
         TypeError, ValueError
             If there are too few points yet to tell where they are expected, or none was found.
         """
-        return int(self._do(lambda: self._view.fill(step)))
+        return self._change(lambda: self._view.fill(step))
 
     def adjust(
         self,
@@ -315,16 +305,16 @@ class FloorPanel(ToolPanel):
         TypeError, ValueError
             If an argument has the wrong type, or is out of range.
         """
-        points = self._view.points
-        self._do(lambda: points.adjust(area=area, mm_per_px=mm_per_px, marker_height=marker_height))
+        adjust = self._view.points.adjust
+        self._change(lambda: adjust(area=area, mm_per_px=mm_per_px, marker_height=marker_height))
 
     def undo(self) -> None:
         """Undo the last change of the points or the work area; nothing if there is none."""
-        self._do(self._view.points.undo)
+        self._change(self._view.points.undo)
 
     def redo(self) -> None:
         """Do again what was undone last; nothing if there is nothing."""
-        self._do(self._view.points.redo)
+        self._change(self._view.points.redo)
 
     # Sheets.
 
@@ -368,8 +358,7 @@ class FloorPanel(ToolPanel):
                 sheets.place(number, x, y)
             return self._view.fit_report()
 
-        found: FloorCalibration = self._do(find)
-        return found
+        return self._change(find)
 
     # The lens.
 
@@ -472,6 +461,3 @@ class FloorPanel(ToolPanel):
     def __repr__(self) -> str:
         count = len(self._view.points.draft.points)
         return f"<robsim.gui.FloorPanel: {count} points>"
-
-    def _do(self, change: Any) -> Any:
-        return self._view.ask(lambda: self._view.change(change))

@@ -9,7 +9,7 @@ from robsim._core import Frame
 from robsim.calibration import draw_grid
 from robsim.gui._hosts.script import words
 from robsim.gui._tools.pictures import Picture
-from robsim.gui._tools.still import LINE, QUIET, TEXT, WARNING, Sheet, Shown
+from robsim.gui._tools.still import QUIET, TEXT, WARNING, Sheet, Shown
 from robsim.imaging import Calibration
 
 _WIDTH, _HEIGHT = 900, 500
@@ -40,8 +40,7 @@ def floor_still(
         That of the grid.
     """
     sheet = Sheet(_WIDTH, _HEIGHT)
-    end = sheet.text((6, 16), words("tool_title.floor"), size=13, kind="bold")
-    sheet.text((end + 10, 16), title, ink=QUIET)
+    sheet.title("floor", title)
     shown = Shown(_with_grid(picture, state, calibration), _SIDE)
     fit = state["fit"]
     wrong = _wrong_of(fit)
@@ -49,8 +48,7 @@ def floor_still(
         shown.line([one["at"], one["to"]], _WRONG, 2)
     for point in state["points"]:
         shown.dot(point["at"], _WRONG if str(point["number"]) == wrong else _POINT)
-    sheet.box((6, 34, 6 + shown.size[0], 34 + shown.size[1]), line=LINE)
-    sheet.paste(shown, 6, 34)
+    sheet.show(shown, *shown.size)
     _write(sheet, state, wrong)
     return sheet.png()
 

@@ -24,8 +24,8 @@ from robsim.gui._tools.floor.lens import LensPictures
 from robsim.gui._tools.floor.messages import MESSAGES
 from robsim.gui._tools.floor.points import MOST, FloorDraft, FloorPoints, checked_pixel
 from robsim.gui._tools.floor.sheets import FloorSheets, FoundSheets
-from robsim.gui._tools.pictures import Picture, Pictures
-from robsim.gui._tools.tool import ToolView, in_place
+from robsim.gui._tools.pictures import Pictures
+from robsim.gui._tools.tool import Acts, T, ToolView
 from robsim.imaging import Calibration, load_calibration, save_calibration
 from robsim.imaging._frames import frame_size
 
@@ -83,8 +83,11 @@ class FloorView(ToolView):
         super().__init__(source)
 
     def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
+        return {**super().handlers(), "magnify": self._magnify}
+
+    def changes(self) -> Acts:
         points = self.points
-        changes: dict[str, Callable[[dict[str, Any]], object]] = {
+        return {
             "add": lambda m: self._add(m["at"], m["reach"]),
             "move": lambda m: points.move(m["point"], m["at"], goes_on=m["goes_on"]),
             "nudge": lambda m: points.nudge(m["point"], m["by"], goes_on=m["goes_on"]),
@@ -100,16 +103,15 @@ class FloorView(ToolView):
             "undo": lambda _: points.undo(),
             "redo": lambda _: points.redo(),
         }
-        acts: dict[str, Callable[[dict[str, Any]], object]] = {
+
+    def acts(self) -> Acts:
+        return {
             **self.lens.acts(),
             "sheets": lambda _: self._find_sheets(),
             "load": lambda m: self.load(m["file"]),
             "forget": lambda _: self.take(None),
             "save": lambda m: self._save(m["file"]),
         }
-        handlers = {name: in_place(act) for name, act in acts.items()}
-        handlers |= {name: in_place(self._changing(act)) for name, act in changes.items()}
-        return {**super().handlers(), **handlers, "magnify": self._magnify}
 
     def look(self, now: float) -> float:
         self._fit_soon()
@@ -118,9 +120,6 @@ class FloorView(ToolView):
     def tell(self, link: Link) -> None:
         super().tell(link)
         link.send(self.lens.message())
-
-    def head(self, picture: Picture) -> tuple[dict[str, Any], list[bytes]]:
-        return {}, []
 
     def state(self) -> dict[str, Any]:
         draft = self.points.draft
@@ -174,8 +173,7 @@ class FloorView(ToolView):
 
     # What changes it; TypeError, ValueError or OSError: nothing was changed.
 
-    def change(self, change: Callable[[], Any]) -> Any:
-        """Do what changes it, tell what came of it, and return what it returns."""
+    def change(self, change: Callable[[], T]) -> T:
         try:
             return change()
         finally:
@@ -386,9 +384,6 @@ class FloorView(ToolView):
         self._fit_report = None if isinstance(found, str) else found
 
     # Messages.
-
-    def _changing(self, act: Callable[[dict[str, Any]], object]) -> Callable[[Any], object]:
-        return lambda message: self.change(lambda: act(message))
 
     def _add(self, at: tuple[float, float], reach: float) -> None:
         if self.picture is None:

@@ -9,18 +9,13 @@ from numpy.typing import ArrayLike
 
 from robsim._base.checks import check_bool
 from robsim._core import ColorClass, Frame
-from robsim.capture import Camera
-from robsim.gui._tools.opening import pictures_of
+from robsim.gui._tools.opening import Seen, pictures_of
 from robsim.gui._tools.panel import ToolPanel
 from robsim.gui._tools.robots.view import RobotsView
-from robsim.imaging import Recording
 from robsim.imaging._images import Pixels
 from robsim.robots import RobotDefinition
 from robsim.robots._lookup import as_robot
-from robsim.simulation import Experiment, Simulation
 from robsim.simulation._options import colors_value
-
-Seen = Camera | Recording | Simulation | Experiment | Frame | Pixels
 
 
 def robot_panel(
@@ -77,10 +72,6 @@ class RobotPanel(ToolPanel):
 
     _maker = "robsim.gui.robot_panel"
     _view: RobotsView
-
-    def __init__(self, view: RobotsView) -> None:
-        self._view = view
-        super().__init__()
 
     @property
     def value(self) -> RobotDefinition:
@@ -149,8 +140,7 @@ class RobotPanel(ToolPanel):
         TypeError, ValueError
             If an argument has the wrong type or shape; nothing is changed then.
         """
-        view = self._view
-        view.ask(lambda: view.change(lambda: view.drawing.put(part, polygon)))
+        self._change(lambda: self._view.drawing.put(part, polygon))
 
     def turn(self, degrees: float) -> None:
         """Turn the picture against the heading.
@@ -165,12 +155,11 @@ class RobotPanel(ToolPanel):
         TypeError, ValueError
             If it is no number.
         """
-        view = self._view
-        view.ask(lambda: view.change(lambda: view.drawing.turn(degrees)))
+        self._change(lambda: self._view.drawing.turn(degrees))
 
     def undo(self) -> None:
         """Undo the last change; nothing if there is none."""
-        self._view.ask(lambda: self._view.change(self._view.drawing.undo))
+        self._change(self._view.drawing.undo)
 
     def save(self, name: str, *, overwrite: bool = False) -> RobotDefinition:
         """Add the robot to your own, where it survives a restart.

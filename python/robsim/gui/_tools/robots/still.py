@@ -9,16 +9,7 @@ from typing import Any
 from robsim.gui._hosts.script import words
 from robsim.gui._tools.pictures import Picture
 from robsim.gui._tools.robots.drawing import OUTLINE
-from robsim.gui._tools.still import (
-    ACCENT,
-    CHOSEN,
-    LINE,
-    QUIET,
-    TEXT,
-    WARNING,
-    Sheet,
-    Shown,
-)
+from robsim.gui._tools.still import ACCENT, CHOSEN, LINE, QUIET, TEXT, WARNING, Sheet, Shown
 
 _WIDTH, _HEIGHT = 800, 500
 _SIDE = 455  # of the picture
@@ -41,8 +32,7 @@ def robots_still(picture: Picture | None, title: str, state: Mapping[str, Any]) 
     """
     sheet = Sheet(_WIDTH, _HEIGHT)
     draws = state["mode"] == "draw"
-    end = sheet.text((6, 16), words("tool_title.robots"), size=13, kind="bold")
-    sheet.text((end + 10, 16), state["name"] if draws else title, ink=QUIET)
+    sheet.title("robots", state["name"] if draws else title)
     shown = Shown(None if picture is None else picture.frame, _SIDE)
     if draws:
         _draw_parts(shown, state)
@@ -50,9 +40,7 @@ def robots_still(picture: Picture | None, title: str, state: Mapping[str, Any]) 
         u, v, side = state["square"]
         half = side / 2 - 0.5
         shown.rectangle((u - half, v - half, u + half, v + half), _SQUARE, 2)
-    sheet.box((6, 34, 6 + _SIDE, 34 + _SIDE), line=LINE)
-    left, top = ((_SIDE - size) // 2 for size in shown.size)
-    sheet.paste(shown, 6 + left, 34 + top)
+    sheet.show(shown, _SIDE, _SIDE)
     _write(sheet, state)
     return sheet.png()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import PurePath
@@ -13,7 +13,6 @@ from robsim._base.checks import check_float
 from robsim._base.text import quoted
 from robsim._core import ColorClass
 from robsim.gui._css_colors import css_color
-from robsim.gui._link import Link
 from robsim.gui._messages import Messages
 from robsim.gui._tools.opening import over_floor
 from robsim.gui._tools.pictures import OnePicture, Picture, Pictures
@@ -26,7 +25,7 @@ from robsim.gui._tools.robots.sketches import (
     sketch_of,
     sketch_of_picture,
 )
-from robsim.gui._tools.tool import ToolView, in_place
+from robsim.gui._tools.tool import Acts, ToolView
 from robsim.imaging._images import Pixels
 from robsim.robots import (
     RobotDefinition,
@@ -87,9 +86,9 @@ class RobotsView(ToolView):
         if self.is_frozen:
             self.post(self._show_drawing)
 
-    def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
+    def changes(self) -> Acts:
         drawing = self.drawing
-        changes: dict[str, Callable[[dict[str, Any]], object]] = {
+        return {
             "move": lambda m: drawing.move(self._part, m["corner"], m["at"], goes_on=m["goes_on"]),
             "insert": lambda m: drawing.insert(self._part, m["corner"], m["at"]),
             "cut": lambda m: drawing.remove(self._part, m["corner"]),
@@ -102,7 +101,9 @@ class RobotsView(ToolView):
             "undo": lambda _: drawing.undo(),
             "redo": lambda _: drawing.redo(),
         }
-        acts: dict[str, Callable[[dict[str, Any]], object]] = {
+
+    def acts(self) -> Acts:
+        return {
             "load": lambda m: self.load(_listed(m["name"])),
             "square": lambda m: self._put_square(m["at"], m["side"]),
             "capture": lambda _: self.capture(),
@@ -113,12 +114,6 @@ class RobotsView(ToolView):
             "part": lambda m: self._choose(m["name"]),
             "save": lambda m: self._save(m["name"], m["overwrite"]),
         }
-        handlers = {name: in_place(act) for name, act in acts.items()}
-        handlers |= {name: in_place(self._changing(act)) for name, act in changes.items()}
-        return {**super().handlers(), **handlers}
-
-    def head(self, picture: Picture) -> tuple[dict[str, Any], list[bytes]]:
-        return {}, []
 
     def state(self) -> dict[str, Any]:
         sketch = self.drawing.sketch
@@ -159,12 +154,6 @@ class RobotsView(ToolView):
             self._square = (width / 2, height / 2, _SQUARE * min(width, height))
 
     # What changes it; TypeError, ValueError or OSError: nothing was changed.
-
-    def change(self, change: Callable[[], object]) -> None:
-        try:
-            change()
-        finally:
-            self.tell_state()
 
     def load(self, robot: RobotDefinition) -> None:
         """Draw on a robot that there is."""
@@ -269,9 +258,6 @@ class RobotsView(ToolView):
         self.name, self._of = _free_name(name), None
         self._part = OUTLINE
         self._show_drawing()
-
-    def _changing(self, act: Callable[[dict[str, Any]], object]) -> Callable[[Any], object]:
-        return lambda message: self.change(lambda: act(message))
 
     def _choose(self, part: str) -> None:
         self._part = self.drawing.checked(part)
