@@ -11,6 +11,7 @@ import typer
 from robsim._base.checks import check_choice, check_float
 from robsim.cli import errors
 from robsim.cli.text import about, number, parse_points, whole_number
+from robsim.control._by_name import NAMES, POINTS
 
 if TYPE_CHECKING:
     from robsim._core import PlaneMap
@@ -18,6 +19,15 @@ if TYPE_CHECKING:
 #: A switch has no value: in place of its type, --help shows nothing.
 SWITCH = ""
 
+# The names are written out where --help must show points, too.
+_CONTROLS = ", ".join(
+    f"{name}:X,Y" if POINTS.get(name) else f"{name}:'X,Y X,Y ...'" if name in POINTS else name
+    for name in NAMES
+)
+
+Callbacks = Annotated[
+    Path | None, typer.Argument(metavar="FOLDER", help="Folder with your callbacks.")
+]
 Robot = Annotated[
     str | None,
     typer.Option(
@@ -68,6 +78,31 @@ CalibrationFile = Annotated[
         help="Calibration of the camera, of robsim calibrate: it tells where pixels lie.",
     ),
 ]
+ScenarioFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--scenario",
+        metavar="FILE",
+        help="TOML file of a scenario, as Scenario.save writes it; other options change it.",
+    ),
+]
+Control = Annotated[
+    str | None,
+    typer.Option(
+        "--control",
+        metavar="NAME[:POINTS]",
+        help="A built-in controller in place of the folder's: "
+        f"{_CONTROLS}. Points are in px; with them the pose is measured.",
+    ),
+]
+HowHidden = Annotated[
+    str | None,
+    typer.Option(
+        "--dropout",
+        metavar="PROBABILITY[:STEPS]",
+        help="Probability that the robot is hidden, such as 0.2; 0.2:5 = 5 steps at a time.",
+    ),
+]
 Unit = Annotated[
     str,
     typer.Option(
@@ -112,6 +147,9 @@ CallLimit = Annotated[
         help="Maximum duration of a call of one of your callbacks. Default: none.",
     ),
 ]
+Jobs = Annotated[
+    int, typer.Option("--jobs", parser=whole_number, metavar="N", help="Number of processes.")
+]
 Out = Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")]
 Json = Annotated[
     bool, typer.Option("--json", metavar=SWITCH, help="Print only the numbers, as JSON.")
@@ -142,6 +180,13 @@ def check_unit(
                 f"--unit {unit} needs --scale MM, how long a px of the work area is on the floor, "
                 f"in mm{other}"
             )
+
+
+def engine_of(jobs: int) -> int | None:
+    """Return the executor of a number of processes."""
+    if jobs < 1:
+        raise ValueError(f"--jobs must be at least 1, got {jobs}")
+    return jobs if jobs > 1 else None
 
 
 def earlier_run(out: Path) -> str | None:

@@ -7,25 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from robsim.cli import errors
+from robsim.cli import errors, shared
 from robsim.cli.outcome import finish, write_with_progress
-from robsim.cli.shared import (
-    SWITCH,
-    Area,
-    CalibrationFile,
-    Colors,
-    Json,
-    Out,
-    Pixels,
-    Positions,
-    Robot,
-    Scale,
-    Smoothing,
-    Unit,
-    check_unit,
-    earlier_run,
-    parse_plane_map,
-)
 from robsim.cli.text import number, parse_size
 
 if TYPE_CHECKING:
@@ -45,13 +28,13 @@ def track(
     source: Annotated[
         Path, typer.Argument(metavar="SOURCE", help="Video file, or folder of images.")
     ],
-    robot: Robot = None,
-    colors: Colors = None,
-    smoothing: Smoothing = None,
-    area: Area = None,
-    pixels: Pixels = None,
-    positions: Positions = None,
-    calibration: CalibrationFile = None,
+    robot: shared.Robot = None,
+    colors: shared.Colors = None,
+    smoothing: shared.Smoothing = None,
+    area: shared.Area = None,
+    pixels: shared.Pixels = None,
+    positions: shared.Positions = None,
+    calibration: shared.CalibrationFile = None,
     dt: Annotated[
         float | None,
         typer.Option(
@@ -61,13 +44,14 @@ def track(
             help="Time between two frames in s. Default: from the video; 0.2 for images.",
         ),
     ] = None,
-    out: Out = Path("robsim-track"),
+    out: shared.Out = Path("robsim-track"),
     video: Annotated[
-        bool, typer.Option(metavar=SWITCH, help="Write the annotated video, tracked.mp4, too.")
+        bool,
+        typer.Option(metavar=shared.SWITCH, help="Write the annotated video, tracked.mp4, too."),
     ] = True,
-    unit: Unit = "px",
-    scale: Scale = None,
-    as_json: Json = False,
+    unit: shared.Unit = "px",
+    scale: shared.Scale = None,
+    as_json: shared.Json = False,
 ) -> None:
     """Track the robot in a video file or a folder of images."""
     from robsim.cli.results import check_folder
@@ -76,10 +60,10 @@ def track(
 
     with errors.report_errors():
         check_folder(out)
-        check_unit(unit, scale, calibration)
+        shared.check_unit(unit, scale, calibration)
         if out.resolve() == source.resolve() or (out / VIDEO).resolve() == source.resolve():
             raise ValueError(f"--out {out} would overwrite {source}: give another folder")
-        plane_map = parse_plane_map(pixels, positions)
+        plane_map = shared.parse_plane_map(pixels, positions)
         recording = Recording(
             source,
             plane_map=plane_map,
@@ -88,7 +72,7 @@ def track(
             calibration=calibration,
         )
         experiment = Experiment(recording, robot=robot, colors=colors, smoothing=smoothing)
-        remark = earlier_run(out)
+        remark = shared.earlier_run(out)
     failure = None
     try:
         experiment.run(progress=True)

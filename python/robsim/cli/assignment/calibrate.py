@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from robsim.cli import errors
-from robsim.cli.assignment.options import Folder, Jobs, engine_of, report_errors
+from robsim.cli.assignment.options import Folder, report_errors
+from robsim.cli.shared import Jobs, engine_of
 from robsim.cli.text import number
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import typer
 
 from robsim.cli import errors
-from robsim.cli.assignment.options import Folder, Jobs, engine_of, report_errors
-from robsim.cli.shared import Json
+from robsim.cli.assignment.options import Folder, report_errors
+from robsim.cli.shared import Jobs, Json, engine_of
 
 EXAMPLE = "Example: robsim assignment check hw1"
 HELP = (

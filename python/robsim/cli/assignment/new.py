@@ -9,8 +9,8 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.assignment.calibrate import calibrate_and_print
-from robsim.cli.assignment.options import Jobs, report_errors
-from robsim.cli.shared import SWITCH
+from robsim.cli.assignment.options import report_errors
+from robsim.cli.shared import SWITCH, Jobs
 from robsim.cli.text import whole_number
 
 EXAMPLE = "Example: robsim assignment new park hw1"

@@ -12,7 +12,7 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.grading.isolation import NOT_STRICT, print_isolation
-from robsim.cli.shared import SWITCH, Json
+from robsim.cli.shared import SWITCH, Jobs, Json, Out
 from robsim.cli.text import whole_number
 
 if TYPE_CHECKING:
@@ -55,10 +55,7 @@ def grade(
         list[str] | None,
         typer.Option("--only", metavar="TEST", help="Run only this test; may be given twice."),
     ] = None,
-    jobs: Annotated[
-        int,
-        typer.Option("--jobs", parser=whole_number, metavar="N", help="Number of processes."),
-    ] = 1,
+    jobs: Jobs = 1,
     isolation: Annotated[
         str | None,
         typer.Option(
@@ -69,9 +66,7 @@ def grade(
             "Default: as the assignment says.",
         ),
     ] = None,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
-    ] = Path("graded"),
+    out: Out = Path("graded"),
     student: Annotated[
         str | None,
         typer.Option(

@@ -10,26 +10,8 @@ from typing import Annotated
 
 import typer
 
-from robsim.cli import errors
+from robsim.cli import errors, shared
 from robsim.cli.outcome import finish
-from robsim.cli.shared import (
-    SWITCH,
-    Area,
-    CalibrationFile,
-    CallLimit,
-    Colors,
-    Json,
-    Out,
-    Pixels,
-    Positions,
-    Robot,
-    Scale,
-    Smoothing,
-    Unit,
-    check_unit,
-    earlier_run,
-    parse_plane_map,
-)
 from robsim.cli.text import about, number, parse_control, parse_size, whole_number
 
 # What a robot of unknown strength may be driven with.
@@ -46,9 +28,7 @@ HELP = (
 
 
 def live(
-    folder: Annotated[
-        Path | None, typer.Argument(metavar="FOLDER", help="Folder with your callbacks.")
-    ] = None,
+    folder: shared.Callbacks = None,
     camera: Annotated[
         str | None,
         typer.Option(
@@ -73,7 +53,7 @@ def live(
         bool,
         typer.Option(
             "--check",
-            metavar=SWITCH,
+            metavar=shared.SWITCH,
             help="Only look, for 3 s, while the robot stands: is the camera good enough? The exit "
             "status is 1 if it is not.",
         ),
@@ -119,13 +99,13 @@ def live(
             show_default=False,
         ),
     ] = _SLEW_RATE,
-    robot: Robot = None,
-    colors: Colors = None,
-    smoothing: Smoothing = None,
-    area: Area = None,
-    pixels: Pixels = None,
-    positions: Positions = None,
-    calibration: CalibrationFile = None,
+    robot: shared.Robot = None,
+    colors: shared.Colors = None,
+    smoothing: shared.Smoothing = None,
+    area: shared.Area = None,
+    pixels: shared.Pixels = None,
+    positions: shared.Positions = None,
+    calibration: shared.CalibrationFile = None,
     fps: Annotated[
         float | None,
         typer.Option(
@@ -162,24 +142,25 @@ def live(
             "at least 0.1 s.",
         ),
     ] = None,
-    time_limit: CallLimit = None,
-    out: Out = Path("robsim-live"),
+    time_limit: shared.CallLimit = None,
+    out: shared.Out = Path("robsim-live"),
     record: Annotated[
         bool | None,
         typer.Option(
             "--record/--no-record",
-            metavar=SWITCH,
+            metavar=shared.SWITCH,
             help="Record frames and inputs in a session in that folder, to be replayed. Default: "
             "yes, but for a file.",
             show_default=False,
         ),
     ] = None,
     lossless: Annotated[
-        bool, typer.Option("--lossless", metavar=SWITCH, help="Record the frames without loss.")
+        bool,
+        typer.Option("--lossless", metavar=shared.SWITCH, help="Record the frames without loss."),
     ] = False,
-    unit: Unit = "px",
-    scale: Scale = None,
-    as_json: Json = False,
+    unit: shared.Unit = "px",
+    scale: shared.Scale = None,
+    as_json: shared.Json = False,
 ) -> None:
     """Drive a robot under a real camera."""
     from robsim.cli.live.checking import check_and_report
@@ -203,13 +184,13 @@ def live(
             steps = None if steps is None else step_count(steps)
         controller = parse_control("--control", control)
         check_folder(out)
-        check_unit(unit, scale, calibration)
+        shared.check_unit(unit, scale, calibration)
         line = opened(
             camera,
             motors,
             robot=robot,
             area=parse_size("--area", area),
-            plane_map=parse_plane_map(pixels, positions),
+            plane_map=shared.parse_plane_map(pixels, positions),
             calibration=calibration,
             fps=rate_of(fps, dt),
             every=every,
@@ -233,7 +214,7 @@ def live(
             "control": controller,
         }
         run.drive(line, folder, {name: one for name, one in options.items() if one is not None})
-        remark = earlier_run(out)
+        remark = shared.earlier_run(out)
     if run.experiment is not None:
         finish(run.experiment, out, as_json=as_json, more=run.reports, unit=unit, scale=scale)
         if remark and run.experiment.trace:

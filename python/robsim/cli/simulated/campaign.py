@@ -10,7 +10,7 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.results import check_file, check_folder
-from robsim.cli.shared import Json
+from robsim.cli.shared import Jobs, Json, engine_of
 from robsim.cli.text import whole_number
 
 if TYPE_CHECKING:
@@ -44,10 +44,7 @@ def campaign(
             help="Number of runs of each case. Default: as the file says.",
         ),
     ] = None,
-    jobs: Annotated[
-        int,
-        typer.Option("--jobs", parser=whole_number, metavar="N", help="Number of processes."),
-    ] = 1,
+    jobs: Jobs = 1,
     store: Annotated[
         Path | None,
         typer.Option("--store", metavar="FILE", help="SQLite file that keeps the rows."),
@@ -135,11 +132,10 @@ def _result(file: Path, *, runs: int | None, jobs: int, store: Path | None) -> C
     from robsim.campaigns._campaign import run_spec
     from robsim.campaigns._spec_file import load_spec
 
-    if jobs < 1:
-        raise ValueError(f"--jobs must be at least 1, got {jobs}")
+    executor = engine_of(jobs)
     spec = load_spec(file, runs=runs)
     try:
-        return run_spec(spec, executor=jobs if jobs > 1 else None, store=store, progress=True)
+        return run_spec(spec, executor=executor, store=store, progress=True)
     except KeyboardInterrupt as stop:
         for note in stop.__notes__:
             errors.print_note(note)

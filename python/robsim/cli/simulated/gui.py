@@ -7,24 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from robsim.cli import errors
+from robsim.cli import errors, shared
 from robsim.cli.pages import show_panel
-from robsim.cli.shared import (
-    SWITCH,
-    CallLimit,
-    Colors,
-    Noise,
-    Robot,
-    Seed,
-    WorkArea,
-)
-from robsim.cli.simulated.options import (
-    Control,
-    HowHidden,
-    ScenarioFile,
-    shared_options,
-    simulation_of,
-)
+from robsim.cli.simulated.options import shared_options, simulation_of
 from robsim.cli.text import about, parse_speed, whole_number
 
 if TYPE_CHECKING:
@@ -66,7 +51,7 @@ def gui(
         bool,
         typer.Option(
             "--robots",
-            metavar=SWITCH,
+            metavar=shared.SWITCH,
             help="Define a robot with the mouse: picture, outline, markers, heading, size. At "
             "first that of --robot, or the default one.",
         ),
@@ -75,7 +60,7 @@ def gui(
         bool,
         typer.Option(
             "--train",
-            metavar=SWITCH,
+            metavar=shared.SWITCH,
             help="Train colours, those of --colors FILE (by default colors.toml), which it writes.",
         ),
     ] = False,
@@ -83,7 +68,7 @@ def gui(
         bool,
         typer.Option(
             "--calibrate",
-            metavar=SWITCH,
+            metavar=shared.SWITCH,
             help="Calibrate floor and lens of a camera, in --calibration FILE (by default "
             "camera.toml), which it writes.",
         ),
@@ -94,7 +79,7 @@ def gui(
             "--calibration", metavar="FILE", help="With --calibrate: what is known, and its file."
         ),
     ] = None,
-    scenario: ScenarioFile = None,
+    scenario: shared.ScenarioFile = None,
     task: Annotated[
         str | None,
         typer.Option(
@@ -104,7 +89,7 @@ def gui(
             "it tells at the end; for a trace the goal alone. See robsim tasks list.",
         ),
     ] = None,
-    control: Control = None,
+    control: shared.Control = None,
     speed: Annotated[
         str | None,
         typer.Option(
@@ -113,13 +98,13 @@ def gui(
             help="Multiple of real time, such as 1; max = as fast as it goes. Default: 5.",
         ),
     ] = None,
-    robot: Robot = None,
-    noise: Noise = None,
-    dropout: HowHidden = None,
-    area: WorkArea = None,
-    colors: Colors = None,
-    seed: Seed = None,
-    time_limit: CallLimit = None,
+    robot: shared.Robot = None,
+    noise: shared.Noise = None,
+    dropout: shared.HowHidden = None,
+    area: shared.WorkArea = None,
+    colors: shared.Colors = None,
+    seed: shared.Seed = None,
+    time_limit: shared.CallLimit = None,
     port: Annotated[
         int,
         typer.Option(
@@ -133,7 +118,7 @@ def gui(
     no_browser: Annotated[
         bool,
         typer.Option(
-            "--no-browser", metavar=SWITCH, help="Start no browser, print the address only."
+            "--no-browser", metavar=shared.SWITCH, help="Start no browser, print the address only."
         ),
     ] = False,
 ) -> None:

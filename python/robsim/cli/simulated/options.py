@@ -4,48 +4,14 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from robsim.cli.text import about, parse_control, parse_dropout, parse_noise, parse_size
-from robsim.control._by_name import NAMES, POINTS
+from robsim.control._by_name import POINTS
 
 if TYPE_CHECKING:
     from robsim import Simulation
     from robsim.simulation import Scenario
-
-# The names are written out where --help must show points, too.
-_CONTROLS = ", ".join(
-    f"{name}:X,Y" if POINTS.get(name) else f"{name}:'X,Y X,Y ...'" if name in POINTS else name
-    for name in NAMES
-)
-
-ScenarioFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--scenario",
-        metavar="FILE",
-        help="TOML file of a scenario, as Scenario.save writes it; other options change it.",
-    ),
-]
-Control = Annotated[
-    str | None,
-    typer.Option(
-        "--control",
-        metavar="NAME[:POINTS]",
-        help="A built-in controller in place of the folder's: "
-        f"{_CONTROLS}. Points are in px; with them the pose is measured.",
-    ),
-]
-HowHidden = Annotated[
-    str | None,
-    typer.Option(
-        "--dropout",
-        metavar="PROBABILITY[:STEPS]",
-        help="Probability that the robot is hidden, such as 0.2; 0.2:5 = 5 steps at a time.",
-    ),
-]
 
 
 def shared_options(

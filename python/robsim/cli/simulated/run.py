@@ -7,33 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from robsim.cli import errors
+from robsim.cli import errors, shared
 from robsim.cli.outcome import finish
-from robsim.cli.shared import (
-    SWITCH,
-    CallLimit,
-    Colors,
-    Json,
-    Noise,
-    Out,
-    Robot,
-    Scale,
-    Seed,
-    Smoothing,
-    Unit,
-    WorkArea,
-    check_unit,
-    earlier_run,
-)
-from robsim.cli.simulated.options import (
-    Control,
-    HowHidden,
-    ScenarioFile,
-    check_each,
-    given,
-    shared_options,
-    simulation_of,
-)
+from robsim.cli.simulated.options import check_each, given, shared_options, simulation_of
 from robsim.cli.text import about, parse_headings, parse_size, parse_start, whole_number
 from robsim.imaging._video import CODECS, LOSSLESS
 
@@ -51,14 +27,12 @@ _SUFFIXES = f"{', '.join(CODECS)}; {_LOSSLESS} are lossless."
 
 
 def run(
-    folder: Annotated[
-        Path | None, typer.Argument(metavar="FOLDER", help="Folder with your callbacks.")
-    ] = None,
-    scenario: ScenarioFile = None,
+    folder: shared.Callbacks = None,
+    scenario: shared.ScenarioFile = None,
     steps: Annotated[
         int, typer.Option("--steps", parser=whole_number, metavar="N", help="Number of steps.")
     ] = 500,
-    seed: Seed = None,
+    seed: shared.Seed = None,
     start: Annotated[
         str | None,
         typer.Option(
@@ -72,7 +46,7 @@ def run(
         bool,
         typer.Option(
             "--measure",
-            metavar=SWITCH,
+            metavar=shared.SWITCH,
             help="Measure the pose by vision, if the folder does not.",
         ),
     ] = False,
@@ -80,13 +54,13 @@ def run(
         bool,
         typer.Option(
             "--estimate-parameters",
-            metavar=SWITCH,
+            metavar=shared.SWITCH,
             help="Estimate the parameters, if the folder does not.",
         ),
     ] = False,
-    control: Control = None,
-    noise: Noise = None,
-    dropout: HowHidden = None,
+    control: shared.Control = None,
+    noise: shared.Noise = None,
+    dropout: shared.HowHidden = None,
     boundary: Annotated[
         str | None,
         typer.Option(
@@ -103,7 +77,7 @@ def run(
             help="Number of headings that the robot is drawn in, or: continuous. Default: 36.",
         ),
     ] = None,
-    robot: Robot = None,
+    robot: shared.Robot = None,
     markers: Annotated[
         str | None,
         typer.Option(
@@ -112,15 +86,15 @@ def run(
             help="Robot whose markers vision looks for. Default: those of the robot.",
         ),
     ] = None,
-    colors: Colors = None,
-    smoothing: Smoothing = None,
-    area: WorkArea = None,
+    colors: shared.Colors = None,
+    smoothing: shared.Smoothing = None,
+    area: shared.WorkArea = None,
     resolution: Annotated[
         str | None,
         typer.Option("--resolution", metavar="WxH", help="Frame size in px. Default: the area."),
     ] = None,
-    time_limit: CallLimit = None,
-    out: Out = Path("robsim-run"),
+    time_limit: shared.CallLimit = None,
+    out: shared.Out = Path("robsim-run"),
     video: Annotated[
         Path | None,
         typer.Option("--video", metavar="FILE", help=f"Video of the run: {_SUFFIXES}"),
@@ -134,9 +108,9 @@ def run(
             f"{_LOSSLESS} for measurements.",
         ),
     ] = None,
-    unit: Unit = "px",
-    scale: Scale = None,
-    as_json: Json = False,
+    unit: shared.Unit = "px",
+    scale: shared.Scale = None,
+    as_json: shared.Json = False,
 ) -> None:
     """Run a simulation."""
     from robsim.simulation._options import step_count
@@ -144,8 +118,8 @@ def run(
     with errors.report_errors(folder):
         with about("--steps"):
             step_count(steps)
-        check_unit(unit, scale, is_simulated=True)
-        shared = shared_options(
+        shared.check_unit(unit, scale, is_simulated=True)
+        common = shared_options(
             folder,
             scenario=scenario,
             control=control,
@@ -171,9 +145,9 @@ def run(
             measure=measure or None,
             estimate_parameters=estimate_parameters or None,
         )
-        simulation = simulation_of(folder, shared | world | stages)
+        simulation = simulation_of(folder, common | world | stages)
         _check_outputs(out, video, record)
-        remark = earlier_run(out)
+        remark = shared.earlier_run(out)
         run_kept(simulation, steps, out)
     finish(simulation, out, as_json=as_json, video=video, record=record, unit=unit, scale=scale)
     if remark and len(simulation.trace):
