@@ -10,6 +10,7 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.errors import styled
+from robsim.cli.option import argument, option
 from robsim.cli.shared import Json
 from robsim.simulation._slots import SLOTS
 
@@ -33,19 +34,12 @@ _STYLES = {"well": "green", "remark": "yellow", "ill": "bold red"}
 
 
 def check(
-    path: Annotated[
-        Path,
-        typer.Argument(metavar="FILE|FOLDER", help="A folder with callbacks, or one of its files."),
-    ],
+    path: Annotated[Path, argument("FILE|FOLDER", "A folder with callbacks, or one of its files.")],
     slot: Annotated[
-        str | None,
-        typer.Option("--slot", metavar="NAME", help=f"Only this one: {', '.join(SLOTS)}."),
+        str | None, option("--slot", "NAME", f"Only this one: {', '.join(SLOTS)}.")
     ] = None,
     task: Annotated[
-        str | None,
-        typer.Option(
-            "--task", metavar="NAME", help="Also try them on that task; see robsim tasks list."
-        ),
+        str | None, option("--task", "NAME", "Also try them on that task; see robsim tasks list.")
     ] = None,
     as_json: Json = False,
 ) -> None:

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-import typer
 
 from robsim._base.text import quoted
 from robsim._core import Frame, Observation, color_histograms
 from robsim.cli import errors
-from robsim.cli.shared import SWITCH, Area, CalibrationFile, Colors, Robot
-from robsim.cli.text import parse_region, parse_size, whole_number
+from robsim.cli.option import argument, integer_option, option, switch
+from robsim.cli.shared import Area, CalibrationFile, Colors, Robot
+from robsim.cli.text import parse_region, parse_size
 from robsim.imaging._images import Pixels, image_suffixes, load_image
 from robsim.robots import load_robot
 from robsim.vision._color_files import colors_to_toml, save_colors
@@ -40,56 +40,45 @@ EXAMPLE = (
 def train(
     frames: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="FRAMES",
-            help="Images, or one recording: a video, a folder of images, a session.",
+        argument(
+            "FRAMES",
+            "Images, or one recording: a video, a folder of images, a session.",
             show_default=False,
         ),
     ],
     regions: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
             "--region",
-            metavar="[NAME=]L,T,R,B",
-            help="Box in px around pixels of the colour: left,top,right,bottom; one for each "
+            "[NAME=]L,T,R,B",
+            "Box in px around pixels of the colour: left,top,right,bottom; one for each "
             "image. In the first frame of a recording, one for each of the robot's colours, "
             "red=L,T,R,B and blue=L,T,R,B, if --colors do not find it. Can be repeated.",
         ),
     ] = None,
     name: Annotated[
-        str | None,
-        typer.Option("--name", metavar="NAME", help="Of images: name of the colour: red, ..."),
+        str | None, option("--name", "NAME", "Of images: name of the colour: red, ...")
     ] = None,
     robot: Robot = None,
     colors: Colors = None,
     area: Area = None,
     calibration: CalibrationFile = None,
     to: Annotated[
-        Path | None,
-        typer.Option("--to", metavar="FILE", help="Colour file to write to; created if needed."),
+        Path | None, option("--to", "FILE", "Colour file to write to; created if needed.")
     ] = None,
     margin: Annotated[
         int | None,
-        typer.Option(
-            "--margin",
-            parser=whole_number,
-            metavar="LEVELS",
-            help="Widening of the ranges found, in levels of 0..255. Default: 52.",
+        integer_option(
+            "--margin", "LEVELS", "Widening of the ranges found, in levels of 0..255. Default: 52."
         ),
     ] = None,
     limit_y: Annotated[
         bool,
-        typer.Option(
-            "--limit-y",
-            metavar=SWITCH,
-            help="Of images: limit the brightness Y, too; needed for black and white.",
-        ),
+        switch("--limit-y", "Of images: limit the brightness Y, too; needed for black and white."),
     ] = False,
     figure: Annotated[
         Path | None,
-        typer.Option(
-            "--figure", metavar="FILE", help="Of images: file for the histograms, such as red.png."
-        ),
+        option("--figure", "FILE", "Of images: file for the histograms, such as red.png."),
     ] = None,
 ) -> None:
     """Find the ranges of a colour in images of it, or those of markers in a recording."""
@@ -131,9 +120,9 @@ def train(
 
 
 def _check_for_images(others: dict[str, Any]) -> None:
-    for option, value in others.items():
+    for name, value in others.items():
         if value is not None:
-            raise ValueError(f"{option} goes with a recording, --name with images: leave one out")
+            raise ValueError(f"{name} goes with a recording, --name with images: leave one out")
 
 
 def _check_for_a_recording(frames: Sequence[Path], limit_y: bool, figure: Path | None) -> None:
@@ -144,9 +133,9 @@ def _check_for_a_recording(frames: Sequence[Path], limit_y: bool, figure: Path |
             "--name must be given with images, and a --region for each; a recording, which needs "
             f"neither, is one video, folder or session, got {quoted(str(frames[0]))}"
         )
-    for option, value in (("--limit-y", limit_y), ("--figure", figure)):
+    for name, value in (("--limit-y", limit_y), ("--figure", figure)):
         if value:
-            raise ValueError(f"{option} goes with images and their --name, not with a recording")
+            raise ValueError(f"{name} goes with images and their --name, not with a recording")
 
 
 def _recording(
@@ -158,9 +147,9 @@ def _recording(
 
     if not (source / SETUP).is_file():
         return Recording(source, area=parse_size("--area", area), calibration=calibration)
-    for option, value in (("--area", area), ("--calibration", calibration)):
+    for name, value in (("--area", area), ("--calibration", calibration)):
         if value is not None:
-            raise ValueError(f"{option} is known of a session: leave it out")
+            raise ValueError(f"{name} is known of a session: leave it out")
     return Session(source)
 
 

@@ -15,8 +15,9 @@ from robsim._base.text import quoted
 from robsim._core import ColorClass, classify, find_blobs
 from robsim.cli import color_training, errors
 from robsim.cli.command import Command
+from robsim.cli.option import argument, integer_option, number_option, option
 from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
-from robsim.cli.text import about, number, parse_noise, parse_point, parse_region, whole_number
+from robsim.cli.text import about, parse_noise, parse_point, parse_region
 from robsim.imaging._images import Pixels, load_image, save_image
 from robsim.simulation._simulation import Simulation
 from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, load_colors
@@ -37,7 +38,7 @@ _MINIMUM_INSIDE = 0.8  # fraction of a region that must lie in the marker
 
 _SMOOTHING = "Width of the averaging window in px: 3, 5, ... 15; 1 = off."
 
-Images = Annotated[list[Path], typer.Argument(metavar="IMAGE", help="Images.", show_default=False)]
+Images = Annotated[list[Path], argument("IMAGE", "Images.", show_default=False)]
 
 
 @app.command(
@@ -47,22 +48,14 @@ Images = Annotated[list[Path], typer.Argument(metavar="IMAGE", help="Images.", s
     epilog="Example: robsim colors frame frame.png",
 )
 def frame(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="The image.")] = Path("frame.png"),
+    file: Annotated[Path, argument("FILE", "The image.")] = Path("frame.png"),
     robot: Robot = None,
     at: Annotated[
-        str | None,
-        typer.Option(
-            "--at", metavar="X,Y", help="Position of the robot in px. Default: the centre."
-        ),
+        str | None, option("--at", "X,Y", "Position of the robot in px. Default: the centre.")
     ] = None,
     heading: Annotated[
         float,
-        typer.Option(
-            "--heading",
-            parser=number,
-            metavar="DEGREES",
-            help="Heading in degrees, clockwise from facing right.",
-        ),
+        number_option("--heading", "DEGREES", "Heading in degrees, clockwise from facing right."),
     ] = 0.0,
     noise: Noise = None,
     seed: Seed = None,
@@ -94,8 +87,7 @@ def frame(
 @app.command("list", cls=Command, epilog="Example: robsim colors list")
 def list_colors(
     file: Annotated[
-        Path | None,
-        typer.Argument(metavar="FILE", help="Colour file.", show_default="that of robsim"),
+        Path | None, argument("FILE", "Colour file.", show_default="that of robsim")
     ] = None,
 ) -> None:
     """List the colours in a file, with their ranges."""
@@ -125,23 +117,21 @@ app.command("train", cls=Command, help=color_training.HELP, epilog=color_trainin
 def try_colors(
     images: Images,
     colors: Colors = None,
-    smoothing: Annotated[
-        int, typer.Option("--smoothing", parser=whole_number, metavar="PX", help=_SMOOTHING)
-    ] = 7,
+    smoothing: Annotated[int, integer_option("--smoothing", "PX", _SMOOTHING)] = 7,
     regions: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
             "--region",
-            metavar="NAME=L,T,R,B",
-            help="Region of the colour NAME; all its regions must be given. Can be repeated.",
+            "NAME=L,T,R,B",
+            "Region of the colour NAME; all its regions must be given. Can be repeated.",
         ),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(
+        option(
             "--out",
-            metavar="FILE|FOLDER",
-            help="Image file that shows which pixel belongs to which colour; a folder if several "
+            "FILE|FOLDER",
+            "Image file that shows which pixel belongs to which colour; a folder if several "
             "images are given.",
         ),
     ] = None,

@@ -5,18 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors
+from robsim.cli.option import argument
 
 EXAMPLE = "Example: robsim notebooks coursework"
 HELP = "They need Jupyter: pip install notebook 'robsim\\[notebook]'. Then: jupyter notebook FOLDER"
 
 
 def notebooks(
-    folder: Annotated[
-        Path, typer.Argument(metavar="FOLDER", help="The folder; created if needed.")
-    ],
+    folder: Annotated[Path, argument("FOLDER", "The folder; created if needed.")],
 ) -> None:
     """Copy the notebooks for students into a folder."""
     from robsim._base.shipped import copy_notebooks

@@ -11,7 +11,7 @@ import typer
 from robsim._base.text import one_line, quoted
 from robsim.cli import errors
 from robsim.cli.command import Command
-from robsim.cli.shared import SWITCH
+from robsim.cli.option import argument, number_option, option, switch
 from robsim.cli.text import number, parse_point, parse_points
 
 if TYPE_CHECKING:
@@ -28,10 +28,9 @@ app = typer.Typer(
     epilog="Start with: robsim robots list",
 )
 
-Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of the robot.", show_default=False)]
+Name = Annotated[str, argument("NAME", "Name of the robot.", show_default=False)]
 Colors = Annotated[
-    Path | None,
-    typer.Option("--colors", metavar="FILE", help="Colour file.", show_default="that of robsim"),
+    Path | None, option("--colors", "FILE", "Colour file.", show_default="that of robsim")
 ]
 
 _FACES = {0.0: "right", 90.0: "up", 180.0: "left", 270.0: "down"}
@@ -78,17 +77,10 @@ def list_robots() -> None:
 def show(
     name: Annotated[
         str | None,
-        typer.Argument(
-            metavar="NAME|FOLDER",
-            help="A robot, or a folder with one.",
-            show_default="the default robot",
-        ),
+        argument("NAME|FOLDER", "A robot, or a folder with one.", show_default="the default robot"),
     ] = None,
     out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", metavar="FILE", help="File for the drawing.", show_default="robot-NAME.png"
-        ),
+        Path | None, option("--out", "FILE", "File for the drawing.", show_default="robot-NAME.png")
     ] = None,
     colors: Colors = None,
 ) -> None:
@@ -122,76 +114,64 @@ def show(
 def add(
     name: Name,
     source: Annotated[
-        str,
-        typer.Argument(
-            metavar="SOURCE",
-            help="An image (PNG), a robot, or a folder.",
-            show_default=False,
-        ),
+        str, argument("SOURCE", "An image (PNG), a robot, or a folder.", show_default=False)
     ],
     size: Annotated[
         float | None,
-        typer.Option(
-            parser=number,
-            metavar="PX",
-            help="Width of the image on the work area in px.",
-            show_default="120",
+        number_option(
+            "--size", "PX", "Width of the image on the work area in px.", show_default="120"
         ),
     ] = None,
     alignment: Annotated[
         float | None,
-        typer.Option(
-            parser=number,
-            metavar="DEGREES",
-            help="Degrees clockwise, after which the robot faces right.",
+        number_option(
+            "--alignment",
+            "DEGREES",
+            "Degrees clockwise, after which the robot faces right.",
             show_default="0",
         ),
     ] = None,
     centre: Annotated[
         str | None,
-        typer.Option(
-            metavar="X,Y",
-            help="Centre in the image, as '240,250': px right,down.",
+        option(
+            "--centre",
+            "X,Y",
+            "Centre in the image, as '240,250': px right,down.",
             show_default="that of the outline",
         ),
     ] = None,
     outline: Annotated[
         str | None,
-        typer.Option(
-            metavar="POINTS",
-            help="Polygon in the image, as '120,40 180,40 180,90'.",
+        option(
+            "--outline",
+            "POINTS",
+            "Polygon in the image, as '120,40 180,40 180,90'.",
             show_default="around the opaque pixels",
         ),
     ] = None,
     markers: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
             "--marker",
-            metavar="NAME=POINTS",
-            help="Polygon of the marker of a colour, as 'red=120,40 180,40 180,90'. Can be "
-            "repeated.",
+            "NAME=POINTS",
+            "Polygon of the marker of a colour, as 'red=120,40 180,40 180,90'. Can be repeated.",
             show_default="the largest blob of each colour",
         ),
     ] = None,
     colors: Colors = None,
     marker_colors: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--marker-colors",
-            metavar="NAME,NAME",
-            help="Colours of the two markers, as the colour file names them; to give another "
+            "NAME,NAME",
+            "Colours of the two markers, as the colour file names them; to give another "
             "robot's markers others, in the order of their roles.",
             show_default="red,blue",
         ),
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", metavar=SWITCH, help="Replace your robot of this name.")
-    ] = False,
+    overwrite: Annotated[bool, switch("--overwrite", "Replace your robot of this name.")] = False,
     ignore_colors: Annotated[
-        bool,
-        typer.Option(
-            "--anyway", metavar=SWITCH, help="Add it even if its markers are not detected."
-        ),
+        bool, switch("--anyway", "Add it even if its markers are not detected.")
     ] = False,
 ) -> None:
     """Add a robot to your user folder."""
@@ -239,11 +219,7 @@ def rotate(
     name: Name,
     degrees: Annotated[
         float,
-        typer.Argument(
-            parser=number,
-            metavar="DEGREES",
-            help="Angle in degrees, clockwise; negative: anticlockwise.",
-        ),
+        argument("DEGREES", "Angle in degrees, clockwise; negative: anticlockwise.", parser=number),
     ],
 ) -> None:
     """Rotate the image of one of your robots, so that the robot faces right."""

@@ -6,18 +6,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-import typer
 
 from robsim._base.checks import check_choice, check_float
 from robsim.cli import errors
-from robsim.cli.text import about, number, parse_points, whole_number
+from robsim.cli.option import argument, integer_option, number_option, option, switch
+from robsim.cli.text import about, parse_points
 from robsim.control._by_name import NAMES, POINTS
 
 if TYPE_CHECKING:
     from robsim._core import PlaneMap
 
-#: A switch has no value: in place of its type, --help shows nothing.
-SWITCH = ""
 
 # The names are written out where --help must show points, too.
 _CONTROLS = ", ".join(
@@ -25,135 +23,108 @@ _CONTROLS = ", ".join(
     for name in NAMES
 )
 
-Callbacks = Annotated[
-    Path | None, typer.Argument(metavar="FOLDER", help="Folder with your callbacks.")
-]
+Callbacks = Annotated[Path | None, argument("FOLDER", "Folder with your callbacks.")]
 Robot = Annotated[
     str | None,
-    typer.Option(
+    option(
         "--robot",
-        metavar="NAME|FOLDER",
-        help="Name or folder of the robot. Default: the one chosen with robsim robots use.",
+        "NAME|FOLDER",
+        "Name or folder of the robot. Default: the one chosen with robsim robots use.",
     ),
 ]
 Colors = Annotated[
-    Path | None,
-    typer.Option("--colors", metavar="FILE", help="Colour file. Default: the shipped one."),
+    Path | None, option("--colors", "FILE", "Colour file. Default: the shipped one.")
 ]
 Smoothing = Annotated[
     int | None,
-    typer.Option(
+    integer_option(
         "--smoothing",
-        parser=whole_number,
-        metavar="PX",
-        help="Width of the averaging window in px: 3, 5, ... 15; 1 = off. Default: by the markers.",
+        "PX",
+        "Width of the averaging window in px: 3, 5, ... 15; 1 = off. Default: by the markers.",
     ),
 ]
 Area = Annotated[
-    str | None,
-    typer.Option("--area", metavar="WxH", help="Work area in px. Default: the size of the frames."),
+    str | None, option("--area", "WxH", "Work area in px. Default: the size of the frames.")
 ]
 # Of what is simulated.
-WorkArea = Annotated[
-    str | None,
-    typer.Option("--area", metavar="WxH", help="Work area in px. Default: 1200x1200."),
-]
+WorkArea = Annotated[str | None, option("--area", "WxH", "Work area in px. Default: 1200x1200.")]
 Pixels = Annotated[
     str | None,
-    typer.Option(
+    option(
         "--pixels",
-        metavar="POINTS",
-        help="Four or more points in the frames, in px, such as '0,0 639,0 639,479 0,479'.",
+        "POINTS",
+        "Four or more points in the frames, in px, such as '0,0 639,0 639,479 0,479'.",
     ),
 ]
 Positions = Annotated[
-    str | None,
-    typer.Option("--positions", metavar="POINTS", help="Their positions on the work area, in px."),
+    str | None, option("--positions", "POINTS", "Their positions on the work area, in px.")
 ]
 CalibrationFile = Annotated[
     Path | None,
-    typer.Option(
+    option(
         "--calibration",
-        metavar="FILE",
-        help="Calibration of the camera, of robsim calibrate: it tells where pixels lie.",
+        "FILE",
+        "Calibration of the camera, of robsim calibrate: it tells where pixels lie.",
     ),
 ]
 ScenarioFile = Annotated[
     Path | None,
-    typer.Option(
+    option(
         "--scenario",
-        metavar="FILE",
-        help="TOML file of a scenario, as Scenario.save writes it; other options change it.",
+        "FILE",
+        "TOML file of a scenario, as Scenario.save writes it; other options change it.",
     ),
 ]
 Control = Annotated[
     str | None,
-    typer.Option(
+    option(
         "--control",
-        metavar="NAME[:POINTS]",
-        help="A built-in controller in place of the folder's: "
+        "NAME[:POINTS]",
+        "A built-in controller in place of the folder's: "
         f"{_CONTROLS}. Points are in px; with them the pose is measured.",
     ),
 ]
 HowHidden = Annotated[
     str | None,
-    typer.Option(
+    option(
         "--dropout",
-        metavar="PROBABILITY[:STEPS]",
-        help="Probability that the robot is hidden, such as 0.2; 0.2:5 = 5 steps at a time.",
+        "PROBABILITY[:STEPS]",
+        "Probability that the robot is hidden, such as 0.2; 0.2:5 = 5 steps at a time.",
     ),
 ]
 Unit = Annotated[
-    str,
-    typer.Option(
-        "--unit",
-        metavar="UNIT",
-        help="Unit of lengths in the results and figures: px, mm, cm or m.",
-    ),
+    str, option("--unit", "UNIT", "Unit of lengths in the results and figures: px, mm, cm or m.")
 ]
 Scale = Annotated[
     float | None,
-    typer.Option(
-        "--scale",
-        parser=number,
-        metavar="MM",
-        help="With --unit: how long a px of the work area is on the floor, in mm.",
+    number_option(
+        "--scale", "MM", "With --unit: how long a px of the work area is on the floor, in mm."
     ),
 ]
 Noise = Annotated[
     str | None,
-    typer.Option(
-        "--noise",
-        metavar="KIND:PERCENT",
-        help="Camera noise, such as gaussian:10 or uniform:10.",
-    ),
+    option("--noise", "KIND:PERCENT", "Camera noise, such as gaussian:10 or uniform:10."),
 ]
 Seed = Annotated[
     int | None,
-    typer.Option(
+    integer_option(
         "--seed",
-        parser=whole_number,
-        metavar="N",
-        help="Seed of the random numbers: the same one gives the same results. Default: another "
+        "N",
+        "Seed of the random numbers: the same one gives the same results. Default: another "
         "one each time.",
     ),
 ]
 CallLimit = Annotated[
     float | None,
-    typer.Option(
+    number_option(
         "--time-limit",
-        parser=number,
-        metavar="SECONDS",
-        help="Maximum duration of a call of one of your callbacks. Default: none.",
+        "SECONDS",
+        "Maximum duration of a call of one of your callbacks. Default: none.",
     ),
 ]
-Jobs = Annotated[
-    int, typer.Option("--jobs", parser=whole_number, metavar="N", help="Number of processes.")
-]
-Out = Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")]
-Json = Annotated[
-    bool, typer.Option("--json", metavar=SWITCH, help="Print only the numbers, as JSON.")
-]
+Jobs = Annotated[int, integer_option("--jobs", "N", "Number of processes.")]
+Out = Annotated[Path, option("--out", "FOLDER", "Folder for the results.")]
+Json = Annotated[bool, switch("--json", "Print only the numbers, as JSON.")]
 
 
 def check_unit(

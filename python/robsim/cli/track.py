@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from robsim.cli import errors, shared
+from robsim.cli.option import argument, number_option, switch
 from robsim.cli.outcome import finish, write_with_progress
-from robsim.cli.text import number, parse_size
+from robsim.cli.text import parse_size
 
 if TYPE_CHECKING:
     from robsim.imaging._recordings import Recording
@@ -25,9 +24,7 @@ HELP = (
 
 
 def track(
-    source: Annotated[
-        Path, typer.Argument(metavar="SOURCE", help="Video file, or folder of images.")
-    ],
+    source: Annotated[Path, argument("SOURCE", "Video file, or folder of images.")],
     robot: shared.Robot = None,
     colors: shared.Colors = None,
     smoothing: shared.Smoothing = None,
@@ -37,17 +34,15 @@ def track(
     calibration: shared.CalibrationFile = None,
     dt: Annotated[
         float | None,
-        typer.Option(
+        number_option(
             "--dt",
-            parser=number,
-            metavar="SECONDS",
-            help="Time between two frames in s. Default: from the video; 0.2 for images.",
+            "SECONDS",
+            "Time between two frames in s. Default: from the video; 0.2 for images.",
         ),
     ] = None,
     out: shared.Out = Path("robsim-track"),
     video: Annotated[
-        bool,
-        typer.Option(metavar=shared.SWITCH, help="Write the annotated video, tracked.mp4, too."),
+        bool, switch("--video/--no-video", "Write the annotated video, tracked.mp4, too.")
     ] = True,
     unit: shared.Unit = "px",
     scale: shared.Scale = None,

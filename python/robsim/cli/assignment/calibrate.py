@@ -6,12 +6,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from robsim.cli import errors
 from robsim.cli.assignment.options import Folder, report_errors
+from robsim.cli.option import number_option
 from robsim.cli.shared import Jobs, engine_of
-from robsim.cli.text import number
 
 if TYPE_CHECKING:
     from robsim.tasks import TaskCalibration
@@ -30,22 +28,15 @@ def calibrate(
     folder: Folder,
     false_fail: Annotated[
         float,
-        typer.Option(
+        number_option(
             "--false-fail",
-            parser=number,
-            metavar="SHARE",
-            help="How often a right solution may have less than full points in a test, at most. A "
+            "SHARE",
+            "How often a right solution may have less than full points in a test, at most. A "
             "tenth of it takes ten times as long.",
         ),
     ] = 0.01,
     confidence: Annotated[
-        float,
-        typer.Option(
-            "--confidence",
-            parser=number,
-            metavar="SHARE",
-            help="In how many calibrations of 1 that is kept.",
-        ),
+        float, number_option("--confidence", "SHARE", "In how many calibrations of 1 that is kept.")
     ] = 0.95,
     jobs: Jobs = 1,
 ) -> None:

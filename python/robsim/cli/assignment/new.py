@@ -5,13 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors
 from robsim.cli.assignment.calibrate import calibrate_and_print
 from robsim.cli.assignment.options import report_errors
-from robsim.cli.shared import SWITCH, Jobs
-from robsim.cli.text import whole_number
+from robsim.cli.option import argument, integer_option, option, switch
+from robsim.cli.shared import Jobs
 
 EXAMPLE = "Example: robsim assignment new park hw1"
 HELP = (
@@ -24,27 +22,20 @@ HELP = (
 
 
 def new(
-    template: Annotated[str, typer.Argument(metavar="TEMPLATE", help="What students are to do.")],
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder, which is made.")],
+    template: Annotated[str, argument("TEMPLATE", "What students are to do.")],
+    folder: Annotated[Path, argument("FOLDER", "The folder, which is made.")],
     name: Annotated[
-        str | None,
-        typer.Option(
-            "--name", metavar="TEXT", help="Name of the assignment. Default: that of the folder."
-        ),
+        str | None, option("--name", "TEXT", "Name of the assignment. Default: that of the folder.")
     ] = None,
     no_calibrate: Annotated[
-        bool,
-        typer.Option(
-            "--no-calibrate", metavar=SWITCH, help="Leave that to robsim assignment calibrate."
-        ),
+        bool, switch("--no-calibrate", "Leave that to robsim assignment calibrate.")
     ] = False,
     seed: Annotated[
         int | None,
-        typer.Option(
+        integer_option(
             "--seed",
-            parser=whole_number,
-            metavar="N",
-            help="What the numbers are drawn from; the key is always new. Default: another one "
+            "N",
+            "What the numbers are drawn from; the key is always new. Default: another one "
             "each time.",
         ),
     ] = None,

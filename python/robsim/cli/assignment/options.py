@@ -10,11 +10,9 @@ from typing import Annotated
 import typer
 
 from robsim.cli import errors
+from robsim.cli.option import argument
 
-Folder = Annotated[
-    Path,
-    typer.Argument(metavar="FOLDER", help="The assignment, as robsim assignment new makes it."),
-]
+Folder = Annotated[Path, argument("FOLDER", "The assignment, as robsim assignment new makes it.")]
 
 
 @contextmanager

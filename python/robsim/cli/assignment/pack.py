@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors
 from robsim.cli.assignment.options import Folder, report_errors
+from robsim.cli.option import option
 
 EXAMPLE = "Example: robsim assignment pack hw1 --students hw1-students.zip"
 HELP = (
@@ -23,20 +22,17 @@ def pack(
     folder: Folder,
     students: Annotated[
         Path | None,
-        typer.Option(
-            "--students", metavar="ZIP|FOLDER", help="Write what students get: a zip, or a folder."
-        ),
+        option("--students", "ZIP|FOLDER", "Write what students get: a zip, or a folder."),
     ] = None,
     gradescope: Annotated[
-        Path | None,
-        typer.Option("--gradescope", metavar="ZIP", help="Write an autograder for Gradescope."),
+        Path | None, option("--gradescope", "ZIP", "Write an autograder for Gradescope.")
     ] = None,
     install: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--install",
-            metavar="WHEEL|NAME",
-            help="With --gradescope: what is installed there, a wheel of robsim, or what pip "
+            "WHEEL|NAME",
+            "With --gradescope: what is installed there, a wheel of robsim, or what pip "
             "takes, such as robsim==1.2. Default: this version, from where pip finds it.",
         ),
     ] = None,

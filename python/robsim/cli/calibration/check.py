@@ -5,11 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors
 from robsim.cli.calibration.options import pictures_of
-from robsim.cli.text import number
+from robsim.cli.option import argument, number_option, option
 
 EXAMPLE = "Example: robsim calibrate check floor.png --calibration camera.toml --out check.png"
 HELP = (
@@ -22,24 +20,16 @@ HELP = (
 
 def check(
     picture: Annotated[
-        Path,
-        typer.Argument(metavar="PICTURE", help="Picture, folder or video: its first one is taken."),
+        Path, argument("PICTURE", "Picture, folder or video: its first one is taken.")
     ],
-    calibration: Annotated[
-        Path, typer.Option("--calibration", metavar="FILE", help="The calibration.")
-    ] = Path("camera.toml"),
+    calibration: Annotated[Path, option("--calibration", "FILE", "The calibration.")] = Path(
+        "camera.toml"
+    ),
     step: Annotated[
         float | None,
-        typer.Option(
-            "--step",
-            parser=number,
-            metavar="MM",
-            help="Distance of the lines in mm. Default: a round one.",
-        ),
+        number_option("--step", "MM", "Distance of the lines in mm. Default: a round one."),
     ] = None,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FILE", help="The picture to write.")
-    ] = Path("check.png"),
+    out: Annotated[Path, option("--out", "FILE", "The picture to write.")] = Path("check.png"),
 ) -> None:
     """Draw the floor's grid on a picture, to see whether a calibration fits."""
     from robsim.calibration import draw_grid, sheet_shifts

@@ -7,8 +7,6 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from robsim._base.checks import check_mm_per_px
 from robsim._base.text import quoted
 from robsim.cli import errors
@@ -19,8 +17,9 @@ from robsim.cli.calibration.options import (
     pictures_of,
     report_and_save,
 )
+from robsim.cli.option import argument, number_option, option
 from robsim.cli.shared import Json
-from robsim.cli.text import about, number, parse_points, parse_size
+from robsim.cli.text import about, parse_points, parse_size
 
 if TYPE_CHECKING:
     from robsim.calibration import FloorCalibration
@@ -45,76 +44,67 @@ HELP = (
 def floor(
     pictures: Annotated[
         list[Path] | None,
-        typer.Argument(
-            metavar="PICTURES",
-            help="Pictures of the floor, folders of them, or videos; the camera stands still.",
+        argument(
+            "PICTURES",
+            "Pictures of the floor, folders of them, or videos; the camera stands still.",
         ),
     ] = None,
-    area: Annotated[
-        str | None, typer.Option("--area", metavar="WxH", help="Size of the work area in px.")
-    ] = None,
+    area: Annotated[str | None, option("--area", "WxH", "Size of the work area in px.")] = None,
     scale: Annotated[
-        float | None,
-        typer.Option(
-            "--scale", parser=number, metavar="MM", help="A px of the work area in mm on the floor."
-        ),
+        float | None, number_option("--scale", "MM", "A px of the work area in mm on the floor.")
     ] = None,
     marker_height: Annotated[
         str,
-        typer.Option(
+        option(
             "--marker-height",
-            metavar="LENGTH",
-            help="How high the robot's markers are above the floor, such as 80mm; needs a lens.",
+            "LENGTH",
+            "How high the robot's markers are above the floor, such as 80mm; needs a lens.",
         ),
     ] = "0mm",
     calibration: Annotated[
         Path | None,
-        typer.Option(
+        option(
             "--calibration",
-            metavar="FILE",
-            help="The calibrated lens, of robsim calibrate lens. Default: none, it does not "
-            "distort.",
+            "FILE",
+            "The calibrated lens, of robsim calibrate lens. Default: none, it does not distort.",
         ),
     ] = None,
     mark: Mark = 80.0,
     places: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
             "--place",
-            metavar="N:X,Y",
-            help="Where the cross of sheet N lies in mm from the top left corner of the area. Can "
+            "N:X,Y",
+            "Where the cross of sheet N lies in mm from the top left corner of the area. Can "
             "be repeated.",
         ),
     ] = None,
     marks: Annotated[
         Path | None,
-        typer.Option(
+        option(
             "--marks",
-            metavar="FILE",
-            help="Marks as CSV with the columns name, u, v (px), x, y (mm); those of one name are "
+            "FILE",
+            "Marks as CSV with the columns name, u, v (px), x, y (mm); those of one name are "
             "averaged.",
         ),
     ] = None,
     pixels: Annotated[
-        str | None,
-        typer.Option(
-            "--pixels", metavar="POINTS", help="Marks in the picture in px: '12,8 630,11 ...'."
-        ),
+        str | None, option("--pixels", "POINTS", "Marks in the picture in px: '12,8 630,11 ...'.")
     ] = None,
     positions: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--positions",
-            metavar="POINTS",
-            help="Their places on the floor in mm from the top left corner of the area.",
+            "POINTS",
+            "Their places on the floor in mm from the top left corner of the area.",
         ),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(
+        option(
             "--out",
-            metavar="FILE",
-            help="The calibration to write. Default: that of --calibration, or camera.toml.",
+            "FILE",
+            "The calibration to write. Default: that of --calibration, or camera.toml.",
             show_default=False,
         ),
     ] = None,

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors
 from robsim.cli.calibration.options import (
     Board,
@@ -16,8 +14,8 @@ from robsim.cli.calibration.options import (
     pictures_of,
     report_and_save,
 )
-from robsim.cli.shared import SWITCH, Json
-from robsim.cli.text import whole_number
+from robsim.cli.option import argument, integer_option, option, switch
+from robsim.cli.shared import Json
 
 EXAMPLE = "Example: robsim calibrate lens pictures/ --board 9x6 --square 25 --out camera.toml"
 HELP = (
@@ -32,35 +30,24 @@ HELP = (
 
 def lens(
     pictures: Annotated[
-        list[Path] | None,
-        typer.Argument(metavar="PICTURES", help="Pictures, folders of them, or videos."),
+        list[Path] | None, argument("PICTURES", "Pictures, folders of them, or videos.")
     ] = None,
     board: Board = None,
     square: Square = None,
-    charuco: Annotated[
-        bool, typer.Option("--charuco", metavar=SWITCH, help="The board is a ChArUco board.")
-    ] = False,
+    charuco: Annotated[bool, switch("--charuco", "The board is a ChArUco board.")] = False,
     camera: Annotated[
         str | None,
-        typer.Option(
-            "--camera",
-            metavar="SOURCE",
-            help="Take the pictures from a live camera: its number or its address.",
+        option(
+            "--camera", "SOURCE", "Take the pictures from a live camera: its number or its address."
         ),
     ] = None,
-    count: Annotated[
-        int,
-        typer.Option(
-            "--count", parser=whole_number, metavar="N", help="How many pictures to take by it."
-        ),
-    ] = 15,
+    count: Annotated[int, integer_option("--count", "N", "How many pictures to take by it.")] = 15,
     keep: Annotated[
-        Path | None,
-        typer.Option("--keep", metavar="FOLDER", help="Folder for the pictures that it takes."),
+        Path | None, option("--keep", "FOLDER", "Folder for the pictures that it takes.")
     ] = None,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FILE", help="The calibration to write.")
-    ] = Path("camera.toml"),
+    out: Annotated[Path, option("--out", "FILE", "The calibration to write.")] = Path(
+        "camera.toml"
+    ),
     as_json: Json = False,
 ) -> None:
     """Calibrate a lens by pictures of a printed board."""

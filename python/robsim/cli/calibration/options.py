@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from robsim._base.text import quoted
-from robsim.cli.text import number
+from robsim.cli.option import number_option, option
 
 if TYPE_CHECKING:
     from robsim._base.report import Report
@@ -21,30 +21,26 @@ _MOST_OF_VIDEO = 40  # pictures; neighbours in a video show the same
 
 Board = Annotated[
     str | None,
-    typer.Option(
+    option(
         "--board",
-        metavar="COLUMNSxROWS",
-        help="Inner corners of the chessboard, or squares of the ChArUco board. Default: 9x6.",
+        "COLUMNSxROWS",
+        "Inner corners of the chessboard, or squares of the ChArUco board. Default: 9x6.",
         show_default=False,
     ),
 ]
 Square = Annotated[
     float | None,
-    typer.Option(
+    number_option(
         "--square",
-        parser=number,
-        metavar="MM",
-        help="Side of a square in mm, as printed: measure it. Default: 25; 28 on a ChArUco board.",
+        "MM",
+        "Side of a square in mm, as printed: measure it. Default: 25; 28 on a ChArUco board.",
         show_default=False,
     ),
 ]
 Mark = Annotated[
     float,
-    typer.Option(
-        "--mark",
-        parser=number,
-        metavar="MM",
-        help="Side of a mark on the floor sheets in mm, as printed: measure it.",
+    number_option(
+        "--mark", "MM", "Side of a mark on the floor sheets in mm, as printed: measure it."
     ),
 ]
 

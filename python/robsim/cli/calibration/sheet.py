@@ -5,11 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors
 from robsim.cli.calibration.options import Board, Square, board_of, check_out
-from robsim.cli.text import number, whole_number
+from robsim.cli.option import integer_option, number_option, option
 
 KINDS = "chessboard", "charuco", "floor"
 EXAMPLE = "Example: robsim calibrate sheet --kind floor --number 1 --out floor-1.pdf"
@@ -22,26 +20,16 @@ HELP = (
 
 
 def sheet(
-    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The PDF file to write.")],
-    kind: Annotated[
-        str, typer.Option("--kind", metavar="KIND", help="chessboard, charuco or floor.")
-    ] = "chessboard",
-    paper: Annotated[
-        str, typer.Option("--paper", metavar="SIZE", help="A4, A3, A2, A1, A0 or letter.")
-    ] = "A4",
+    out: Annotated[Path, option("--out", "FILE", "The PDF file to write.")],
+    kind: Annotated[str, option("--kind", "KIND", "chessboard, charuco or floor.")] = "chessboard",
+    paper: Annotated[str, option("--paper", "SIZE", "A4, A3, A2, A1, A0 or letter.")] = "A4",
     board: Board = None,
     square: Square = None,
     sheet_number: Annotated[
-        int,
-        typer.Option(
-            "--number", parser=whole_number, metavar="N", help="Number of a floor sheet: 1 to 16."
-        ),
+        int, integer_option("--number", "N", "Number of a floor sheet: 1 to 16.")
     ] = 1,
     mark: Annotated[
-        float,
-        typer.Option(
-            "--mark", parser=number, metavar="MM", help="Side of a mark on a floor sheet in mm."
-        ),
+        float, number_option("--mark", "MM", "Side of a mark on a floor sheet in mm.")
     ] = 80.0,
 ) -> None:
     """Write a sheet to print, as PDF at true scale."""

@@ -12,8 +12,8 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.grading.isolation import NOT_STRICT, print_isolation
-from robsim.cli.shared import SWITCH, Jobs, Json, Out
-from robsim.cli.text import whole_number
+from robsim.cli.option import argument, integer_option, option, switch
+from robsim.cli.shared import Jobs, Json, Out
 
 if TYPE_CHECKING:
     from robsim.assignments import Assignment, ClassResult
@@ -36,32 +36,27 @@ _MISSING, _BROKEN = 1, 2  # exit statuses
 
 def grade(
     assignment: Annotated[
-        Path | None,
-        typer.Argument(metavar="ASSIGNMENT", help="The folder of the assignment."),
+        Path | None, argument("ASSIGNMENT", "The folder of the assignment.")
     ] = None,
     submissions: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="SUBMISSIONS",
-            help="A folder with one for each student: a folder, a Python file, a notebook or a "
+        argument(
+            "SUBMISSIONS",
+            "A folder with one for each student: a folder, a Python file, a notebook or a "
             "zip; or a single one.",
         ),
     ] = None,
-    public: Annotated[
-        bool,
-        typer.Option("--public", metavar=SWITCH, help="Only the tests that students have, too."),
-    ] = False,
+    public: Annotated[bool, switch("--public", "Only the tests that students have, too.")] = False,
     only: Annotated[
-        list[str] | None,
-        typer.Option("--only", metavar="TEST", help="Run only this test; may be given twice."),
+        list[str] | None, option("--only", "TEST", "Run only this test; may be given twice.")
     ] = None,
     jobs: Jobs = 1,
     isolation: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--isolation",
-            metavar="LEVEL",
-            help="auto: all that works here; strict: the same, and files, processes, network and "
+            "LEVEL",
+            "auto: all that works here; strict: the same, and files, processes, network and "
             "memory must be closed; process: limits alone; none: a process, and nothing else. "
             "Default: as the assignment says.",
         ),
@@ -69,76 +64,62 @@ def grade(
     out: Out = Path("graded"),
     student: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--student",
-            metavar="NAME",
-            help="Whose it is, for a single submission. Default: the name of its file or folder.",
+            "NAME",
+            "Whose it is, for a single submission. Default: the name of its file or folder.",
         ),
     ] = None,
     columns: Annotated[
         str,
-        typer.Option(
-            "--columns",
-            metavar="PLATFORM",
-            help="Columns of class.csv: robsim, moodle, canvas or blackboard.",
+        option(
+            "--columns", "PLATFORM", "Columns of class.csv: robsim, moodle, canvas or blackboard."
         ),
     ] = "robsim",
     pseudonyms: Annotated[
-        bool,
-        typer.Option(
-            "--pseudonyms", metavar=SWITCH, help="Nobody's name in the files of the class."
-        ),
+        bool, switch("--pseudonyms", "Nobody's name in the files of the class.")
     ] = False,
     gradescope: Annotated[
         Path | None,
-        typer.Option(
+        option(
             "--gradescope",
-            metavar="FILE",
-            help="Write the result of a single submission as Gradescope reads it, results.json. "
+            "FILE",
+            "Write the result of a single submission as Gradescope reads it, results.json. "
             "An autograder: robsim assignment pack.",
         ),
     ] = None,
     regrade: Annotated[
         bool,
-        typer.Option(
+        switch(
             "--regrade",
-            metavar=SWITCH,
-            help="Run nothing: mark the results in --out anew, after limits or points changed.",
+            "Run nothing: mark the results in --out anew, after limits or points changed.",
         ),
     ] = False,
     play: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--play",
-            metavar="TEST",
-            help="For an appeal: do a run of this test again, which is the same, and write its "
+            "TEST",
+            "For an appeal: do a run of this test again, which is the same, and write its "
             "trace and picture.",
         ),
     ] = None,
     gui: Annotated[
         bool,
-        typer.Option(
+        switch(
             "--gui",
-            metavar=SWITCH,
-            help="Also open the run to --play in the panel, in the browser, with the goal of the "
+            "Also open the run to --play in the panel, in the browser, with the goal of the "
             "task; it ends when you close its page, or with Ctrl-C.",
         ),
     ] = False,
     run: Annotated[
         int | None,
-        typer.Option(
-            "--run",
-            parser=whole_number,
-            metavar="N",
-            help="Which run to --play. Default: the worst one in the results.",
-        ),
+        integer_option("--run", "N", "Which run to --play. Default: the worst one in the results."),
     ] = None,
     check_isolation: Annotated[
         bool,
-        typer.Option(
-            "--check-isolation",
-            metavar=SWITCH,
-            help="Let a process try to get out, say what held, and grade nothing.",
+        switch(
+            "--check-isolation", "Let a process try to get out, say what held, and grade nothing."
         ),
     ] = False,
     as_json: Json = False,

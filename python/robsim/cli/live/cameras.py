@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors
-from robsim.cli.shared import SWITCH, Json
+from robsim.cli.option import switch
+from robsim.cli.shared import Json
 
 EXAMPLE = "Example: robsim cameras"
 HELP = "Each with what to give robsim.Camera. None of them is opened."
@@ -16,11 +15,7 @@ HELP = "Each with what to give robsim.Camera. None of them is opened."
 def cameras(
     network: Annotated[
         bool,
-        typer.Option(
-            "--network",
-            metavar=SWITCH,
-            help="Look for GigE Vision cameras on the network, too: that takes 1 s.",
-        ),
+        switch("--network", "Look for GigE Vision cameras on the network, too: that takes 1 s."),
     ] = False,
     as_json: Json = False,
 ) -> None:

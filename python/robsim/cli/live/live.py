@@ -8,11 +8,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors, shared
+from robsim.cli.option import integer_option, number_option, option, switch
 from robsim.cli.outcome import finish
-from robsim.cli.text import about, number, parse_control, parse_size, whole_number
+from robsim.cli.text import about, parse_control, parse_size
 
 # What a robot of unknown strength may be driven with.
 _VOLTAGE = 1.5  # V
@@ -31,71 +30,64 @@ def live(
     folder: shared.Callbacks = None,
     camera: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--camera",
-            metavar="SOURCE",
-            help="Number of a camera, such as 0; address, such as firewire://, "
+            "SOURCE",
+            "Number of a camera, such as 0; address, such as firewire://, "
             "gige://192.168.1.20 or http://camera.local/video.mjpg; video file or folder of "
             "images, played at its own rate; or: simulated.",
         ),
     ] = None,
     motors: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--motors",
-            metavar="LINE",
-            help="Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD; simulated: "
+            "LINE",
+            "Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD; simulated: "
             "that of the simulated lab, its default; none: nothing is sent, the default of all "
             "other cameras.",
         ),
     ] = None,
     check: Annotated[
         bool,
-        typer.Option(
+        switch(
             "--check",
-            metavar=shared.SWITCH,
-            help="Only look, for 3 s, while the robot stands: is the camera good enough? The exit "
+            "Only look, for 3 s, while the robot stands: is the camera good enough? The exit "
             "status is 1 if it is not.",
         ),
     ] = False,
     control: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--control",
-            metavar="NAME[:POINTS]",
-            help="A built-in controller in place of the folder's, as in robsim run.",
+            "NAME[:POINTS]",
+            "A built-in controller in place of the folder's, as in robsim run.",
         ),
     ] = None,
     steps: Annotated[
         int | None,
-        typer.Option(
-            "--steps",
-            parser=whole_number,
-            metavar="N",
-            help="Number of steps. Default: until Ctrl-C, or the end of a file.",
+        integer_option(
+            "--steps", "N", "Number of steps. Default: until Ctrl-C, or the end of a file."
         ),
     ] = None,
     seconds: Annotated[
-        float | None,
-        typer.Option("--seconds", parser=number, metavar="S", help="Duration in s, in its place."),
+        float | None, number_option("--seconds", "S", "Duration in s, in its place.")
     ] = None,
     maximum_voltage: Annotated[
         float,
-        typer.Option(
+        number_option(
             "--max-voltage",
-            parser=number,
-            metavar="V",
-            help=f"Largest voltage of a motor in V. Default: {_VOLTAGE:g}.",
+            "V",
+            f"Largest voltage of a motor in V. Default: {_VOLTAGE:g}.",
             show_default=False,
         ),
     ] = _VOLTAGE,
     slew_rate: Annotated[
         float,
-        typer.Option(
+        number_option(
             "--slew-rate",
-            parser=number,
-            metavar="V/S",
-            help=f"Largest change of a voltage in V/s. Default: {_SLEW_RATE:g}.",
+            "V/S",
+            f"Largest change of a voltage in V/s. Default: {_SLEW_RATE:g}.",
             show_default=False,
         ),
     ] = _SLEW_RATE,
@@ -108,37 +100,30 @@ def live(
     calibration: shared.CalibrationFile = None,
     fps: Annotated[
         float | None,
-        typer.Option(
+        number_option(
             "--fps",
-            parser=number,
-            metavar="RATE",
-            help="Frames per second: asked of a camera by number, on FireWire or on GigE; those of "
+            "RATE",
+            "Frames per second: asked of a camera by number, on FireWire or on GigE; those of "
             "another address, which tells none; a folder is played at that rate.",
         ),
     ] = None,
     every: Annotated[
         int | None,
-        typer.Option(
+        integer_option(
             "--every",
-            parser=whole_number,
-            metavar="N",
-            help="Take only each n-th frame. Default: all, or as many as a step of define_model.py "
-            "has.",
+            "N",
+            "Take only each n-th frame. Default: all, or as many as a step of define_model.py has.",
         ),
     ] = None,
     dt: Annotated[
-        float | None,
-        typer.Option(
-            "--dt", parser=number, metavar="SECONDS", help="1 / RATE, in place of --fps, in s."
-        ),
+        float | None, number_option("--dt", "SECONDS", "1 / RATE, in place of --fps, in s.")
     ] = None,
     frame_timeout: Annotated[
         float | None,
-        typer.Option(
+        number_option(
             "--frame-timeout",
-            parser=number,
-            metavar="SECONDS",
-            help="Without a fresh frame for so long, the robot is stopped. Default: three frames, "
+            "SECONDS",
+            "Without a fresh frame for so long, the robot is stopped. Default: three frames, "
             "at least 0.1 s.",
         ),
     ] = None,
@@ -146,18 +131,14 @@ def live(
     out: shared.Out = Path("robsim-live"),
     record: Annotated[
         bool | None,
-        typer.Option(
+        switch(
             "--record/--no-record",
-            metavar=shared.SWITCH,
-            help="Record frames and inputs in a session in that folder, to be replayed. Default: "
+            "Record frames and inputs in a session in that folder, to be replayed. Default: "
             "yes, but for a file.",
             show_default=False,
         ),
     ] = None,
-    lossless: Annotated[
-        bool,
-        typer.Option("--lossless", metavar=shared.SWITCH, help="Record the frames without loss."),
-    ] = False,
+    lossless: Annotated[bool, switch("--lossless", "Record the frames without loss.")] = False,
     unit: shared.Unit = "px",
     scale: shared.Scale = None,
     as_json: shared.Json = False,

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors
+from robsim.cli.option import integer_option
 from robsim.cli.shared import Json
-from robsim.cli.text import whole_number
 
 EXAMPLE = "Example: robsim bench"
 HELP = (
@@ -21,12 +19,7 @@ _ROUNDS = 25
 def bench(
     rounds: Annotated[
         int,
-        typer.Option(
-            "--rounds",
-            parser=whole_number,
-            metavar="N",
-            help="Number of timings of each case; the median is reported.",
-        ),
+        integer_option("--rounds", "N", "Number of timings of each case; the median is reported."),
     ] = _ROUNDS,
     as_json: Json = False,
 ) -> None:

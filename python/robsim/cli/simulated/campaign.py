@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from robsim.cli import errors
+from robsim.cli.option import argument, integer_option, option
 from robsim.cli.results import check_file, check_folder
 from robsim.cli.shared import Jobs, Json, engine_of
-from robsim.cli.text import whole_number
 
 if TYPE_CHECKING:
     from robsim.campaigns import CampaignResult, CampaignSummary
@@ -28,43 +28,27 @@ HELP = (
 
 
 def campaign(
-    file: Annotated[
-        Path | None, typer.Argument(metavar="FILE", help="The campaign, a TOML file.")
-    ] = None,
+    file: Annotated[Path | None, argument("FILE", "The campaign, a TOML file.")] = None,
     example: Annotated[
-        Path | None,
-        typer.Option("--example", metavar="FILE", help="Write an example to a file, and stop."),
+        Path | None, option("--example", "FILE", "Write an example to a file, and stop.")
     ] = None,
     runs: Annotated[
         int | None,
-        typer.Option(
-            "--runs",
-            parser=whole_number,
-            metavar="N",
-            help="Number of runs of each case. Default: as the file says.",
-        ),
+        integer_option("--runs", "N", "Number of runs of each case. Default: as the file says."),
     ] = None,
     jobs: Jobs = 1,
     store: Annotated[
-        Path | None,
-        typer.Option("--store", metavar="FILE", help="SQLite file that keeps the rows."),
+        Path | None, option("--store", "FILE", "SQLite file that keeps the rows.")
     ] = None,
     by: Annotated[
-        list[str] | None,
-        typer.Option("--by", metavar="OPTION", help="Compare its values; may be given twice."),
+        list[str] | None, option("--by", "OPTION", "Compare its values; may be given twice.")
     ] = None,
-    csv: Annotated[
-        Path | None, typer.Option("--csv", metavar="FILE", help="Write all rows to a CSV file.")
-    ] = None,
+    csv: Annotated[Path | None, option("--csv", "FILE", "Write all rows to a CSV file.")] = None,
     parquet: Annotated[
-        Path | None,
-        typer.Option("--parquet", metavar="FILE", help="Write all rows to a Parquet file."),
+        Path | None, option("--parquet", "FILE", "Write all rows to a Parquet file.")
     ] = None,
     npz: Annotated[
-        Path | None,
-        typer.Option(
-            "--npz", metavar="FOLDER", help="Write a file for each case that numpy reads."
-        ),
+        Path | None, option("--npz", "FOLDER", "Write a file for each case that numpy reads.")
     ] = None,
     as_json: Json = False,
 ) -> None:

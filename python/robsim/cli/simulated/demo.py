@@ -6,11 +6,9 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from robsim.cli import errors
+from robsim.cli.option import integer_option, option
 from robsim.cli.shared import Json
-from robsim.cli.text import whole_number
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -30,18 +28,11 @@ _MINIMUM_STEPS = 50
 
 
 def demo(
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the figures and the trace.")
-    ] = Path("robsim-demo"),
-    steps: Annotated[
-        int,
-        typer.Option(
-            "--steps", metavar="N", parser=whole_number, help="Number of steps, at least 50."
-        ),
-    ] = 1000,
-    seed: Annotated[
-        int, typer.Option("--seed", metavar="N", parser=whole_number, help="Seed of the run.")
-    ] = 2008,
+    out: Annotated[Path, option("--out", "FOLDER", "Folder for the figures and the trace.")] = Path(
+        "robsim-demo"
+    ),
+    steps: Annotated[int, integer_option("--steps", "N", "Number of steps, at least 50.")] = 1000,
+    seed: Annotated[int, integer_option("--seed", "N", "Seed of the run.")] = 2008,
     as_json: Json = False,
 ) -> None:
     """Drive a robot, track it by camera and estimate its parameters."""

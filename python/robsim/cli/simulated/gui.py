@@ -5,12 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from robsim.cli import errors, shared
+from robsim.cli.option import argument, integer_option, option, switch
 from robsim.cli.pages import show_panel
 from robsim.cli.simulated.options import shared_options, simulation_of
-from robsim.cli.text import about, parse_speed, whole_number
+from robsim.cli.text import about, parse_speed
 
 if TYPE_CHECKING:
     from robsim.gui._hosted import HostedPanel
@@ -40,62 +39,57 @@ _CONTROL = "drive-around"
 def gui(
     path: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="PATH",
-            help="Folder with your callbacks, as robsim new writes it; or a trace.npz, the folder "
+        argument(
+            "PATH",
+            "Folder with your callbacks, as robsim new writes it; or a trace.npz, the folder "
             "of a session, a video. For a tool, such as with --train, a picture, too, or a folder "
             "of them.",
         ),
     ] = None,
     robots: Annotated[
         bool,
-        typer.Option(
+        switch(
             "--robots",
-            metavar=shared.SWITCH,
-            help="Define a robot with the mouse: picture, outline, markers, heading, size. At "
+            "Define a robot with the mouse: picture, outline, markers, heading, size. At "
             "first that of --robot, or the default one.",
         ),
     ] = False,
     train: Annotated[
         bool,
-        typer.Option(
+        switch(
             "--train",
-            metavar=shared.SWITCH,
-            help="Train colours, those of --colors FILE (by default colors.toml), which it writes.",
+            "Train colours, those of --colors FILE (by default colors.toml), which it writes.",
         ),
     ] = False,
     calibrate: Annotated[
         bool,
-        typer.Option(
+        switch(
             "--calibrate",
-            metavar=shared.SWITCH,
-            help="Calibrate floor and lens of a camera, in --calibration FILE (by default "
+            "Calibrate floor and lens of a camera, in --calibration FILE (by default "
             "camera.toml), which it writes.",
         ),
     ] = False,
     calibration: Annotated[
         Path | None,
-        typer.Option(
-            "--calibration", metavar="FILE", help="With --calibrate: what is known, and its file."
-        ),
+        option("--calibration", "FILE", "With --calibrate: what is known, and its file."),
     ] = None,
     scenario: shared.ScenarioFile = None,
     task: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--task",
-            metavar="NAME",
-            help="The world of a task, with its goal, for the folder of a solution, whose scores "
+            "NAME",
+            "The world of a task, with its goal, for the folder of a solution, whose scores "
             "it tells at the end; for a trace the goal alone. See robsim tasks list.",
         ),
     ] = None,
     control: shared.Control = None,
     speed: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--speed",
-            metavar="FACTOR",
-            help="Multiple of real time, such as 1; max = as fast as it goes. Default: 5.",
+            "FACTOR",
+            "Multiple of real time, such as 1; max = as fast as it goes. Default: 5.",
         ),
     ] = None,
     robot: shared.Robot = None,
@@ -107,19 +101,15 @@ def gui(
     time_limit: shared.CallLimit = None,
     port: Annotated[
         int,
-        typer.Option(
+        integer_option(
             "--port",
-            parser=whole_number,
-            metavar="N",
-            help="Port of the page on this machine. Default: any that is free.",
+            "N",
+            "Port of the page on this machine. Default: any that is free.",
             show_default=False,
         ),
     ] = 0,
     no_browser: Annotated[
-        bool,
-        typer.Option(
-            "--no-browser", metavar=shared.SWITCH, help="Start no browser, print the address only."
-        ),
+        bool, switch("--no-browser", "Start no browser, print the address only.")
     ] = False,
 ) -> None:
     """Open the panel in the browser."""

@@ -6,9 +6,8 @@ import shlex
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors
+from robsim.cli.option import argument
 
 EXAMPLE = "Example: robsim new mine"
 HELP = (
@@ -18,9 +17,7 @@ HELP = (
 
 
 def new(
-    folder: Annotated[
-        Path, typer.Argument(metavar="FOLDER", help="The folder; created if needed.")
-    ],
+    folder: Annotated[Path, argument("FOLDER", "The folder; created if needed.")],
 ) -> None:
     """Write the default callbacks to a folder."""
     from robsim.simulation._folders.callback_folder import new_folder

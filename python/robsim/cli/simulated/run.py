@@ -5,12 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from robsim.cli import errors, shared
+from robsim.cli.option import integer_option, option, switch
 from robsim.cli.outcome import finish
 from robsim.cli.simulated.options import check_each, given, shared_options, simulation_of
-from robsim.cli.text import about, parse_headings, parse_size, parse_start, whole_number
+from robsim.cli.text import about, parse_headings, parse_size, parse_start
 from robsim.imaging._video import CODECS, LOSSLESS
 
 if TYPE_CHECKING:
@@ -29,82 +28,68 @@ _SUFFIXES = f"{', '.join(CODECS)}; {_LOSSLESS} are lossless."
 def run(
     folder: shared.Callbacks = None,
     scenario: shared.ScenarioFile = None,
-    steps: Annotated[
-        int, typer.Option("--steps", parser=whole_number, metavar="N", help="Number of steps.")
-    ] = 500,
+    steps: Annotated[int, integer_option("--steps", "N", "Number of steps.")] = 500,
     seed: shared.Seed = None,
     start: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--start",
-            metavar="X,Y,DEGREES",
-            help="First position in px and heading in degrees, clockwise from facing right, such "
+            "X,Y,DEGREES",
+            "First position in px and heading in degrees, clockwise from facing right, such "
             "as 300,300,90; or: random. Default: the centre, facing right.",
         ),
     ] = None,
     measure: Annotated[
-        bool,
-        typer.Option(
-            "--measure",
-            metavar=shared.SWITCH,
-            help="Measure the pose by vision, if the folder does not.",
-        ),
+        bool, switch("--measure", "Measure the pose by vision, if the folder does not.")
     ] = False,
     estimate_parameters: Annotated[
-        bool,
-        typer.Option(
-            "--estimate-parameters",
-            metavar=shared.SWITCH,
-            help="Estimate the parameters, if the folder does not.",
-        ),
+        bool, switch("--estimate-parameters", "Estimate the parameters, if the folder does not.")
     ] = False,
     control: shared.Control = None,
     noise: shared.Noise = None,
     dropout: shared.HowHidden = None,
     boundary: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--boundary",
-            metavar="KIND",
-            help="bounce: walls, the default. unlimited: the view follows the robot.",
+            "KIND",
+            "bounce: walls, the default. unlimited: the view follows the robot.",
         ),
     ] = None,
     headings: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--headings",
-            metavar="N",
-            help="Number of headings that the robot is drawn in, or: continuous. Default: 36.",
+            "N",
+            "Number of headings that the robot is drawn in, or: continuous. Default: 36.",
         ),
     ] = None,
     robot: shared.Robot = None,
     markers: Annotated[
         str | None,
-        typer.Option(
+        option(
             "--markers",
-            metavar="NAME|FOLDER",
-            help="Robot whose markers vision looks for. Default: those of the robot.",
+            "NAME|FOLDER",
+            "Robot whose markers vision looks for. Default: those of the robot.",
         ),
     ] = None,
     colors: shared.Colors = None,
     smoothing: shared.Smoothing = None,
     area: shared.WorkArea = None,
     resolution: Annotated[
-        str | None,
-        typer.Option("--resolution", metavar="WxH", help="Frame size in px. Default: the area."),
+        str | None, option("--resolution", "WxH", "Frame size in px. Default: the area.")
     ] = None,
     time_limit: shared.CallLimit = None,
     out: shared.Out = Path("robsim-run"),
     video: Annotated[
-        Path | None,
-        typer.Option("--video", metavar="FILE", help=f"Video of the run: {_SUFFIXES}"),
+        Path | None, option("--video", "FILE", f"Video of the run: {_SUFFIXES}")
     ] = None,
     record: Annotated[
         Path | None,
-        typer.Option(
+        option(
             "--record",
-            metavar="FILE",
-            help="Video of the camera's frames, as the robot's software gets them: "
+            "FILE",
+            "Video of the camera's frames, as the robot's software gets them: "
             f"{_LOSSLESS} for measurements.",
         ),
     ] = None,

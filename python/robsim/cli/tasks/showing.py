@@ -6,9 +6,8 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from robsim.cli import errors
+from robsim.cli.option import argument, option
 
 SHOW_EXAMPLE = "Example: robsim tasks show park --to parking"
 SHOW_HELP = (
@@ -18,10 +17,7 @@ SHOW_HELP = (
 )
 
 Name = Annotated[
-    str,
-    typer.Argument(
-        metavar="TASK", help="Name of the task, as of robsim tasks list.", show_default=False
-    ),
+    str, argument("TASK", "Name of the task, as of robsim tasks list.", show_default=False)
 ]
 
 
@@ -37,10 +33,8 @@ def show(
     name: Name,
     to: Annotated[
         Path | None,
-        typer.Option(
-            "--to",
-            metavar="FOLDER",
-            help="Write the sheet and files to start from there; created if needed.",
+        option(
+            "--to", "FOLDER", "Write the sheet and files to start from there; created if needed."
         ),
     ] = None,
 ) -> None:

@@ -9,9 +9,9 @@ import typer
 
 from robsim._base.text import one_line
 from robsim.cli import errors
+from robsim.cli.option import argument, integer_option, number_option, option
 from robsim.cli.shared import Json
 from robsim.cli.tasks.showing import Name
-from robsim.cli.text import number, whole_number
 
 EXAMPLE = "Example: robsim tasks try park parking --figure park.png"
 HELP = (
@@ -26,38 +26,22 @@ def try_solution(
     name: Name,
     path: Annotated[
         Path,
-        typer.Argument(
-            metavar="FILE|FOLDER",
-            help="A folder with the callbacks, or the file of one.",
-            show_default=False,
+        argument(
+            "FILE|FOLDER", "A folder with the callbacks, or the file of one.", show_default=False
         ),
     ],
     runs: Annotated[
-        int | None,
-        typer.Option(
-            "--runs", parser=whole_number, metavar="N", help="Number of runs. Default: the task's."
-        ),
+        int | None, integer_option("--runs", "N", "Number of runs. Default: the task's.")
     ] = None,
-    seed: Annotated[
-        int,
-        typer.Option(
-            "--seed", parser=whole_number, metavar="N", help="Another number: other runs."
-        ),
-    ] = 1,
+    seed: Annotated[int, integer_option("--seed", "N", "Another number: other runs.")] = 1,
     time_limit: Annotated[
         float | None,
-        typer.Option(
-            "--time-limit",
-            parser=number,
-            metavar="SECONDS",
-            help="Longest duration of a call of a callback. Default: none.",
+        number_option(
+            "--time-limit", "SECONDS", "Longest duration of a call of a callback. Default: none."
         ),
     ] = None,
     figure: Annotated[
-        Path | None,
-        typer.Option(
-            "--figure", metavar="FILE", help="Draw the worst run there: a PNG, PDF or SVG file."
-        ),
+        Path | None, option("--figure", "FILE", "Draw the worst run there: a PNG, PDF or SVG file.")
     ] = None,
     as_json: Json = False,
 ) -> None:
