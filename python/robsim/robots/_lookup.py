@@ -84,8 +84,6 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
         if folder is None:
             raise missing_robot_error(name)
         return read_robot(folder)
-    if not isinstance(robot, (str, PathLike)):
-        raise TypeError(f"robot must be a name or a folder, got {quoted(robot)}")
     folder = find_folder(robot)
     if folder is None and (Path(robot) / TOML).is_file():
         folder = Path(robot)
