@@ -7,14 +7,12 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import typer
-
 from robsim._base.checks import Floats, check_float
 from robsim._base.geometry.polygons import area_and_centroid, mask
 from robsim._base.text import quoted
 from robsim._core import ColorClass, classify, find_blobs
 from robsim.cli import color_training, errors
-from robsim.cli.command import Command
+from robsim.cli.command import Command, command_group
 from robsim.cli.option import argument, integer_option, number_option, option
 from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
 from robsim.cli.text import about, parse_noise, parse_point, parse_region
@@ -28,11 +26,7 @@ HELP = (
     "A colour class is a name with ranges of Y (brightness), U and V; a colour file contains "
     "several. Most commands accept one: --colors FILE."
 )
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    epilog="Start with: robsim colors frame",
-)
+app = command_group("Start with: robsim colors frame")
 
 _MINIMUM_INSIDE = 0.8  # fraction of a region that must lie in the marker
 

@@ -72,6 +72,11 @@ class Later(TyperCommand):
         return self.loaded().make_context(*args, **extra)
 
 
+def command_group(epilog: str) -> typer.Typer:
+    """Return a group for commands, without any as yet."""
+    return typer.Typer(no_args_is_help=True, rich_markup_mode="rich", epilog=epilog)
+
+
 def _without_types(params: list[Any]) -> list[Any]:
     """Return parameters that show no type of Python in --help, such as <bool> of --help itself."""
     for param in params:

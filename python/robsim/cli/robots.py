@@ -6,11 +6,9 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from robsim._base.text import one_line, quoted
 from robsim.cli import errors
-from robsim.cli.command import Command
+from robsim.cli.command import Command, command_group
 from robsim.cli.option import argument, number_option, option, switch
 from robsim.cli.text import number, parse_point, parse_points
 
@@ -22,11 +20,7 @@ HELP = (
     "size and an alignment. Some ship with robsim; yours are stored in your user folder, or in "
     "$ROBSIM_DATA."
 )
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    epilog="Start with: robsim robots list",
-)
+app = command_group("Start with: robsim robots list")
 
 Name = Annotated[str, argument("NAME", "Name of the robot.", show_default=False)]
 Colors = Annotated[

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import typer
-
 from robsim.cli.assignment import calibrate, check, new, pack
-from robsim.cli.command import Command
+from robsim.cli.command import Command, command_group
 
 HELP = (
     "In this order: new writes a folder, whose assignment.toml and sheet.md are yours to edit; "
@@ -13,11 +11,7 @@ HELP = (
     "right or wrong, before you rely on it; pack writes what students get, and an autograder for "
     "Gradescope."
 )
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    epilog="Start with: robsim assignment new park hw1",
-)
+app = command_group("Start with: robsim assignment new park hw1")
 app.command(cls=Command, help=new.HELP, epilog=new.EXAMPLE)(new.new)
 app.command(cls=Command, help=calibrate.HELP, epilog=calibrate.EXAMPLE)(calibrate.calibrate)
 app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import typer
-
 from robsim.cli.calibration import check, floor, lens, sheet
-from robsim.cli.command import Command
+from robsim.cli.command import Command, command_group
 
 HELP = (
     "In this order: print a board (sheet), hold it in front of the camera (lens), lay floor sheets "
@@ -13,11 +11,7 @@ HELP = (
     "robsim track and robsim.Camera. Lock zoom and focus first; after the floor, do not move the "
     "camera."
 )
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    epilog="Start with: robsim calibrate sheet --kind chessboard --out board.pdf",
-)
+app = command_group("Start with: robsim calibrate sheet --kind chessboard --out board.pdf")
 app.command(cls=Command, help=sheet.HELP, epilog=sheet.EXAMPLE)(sheet.sheet)
 app.command(cls=Command, help=lens.HELP, epilog=lens.EXAMPLE)(lens.lens)
 app.command(cls=Command, help=floor.HELP, epilog=floor.EXAMPLE)(floor.floor)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import typer
-
-from robsim.cli.command import Command
+from robsim.cli.command import Command, command_group
 from robsim.cli.tasks import showing, trying
 
 HELP = (
@@ -12,11 +10,7 @@ HELP = (
     "to get its sheet and files to start from; edit them, and try them as often as you like: they "
     "are run beside a reference, in the same runs."
 )
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    epilog="Start with: robsim tasks list",
-)
+app = command_group("Start with: robsim tasks list")
 app.command("list", cls=Command, epilog="Example: robsim tasks list")(showing.list_tasks)
 app.command(cls=Command, help=showing.SHOW_HELP, epilog=showing.SHOW_EXAMPLE)(showing.show)
 app.command("try", cls=Command, help=trying.HELP, epilog=trying.EXAMPLE)(trying.try_solution)
