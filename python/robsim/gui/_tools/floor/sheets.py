@@ -28,7 +28,7 @@ class SeenSheets:
     size : tuple of int
         That of the picture (px).
     mark : float
-        Side of a mark (mm).
+        Side of a mark by which their corners are told (mm).
     corners : mapping of int to Corners
         By the number of the sheet.
     places : mapping of int to tuple of float
@@ -61,25 +61,6 @@ class SeenSheets:
         )
 
 
-@dataclass(frozen=True)
-class FoundSheets:
-    """The sheets that were found in a picture.
-
-    Attributes
-    ----------
-    size : tuple of int
-        That of the picture (px).
-    mark : float
-        Side of a mark by which their corners are told (mm).
-    corners : mapping of int to Corners
-        By the number of the sheet.
-    """
-
-    size: tuple[int, int]
-    mark: float
-    corners: dict[int, Corners] = field(repr=False)
-
-
 class FloorSheets:
     """The sheets that were found last, and what was measured of them."""
 
@@ -89,11 +70,11 @@ class FloorSheets:
     def task(self) -> SeenSheets:
         return self._seen
 
-    def looking(self, image: Pixels) -> Callable[[], FoundSheets | str]:
+    def looking(self, image: Pixels) -> Callable[[], SeenSheets | str]:
         """Return what finds the sheets in a picture, or says why there are none; any thread."""
         mark = self._seen.mark
 
-        def find() -> FoundSheets | str:
+        def find() -> SeenSheets | str:
             try:
                 corners = find_sheets(image, mark)
             except ImportError as error:
@@ -103,11 +84,11 @@ class FloorSheets:
                     "there is no floor sheet in the picture: are its marks 15 px wide at least, "
                     "sharp, and not hidden?"
                 )
-            return FoundSheets(frame_size(image), mark, corners)
+            return SeenSheets(frame_size(image), mark, corners)
 
         return find
 
-    def take(self, found: FoundSheets) -> None:
+    def take(self, found: SeenSheets) -> None:
         """Take the sheets of a picture; their marks may have been given another side since."""
         mark = self._seen.mark
         corners = _all_resized(found.corners, found.mark, mark)

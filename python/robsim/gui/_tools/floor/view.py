@@ -23,7 +23,7 @@ from robsim.gui._tools.floor.fitting import fit_of, fitted, grid_of, on_work_are
 from robsim.gui._tools.floor.lens import LensPictures
 from robsim.gui._tools.floor.messages import MESSAGES
 from robsim.gui._tools.floor.points import MOST, FloorDraft, FloorPoints, checked_pixel
-from robsim.gui._tools.floor.sheets import FloorSheets, FoundSheets
+from robsim.gui._tools.floor.sheets import FloorSheets, SeenSheets
 from robsim.gui._tools.pictures import Pictures
 from robsim.gui._tools.tool import Acts, T, ToolView
 from robsim.imaging import Calibration, load_calibration, save_calibration
@@ -420,7 +420,7 @@ class FloorView(ToolView):
         if self._finding.is_busy:
             raise ValueError("the picture before is still looked at")
 
-        def take(found: FoundSheets | str | None) -> None:
+        def take(found: SeenSheets | str | None) -> None:
             self.way = "sheets"
             if isinstance(found, str):
                 self.note(found)
