@@ -148,14 +148,7 @@ def _described(result: Any) -> str:
     return text if len(text) <= 40 else f"a {type(result).__name__}"
 
 
-STATE = Slot(
-    entry=_state_entry,
-    callback=lambda estimator: estimator,
-    read=_read_state,
-    simulate=_replay_state,
-    file="estimate_state",
-    from_file=lambda callback: callback,
-)
+STATE = Slot(entry=_state_entry, read=_read_state, simulate=_replay_state, file="estimate_state")
 PARAMETERS = Slot(
     entry=_parameter_entry,
     callback=_parameter_callback,

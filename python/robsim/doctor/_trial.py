@@ -53,8 +53,6 @@ class Slot:
     entry : callable
         ``entry(estimator) -> function``: its function that is called; raises BadResult if it has
         none.
-    callback : callable
-        ``callback(estimator) -> (step) -> result``: the callback for the simulation.
     read : callable
         ``read(result, previous) -> array``: a result as numbers, given those of the last step or
         None; raises BadResult.
@@ -62,6 +60,8 @@ class Slot:
         ``simulate(situation, callback) -> Simulation or Experiment``.
     file : str
         The slot whose file in a callback folder has the estimator.
+    callback : callable
+        ``callback(estimator) -> (step) -> result``: the callback for the simulation.
     from_file : callable
         ``from_file(callback) -> estimator``: what that file gives.
     noun : str
@@ -71,10 +71,10 @@ class Slot:
     """
 
     entry: Callable[[Any], Callable[..., Any]]
-    callback: Callable[[Any], Callable[[Step], Any]]
     read: Callable[[Any, Floats | None], Floats]
     simulate: Callable[[Situation, Callable[[Step], Any]], Runner]
     file: str
+    callback: Callable[[Any], Callable[[Step], Any]] = lambda estimator: estimator
     from_file: Callable[[Any], Any] = lambda callback: callback
     noun: str = "estimator"
     may_print: bool = False

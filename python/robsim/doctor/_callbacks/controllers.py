@@ -21,13 +21,13 @@ from robsim.doctor._callbacks.scenes import (
     model_parameters,
     simulate,
 )
-from robsim.doctor._callbacks.slot_entry import entry_of
+from robsim.doctor._callbacks.slot_entry import under_test
 from robsim.doctor._callbacks.steering import steering_findings
 from robsim.doctor._errors import problem_of
 from robsim.doctor._reproducibility import replay_problem, together_problem
 from robsim.doctor._run_checks import BUDGET, run_checks
 from robsim.doctor._situations import Situation
-from robsim.doctor._trial import BadResult, EstimatorUnderTest, Slot, Trial
+from robsim.doctor._trial import BadResult, EstimatorUnderTest, Trial
 from robsim.simulation import Simulation
 from robsim.simulation._slots import RobotSlots
 
@@ -105,15 +105,8 @@ def controller_report(
     budget: float = BUDGET,
 ) -> CheckReport:
     """Check a controller in a setting; the other arguments are those of `check_controller`."""
-    slot = Slot(
-        entry=partial(entry_of, RobotSlots.control),
-        callback=lambda controller: controller,
-        read=read_input,
-        simulate=partial(_simulate, has_estimate=has_estimate, has_parameters=has_parameters),
-        file=RobotSlots.control.name,
-        noun="controller",
-        may_print=True,
-    )
+    simulated = partial(_simulate, has_estimate=has_estimate, has_parameters=has_parameters)
+    slot = under_test(RobotSlots.control, "controller", read_input, simulated)
     return run_checks(make, slot, budget, partial(_checks, setting=setting))
 
 

@@ -23,12 +23,12 @@ from robsim.doctor._callbacks.scenes import (
     scripted,
     simulate,
 )
-from robsim.doctor._callbacks.slot_entry import entry_of
+from robsim.doctor._callbacks.slot_entry import under_test
 from robsim.doctor._errors import problem_of
 from robsim.doctor._reproducibility import replay_problem, together_problem
 from robsim.doctor._run_checks import run_checks
 from robsim.doctor._situations import DT, Situation
-from robsim.doctor._trial import BadResult, EstimatorUnderTest, Slot, Trial
+from robsim.doctor._trial import BadResult, EstimatorUnderTest, Trial
 from robsim.imaging._images import Pixels
 from robsim.imaging._noise import GaussianNoise
 from robsim.robots import RobotDefinition
@@ -117,15 +117,7 @@ def measurement_report(
     budget: float = DT,
 ) -> CheckReport:
     """Check a measurement in a setting; the other arguments are those of `check_measurement`."""
-    slot = Slot(
-        entry=partial(entry_of, RobotSlots.measure),
-        callback=lambda measure: measure,
-        read=read_pose,
-        simulate=_simulate,
-        file=_SLOT,
-        noun="measurement",
-        may_print=True,
-    )
+    slot = under_test(RobotSlots.measure, "measurement", read_pose, _simulate)
     checks = partial(_checks, setting=setting, background=background)
     return run_checks(make, slot, budget, checks)
 

@@ -8,11 +8,10 @@ from typing import Any
 
 from robsim._base.check_report import CheckReport, Problem
 from robsim._base.source_line import line_of_error
-from robsim.doctor._callbacks.slot_entry import entry_of
+from robsim.doctor._callbacks.slot_entry import under_test
 from robsim.doctor._errors import explained
 from robsim.doctor._run_checks import BUDGET, run_checks
 from robsim.doctor._trial import TIME_LIMIT, BadResult, CallClock, EstimatorUnderTest
-from robsim.doctor._trial import Slot as UnderTest
 from robsim.simulation._callbacks.slot import Slot
 from robsim.simulation._time_limit import TimeLimit
 
@@ -92,16 +91,7 @@ def check_calls(
         else:
             yield from calls.slowness()
 
-    under_test = UnderTest(
-        entry=lambda callback: entry_of(slot, callback),
-        callback=lambda callback: callback,
-        read=_unused,
-        simulate=_unused,
-        file=slot.name,
-        noun="callback",
-        may_print=True,
-    )
-    return run_checks(make, under_test, budget, run)
+    return run_checks(make, under_test(slot, "callback", _unused, _unused), budget, run)
 
 
 def _unused(*arguments: Any) -> Any:

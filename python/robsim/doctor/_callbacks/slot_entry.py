@@ -1,17 +1,33 @@
-"""What is told of a callback that its slot would refuse."""
+"""How a callback is checked, and what is told of one that its slot would refuse."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from robsim._base.text import quoted
 from robsim.doctor._trial import BadResult
+from robsim.doctor._trial import Slot as UnderTest
 from robsim.simulation._callbacks.checks import check_callback
 from robsim.simulation._callbacks.slot import Slot
 
 
-def entry_of(slot: Slot[Any], callback: Any) -> Callable[..., Any]:
+def under_test(
+    slot: Slot[Any], noun: str, read: Callable[..., Any], simulate: Callable[..., Any]
+) -> UnderTest:
+    """Return how the callback of a slot is checked; the arguments are as of `UnderTest`."""
+    return UnderTest(
+        entry=partial(_entry, slot),
+        read=read,
+        simulate=simulate,
+        file=slot.name,
+        noun=noun,
+        may_print=True,
+    )
+
+
+def _entry(slot: Slot[Any], callback: Any) -> Callable[..., Any]:
     """Return a callback; raises BadResult if its slot would refuse it.
 
     Parameters
