@@ -156,6 +156,13 @@ class ToolView(View):
     # What is shown.
 
     @property
+    def shown(self) -> Picture:
+        """The picture that is shown; ValueError if there is none yet."""
+        if self.picture is None:
+            raise ValueError("there is no picture yet")
+        return self.picture
+
+    @property
     def is_replaced(self) -> bool:
         return self.source is not self._own
 

@@ -165,9 +165,7 @@ class ColorsView(ToolView):
         return file
 
     def _train(self, region: Region, keep: int) -> ColorClass:
-        if self.picture is None:
-            raise ValueError("there is no picture yet")
-        name, picture = self._chosen, self.picture
+        name, picture = self._chosen, self.shown
         image = picture.frame.image
         color_histograms(image, region)  # refuses what is no region of it
         self._region = region

@@ -160,9 +160,7 @@ class LensPictures:
 
     def take_now(self) -> int:
         """Take the picture that is shown, and wait for it; return how many corners it shows."""
-        picture = self._view.picture
-        if picture is None:
-            raise ValueError("there is no picture yet")
+        picture = self._view.shown
         self._refuse_more()
         found = self.board.find(picture.frame.image)
         if found is None:
@@ -184,9 +182,7 @@ class LensPictures:
 
     def take(self) -> None:
         """Take the picture that is shown."""
-        picture = self._view.picture
-        if picture is None:
-            raise ValueError("there is no picture yet")
+        picture = self._view.shown
         self._refuse_more()
         if self._finding.is_busy:
             self._asked = picture  # it comes next

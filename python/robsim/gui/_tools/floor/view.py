@@ -160,8 +160,7 @@ class FloorView(ToolView):
         return draw
 
     def changed_picture(self) -> None:
-        assert self.picture is not None
-        self._frames = frame_size(self.picture.frame.image)
+        self._frames = frame_size(self.shown.frame.image)
         self.lens.changed_picture()
 
     def close(self, timeout: float = 5.0) -> bool:
@@ -225,8 +224,7 @@ class FloorView(ToolView):
     def _grid_places(self, floor: PlaneMap, step: float) -> list[tuple[Pixel, Pixel]]:
         """Return where a grid (mm) is in the picture, and on the floor, without its points."""
         draft = self.points.draft
-        assert self.picture is not None
-        width, height = frame_size(self.picture.frame.image)
+        width, height = frame_size(self.shown.frame.image)
         columns, rows = (int(side * draft.mm_per_px / step) + 1 for side in draft.area)
         places = [(column * step, row * step) for row in range(rows) for column in range(columns)]
         pixels = floor.to_pixel(np.array(places) / draft.mm_per_px).tolist()
@@ -300,9 +298,8 @@ class FloorView(ToolView):
         if not draft.points and self.base is not None:
             return on_work_area(self.base, draft)
         found = self.fit_report().calibration
-        assert self.picture is not None
+        image = self.shown.frame.image
         try:
-            image = self.picture.frame.image
             return fitted(draft, self.base, found.size, image).calibration
         except ImportError:  # floor sheets are not kept in mind
             return found
@@ -415,8 +412,7 @@ class FloorView(ToolView):
             raise ValueError("there is no such setting")
 
     def _find_sheets(self) -> None:
-        if self.picture is None:
-            raise ValueError("there is no picture yet")
+        image = self.shown.frame.image
         if self._finding.is_busy:
             raise ValueError("the picture before is still looked at")
 
@@ -428,14 +424,12 @@ class FloorView(ToolView):
                 self.sheets.take(found)
             self.tell_state()
 
-        self._finding.begin(self.sheets.looking(self.picture.frame.image), take)
+        self._finding.begin(self.sheets.looking(image), take)
         self.tell_state()
 
     def find_sheets(self) -> None:
         """Find the sheets in the picture, and let the floor be fitted by them."""
-        if self.picture is None:
-            raise ValueError("there is no picture yet")
-        found = self.sheets.looking(self.picture.frame.image)()
+        found = self.sheets.looking(self.shown.frame.image)()
         if isinstance(found, str):
             raise ValueError(found)
         self.sheets.take(found)

@@ -273,9 +273,7 @@ class RobotsView(ToolView):
         self.drawing.put(part, guessed(self.drawing.sketch, part, self._colors))
 
     def _put_square(self, at: tuple[float, float], side: float) -> None:
-        if self.picture is None:
-            raise ValueError("there is no picture yet")
-        height, width = self.picture.frame.image.shape[:2]
+        height, width = self.shown.frame.image.shape[:2]
         side = check_float("side", min(side, width, height), "px", minimum=_SMALLEST)
         u = min(max(at[0], side / 2), width - side / 2)
         v = min(max(at[1], side / 2), height - side / 2)
