@@ -219,7 +219,7 @@ class _Samples:
             frames=np.array(self._frames),
             medians=medians,
             margins=np.array([_margin(color, one) for one in medians]),
-            shares=np.array([_share(color, one) for one in self._histograms]),
+            shares=np.array([share_in_class(color, one) for one in self._histograms]),
             histograms=np.sum(self._histograms, axis=0),
             missed=len(left_out),
         )
@@ -286,7 +286,7 @@ def _margin(color: ColorClass, medians: NDArray[np.float64]) -> float:
     return float(min(inside, default=255.0))
 
 
-def _share(color: ColorClass, histograms: NDArray[np.int64]) -> float:
+def share_in_class(color: ColorClass, histograms: NDArray[np.int64]) -> float:
     """Return the share of pixels in a class, by the channel that takes fewest."""
     taken = [
         counts[lower : upper + 1].sum()

@@ -13,7 +13,7 @@ from robsim._base.checks import Floats
 from robsim._base.text import quoted
 from robsim._core import ColorClass, color_histograms
 from robsim.imaging._images import Pixels
-from robsim.vision._training import chroma_around
+from robsim.vision._training import chroma_around, share_in_class
 
 Region = tuple[int, int, int, int]
 Counts = NDArray[np.int64]
@@ -55,11 +55,7 @@ class Sample:
 
     def share_in(self, color: ColorClass) -> float:
         """Return the share of its pixels that a class takes, by the channel that takes fewest."""
-        taken = [
-            counts[low : high + 1].sum()
-            for counts, (low, high) in zip(self.histograms, ranges_of(color), strict=True)
-        ]
-        return float(min(taken) / self.histograms[0].sum())
+        return share_in_class(color, self.histograms)
 
 
 @dataclass
