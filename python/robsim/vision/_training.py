@@ -213,7 +213,7 @@ class _Samples:
                 f"frames must show {self._options['name']}, got none that does: {left_out[0]}"
             )
         color = _widest(self._classes)
-        medians = np.array([_medians(one) for one in self._histograms])
+        medians = np.array([medians_of(one) for one in self._histograms])
         return TrainedColor(
             color=color,
             frames=np.array(self._frames),
@@ -272,9 +272,10 @@ def _widest(classes: Sequence[ColorClass]) -> ColorClass:
     return ColorClass(classes[0].name, **ranges)
 
 
-def _medians(histograms: NDArray[np.int64]) -> list[float]:
+def medians_of(histograms: NDArray[np.int64]) -> Floats:
+    """Return the medians of Y, U and V of pixels."""
     parts = np.cumsum(histograms, axis=1) / histograms.sum(axis=1, keepdims=True)
-    return [float(np.searchsorted(part, 0.5)) for part in parts]
+    return np.asarray((parts < 0.5).sum(axis=1), float)
 
 
 def _margin(color: ColorClass, medians: NDArray[np.float64]) -> float:

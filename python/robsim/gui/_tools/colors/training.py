@@ -13,14 +13,13 @@ from robsim._base.checks import Floats
 from robsim._base.text import quoted
 from robsim._core import ColorClass, color_histograms
 from robsim.imaging._images import Pixels
-from robsim.vision._training import chroma_around, share_in_class
+from robsim.vision._training import chroma_around, medians_of, share_in_class
 
 Region = tuple[int, int, int, int]
 Counts = NDArray[np.int64]
 
 _MOST_CLASSES = 32  # as many as `find_blobs` takes
 _MOST_SAMPLES = 100  # of a class
-_HALF = 0.5
 OPTIONS = ("percentile", "margin", "limit_y")
 _ONE_PIXEL = np.eye(1, 256, 128, dtype=np.int64).repeat(3, axis=0)
 
@@ -49,9 +48,7 @@ class Sample:
     @property
     def medians(self) -> Floats:
         """Medians of Y, U and V."""
-        parts = np.cumsum(self.histograms, axis=1) / self.histograms.sum(axis=1, keepdims=True)
-        found: Floats = (parts < _HALF).sum(axis=1).astype(float)
-        return found
+        return medians_of(self.histograms)
 
     def share_in(self, color: ColorClass) -> float:
         """Return the share of its pixels that a class takes, by the channel that takes fewest."""
