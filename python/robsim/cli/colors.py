@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
+
 from robsim._base.checks import Floats, check_float
 from robsim._base.geometry.polygons import area_and_centroid, mask
 from robsim._base.text import quoted
