@@ -18,92 +18,53 @@ if _TYPE_CHECKING:
     from robsim import doctor as doctor
     from robsim import plotting as plotting
     from robsim import reference as reference
-    from robsim._core import wrap_angle
-    from robsim.campaigns import campaign
-    from robsim.capture import Camera
-    from robsim.control import DriveAround, FollowPath, GoToPoint, Replay, Spin, score_path
-    from robsim.doctor import check_estimator, check_parameter_estimator
-    from robsim.evaluation import pose_consistency, pose_errors
-    from robsim.gui import panel
-    from robsim.identification import RecursiveLeastSquares, batch_estimate, identifiability
-    from robsim.imaging import Frame, GaussianNoise, Recording, UniformNoise
-    from robsim.plotting import (
-        play,
-        plot_batch,
-        plot_errors,
-        plot_frame,
-        plot_parameters,
-        plot_traces,
-    )
-    from robsim.robots import load_robot
-    from robsim.simulation import (
-        Dropout,
-        Estimate,
-        Experiment,
-        Observation,
-        ParameterMismatch,
-        PoseNoise,
-        RobotModel,
-        RobotParameters,
-        Scenario,
-        Simulation,
-        Step,
-        Unicycle,
-        WheelNoise,
-    )
-    from robsim.trace import Trace
-    from robsim.vision import ColorClass, Measurement, find_blobs, load_colors, locate
-
-__all__ = [
-    "Camera",
-    "ColorClass",
-    "DriveAround",
-    "Dropout",
-    "Estimate",
-    "Experiment",
-    "FollowPath",
-    "Frame",
-    "GaussianNoise",
-    "GoToPoint",
-    "Measurement",
-    "Observation",
-    "ParameterMismatch",
-    "PoseNoise",
-    "Recording",
-    "RecursiveLeastSquares",
-    "Replay",
-    "RobotModel",
-    "RobotParameters",
-    "Scenario",
-    "Simulation",
-    "Spin",
-    "Step",
-    "Trace",
-    "Unicycle",
-    "UniformNoise",
-    "WheelNoise",
-    "__version__",
-    "batch_estimate",
-    "campaign",
-    "check_estimator",
-    "check_parameter_estimator",
-    "find_blobs",
-    "identifiability",
-    "load_colors",
-    "load_robot",
-    "locate",
-    "panel",
-    "play",
-    "plot_batch",
-    "plot_errors",
-    "plot_frame",
-    "plot_parameters",
-    "plot_traces",
-    "pose_consistency",
-    "pose_errors",
-    "score_path",
-    "wrap_angle",
-]
+    from robsim._core import wrap_angle as wrap_angle
+    from robsim.campaigns import campaign as campaign
+    from robsim.capture import Camera as Camera
+    from robsim.control import DriveAround as DriveAround
+    from robsim.control import FollowPath as FollowPath
+    from robsim.control import GoToPoint as GoToPoint
+    from robsim.control import Replay as Replay
+    from robsim.control import Spin as Spin
+    from robsim.control import score_path as score_path
+    from robsim.doctor import check_estimator as check_estimator
+    from robsim.doctor import check_parameter_estimator as check_parameter_estimator
+    from robsim.evaluation import pose_consistency as pose_consistency
+    from robsim.evaluation import pose_errors as pose_errors
+    from robsim.gui import panel as panel
+    from robsim.identification import RecursiveLeastSquares as RecursiveLeastSquares
+    from robsim.identification import batch_estimate as batch_estimate
+    from robsim.identification import identifiability as identifiability
+    from robsim.imaging import Frame as Frame
+    from robsim.imaging import GaussianNoise as GaussianNoise
+    from robsim.imaging import Recording as Recording
+    from robsim.imaging import UniformNoise as UniformNoise
+    from robsim.plotting import play as play
+    from robsim.plotting import plot_batch as plot_batch
+    from robsim.plotting import plot_errors as plot_errors
+    from robsim.plotting import plot_frame as plot_frame
+    from robsim.plotting import plot_parameters as plot_parameters
+    from robsim.plotting import plot_traces as plot_traces
+    from robsim.robots import load_robot as load_robot
+    from robsim.simulation import Dropout as Dropout
+    from robsim.simulation import Estimate as Estimate
+    from robsim.simulation import Experiment as Experiment
+    from robsim.simulation import Observation as Observation
+    from robsim.simulation import ParameterMismatch as ParameterMismatch
+    from robsim.simulation import PoseNoise as PoseNoise
+    from robsim.simulation import RobotModel as RobotModel
+    from robsim.simulation import RobotParameters as RobotParameters
+    from robsim.simulation import Scenario as Scenario
+    from robsim.simulation import Simulation as Simulation
+    from robsim.simulation import Step as Step
+    from robsim.simulation import Unicycle as Unicycle
+    from robsim.simulation import WheelNoise as WheelNoise
+    from robsim.trace import Trace as Trace
+    from robsim.vision import ColorClass as ColorClass
+    from robsim.vision import Measurement as Measurement
+    from robsim.vision import find_blobs as find_blobs
+    from robsim.vision import load_colors as load_colors
+    from robsim.vision import locate as locate
 
 #: Everything is loaded when it is asked for, so that `import robsim` takes no time: the rooms, and
 #: the names of each that are here, too.
@@ -133,6 +94,7 @@ _ROOMS = {
     "vision": "ColorClass Measurement find_blobs load_colors locate",
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names.split()}
+__all__ = sorted([*_HOMES, "__version__", "wrap_angle"])
 
 #: Rooms import one another: two threads that began with different ones would see halves of them.
 _loading = _RLock()

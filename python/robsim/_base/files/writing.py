@@ -54,23 +54,9 @@ def hidden_path(folder: Path, suffix: str = "") -> Path:
 
 
 class PartialFile:
-    """A hidden file that is written by anybody, by its path, and then takes the place of a file.
+    """A hidden file that is written, by its `path` or `descriptor`, and then takes a file's place.
 
-    A process that is killed leaves it behind.
-
-    Parameters
-    ----------
-    file : Path
-        The file whose place it takes, see `write_whole`.
-    suffix : str
-        Suffix of the hidden file, of 1 to 8 letters, for writers that go by it.
-
-    Attributes
-    ----------
-    path : Path
-        The hidden file.
-    descriptor : int
-        The hidden file, open.
+    See `write_whole`; the suffix is for writers that go by it. A killed process leaves it behind.
     """
 
     def __init__(self, file: Path, *, suffix: str = "") -> None:

@@ -66,7 +66,6 @@ class Sheet:
         return y
 
     def length(self, line: str, kind: str = "regular", size: float = 12) -> float:
-        """Return how long a line is."""
         return _font(kind, size).getlength(line) / _TIMES
 
     def rows(self, text: str, width: float) -> list[str]:
