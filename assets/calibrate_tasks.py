@@ -1,4 +1,4 @@
-"""Calibrates the limits of the tasks that ship with robsim: python/robsim/tasks/limits.json.
+"""Calibrates the limits of the tasks that ship with robsim: python/robsim/teach/tasks/limits.json.
 
 ``./run study limits``. It takes some minutes a task; it says before how many.
 """
@@ -10,11 +10,11 @@ import os
 import sys
 from pathlib import Path
 
-from robsim.tasks import TASKS, calibrate, task
-from robsim.tasks._marks.calibrate import calibration_seconds
-from robsim.tasks._marks.files import read_calibrations, write_calibrations
+from robsim.teach import TASKS, calibrate, task
+from robsim.teach.tasks.marks.calibrate import calibration_seconds
+from robsim.teach.tasks.marks.files import read_calibrations, write_calibrations
 
-FILE = Path(__file__).parents[1] / "python/robsim/tasks/limits.json"
+FILE = Path(__file__).parents[1] / "python/robsim/teach/tasks/limits.json"
 
 #: Of the shipped limits: everybody knows them, as public tests have them.
 SEED = 20261125

@@ -21,13 +21,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
 
 import robsim
-from robsim.plotting import _style as style
-from robsim.tasks import Limit, Task
-from robsim.tasks._marks.calibrate import PILOT_TESTS, WRONG_TESTS
-from robsim.tasks._marks.limits import limits_from
-from robsim.tasks._marks.sets import Runs, Sets, runs_of, sets_of
-from robsim.tasks._marks.tolerance import bound_rank, fewest_values
-from robsim.tasks._solutions import NAIVE, REFERENCE
+from robsim.plotting import style as style
+from robsim.teach import Limit, Task
+from robsim.teach.tasks.marks.calibrate import PILOT_TESTS, WRONG_TESTS
+from robsim.teach.tasks.marks.limits import limits_from
+from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
+from robsim.teach.tasks.marks.tolerance import bound_rank, fewest_values
+from robsim.teach.tasks.solutions import NAIVE, REFERENCE
 
 FIGURE = Path(__file__).parents[1] / "notebooks/site/marks.png"
 TASK, SEED = "estimate", 1
@@ -205,7 +205,7 @@ def table(found: Mapping[int, Tests]) -> str:
 def main() -> int:
     """Run the solutions, draw the figure, print the numbers."""
     parser = argparse.ArgumentParser(prog="./run study marks", description=__doc__.split("\n")[0])
-    parser.add_argument("--task", default=TASK, choices=robsim.tasks.TASKS, help=f"default: {TASK}")
+    parser.add_argument("--task", default=TASK, choices=robsim.teach.TASKS, help=f"default: {TASK}")
     parser.add_argument("--false-fail", type=float, default=FALSE_FAIL, help="default: 0.01")
     parser.add_argument("--jobs", type=int, help="processes; default: this one")
     parser.add_argument("--keep", type=Path, help="keep what is done in this folder, and go on")
@@ -213,7 +213,7 @@ def main() -> int:
     given = parser.parse_args()
     if given.keep:
         given.keep.mkdir(parents=True, exist_ok=True)
-    task = robsim.tasks.task(given.task)
+    task = robsim.teach.task(given.task)
     found = graded(task, rate=given.false_fail, executor=given.jobs, keep=given.keep)
     print(table(found))
     from draw_readme import picture

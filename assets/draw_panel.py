@@ -11,8 +11,8 @@ from playwright.sync_api import Page as Tab
 
 import robsim
 from bench_panel.browser import open_chromium
-from robsim.gui._hosts.page import Page
-from robsim.gui._panel.view import PanelView
+from robsim.gui.hosts.page import Page
+from robsim.gui.panels.view import PanelView
 
 _WINDOW = {"width": 1440, "height": 900}
 _STEPS = 400

@@ -21,7 +21,7 @@ from PIL import Image
 
 import robsim
 from robsim.cli.simulated.demo import simulate_demo
-from robsim.plotting import _style as style
+from robsim.plotting import style as style
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "assets" / "readme"

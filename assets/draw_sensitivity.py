@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 from PIL import Image
 
 import robsim
-from robsim.plotting import _style as style
+from robsim.plotting import style as style
 from robsim.trace import PARAMETER_NAMES
 
 FIGURE = Path(__file__).parents[1] / "notebooks/site/sensitivity.png"

@@ -74,8 +74,8 @@ def undrawn(monkeypatch):
 @pytest.fixture
 def closed_page(monkeypatch):
     """A page that is closed as soon as it is shown: nobody is there to look at it."""
-    monkeypatch.setattr("robsim.gui._hosts.page.Page.open", lambda page: True)
-    monkeypatch.setattr("robsim.gui._hosts.page.Page.wait", lambda page, patience: None)
+    monkeypatch.setattr("robsim.gui.hosts.page.Page.open", lambda page: True)
+    monkeypatch.setattr("robsim.gui.hosts.page.Page.wait", lambda page, patience: None)
 
 
 @pytest.fixture

@@ -157,7 +157,7 @@ void define_recursive_value(RecursiveClass& cls) {
 }
 
 void bind_fit(py::module_& module) {
-  Class<LeastSquaresFit> fit(public_in(module, "robsim.identification"), "LeastSquaresFit",
+  Class<LeastSquaresFit> fit(public_in(module, "robsim.estimation"), "LeastSquaresFit",
                              "Result of `least_squares`.");
   fit.def_property_readonly(
          "theta",
@@ -329,7 +329,7 @@ Returns
 array, shaped as force
     The path s.
 )");
-  public_in(module, "robsim.identification")
+  public_in(module, "robsim.estimation")
       .def("least_squares", &fit, py::arg("phi"), py::arg("y"), R"(
 Return the theta that minimises the sum of squares of y - phi theta.
 

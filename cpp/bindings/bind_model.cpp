@@ -404,7 +404,7 @@ ValueError
       });
   define_model_value(model);
 
-  public_in(module, "robsim.identification")
+  public_in(module, "robsim.estimation")
       .def("check_mean_interval", &check_mean_interval, py::arg("time"), py::arg("n_steps"),
            py::arg("dt"),
            "Raise ValueError if so many steps in a time (s), 10 or more, are not dt long on "

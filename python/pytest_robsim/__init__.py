@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from robsim.grading import Submission
+    from robsim.teach import Submission
 
 _GRADING = "robsim-grading"
 _MARKER = (
     "robsim_submission(slots, imports, masked, frames, limits): what a submission may fill, have "
-    "and take, as for robsim.grading.Submission"
+    "and take, as for robsim.teach.Submission"
 )
 
 
@@ -46,7 +46,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--robsim-key",
         metavar="FILE",
-        help="The key that the seeds of runs come from, written by robsim.grading.Key.new().write. "
+        help="The key that the seeds of runs come from, written by robsim.teach.Key.new().write. "
         "Default: seeds that nobody knows, and that do not come again.",
     )
 
@@ -61,7 +61,7 @@ def pytest_load_initial_conftests(early_config: pytest.Config) -> None:
     """Begin to grade, before any conftest.py is run: none may be the submission's."""
     _leave_as_it_is(early_config)
     if early_config.known_args_namespace.robsim_submission is not None:
-        from robsim.grading._pytest_plugin import Grading
+        from robsim.teach.grading.pytest_plugin import Grading
 
         early_config.pluginmanager.register(Grading(early_config), _GRADING)
 
@@ -77,7 +77,7 @@ def _leave_as_it_is(config: pytest.Config) -> None:
 
 @pytest.fixture
 def submission(request: pytest.FixtureRequest) -> Submission:
-    """Return the submission that is graded, a `robsim.grading.Submission`."""
+    """Return the submission that is graded, a `robsim.teach.Submission`."""
     plugin = request.config.pluginmanager.get_plugin(_GRADING)
     if plugin is None:
         pytest.fail(

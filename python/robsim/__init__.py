@@ -1,9 +1,8 @@
 """Camera-based control of mobile robots, simulated: render, detect, measure, identify, show.
 
-What is used first is here. The rest is one step down, by subject: `robsim.imaging`, `trace`,
-`vision`, `control`, `identification`, `evaluation`, `reference`, `robots`, `simulation`,
-`capture`, `calibration`, `motors`, `sessions`, `campaigns`, `grading`, `tasks`, `assignments`,
-`live`, `plotting`, `gui`, `doctor`.
+What is used first is here. The rest is one step down, in wings: `robsim.vision`, `trace`,
+`control`, `estimation`, `simulation`, `campaigns`, `plotting`; `robsim.lab` for real cameras and
+motors, `robsim.teach` for tasks, checks and grading, `robsim.gui` for the panel.
 """
 
 import importlib as _importlib
@@ -15,37 +14,30 @@ from typing import NoReturn as _NoReturn
 
 if _TYPE_CHECKING:
     __version__: str
-    from robsim import doctor as doctor
+    from robsim import lab as lab
     from robsim import plotting as plotting
-    from robsim import reference as reference
+    from robsim import teach as teach
     from robsim._core import wrap_angle as wrap_angle
     from robsim.campaigns import campaign as campaign
-    from robsim.capture import Camera as Camera
     from robsim.control import DriveAround as DriveAround
     from robsim.control import FollowPath as FollowPath
     from robsim.control import GoToPoint as GoToPoint
     from robsim.control import Replay as Replay
     from robsim.control import Spin as Spin
     from robsim.control import score_path as score_path
-    from robsim.doctor import check_estimator as check_estimator
-    from robsim.doctor import check_parameter_estimator as check_parameter_estimator
-    from robsim.evaluation import pose_consistency as pose_consistency
-    from robsim.evaluation import pose_errors as pose_errors
+    from robsim.estimation import RecursiveLeastSquares as RecursiveLeastSquares
+    from robsim.estimation import batch_estimate as batch_estimate
+    from robsim.estimation import identifiability as identifiability
+    from robsim.estimation import pose_consistency as pose_consistency
+    from robsim.estimation import pose_errors as pose_errors
     from robsim.gui import panel as panel
-    from robsim.identification import RecursiveLeastSquares as RecursiveLeastSquares
-    from robsim.identification import batch_estimate as batch_estimate
-    from robsim.identification import identifiability as identifiability
-    from robsim.imaging import Frame as Frame
-    from robsim.imaging import GaussianNoise as GaussianNoise
-    from robsim.imaging import Recording as Recording
-    from robsim.imaging import UniformNoise as UniformNoise
+    from robsim.lab import Camera as Camera
     from robsim.plotting import play as play
     from robsim.plotting import plot_batch as plot_batch
     from robsim.plotting import plot_errors as plot_errors
     from robsim.plotting import plot_frame as plot_frame
     from robsim.plotting import plot_parameters as plot_parameters
     from robsim.plotting import plot_traces as plot_traces
-    from robsim.robots import load_robot as load_robot
     from robsim.simulation import Dropout as Dropout
     from robsim.simulation import Estimate as Estimate
     from robsim.simulation import Experiment as Experiment
@@ -59,44 +51,41 @@ if _TYPE_CHECKING:
     from robsim.simulation import Step as Step
     from robsim.simulation import Unicycle as Unicycle
     from robsim.simulation import WheelNoise as WheelNoise
+    from robsim.teach import check_estimator as check_estimator
+    from robsim.teach import check_parameter_estimator as check_parameter_estimator
     from robsim.trace import Trace as Trace
     from robsim.vision import ColorClass as ColorClass
+    from robsim.vision import Frame as Frame
+    from robsim.vision import GaussianNoise as GaussianNoise
     from robsim.vision import Measurement as Measurement
+    from robsim.vision import Recording as Recording
+    from robsim.vision import UniformNoise as UniformNoise
     from robsim.vision import find_blobs as find_blobs
     from robsim.vision import load_colors as load_colors
+    from robsim.vision import load_robot as load_robot
     from robsim.vision import locate as locate
 
-#: Everything is loaded when it is asked for, so that `import robsim` takes no time: the rooms, and
+#: Everything is loaded when it is asked for, so that `import robsim` takes no time: the wings, and
 #: the names of each that are here, too.
-_ROOMS = {
-    "assignments": "",
-    "calibration": "",
-    "campaigns": "campaign",
-    "capture": "Camera",
+_WINGS = {
+    "vision": "ColorClass Frame GaussianNoise Measurement Recording UniformNoise find_blobs "
+    "load_colors load_robot locate",
+    "trace": "Trace",
     "control": "DriveAround FollowPath GoToPoint Replay Spin score_path",
-    "doctor": "check_estimator check_parameter_estimator",
-    "evaluation": "pose_consistency pose_errors",
-    "grading": "",
-    "gui": "panel",
-    "gym": "",
-    "identification": "RecursiveLeastSquares batch_estimate identifiability",
-    "imaging": "Frame GaussianNoise Recording UniformNoise",
-    "live": "",
-    "motors": "",
-    "plotting": "play plot_batch plot_errors plot_frame plot_parameters plot_traces",
-    "reference": "",
-    "robots": "load_robot",
-    "sessions": "",
+    "estimation": "RecursiveLeastSquares batch_estimate identifiability pose_consistency "
+    "pose_errors",
     "simulation": "Dropout Estimate Experiment Observation ParameterMismatch PoseNoise RobotModel "
     "RobotParameters Scenario Simulation Step Unicycle WheelNoise",
-    "tasks": "",
-    "trace": "Trace",
-    "vision": "ColorClass Measurement find_blobs load_colors locate",
+    "campaigns": "campaign",
+    "plotting": "play plot_batch plot_errors plot_frame plot_parameters plot_traces",
+    "lab": "Camera",
+    "teach": "check_estimator check_parameter_estimator",
+    "gui": "panel",
 }
-_HOMES = {name: room for room, names in _ROOMS.items() for name in names.split()}
+_HOMES = {name: wing for wing, names in _WINGS.items() for name in names.split()}
 __all__ = sorted([*_HOMES, "__version__", "wrap_angle"])
 
-#: Rooms import one another: two threads that began with different ones would see halves of them.
+#: Wings import one another: two threads that began with different ones would see halves of them.
 _loading = _RLock()
 
 
@@ -118,7 +107,7 @@ def __getattr__(name: str) -> _Any:
 
 
 def _loaded(name: str) -> _Any:
-    if name in _ROOMS:
+    if name in _WINGS:
         return _importlib.import_module(f"robsim.{name}")
     if name == "__version__":
         value = _importlib.import_module("importlib.metadata").version("robsim")
@@ -133,15 +122,15 @@ def _loaded(name: str) -> _Any:
 
 
 def _refuse(name: str) -> _NoReturn:
-    """Raise AttributeError with the room that has a name, or the name that was meant."""
-    from robsim._base.spelling import no_attribute, suggestion
+    """Raise AttributeError with the wing that has a name, or the name that was meant."""
+    from robsim.base.spelling import no_attribute, suggestion
 
     message = f"module 'robsim' has no attribute {name!r}"
-    for room in sorted({*_ROOMS} - {"gym", "plotting"}):  # those load what not everybody has
-        if name in (module := _loaded(room)).__all__:
+    for wing in sorted({*_WINGS} - {"plotting"}):  # which takes time
+        if name in (module := _loaded(wing)).__all__:
             raise no_attribute(f"{message}: it is {module.__name__}.{name}")
     raise no_attribute(message + suggestion(name, __all__))
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, *_ROOMS])
+    return sorted([*__all__, *_WINGS])

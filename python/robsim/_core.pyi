@@ -1814,7 +1814,7 @@ class Line:
         ...
 class MotorLink:
     """
-    The sender's end of a line to a robot. Users take robsim.motors.UdpMotors or SerialMotors.
+    The sender's end of a line to a robot. Users take robsim.lab.UdpMotors or SerialMotors.
     """
     def __call__(self, u: numpy.typing.ArrayLike) -> float:
         """
@@ -2472,7 +2472,7 @@ class Loop:
         """
 class Laboratory:
     """
-    The simulated world in real time. Users take robsim.live.SimulatedLab.
+    The simulated world in real time. Users take robsim.lab.SimulatedLab.
     """
     def __init__(self, world: World, model: RobotModel, input: ReceivedInput) -> None:
         ...
@@ -2500,13 +2500,13 @@ class Laboratory:
         """
 class CameraFaults:
     """
-    What goes wrong with a simulated camera. Users take robsim.live.CameraFaults.
+    What goes wrong with a simulated camera. Users take robsim.lab.CameraFaults.
     """
     def __init__(self, *, late: float, lateness: float, dropped: float, repeated: float, torn: float, stall: tuple[float, float], unplugged: tuple[float, float], drift: float, drift_period: float, seed: int) -> None:
         ...
 class LaboratoryCamera(CaptureDevice):
     """
-    The camera of a laboratory, for a grabber. Users take robsim.live.SimulatedLab.
+    The camera of a laboratory, for a grabber. Users take robsim.lab.SimulatedLab.
     """
     def __init__(self, laboratory: Laboratory, scene: Scene, *, warp: Warp | None, top: Warp | None, noise: VisualNoise, noise_seed: int, delay: float, faults: CameraFaults) -> None:
         ...

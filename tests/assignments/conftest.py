@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from chromium_browser import running_chromium
-from robsim.assignments import Assignment, ClassResult
-from robsim.tasks import Limit
+from robsim.teach import Assignment, ClassResult, Limit
 from small_assignments import assignment, drawn_quickly, solution, work
 
 RAISES = """

@@ -3,9 +3,8 @@
 import pytest
 
 from commands import command
-from robsim.assignments import Assignment, calibrate_assignment, new_assignment
-from robsim.assignments import _calibration as calibration
-from robsim.grading import AssignmentError, Key
+from robsim.teach import Assignment, AssignmentError, Key, calibrate_assignment, new_assignment
+from robsim.teach.assignments import calibration as calibration
 
 QUICK = {"false_fail": 0.5, "confidence": 0.5, "progress": False}
 
@@ -13,8 +12,8 @@ QUICK = {"false_fail": 0.5, "confidence": 0.5, "progress": False}
 @pytest.fixture(autouse=True)
 def _few(monkeypatch):
     """As few tests as show that it works."""
-    monkeypatch.setattr("robsim.tasks._marks.calibrate.PILOT_TESTS", 3)
-    monkeypatch.setattr("robsim.tasks._marks.calibrate.WRONG_TESTS", 2)
+    monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 3)
+    monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.WRONG_TESTS", 2)
 
 
 @pytest.fixture

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from commands import command
-from robsim.assignments import Assignment, check_assignment, new_assignment
-from robsim.assignments._checking import check, rehearsal
+from robsim.teach import Assignment, check_assignment, new_assignment
+from robsim.teach.assignments.checking import check, rehearsal
 from small_assignments import LIMITS
 
 TIGHT = {"position": {"full": 1.0001, "zero": 1.0002}}

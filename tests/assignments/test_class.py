@@ -13,9 +13,7 @@ from pathlib import Path
 import pytest
 
 from clusters import local_cluster
-from robsim.assignments import Assignment, SubmissionResult
-from robsim.grading import AssignmentError
-from robsim.tasks import Limit
+from robsim.teach import Assignment, AssignmentError, Limit, SubmissionResult
 from small_assignments import LIMITS, TESTS, assignment, drawn_quickly, solution
 from waiting import wait_for
 

@@ -21,8 +21,8 @@ def run(line, *more, cwd, status=(0,)):
 
 @pytest.mark.slow
 def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
-    monkeypatch.setattr("robsim.tasks._marks.calibrate.PILOT_TESTS", 3)
-    monkeypatch.setattr("robsim.tasks._marks.calibrate.WRONG_TESTS", 2)
+    monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 3)
+    monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.WRONG_TESTS", 2)
     run(new.EXAMPLE, "--no-calibrate", "--seed", "1", cwd=tmp_path)
     folder = tmp_path / "hw1"
     file = folder / "assignment.toml"
@@ -33,8 +33,9 @@ def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
             shutil.rmtree(wrong)
     run(calibrate.EXAMPLE, "--false-fail", "0.5", "--confidence", "0.5", cwd=tmp_path)
     # What is hostile, and the doctor, are tried elsewhere.
-    monkeypatch.setattr("robsim.assignments._checking.rehearsal.hostile_submissions", lambda _: ())
-    monkeypatch.setattr("robsim.assignments._grading.findings._SECONDS", 0.1)
+    rehearsal = "robsim.teach.assignments.checking.rehearsal"
+    monkeypatch.setattr(f"{rehearsal}.hostile_submissions", lambda _: ())
+    monkeypatch.setattr("robsim.teach.assignments.grading.findings._SECONDS", 0.1)
     # With limits of so few tests, right ones may fail.
     assert "right: reference" in run(check.EXAMPLE, cwd=tmp_path, status=(0, 1)).stdout
     run(pack.EXAMPLE, cwd=tmp_path)

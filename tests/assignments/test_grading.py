@@ -10,10 +10,9 @@ import pytest
 
 from graded import graded_run
 from graded_results import FailedRun
-from robsim.assignments._grading import marking, references, seeds, task_runs
-from robsim.grading import AssignmentError, Key, SubmissionError
-from robsim.grading._calls.judging import judged
-from robsim.tasks import Limit
+from robsim.teach import AssignmentError, Key, Limit, SubmissionError
+from robsim.teach.assignments.grading import marking, references, seeds, task_runs
+from robsim.teach.grading.calls.judging import judged
 from small_assignments import LIMITS, drawn_quickly
 
 pytestmark = pytest.mark.long
@@ -102,7 +101,7 @@ def test_a_submission_that_fails_is_told_the_slot_the_step_and_the_line(graded_c
 def test_a_hidden_test_says_how_a_run_ended_and_no_more(
     hw3, tmp_path, monkeypatch, does, limits, how
 ):
-    monkeypatch.setattr("robsim.assignments._grading.findings._SECONDS", 0.2)
+    monkeypatch.setattr("robsim.teach.assignments.grading.findings._SECONDS", 0.2)
     limited = replace(hw3, limits=replace(hw3.limits, **limits))
     result = limited.grade(written(tmp_path / "s004", f"def estimate_state(step):\n    {does}\n"))
     shown, hidden = result.tests
@@ -151,9 +150,9 @@ def test_a_submission_that_cannot_be_read_or_has_what_is_masked_is_told_so(hw3, 
     result = hw3.grade(tmp_path / "s004.txt")
     assert (result.points, result.student) == (0, "s004.txt")
     assert "s004.txt" in result.tests[0].sentence
-    text = "import robsim.reference\ndef estimate_state(step):\n    return None\n"
+    text = "import robsim.estimation.reference\ndef estimate_state(step):\n    return None\n"
     result = hw3.grade(written(tmp_path / "s005", text), only="shown")
-    assert "robsim.reference is not there" in result.tests[0].sentence
+    assert "robsim.estimation.reference is not there" in result.tests[0].sentence
     assert [test.status for test in result.tests] == ["failed", "not run"]
     with pytest.raises(ValueError, match="'show'"):
         hw3.grade(tmp_path / "s005", only="show")
@@ -260,7 +259,7 @@ def test_what_is_said_in_place_of_the_doctor_is_text_of_the_submission(hw3, tmp_
     """
     place = written(tmp_path / "s008", text)
     task = task_runs.graded_task(hw3, hw3.tests[0], str(place))
-    said = judged(task, "robsim.doctor._finding:first_finding", 300.0).result
+    said = judged(task, "robsim.teach.doctor._finding:first_finding", 300.0).result
     assert said == "\\x1b[31m<b>all points</b>"  # escaped, and for others to escape in HTML
     assert hw3.grade(place, only="shown").points == 0
 

@@ -23,7 +23,7 @@ from graded_results import (
     texts,
 )
 from html_outline import Outline
-from robsim.assignments._reports.markup import escaped, tag
+from robsim.teach.reports.markup import escaped, tag
 
 # What no text may have: controls, what turns the text around it, halves, what is no character.
 HARMFUL = re.compile(

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robsim.assignments import Assignment, SubmissionResult
+from robsim.teach import Assignment, SubmissionResult
 from sizes import thorough
 from small_assignments import PATIENT, TESTS, assignment, drawn_quickly, solution
 from waiting import wait_for

@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from robsim.assignments import Assignment, new_assignment
-from robsim.grading import Key
-from robsim.tasks._solutions import solutions_in
+from robsim.teach import Assignment, Key, new_assignment
+from robsim.teach.tasks.solutions import solutions_in
 
 each = pytest.mark.parametrize("template", ["park", "follow", "identify", "measure", "estimate"])
 
@@ -73,7 +72,8 @@ def test_wrong_arguments_are_refused_before_anything_is_written(tmp_path):
 
 
 def test_a_folder_that_cannot_be_filled_is_removed(tmp_path, monkeypatch):
-    monkeypatch.setattr("robsim.assignments._making.folder.sheet_for", lambda assignment: 1 / 0)
+    folder = "robsim.teach.assignments.making.folder"
+    monkeypatch.setattr(f"{folder}.sheet_for", lambda assignment: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         new_assignment("measure", tmp_path / "hw1")
     assert list(tmp_path.iterdir()) == []

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from robsim.assignments import Assignment
-from robsim.grading import AssignmentError
+from robsim.teach import Assignment, AssignmentError
 from small_assignments import PATIENT, assignment
 
 pytestmark = pytest.mark.long

@@ -11,9 +11,8 @@ import zipfile
 import pytest
 
 from commands import command
-from robsim.assignments import Assignment, new_assignment, pack_gradescope, pack_students
-from robsim.assignments._packing.autograder import student_in
-from robsim.grading import AssignmentError
+from robsim.teach import Assignment, AssignmentError, new_assignment, pack_gradescope, pack_students
+from robsim.teach.assignments.packing.autograder import student_in
 from small_assignments import LIMITS, solution
 
 REFERENCE = "assignment/solutions/estimate/right/reference"

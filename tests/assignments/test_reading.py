@@ -6,10 +6,8 @@ import re
 
 import pytest
 
-from robsim.assignments import Assignment
-from robsim.grading import AssignmentError, Key
-from robsim.tasks import Limit, task
-from robsim.tasks._marks import calibration
+from robsim.teach import Assignment, AssignmentError, Key, Limit, task
+from robsim.teach.tasks.marks import calibration
 from small_assignments import LIMITS, SHORT, TESTS, assignment
 
 
@@ -25,7 +23,8 @@ def test_what_a_file_does_not_say_comes_from_the_tasks(tmp_path):
     assert (found.name, found.title) == ("hw3", "Through dropouts")
     assert found.slots == ("estimate_state",)
     assert found.given == "pose"
-    assert {"robsim.reference", "robsim.tasks", "robsim.assignments"} <= set(found.masked)
+    expected = {"estimation.reference", "teach.tasks", "teach.grading", "teach.assignments"}
+    assert {f"robsim.{room}" for room in expected} == set(found.masked)
     assert found.own_seeds
     assert found.seconds == 540
     shown, hidden = found.tests
@@ -43,7 +42,7 @@ def test_all_that_can_be_said_is_taken(tmp_path):
     slots = ["estimate_state", "control"]
     given = "frames"
     imports = ["numpy"]
-    masked = ["robsim.reference"]
+    masked = ["robsim.reference", "robsim.locate"]
     seeds = "class"
     isolation = "process"
     limits = { call = 2.0, submission = 60 }
@@ -57,7 +56,7 @@ def test_all_that_can_be_said_is_taken(tmp_path):
     assert (found.given, found.imports, found.masked) == (
         "frames",
         ("numpy",),
-        ("robsim.reference",),
+        ("robsim.estimation.reference", "robsim.locate"),  # as it is called now
     )
     assert (found.own_seeds, found.isolation) == (False, "process")
     assert (found.limits.call, found.seconds) == (2.0, 60)

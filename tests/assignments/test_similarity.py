@@ -4,7 +4,7 @@ import json
 import re
 
 from graded_results import PROGRAM
-from robsim.assignments._reports.similarity import pairs, tokens, winnowing
+from robsim.teach.reports.similarity import pairs, tokens, winnowing
 
 OTHER = """
 def estimate_state(step):

@@ -18,7 +18,7 @@ from graded_results import (
     submission,
 )
 from html_outline import Outline
-from robsim.assignments import SubmissionResult
+from robsim.teach import SubmissionResult
 
 
 def png(color="red"):

@@ -2,7 +2,7 @@
 
 import csv
 
-from robsim.assignments import Assignment, SubmissionResult
+from robsim.teach import Assignment, SubmissionResult
 from small_assignments import PATIENT, TESTS, assignment, drawn_quickly, solution
 from submissions import packed
 

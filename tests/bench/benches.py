@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from robsim._base.report import Report
+from robsim.base.report import Report
 
 
 def accuracy(given: argparse.Namespace) -> Report:

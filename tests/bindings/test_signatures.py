@@ -7,12 +7,12 @@ import pytest
 
 import robsim
 from robsim import Frame, RobotModel, Spin, find_blobs
-from robsim.imaging import PlaneMap
+from robsim.vision import PlaneMap
 
 IMAGE = np.zeros((4, 4, 3), np.uint8)
 NATIVE = [
     *(Frame, Spin, RobotModel.predict, PlaneMap.from_points, find_blobs, robsim.locate),
-    *(robsim.wrap_angle, robsim.DriveAround, robsim.identification.least_squares),
+    *(robsim.wrap_angle, robsim.DriveAround, robsim.estimation.least_squares),
 ]
 
 

@@ -27,10 +27,9 @@ from robsim import (
     Step,
     Unicycle,
 )
-from robsim.identification import Sample, least_squares
-from robsim.imaging import PlaneMap
-from robsim.simulation import WorldState
-from robsim.vision import Blob, MarkerLayout
+from robsim._core import WorldState
+from robsim.estimation import Sample, least_squares
+from robsim.vision import Blob, MarkerLayout, PlaneMap
 
 TRIANGLE = np.array([[0, 0], [4, 0], [4, 4]])
 IMAGE = np.arange(4 * 5 * 3, dtype=np.uint8).reshape(4, 5, 3)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from photographed_sheets import Shot, photograph, true_pixels
-from robsim.calibration import Charuco, Chessboard, FloorSheet, find_sheets, save_sheet
+from robsim.lab import Charuco, Chessboard, FloorSheet, find_sheets, save_sheet
 
 pytest.importorskip("cv2")
 

@@ -8,12 +8,8 @@ import numpy as np
 import pytest
 
 from photographed_sheets import LAID, Shot, floor_picture
-from robsim.calibration import (
-    calibrate_floor,
-    calibrate_floor_by_sheets,
-    draw_grid,
-)
-from robsim.imaging import Calibration, Intrinsics
+from robsim.lab import calibrate_floor, calibrate_floor_by_sheets, draw_grid
+from robsim.vision import Calibration, Intrinsics
 from sizes import thorough
 
 # 30 degrees aside, and a lens that distorts by 4 % in the corners of its picture.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from photographed_sheets import VIEWS, Shot, board_pictures
-from robsim.calibration import Charuco, Chessboard, calibrate_lens
+from robsim.lab import Charuco, Chessboard, calibrate_lens
 from sizes import thorough
 
 pytestmark = pytest.mark.long

@@ -10,7 +10,7 @@ import pytest
 import robsim
 from campaign_code import Faster, Inline, failing_in_some, final, steady
 from robsim.campaigns import campaign
-from robsim.campaigns._engines import chunks
+from robsim.campaigns.engines import chunks
 
 SCENARIO = robsim.Scenario(
     area=(300, 300),

@@ -11,7 +11,7 @@ import pytest
 import robsim
 from commands import command
 from robsim.campaigns import _campaign, campaign
-from robsim.campaigns._spec_file import EXAMPLE, load_spec
+from robsim.campaigns.spec_file import EXAMPLE, load_spec
 
 PLAIN = 'runs = 3\nsteps = 5\nseed = 2\nmetrics = ["parameters"]\n'
 SCENARIO = "[scenario]\narea = [300, 300]\nestimate_parameters = true\n"

@@ -40,7 +40,7 @@ def count_runs(monkeypatch):
     """A list that gets an entry for each run that is done."""
     done = []
     monkeypatch.setattr(
-        "robsim.campaigns._runs.numbers_of",
+        "robsim.campaigns.runs.numbers_of",
         lambda metrics, trace, taken: done.append(1) or {"final_x": 0.0},
     )
     return done
@@ -246,7 +246,7 @@ def no_run(monkeypatch):
     def refuse(self, run):
         raise AssertionError("the run was done again")
 
-    monkeypatch.setattr("robsim.campaigns._runs.CaseRuns.trace", refuse)
+    monkeypatch.setattr("robsim.campaigns.runs.CaseRuns.trace", refuse)
 
 
 @pytest.mark.parametrize("executor", [None, pytest.param(2, marks=pytest.mark.long)])

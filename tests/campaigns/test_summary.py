@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from robsim.campaigns._summary import summary_of
+from robsim.campaigns.summary import summary_of
 
 
 def summary(values, level=0.95):

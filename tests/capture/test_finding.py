@@ -10,15 +10,15 @@ import pytest
 import robsim
 from commands import command
 from needs import needs_extension
-from robsim.capture import (
+from robsim.lab import (
     CameraBusyError,
     CaptureError,
     NoBackEndError,
     NoCameraError,
     NoPermissionError,
-    _finding,
     find_cameras,
 )
+from robsim.lab.cameras import finding as _finding
 
 NODES = {"/dev/video*": ["/dev/video10", "/dev/video2", "/dev/videodriver"]}
 
@@ -131,7 +131,7 @@ def test_a_source_that_makes_no_sense(source, options, words):
 
 
 def test_a_folder_has_no_rate_of_its_own(tmp_path):
-    robsim.imaging.save_image(tmp_path / "0.png", np.zeros((24, 32, 3), np.uint8))
+    robsim.vision.save_image(tmp_path / "0.png", np.zeros((24, 32, 3), np.uint8))
     with pytest.raises(ValueError, match="fps"):
         robsim.Camera(tmp_path)
 

@@ -17,7 +17,7 @@ import pytest
 
 import robsim
 from python_cameras import PATIENT, EndlessCamera, SteppedCamera, read_on
-from robsim.capture import CaptureError, UnpluggedError
+from robsim.lab import CaptureError, UnpluggedError
 from threads import forks, in_fork, in_thread
 from waiting import wait_for
 
@@ -212,7 +212,7 @@ def test_a_run_that_was_stopped_while_it_waited_does_not_count_for_the_next(monk
         return now
 
     clock = SimpleNamespace(monotonic=monotonic)
-    monkeypatch.setattr("robsim.simulation._outside.frame_source.time", clock)
+    monkeypatch.setattr("robsim.simulation.outside.frame_source.time", clock)
     source = SteppedCamera(numbered(2), permits=1)
     with robsim.Camera(source, **PATIENT) as camera:
         experiment = robsim.Experiment(

@@ -12,7 +12,7 @@ from mjpeg_server import MjpegServer, jpeg
 from posed_frames import AREA, difference
 from python_cameras import PATIENT, read_on
 from robsim import _core
-from robsim.capture import (
+from robsim.lab import (
     CaptureError,
     FrameTimeoutError,
     NoCameraError,

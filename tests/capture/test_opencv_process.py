@@ -12,7 +12,7 @@ import pytest
 import robsim
 from interpreter import LONGER_AND_LONGER, keep_interpreter
 from python_cameras import PATIENT
-from robsim.capture import FrameTimeoutError
+from robsim.lab import FrameTimeoutError
 from waiting import wait_for
 
 pytest.importorskip("cv2")
@@ -68,7 +68,8 @@ def worker_of(reader):
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             is_ours = int((folder / "stat").read_text().rpartition(")")[2].split()[1]) == reader
-            if is_ours and b"robsim.capture._devices.worker" in (folder / "cmdline").read_bytes():
+            worker = b"robsim.lab.cameras._devices.worker"
+            if is_ours and worker in (folder / "cmdline").read_bytes():
                 return int(folder.name)
     raise AssertionError("no worker")
 

@@ -9,7 +9,7 @@ import robsim
 from mjpeg_server import MjpegServer, jpeg
 from posed_frames import AREA, POSES, SIZE, difference, true_difference
 from python_cameras import PATIENT, SteppedCamera
-from robsim.capture import EndOfStream
+from robsim.lab import EndOfStream
 
 pytestmark = [pytest.mark.threads, pytest.mark.long]
 
@@ -23,7 +23,7 @@ def images():
 @pytest.fixture
 def folder(tmp_path):
     for k, image in enumerate(images()):
-        robsim.imaging.save_image(tmp_path / f"frame{k}.png", image)
+        robsim.vision.save_image(tmp_path / f"frame{k}.png", image)
     return tmp_path
 
 
@@ -31,7 +31,7 @@ def folder(tmp_path):
 def video(tmp_path):
     pytest.importorskip("cv2")
     file = tmp_path / "run.mkv"
-    robsim.imaging.save_video(file, images(), fps=25)
+    robsim.vision.save_video(file, images(), fps=25)
     return file
 
 

@@ -13,10 +13,11 @@ from typer.testing import CliRunner
 
 from photographed_sheets import LAID, OBLIQUE, VIEWS, board_pictures, floor_picture
 from python_cameras import EndlessCamera
-from robsim.calibration import Chessboard
-from robsim.calibration._taking import BoardTaker
 from robsim.cli import app
-from robsim.imaging import (
+from robsim.lab import Chessboard
+from robsim.lab.calibration.taking import BoardTaker
+from robsim.trace import Trace
+from robsim.vision import (
     Calibration,
     Intrinsics,
     load_calibration,
@@ -24,7 +25,6 @@ from robsim.imaging import (
     save_calibration,
     save_image,
 )
-from robsim.trace import Trace
 
 pytestmark = pytest.mark.long
 

@@ -7,7 +7,7 @@ import pytest
 
 import robsim
 from commands import command
-from robsim.doctor import check_folder
+from robsim.teach import check_folder
 
 pytestmark = pytest.mark.long
 
@@ -80,8 +80,8 @@ def test_what_cannot_be_checked_is_refused(write, tmp_path):
 
 
 def test_endless_files_are_ended(write, monkeypatch):
-    for module in "_trial", "_run_checks", "_callbacks.single_calls", "_callbacks.folder":
-        monkeypatch.setattr(f"robsim.doctor.{module}.TIME_LIMIT", 0.2)
+    for module in "_trial", "_run_checks", "callbacks.single_calls", "callbacks.folder":
+        monkeypatch.setattr(f"robsim.teach.doctor.{module}.TIME_LIMIT", 0.2)
     folder = write(
         define_model="while True:\n    pass\n",
         adjust_background="def adjust_background(image):\n    while True:\n        pass\n",
@@ -141,8 +141,8 @@ def test_a_folders_estimator_and_background_are_used(write):
 
 
 def test_estimates_that_nobody_makes_are_a_remark(write, monkeypatch):
-    found = robsim.doctor.CheckReport(name="control")
-    report = "robsim.doctor._callbacks.folder.controller_report"
+    found = robsim.teach.CheckReport(name="control")
+    report = "robsim.teach.doctor.callbacks.folder.controller_report"
     monkeypatch.setattr(report, lambda make, setting, **options: found)
     folder = write(
         control="""

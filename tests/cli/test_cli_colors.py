@@ -12,8 +12,7 @@ from typer.testing import CliRunner
 import robsim
 from robsim import ColorClass, load_colors
 from robsim.cli import app
-from robsim.imaging import load_image
-from robsim.vision import colors_to_toml, save_colors, score_color
+from robsim.vision import colors_to_toml, load_image, save_colors, score_color
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("user_folder", "_here")]
 

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from commands import cli
 from drawn_robots import box, painted, random_robot
 from robsim.cli import app
-from robsim.robots import (
+from robsim.vision import (
     add_robot,
     default_robot,
     load_robot,

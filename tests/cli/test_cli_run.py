@@ -14,7 +14,7 @@ import robsim
 from commands import cli, command
 from disks import full_disk
 from robsim.cli import main
-from robsim.imaging import save_image
+from robsim.vision import save_image
 
 pytestmark = pytest.mark.long
 

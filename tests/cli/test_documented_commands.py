@@ -9,10 +9,9 @@ import typer
 
 from commands import command as run_command
 from photographed_sheets import OBLIQUE, board_pictures, floor_picture
-from robsim.calibration import Chessboard
 from robsim.cli import app
-from robsim.imaging import save_image
-from robsim.robots import load_robot, save_robot
+from robsim.lab import Chessboard
+from robsim.vision import load_robot, save_image, save_robot
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 SHELL = "".join(re.findall(r"```sh\n(.*?)```", README, re.DOTALL))

@@ -6,17 +6,17 @@ import json
 import pytest
 
 from commands import command
-from robsim import grading
-from robsim.grading import GraderError, IsolationError
+from robsim.teach import GraderError, IsolationError, check_isolation
 
 pytestmark = pytest.mark.long
 
 CHECK = ("grade", "--check-isolation")
+WHERE = "robsim.teach.isolation.check.check_isolation"
 
 
 @pytest.fixture(scope="module")
 def report():
-    return grading.check_isolation()
+    return check_isolation()
 
 
 def test_what_holds_is_printed_and_a_level_that_asks_for_little_can_be_had(report):
@@ -34,7 +34,7 @@ def test_the_status_says_whether_strict_can_be_had(report, monkeypatch):
     assert command(*CHECK, "--isolation", "strict").exit_code == (0 if report.strict else 3)
     through = {**report.attempts, "connect": (False, "connected")}
     leaky = dataclasses.replace(report, attempts=through)
-    monkeypatch.setattr(grading, "check_isolation", lambda *, isolation: leaky)
+    monkeypatch.setattr(WHERE, lambda *, isolation: leaky)
     assert command(*CHECK, "--isolation", "strict").exit_code == 3
     assert command(*CHECK).exit_code == 0
 
@@ -43,7 +43,7 @@ def test_the_status_says_whether_strict_can_be_had(report, monkeypatch):
             raise IsolationError("isolation='strict' needs files")
         return dataclasses.replace(report, closed={**report.closed, "files": False})
 
-    monkeypatch.setattr(grading, "check_isolation", without_files)
+    monkeypatch.setattr(WHERE, without_files)
     run = command(*CHECK, "--isolation", "strict")
     assert run.exit_code == 3
     assert "open: files" in run.stdout
@@ -54,7 +54,7 @@ def test_a_machine_that_starts_no_process_is_no_isolation(monkeypatch):
     def nothing(*, isolation):
         raise GraderError("no worker can be started")
 
-    monkeypatch.setattr(grading, "check_isolation", nothing)
+    monkeypatch.setattr(WHERE, nothing)
     run = command(*CHECK)
     assert (run.exit_code, run.stdout) == (2, "")
     assert "no worker can be started" in run.stderr

@@ -7,7 +7,7 @@ import shutil
 import pytest
 
 from commands import command
-from robsim.assignments import SubmissionResult
+from robsim.teach import SubmissionResult
 from robsim.trace import Trace
 from small_assignments import TESTS, assignment, drawn_quickly, solution
 
@@ -139,8 +139,8 @@ def test_a_run_that_is_played_again_opens_in_the_panel(tmp_path, monkeypatch):
         page.view.driver.step().result()
         shown.append((page.view.record.trace, page.view.goals, page.view.driver.error))
 
-    monkeypatch.setattr("robsim.gui._hosts.page.Page.wait", wait)
-    monkeypatch.setattr("robsim.gui._hosts.page.Page.open", lambda page: False)
+    monkeypatch.setattr("robsim.gui.hosts.page.Page.wait", wait)
+    monkeypatch.setattr("robsim.gui.hosts.page.Page.open", lambda page: False)
     monkeypatch.delenv("SSH_CONNECTION", raising=False)
     run = command("grade", "hw4", "anna", "--play", "shown", "--gui")
     assert run.exit_code == 0, run.stderr

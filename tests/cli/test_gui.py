@@ -13,7 +13,7 @@ import pytest
 import robsim
 from commands import command, interruptible
 from page_client import greeted
-from robsim.imaging import save_image, save_video
+from robsim.vision import save_image, save_video
 
 pytestmark = pytest.mark.long
 
@@ -30,8 +30,8 @@ def seen(monkeypatch):
         found.view.driver.step().result()
         found.state, found.error = found.view.driver.state, found.view.driver.error
 
-    monkeypatch.setattr("robsim.gui._hosts.page.Page.wait", wait)
-    monkeypatch.setattr("robsim.gui._hosts.page.Page.open", lambda page: found.has_browser)
+    monkeypatch.setattr("robsim.gui.hosts.page.Page.wait", wait)
+    monkeypatch.setattr("robsim.gui.hosts.page.Page.open", lambda page: found.has_browser)
     monkeypatch.delenv("SSH_CONNECTION", raising=False)
     return found
 
@@ -97,7 +97,7 @@ def test_ctrl_c_is_a_good_end(seen, monkeypatch):
     def interrupted(page, patience):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("robsim.gui._hosts.page.Page.wait", interrupted)
+    monkeypatch.setattr("robsim.gui.hosts.page.Page.wait", interrupted)
     assert command("gui").exit_code == 0
 
 
@@ -193,7 +193,7 @@ def test_a_tool_works_on_a_picture_and_on_an_example(
     save_image(tmp_path / "photo.png", np.full((60, 80, 3), 120, np.uint8))
     shown = []
     monkeypatch.setattr(
-        "robsim.gui._hosts.page.Page.wait",
+        "robsim.gui.hosts.page.Page.wait",
         lambda page, _: shown.append((page.view.kind, page.view.source.title)),
     )
     assert command("gui", "photo.png", tool, cwd=tmp_path).exit_code == 0
@@ -204,7 +204,7 @@ def test_a_tool_works_on_a_picture_and_on_an_example(
 
 
 def test_a_task_has_its_world_and_its_goal(seen, tmp_path):
-    task = robsim.tasks.Park()
+    task = robsim.teach.Park()
     task.begin(tmp_path / "mine")
     run = command("gui", str(tmp_path / "mine"), "--task", "park", "--seed", "1")
     assert run.exit_code == 0, run.stderr
@@ -215,22 +215,22 @@ def test_a_task_has_its_world_and_its_goal(seen, tmp_path):
     assert "1 of the 150 steps" in run.stdout
     assert command("gui", "--task", "follow").exit_code == 0
     assert seen.view.goals.shape == (3, 2)
-    short = robsim.tasks.Park(steps=3)
+    short = robsim.teach.Park(steps=3)
     short.simulation(seed=1).run(3).save(tmp_path / "trace.npz")
     assert command("gui", "trace.npz", "--task", "park", cwd=tmp_path).exit_code == 0
     assert np.array_equal(seen.view.goals, short.goals)
 
 
 def test_the_scores_of_a_whole_run_of_a_task_are_told(seen, tmp_path, monkeypatch):
-    task = robsim.tasks.Park(steps=20)
-    monkeypatch.setattr("robsim.tasks.task", lambda name: task)
+    task = robsim.teach.Park(steps=20)
+    monkeypatch.setattr("robsim.teach.tasks.by_name.task", lambda name: task)
 
     def wait(page, patience):
         for _ in range(25):
             page.view.driver.step().result()
         seen.view = page.view
 
-    monkeypatch.setattr("robsim.gui._hosts.page.Page.wait", wait)
+    monkeypatch.setattr("robsim.gui.hosts.page.Page.wait", wait)
     for voltage, told in {0.1: "first 20 steps", 2: "2 V at"}.items():
         (tmp_path / "control.py").write_text(f"def control(step):\n    return {voltage}, 0\n")
         run = command("gui", str(tmp_path), "--task", "park", "--seed", "1")

@@ -12,9 +12,9 @@ import pytest
 
 import robsim
 from commands import command, interruptible
-from robsim.imaging import save_video
-from robsim.motors import MotorReceiver
-from robsim.sessions import Session
+from robsim.lab import MotorReceiver
+from robsim.trace import Session
+from robsim.vision import save_video
 from waiting import wait_for
 
 DRIVING = "def control(step):\n    return 0.5, 0.25\n"

@@ -6,7 +6,8 @@ from typing import ClassVar
 import pytest
 
 from commands import command
-from robsim.tasks import TASKS, Limit, Park, _trying
+from robsim.teach import TASKS, Limit, Park
+from robsim.teach.tasks import _trying
 from small_assignments import solution
 
 pytestmark = pytest.mark.long

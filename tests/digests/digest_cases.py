@@ -10,26 +10,13 @@ from typing import Any
 import numpy as np
 
 from robsim import _core
-from robsim._base.checks import Floats
-from robsim.control import (
-    Chirp,
-    DriveAround,
-    FollowPath,
-    GoToPoint,
-    MultiSine,
-    PseudoRandomBinary,
-)
-from robsim.identification import batch_estimate
-from robsim.imaging import GaussianNoise, PlaneMap, UniformNoise
-from robsim.simulation import (
-    Dropout,
-    ParameterMismatch,
-    PoseNoise,
-    Simulation,
-    Unicycle,
-    WheelNoise,
-)
+from robsim._core import DriveAround, Unicycle
+from robsim.base.checks import Floats
+from robsim.control import Chirp, FollowPath, GoToPoint, MultiSine, PseudoRandomBinary
+from robsim.estimation import batch_estimate
+from robsim.simulation import Dropout, ParameterMismatch, PoseNoise, Simulation, WheelNoise
 from robsim.trace import Trace
+from robsim.vision import GaussianNoise, PlaneMap, UniformNoise
 
 Arrays = Iterable[Any]
 
@@ -164,7 +151,7 @@ def _batch(method: str) -> Callable[[], Floats]:
 
 def _filtered(name: str) -> Callable[[], Floats]:
     def poses() -> Floats:
-        estimator = getattr(import_module("robsim.reference"), name)()
+        estimator = getattr(import_module("robsim.estimation.reference"), name)()
         trace = _run(measure=True, estimate_state=estimator, steps=40)
         return trace.pose_estimated[20:, :2]
 
@@ -184,7 +171,7 @@ DIGITS: dict[str, tuple[int, Callable[[], Floats]]] = {
     "batch: instrumental variables": (9, _batch("instrumental_variables")),
     "batch: output error": (9, _batch("output_error")),
 }
-if find_spec("robsim.reference"):  # a course may have deleted it
+if find_spec("robsim.estimation.reference"):  # a course may have deleted it
     DIGITS |= {
         "extended Kalman filter": (9, _filtered("ExtendedKalmanFilter")),
         "unscented Kalman filter": (9, _filtered("UnscentedKalmanFilter")),

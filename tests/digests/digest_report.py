@@ -16,9 +16,9 @@ import numpy as np
 import scipy
 
 from digest_cases import BYTES, DIGITS
-from robsim._base.checks import Floats
-from robsim._base.report import Column, Quantity, Report, Row, Table
 from robsim._core import cpu_path
+from robsim.base.checks import Floats
+from robsim.base.report import Column, Quantity, Report, Row, Table
 
 _EXPECTED = Path(__file__).with_name("expected.json")
 _ALL_DIGITS = 17  # of a double: the numbers are equal

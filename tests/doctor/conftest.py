@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from robsim.doctor._callbacks.scenes import Setting
+from robsim.teach.doctor.callbacks.scenes import Setting
 
 
 @pytest.fixture

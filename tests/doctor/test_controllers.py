@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.doctor import check_controller
+from robsim.teach import check_controller
 
 pytestmark = pytest.mark.long
 
-CONTROLLERS = "robsim.doctor._callbacks.controllers"
+CONTROLLERS = "robsim.teach.doctor.callbacks.controllers"
 PATIENT = 60.0  # s: how quick they are is no question here
 
 

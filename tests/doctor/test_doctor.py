@@ -9,8 +9,8 @@ import pytest
 
 import robsim
 from parameter_estimators import LeastSquares
-from robsim import reference
-from robsim.doctor import CheckReport, Problem, check_estimator, check_parameter_estimator
+from robsim.estimation import reference
+from robsim.teach import CheckReport, Problem, check_estimator, check_parameter_estimator
 from state_estimators import ConstantVelocity, HandsOn, changed, complementary
 
 pytestmark = [pytest.mark.kernels, pytest.mark.long]
@@ -204,8 +204,8 @@ def test_what_never_comes_back_is_stopped(check, monkeypatch):
         while True:
             pass
 
-    monkeypatch.setattr("robsim.doctor._slots.TIME_LIMIT", 0.5)
-    monkeypatch.setattr("robsim.doctor._trial.TIME_LIMIT", 0.1)
+    monkeypatch.setattr("robsim.teach.doctor._slots.TIME_LIMIT", 0.5)
+    monkeypatch.setattr("robsim.teach.doctor._trial.TIME_LIMIT", 0.1)
     problem = only(check(hangs))
     assert problem.kind == "make fails"
     assert problem.line.text in ("while True:", "pass")
@@ -226,7 +226,7 @@ def test_a_call_that_hangs_beside_another_estimator_is_no_shared_memory(monkeypa
                 pass
             return super().__call__(step)
 
-    monkeypatch.setattr("robsim.doctor._slots.TIME_LIMIT", 0.5)
+    monkeypatch.setattr("robsim.teach.doctor._slots.TIME_LIMIT", 0.5)
     problem = only(check_estimator(Hangs))
     assert (problem.kind, problem.k) == ("too slow", 8)
 

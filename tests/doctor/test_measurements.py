@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.doctor import (
-    check_background,
-    check_measurement,
-    check_model,
-    check_motion,
-)
+from robsim.teach import check_background, check_measurement, check_model, check_motion
 
 pytestmark = pytest.mark.long
 

@@ -6,8 +6,7 @@ import textwrap
 import pytest
 
 from commands import command
-from robsim.doctor import TaskReport, check_folder
-from robsim.tasks import TASKS, Estimate, Measure, Park
+from robsim.teach import TASKS, Estimate, Measure, Park, TaskReport, check_folder
 from sizes import thorough
 
 # What is found first of each of the wrong solutions that ship.

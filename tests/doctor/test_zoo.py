@@ -4,7 +4,7 @@ import pytest
 
 import parameter_estimators as parameters
 import state_estimators as states
-from robsim.doctor import check_estimator, check_parameter_estimator
+from robsim.teach import check_estimator, check_parameter_estimator
 from size_and_power.families import doctor
 from sizes import thorough
 

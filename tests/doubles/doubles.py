@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
-from robsim.capture._devices.firewire import CODINGS
-from robsim.live import SimulatedLab
+from robsim.lab import SimulatedLab
+from robsim.lab.cameras._devices.firewire import CODINGS
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -152,9 +152,10 @@ def test_the_core_has_neither_fused_nor_extended_arithmetic():
 # --- what is computed in Python on the way from the seed to the world, the frames and the inputs
 
 ON_THE_PATH = [
-    *("_base/seeds.py", "control/_excitation.py", "control/_path_following.py"),
-    *("control/_waypoints.py", "robots/_definition.py", "imaging/_images.py"),
-    *("imaging/_shading.py", "imaging/_noise.py", "imaging/_frames.py", "simulation"),
+    *("base/seeds.py", "control/excitation.py", "control/path_following.py"),
+    *("control/waypoints.py", "vision/robots/definition.py", "vision/imaging/images.py"),
+    *("vision/imaging/shading.py", "vision/imaging/noise.py", "vision/imaging/frames.py"),
+    "simulation",
 ]
 
 # Exact, or rounded as IEEE 754 has it; all else of math and numpy may differ in the last digit.
@@ -170,10 +171,10 @@ INEXACT_IN_NUMPY = {
 }
 # These only decide, with a margin: whether to refuse or to warn, which samples may be the largest.
 HARMLESS = {
-    "control/_excitation.py": {"exp", "fft"},
-    "simulation/_world/disturbances.py": {"linalg"},
-    "simulation/_outside/mirrored.py": {"cos", "sin", "@"},
-    "simulation/_options.py": {"degrees"},
+    "control/excitation.py": {"exp", "fft"},
+    "simulation/world/disturbances.py": {"linalg"},
+    "simulation/outside/mirrored.py": {"cos", "sin", "@"},
+    "simulation/options.py": {"degrees"},
 }
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from robsim.identification import least_squares
+from robsim.estimation import least_squares
 
 pytestmark = pytest.mark.kernels
 

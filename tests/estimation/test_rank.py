@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from robsim.evaluation import cramer_rao_bound
-from robsim.identification import least_squares
+from robsim.estimation import cramer_rao_bound, least_squares
 
 pytestmark = pytest.mark.kernels
 

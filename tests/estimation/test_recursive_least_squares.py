@@ -43,7 +43,7 @@ def exact_ridge(phi, y, prior):
 @pytest.mark.long
 def test_on_a_drive_it_equals_the_ridge_solution_to_the_last_digits(rng):
     run = robsim.Simulation(control=robsim.DriveAround(), boundary="unlimited", seed=4).run(200)
-    phi, y = robsim.identification.regression(run.pose_true, run.u)
+    phi, y = robsim.estimation.regression(run.pose_true, run.u)
     y = y + (0.1, 0.1, 0.005) * rng.normal(size=y.shape)
     theta = robsim.RecursiveLeastSquares(5, n_filters=3, initial_covariance=2.0**20).update(phi, y)
     for axis in range(3):

@@ -5,8 +5,7 @@ import pytest
 from scipy import special
 
 import robsim
-from robsim.evaluation import nees_consistency, nis_consistency, whiteness
-from robsim.identification import ConvergenceReport
+from robsim.estimation import ConvergenceReport, nees_consistency, nis_consistency, whiteness
 
 pytestmark = pytest.mark.kernels
 
@@ -135,7 +134,7 @@ def test_a_run_says_how_far_its_online_estimates_vary():
     def run(**options):
         control = robsim.DriveAround()
         sim = robsim.Simulation(control=control, estimate_parameters=True, seed=1, **options)
-        return robsim.identification.parameter_convergence(sim.run(60))
+        return robsim.estimation.parameter_convergence(sim.run(60))
 
     assert (run().spread < 1e-7).all()  # the truth has no noise
     measured = run(

@@ -5,8 +5,8 @@ import pytest
 from scipy.special import ndtr
 
 import robsim
-from robsim.evaluation import measurement_bound
-from robsim.imaging import Frame, PlaneMap
+from robsim.estimation import measurement_bound
+from robsim.vision import Frame, PlaneMap
 
 # In the light, away from the edge of the shadow.
 POSES = ((310.3, 420.7, 0.4), (560.6, 880.2, -2.1), (205.5, 640.9, 1.9))

@@ -5,7 +5,8 @@ import pytest
 from scipy import special
 
 import robsim
-from robsim.evaluation import (
+from robsim.estimation import (
+    convergence_time,
     cramer_rao_bound,
     estimation_errors,
     nees,
@@ -13,6 +14,7 @@ from robsim.evaluation import (
     nis,
     nis_consistency,
     parameter_bounds,
+    parameter_convergence,
     pose_bounds,
     pose_consistency,
     pose_errors,
@@ -20,7 +22,6 @@ from robsim.evaluation import (
     whiteness,
     wrapped_error,
 )
-from robsim.identification import convergence_time, parameter_convergence
 from size_and_power.linear_filter import P0, F, H, Q, R, filtered
 
 pytestmark = pytest.mark.kernels
@@ -333,7 +334,7 @@ def test_parameter_bounds_of_a_drive():
     bounds = parameter_bounds(trace, sigma=sigma)
     assert bounds.shape == (200, 3, 5)
     assert np.isinf(bounds[:2]).all()
-    phi, _ = robsim.identification.regression(trace.pose_true, trace.u)
+    phi, _ = robsim.estimation.regression(trace.pose_true, trace.u)
     for axis in range(3):
         Phi = phi[:, axis]
         # the pseudo-inverse of columns of length 1 is well enough conditioned

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 import robsim
-from robsim import imaging
+from robsim import vision as imaging
 from robsim.vision import save_colors
 
 MB = 2**20
@@ -182,7 +182,7 @@ def test_a_picture_of_another_program_is_not_read(tmp_path):
 
 
 def test_a_picture_of_many_pixels_whatever_pillow_allows(tmp_path, monkeypatch):
-    monkeypatch.setattr("robsim.imaging._images.MOST_PIXELS", 1000)
+    monkeypatch.setattr("robsim.vision.imaging.images.MOST_PIXELS", 1000)
     Image.new("1", (40, 30)).save(tmp_path / "a.png")
     monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", None)
     with pytest.raises(ValueError, match=r"a\.png .*40 x 30 px"):

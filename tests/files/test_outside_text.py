@@ -16,10 +16,11 @@ from matplotlib.text import Text
 
 import robsim
 from commands import command
-from robsim import imaging, plotting
-from robsim._base.text import as_cell, cut, listed, one_line, printable, quoted
-from robsim.doctor import Problem, SourceLine
-from robsim.evaluation import Column, Quantity, Report, Row, Table
+from robsim import plotting
+from robsim import vision as imaging
+from robsim.base.text import as_cell, cut, listed, one_line, printable, quoted
+from robsim.estimation import Column, Quantity, Report, Row, Table
+from robsim.teach import Problem, SourceLine
 
 HOSTILE = "<img src=x onerror=alert(1)>\"'&\x1b]0;t\x07\x9b31m\u202e\n=1+1 $x^2$"
 TEXTS = st.text(max_size=30) | st.just(HOSTILE)

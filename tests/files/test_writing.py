@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim import imaging
-from robsim._base.files import copy_files, open_whole, write_whole
+from robsim import vision as imaging
+from robsim.base.files import copy_files, open_whole, write_whole
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="links, modes and pipes of POSIX")
 
@@ -184,7 +184,7 @@ def test_a_copy_takes_the_place_of_nothing_that_is_there(tmp_path):
 @pytest.mark.long
 def test_two_processes_write_into_one_folder_and_lose_nothing(tmp_path):
     program = (
-        "import sys; from pathlib import Path; from robsim._base.files import write_whole\n"
+        "import sys; from pathlib import Path; from robsim.base.files import write_whole\n"
         "for i in range(100): write_whole(Path(sys.argv[1]) / f'{sys.argv[2]}{i % 3}', b'x')"
     )
     commands = [[sys.executable, "-c", program, str(tmp_path), name] for name in ("a", "b")]
@@ -199,12 +199,13 @@ def test_two_processes_write_into_one_folder_and_lose_nothing(tmp_path):
 # What writes otherwise: the writer itself; in memory for it; into a temporary folder or a pipe; to
 # where a killed run must leave what it had.
 OTHERS = (
-    *("_base/files/", "notebooks/", "grading/", "imaging/_opencv.py"),
-    *("assignments/_checking/rehearsal.py", "assignments/_making/folder.py"),
-    *("assignments/_own_tests/child.py", "assignments/_packing/archive.py"),
-    *("campaigns/_engines/processes.py", "cli/results.py", "cli/simulated/run.py"),
-    *("gui/_panel/still_picture.py", "imaging/_containers.py", "imaging/_video.py"),
-    *("plotting/_runs/beside.py", "plotting/_style.py", "sessions/_writer.py"),
+    *("base/files/", "notebooks/", "vision/imaging/opencv.py"),
+    *("teach/grading/", "teach/isolation/", "teach/submissions/"),
+    *("teach/assignments/checking/rehearsal.py", "teach/assignments/making/folder.py"),
+    *("teach/assignments/_own_tests/child.py", "teach/assignments/packing/archive.py"),
+    *("campaigns/engines/processes.py", "cli/results.py", "cli/simulated/run.py"),
+    *("gui/panels/still_picture.py", "vision/imaging/_containers.py", "vision/imaging/video.py"),
+    *("plotting/runs/beside.py", "plotting/style.py", "trace/sessions/writer.py"),
     "trace/_trace_file.py",
 )
 WRITES = re.compile(

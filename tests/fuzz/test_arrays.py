@@ -19,8 +19,7 @@ from fuzzing import (
     on_every_path,
 )
 from robsim import _core
-from robsim.imaging import PlaneMap
-from robsim.vision import MarkerLayout
+from robsim.vision import MarkerLayout, PlaneMap
 
 pytestmark = pytest.mark.fuzz
 

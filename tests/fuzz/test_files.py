@@ -19,8 +19,7 @@ from PIL import Image
 
 import robsim
 from fuzzing import SEEDS, attempt, fuzzed, mutations, refused
-from robsim.imaging import load_image, save_video
-from robsim.vision import save_colors
+from robsim.vision import load_image, save_colors, save_video
 from scenarios import FULL
 
 pytestmark = pytest.mark.fuzz

@@ -20,8 +20,7 @@ from fuzzing import (
     on_every_path,
     with_stride,
 )
-from robsim.imaging import PlaneMap
-from robsim.vision import Blob, MarkerLayout, detect
+from robsim.vision import Blob, MarkerLayout, PlaneMap, detect
 
 pytestmark = pytest.mark.fuzz
 

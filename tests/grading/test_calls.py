@@ -8,7 +8,7 @@ import pytest
 
 import robsim
 from graded import PATIENT, folder_of
-from robsim.grading import Limits, Submission, SubmissionError
+from robsim.teach import Limits, Submission, SubmissionError
 from submissions import notebook
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("patient_grader")]
@@ -68,12 +68,12 @@ def test_what_is_called_computes_as_here(tmp_path, rng):
     text = """
         import robsim
         def fit(phi, y):
-            result = robsim.identification.least_squares(phi, y)
+            result = robsim.estimation.least_squares(phi, y)
             return result.theta, result.standard_errors
         """
     phi, y = rng.normal(size=(40, 5)), rng.normal(size=40)
     theta, errors = of(tmp_path, text, "fit").call("fit", phi, y, shape=[(5,), (5,)])
-    here = robsim.identification.least_squares(phi, y)
+    here = robsim.estimation.least_squares(phi, y)
     assert theta.tobytes() == here.theta.tobytes()
     assert errors.tobytes() == here.standard_errors.tobytes()
 

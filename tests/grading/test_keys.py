@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robsim.grading import AssignmentError, Key
+from robsim.teach import AssignmentError, Key
 
 KEY = Key(bytes(range(32)))
 NAMES = st.text(max_size=8)
@@ -101,7 +101,7 @@ def test_a_key_is_kept_from_others(tmp_path):
 
 def test_who_can_read_a_key_is_not_known_on_windows(tmp_path, monkeypatch):
     Key.new().write(tmp_path / "key")
-    monkeypatch.setattr("robsim.grading._keys.sys.platform", "win32")
+    monkeypatch.setattr("robsim.teach.grading.keys.sys.platform", "win32")
     with pytest.warns(UserWarning, match="is not checked on Windows"):
         Key.read(tmp_path / "key")
 

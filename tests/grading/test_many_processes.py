@@ -11,7 +11,7 @@ import pytest
 import robsim
 from clusters import local_cluster
 from graded import PATIENT, honest, where
-from robsim.grading import Key, Submission
+from robsim.teach import Key, Submission
 from waiting import wait_for
 
 pytestmark = pytest.mark.long

@@ -72,7 +72,7 @@ def test_a_submission_may_see_frames_that_it_does_not_measure(tmp_path):
 
 
 def test_where_no_memory_can_be_shared_the_pixels_go_through_the_socket(tmp_path, monkeypatch):
-    monkeypatch.setattr("robsim.grading._graded_run.has_frame_memory", lambda: False)
+    monkeypatch.setattr("robsim.teach.grading.graded_run.has_frame_memory", lambda: False)
     folder = honest(tmp_path / "s", ["measure", "control"])
     assert_parity(folder, ["measure", "control"], NOISY.replace(camera_delay=1))
 

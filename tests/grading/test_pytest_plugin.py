@@ -11,21 +11,21 @@ import pytest
 
 import robsim
 from graded import PATIENT, folder_of
-from robsim.grading import (
+from robsim.teach import (
     AssignmentError,
     GraderError,
     IsolationError,
     Key,
     Submission,
     SubmissionError,
-    _pytest_plugin,
 )
+from robsim.teach.grading import pytest_plugin as _pytest_plugin
 
 TESTS = """
 import pytest
 import robsim
 
-LIMITS = robsim.grading.Limits(call=300.0, first_call=300.0, run=600.0)
+LIMITS = robsim.teach.Limits(call=300.0, first_call=300.0, run=600.0)
 pytestmark = pytest.mark.robsim_submission(slots="control", limits=LIMITS)
 SCENARIO = robsim.Scenario(resolution=(200, 200), measure=True)
 
@@ -269,7 +269,7 @@ def test_without_isolation_nothing_is_run(class_room, monkeypatch):
 FUNCTIONS = """
 import pytest, robsim
 
-LIMITS = robsim.grading.Limits(call=300.0, first_call=300.0, run=600.0)
+LIMITS = robsim.teach.Limits(call=300.0, first_call=300.0, run=600.0)
 pytestmark = pytest.mark.robsim_submission(slots="control", functions="double", limits=LIMITS)
 SCENARIO = robsim.Scenario(resolution=(100, 100), start="random")
 

@@ -14,7 +14,7 @@ import pytest
 import graded
 import robsim
 from graded import HONEST, PATIENT, assert_same_trace, folder_of, ran_here
-from robsim.grading import Key, Limits, Submission, SubmissionError, check_isolation
+from robsim.teach import Key, Limits, Submission, SubmissionError, check_isolation
 from sizes import thorough
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("patient_grader")]
@@ -161,18 +161,18 @@ def test_a_model_with_another_dt_is_the_submissions_fault(tmp_path):
 
 
 def test_the_compiled_file_of_a_masked_module_cannot_be_read(tmp_path):
-    pytest.importorskip("robsim.evaluation._errors")  # now there is one
+    pytest.importorskip("robsim.estimation.evaluation.errors")  # now there is one
     code = """
         import glob, os, robsim
         def control(step):
-            folder = os.path.join(os.path.dirname(robsim.__file__), "evaluation", "__pycache__")
-            names = glob.glob(os.path.join(folder, "_errors.*.pyc"))
-            open((names or [os.path.join(folder, "_errors.pyc")])[0], "rb").read()
+            folder = os.path.join(os.path.dirname(robsim.__file__), "estimation/evaluation")
+            names = glob.glob(os.path.join(folder, "__pycache__/errors.*.pyc"))
+            open((names or [os.path.join(folder, "__pycache__/errors.pyc")])[0], "rb").read()
             return 0, 0
         """
     if not check_isolation().closed["files"]:
         pytest.skip("files are open here")
-    error = failure(tmp_path, code, masked=["robsim.evaluation._errors"])
+    error = failure(tmp_path, code, masked=["robsim.estimation.evaluation.errors"])
     assert "PermissionError" in str(error)
 
 
@@ -184,7 +184,8 @@ def test_much_may_be_hidden_where_a_process_may_open_little(tmp_path):
     graded.zygotes.close_zygotes()
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(400, few), most))
     try:
-        hiding = submission(tmp_path, control=HONEST["control"], masked=["robsim.reference"])
+        masked = ["robsim.estimation.reference"]
+        hiding = submission(tmp_path, control=HONEST["control"], masked=masked)
         assert len(hiding.run(SCENARIO, steps=3, seed=1)) == 3
     finally:
         resource.setrlimit(resource.RLIMIT_NOFILE, (few, most))

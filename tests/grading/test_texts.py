@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import robsim
-from robsim.grading import (
+from robsim.teach import (
     AssignmentError,
     GraderError,
     GradingError,
@@ -19,7 +19,7 @@ from robsim.grading import (
     clean_text,
     fenced,
 )
-from robsim.grading._texts import ErrorText, clean_line, error_text
+from robsim.teach.texts import ErrorText, clean_line, error_text
 
 NASTY = [
     "\x1b[31mred\x1b]0;title\x07", "a\0b", "\u202egnp.exe", "\ud800", "\ufffe\uffff",

@@ -13,7 +13,7 @@ import pytest
 
 from graded import HONEST
 from robsim import RobotModel
-from robsim.grading._wire import LIMITS, Channel, Kind, Ready, WireError
+from robsim.teach.grading._wire import LIMITS, Channel, Kind, Ready, WireError
 
 HEAD = struct.Struct("<HHI")
 MINUTES = 300.0  # s

@@ -6,7 +6,7 @@ import pytest
 
 import robsim
 from graded import PATIENT, assert_same_trace, folder_of, ran, ran_here
-from robsim.grading import AssignmentError, Limits, Submission, SubmissionError
+from robsim.teach import AssignmentError, Limits, Submission, SubmissionError
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("patient_grader")]
 

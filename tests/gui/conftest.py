@@ -40,7 +40,7 @@ def clock(monkeypatch):
     """The clock of drivers and views: no time passes for them by itself."""
     clock = Clock()
     panel = ("view", "still", "record", "run.camera", "run.transport", "analysis.past")
-    for module in ("_driver", "_worker", "_view", "_link", *(f"_panel.{name}" for name in panel)):
+    for module in ("_driver", "_worker", "_view", "_link", *(f"panels.{name}" for name in panel)):
         monkeypatch.setattr(f"robsim.gui.{module}.time", clock)
     return clock
 
@@ -48,7 +48,7 @@ def clock(monkeypatch):
 @pytest.fixture
 def patience(monkeypatch):
     """Return a function that sets how long a panel waits for a page to come back (s)."""
-    return lambda seconds: monkeypatch.setattr("robsim.gui._panel.view._PATIENCE", seconds)
+    return lambda seconds: monkeypatch.setattr("robsim.gui.panels.view._PATIENCE", seconds)
 
 
 @pytest.fixture

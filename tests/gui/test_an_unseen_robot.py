@@ -71,7 +71,7 @@ def test_from_a_photo_to_a_video_by_the_mouse(open_tool, user_folder, tmp_path):
         [(math.cos(heading), math.sin(heading)), (-math.sin(heading), math.cos(heading))]
     )
     front, back = (np.array((x, y)) + offset @ axes for offset in (FRONT, BACK))
-    robsim.imaging.save_image(tmp_path / "photo.jpg", world.picture(*place))
+    robsim.vision.save_image(tmp_path / "photo.jpg", world.picture(*place))
 
     with robsim.gui.color_panel(tmp_path / "photo.jpg", file=tmp_path / "mine.toml") as tool:
         mouse = ToolMouse(tool, open_tool(tool))
@@ -107,7 +107,7 @@ def test_from_a_photo_to_a_video_by_the_mouse(open_tool, user_folder, tmp_path):
         wait_for(lambda: abs(view.drawing.sketch.alignment - turn) < 0.1 or None)
         tab.fill("[name=robot_name]", "mine")
         tab.click("[name=save_robot]")
-        wait_for(lambda: "mine" in robsim.robots.robot_names())
+        wait_for(lambda: "mine" in robsim.vision.robot_names())
 
     poses = []
     (tmp_path / "video").mkdir()
@@ -115,7 +115,7 @@ def test_from_a_photo_to_a_video_by_the_mouse(open_tool, user_folder, tmp_path):
         heading += 0.12 * math.sin(k / 9)
         x, y = x + 6 * math.cos(heading), y + 6 * math.sin(heading)
         poses.append((x, y, heading))
-        robsim.imaging.save_image(tmp_path / f"video/{k:03}.png", world.picture(x, y, heading))
+        robsim.vision.save_image(tmp_path / f"video/{k:03}.png", world.picture(x, y, heading))
     trace = Experiment(
         Recording(tmp_path / "video"), robot="mine", colors=tmp_path / "mine.toml", area=SIZE
     ).run()

@@ -12,7 +12,7 @@ import time
 import pytest
 
 import robsim
-from robsim.gui._panel.run.code import lab
+from robsim.gui.panels.code import lab
 from waiting import wait_for
 
 pytestmark = pytest.mark.long
@@ -80,7 +80,7 @@ def move(a, world):
 
 
 def test_calls_are_counted_and_timed_also_while_it_runs(watch, monkeypatch):
-    monkeypatch.setattr("robsim.gui._panel.run.callbacks._GAP", 0.1)
+    monkeypatch.setattr("robsim.gui.panels.run.callbacks._GAP", 0.1)
 
     def slow(step):
         time.sleep(0.002)  # it takes at least that
@@ -295,7 +295,7 @@ def test_an_editor_in_a_terminal_or_none_is_not_started(bare, watch, tmp_path, m
     (tmp_path / "editor").symlink_to(tmp_path / "nano")
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(subprocess, "Popen", None)
-    monkeypatch.setattr("robsim.gui._panel.run.callbacks._GAP", 0.0)
+    monkeypatch.setattr("robsim.gui.panels.run.callbacks._GAP", 0.0)
     watcher = watch(small(control=control))
     for command in ("nano", "emacs -nw", "emacsclient -t", "editor", "missing", "'unclosed", ""):
         monkeypatch.setenv("VISUAL", command)
@@ -311,9 +311,9 @@ def test_an_editor_in_a_terminal_or_none_is_not_started(bare, watch, tmp_path, m
 @posix
 def test_a_key_that_is_held_opens_one_editor(watch, monkeypatch):
     started = []
-    opened = "robsim.gui._panel.run.callbacks.open_in_editor"
+    opened = "robsim.gui.panels.run.callbacks.open_in_editor"
     monkeypatch.setattr(opened, lambda *place: started.append(place))
-    monkeypatch.setattr("robsim.gui._panel.run.callbacks._GAP", 1000.0)
+    monkeypatch.setattr("robsim.gui.panels.run.callbacks._GAP", 1000.0)
     watcher = watch(small(control=control))
     for _ in range(100):
         watcher.say("edit", slot="control")
@@ -324,7 +324,7 @@ def test_a_key_that_is_held_opens_one_editor(watch, monkeypatch):
 @posix
 def test_an_editor_that_fails_is_told(watch, tmp_path, monkeypatch):
     monkeypatch.setenv("VISUAL", str(editor(tmp_path, "gedit", "raise SystemExit(4)")))
-    monkeypatch.setattr("robsim.gui._panel.run.callbacks._GAP", 0.05)
+    monkeypatch.setattr("robsim.gui.panels.run.callbacks._GAP", 0.05)
     watcher = watch(small(control=control))
     watcher.say("edit", slot="control")
     wait_for(lambda: watcher.notes())

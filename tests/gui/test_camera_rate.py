@@ -13,7 +13,7 @@ pytestmark = [pytest.mark.threads, pytest.mark.long]
 
 @pytest.fixture(autouse=True)
 def often(monkeypatch):
-    monkeypatch.setattr("robsim.gui._panel.run.transport._GAP", 0.02)
+    monkeypatch.setattr("robsim.gui.panels.run.transport._GAP", 0.02)
 
 
 def watched(camera):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from robsim.imaging import Intrinsics, PlaneMap
+from robsim.vision import Intrinsics, PlaneMap
 
 pytestmark = pytest.mark.slow
 

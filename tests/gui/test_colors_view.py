@@ -12,9 +12,8 @@ import robsim
 from browsers import FakeBrowser, settled
 from python_cameras import PATIENT, SteppedCamera
 from robsim import ColorClass
-from robsim.gui._tools.colors.training import ColorTraining
-from robsim.imaging import save_image
-from robsim.vision import classify, color_histograms, load_colors, save_colors
+from robsim.gui.tools.colors.training import ColorTraining
+from robsim.vision import classify, color_histograms, load_colors, save_colors, save_image
 from waiting import wait_for
 
 RED, BLUE, FLOOR = (210, 40, 30), (30, 40, 210), (120, 122, 118)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.reference import ExtendedKalmanFilter
+from robsim.estimation.reference import ExtendedKalmanFilter
 from waiting import wait_for
 
 pytestmark = pytest.mark.long

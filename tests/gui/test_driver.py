@@ -138,7 +138,7 @@ def all_on():
     return simulation(
         measure=True,
         estimate_parameters=True,
-        estimate_state=robsim.reference.ExtendedKalmanFilter(),
+        estimate_state=robsim.estimation.reference.ExtendedKalmanFilter(),
         control=lambda step: (0.1, 0.1),
     )
 

@@ -55,7 +55,7 @@ def test_a_server_that_cannot_start_says_why(monkeypatch):
     def broken(host):
         raise OSError("too many open files")
 
-    monkeypatch.setattr("robsim.gui._hosts.page.Server", broken)
+    monkeypatch.setattr("robsim.gui.hosts.page.Server", broken)
     with panel_of(simulation()) as (view, _), pytest.raises(OSError, match="too many open files"):
         Page(view)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from browsers import pixels_of_floor, tiled_floor
-from robsim.gui._tools.floor.corners import snapped
+from robsim.gui.tools.floor.corners import snapped
 
 SIZE, FINE = 100, 6
 AT = np.array((50.3, 48.7))

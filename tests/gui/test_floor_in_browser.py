@@ -8,8 +8,8 @@ import pytest
 import robsim
 from browsers import pixels_of_floor
 from panel_mouse import ToolMouse
-from robsim.calibration import Chessboard
-from robsim.imaging import load_calibration, save_image
+from robsim.lab import Chessboard
+from robsim.vision import load_calibration, save_image
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow

@@ -2,7 +2,7 @@
 
 import pytest
 
-from robsim.gui._tools.floor.points import MOST, FloorDraft, FloorPoints
+from robsim.gui.tools.floor.points import MOST, FloorDraft, FloorPoints
 
 SQUARE = [((10, 10), (0, 0)), ((90, 12), (100, 0)), ((88, 91), (100, 100)), ((9, 90), (0, 100))]
 

@@ -10,14 +10,8 @@ import pytest
 import robsim
 from browsers import FakeBrowser, pixels_of_floor, settled, tiled_floor
 from python_cameras import PATIENT, EndlessCamera
-from robsim.calibration import Chessboard, Corners, FloorSheet
-from robsim.imaging import (
-    Calibration,
-    Intrinsics,
-    load_calibration,
-    save_calibration,
-    save_image,
-)
+from robsim.lab import Chessboard, Corners, FloorSheet
+from robsim.vision import Calibration, Intrinsics, load_calibration, save_calibration, save_image
 from waiting import wait_for
 
 PLACES = np.array(
@@ -327,7 +321,7 @@ def test_a_mark_that_is_measured_while_sheets_are_found_counts_for_them(tool, br
         assert goes_on.wait(300)
         return {1: Corners(corners(mark), corners(mark) + 200)}
 
-    monkeypatch.setattr("robsim.gui._tools.floor.sheets.find_sheets", find)
+    monkeypatch.setattr("robsim.gui.tools.floor.sheets.find_sheets", find)
     browser.say("sheets")
     assert begun.wait(300)
     browser.say("set", name="mark", value=100)
@@ -429,7 +423,7 @@ class Boards:
             return Corners(board.square * grid, pixels)
 
         monkeypatch.setattr(Chessboard, "find", find)
-        monkeypatch.setattr("robsim.gui._tools.floor.lens.FEWEST", 1000)  # no lens
+        monkeypatch.setattr("robsim.gui.tools.floor.lens.FEWEST", 1000)  # no lens
 
 
 @pytest.fixture

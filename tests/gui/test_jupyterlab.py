@@ -11,7 +11,7 @@ import pytest
 from bench_panel import in_lab
 from bench_panel.lab import Lab, lab_server, write_notebook
 from painted_frames import assert_order
-from robsim.imaging import save_image
+from robsim.vision import save_image
 from waiting import wait_for
 
 # Found, not loaded: that takes seconds, also where these tests are left out.

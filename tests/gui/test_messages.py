@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from fuzzing import fuzzed
 from robsim.gui import _messages
 from robsim.gui._messages import Refused
-from robsim.gui._panel.messages import MESSAGES
+from robsim.gui.panels.messages import MESSAGES
 
 
 def checked_message(message):

@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("anywidget")
 
 import robsim
-from robsim.gui._hosts import notebook as _notebook
+from robsim.gui.hosts import notebook as _notebook
 from waiting import wait_for
 
 
@@ -237,8 +237,8 @@ def test_interrupting_a_cell_pauses(panel):
 def test_where_it_cannot_be_shown_it_says_what_does(panel, monkeypatch, capsys):
     panel._ipython_display_()
     assert "open()" in capsys.readouterr().out
-    monkeypatch.setitem(sys.modules, "robsim.gui._hosts.notebook", None)
-    monkeypatch.delattr("robsim.gui._hosts.notebook")
+    monkeypatch.setitem(sys.modules, "robsim.gui.hosts.notebook", None)
+    monkeypatch.delattr("robsim.gui.hosts.notebook")
     panel._ipython_display_()
     said = capsys.readouterr().out
     assert "robsim[notebook]" in said

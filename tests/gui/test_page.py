@@ -50,7 +50,7 @@ def test_two_pages_are_told_the_same_and_get_frames(page):
 
 
 def test_a_page_that_does_not_read_is_cut_off_and_nothing_waits(page, monkeypatch):
-    monkeypatch.setattr("robsim.gui._hosts.serving._MOST_BEHIND", 1 << 22)
+    monkeypatch.setattr("robsim.gui.hosts.serving._MOST_BEHIND", 1 << 22)
     with greeted(page) as reader, greeted(page, line=connected(page, SO_RCVBUF=4096)):
         reader.say(type="press", button="start")
         for _ in range(20):
@@ -77,7 +77,7 @@ def test_a_page_that_is_cut_off_pauses_nothing_that_others_look_at(page, patienc
 def test_waiting_ends_some_time_after_the_last_page(page, monkeypatch):
     now, looks = [100.0], []
     clock = SimpleNamespace(monotonic=lambda: looks.append(1) or now[0])
-    monkeypatch.setattr("robsim.gui._hosts.page.time", clock)
+    monkeypatch.setattr("robsim.gui.hosts.page.time", clock)
     waiter = threading.Thread(target=page.wait, args=(3.0,))
 
     def waits_on():

@@ -9,7 +9,7 @@ from PIL import Image
 
 import robsim
 from browsers import panel_of, settled
-from robsim.gui._panel.analysis.past import KeptPictures
+from robsim.gui.panels.analysis.past import KeptPictures
 
 
 @pytest.fixture(scope="module")

@@ -42,8 +42,8 @@ def sent_by(folder, *without):
 
 def test_every_message_to_a_browser_stands_there():
     told = rows(TO_BROWSER.split("`setup` may come again")[0])
-    assert sent_by(GUI, "_tools") == {"setup", "state", *told}
-    assert sent_by(GUI / "_tools") == set(rows(TOOLS_TO))
+    assert sent_by(GUI, "tools") == {"setup", "state", *told}
+    assert sent_by(GUI / "tools") == set(rows(TOOLS_TO))
 
 
 def test_every_field_of_the_state_of_a_tool_stands_there(user_folder):

@@ -74,7 +74,7 @@ def test_finish_pauses_and_estimates_once_for_table_and_caller(monkeypatch):
         made.append(len(trace))
         return robsim.batch_estimate(trace)
 
-    result = "robsim.gui._panel.analysis.result"
+    result = "robsim.gui.panels.analysis.result"
     monkeypatch.setattr(f"{result}.batch_estimate", estimate)
     monkeypatch.setattr(f"{result}._figure_of", lambda report: told.append(report) or b"")
     with robsim.panel(simulation(control=robsim.DriveAround()), speed=float("inf")) as panel:
@@ -137,7 +137,7 @@ def test_a_callback_may_pause_its_own_run():
 
 
 def test_a_closed_panel_says_so_and_shows_its_end(monkeypatch):
-    monkeypatch.setattr("robsim.gui._panel.still_picture._figure", quick_figure)
+    monkeypatch.setattr("robsim.gui.panels.still_picture._figure", quick_figure)
     sim = simulation()
     with robsim.panel(sim) as panel:
         panel.step()
@@ -156,7 +156,7 @@ def test_a_closed_panel_says_so_and_shows_its_end(monkeypatch):
 
 
 def test_a_snapshot_shows_the_panel_as_it_is(panel, tmp_path, monkeypatch):
-    monkeypatch.setattr("robsim.gui._panel.still_picture._figure", quick_figure)
+    monkeypatch.setattr("robsim.gui.panels.still_picture._figure", quick_figure)
     before = panel.snapshot()
     panel.step()
     after = panel.snapshot()
@@ -178,7 +178,7 @@ def test_its_page_is_served_when_it_is_opened(panel, monkeypatch):
     with urllib.request.urlopen(panel.url) as answer:
         assert b"page.js" in answer.read()
     opened = []
-    start = "robsim.gui._hosts.page.Page.open"
+    start = "robsim.gui.hosts.page.Page.open"
     monkeypatch.setattr(start, lambda page: opened.append(page.url) or True)
     panel.open()
     assert opened == [panel.url]

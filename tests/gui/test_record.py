@@ -114,7 +114,7 @@ def test_a_session_shows_its_video(simulation, tmp_path):
     frames = (simulation.render_step(k) for k in range(4))
     with robsim.Experiment(frames, area=(400, 300), record=tmp_path / "monday") as experiment:
         experiment.run()
-    with panel_of(robsim.sessions.Session(tmp_path / "monday")) as (view, browser):
+    with panel_of(robsim.trace.Session(tmp_path / "monday")) as (view, browser):
         setup, _ = browser.take("setup")
         assert (setup["source"], setup["title"]) == ("trace", "Session monday, robot lab")
         head, (picture,) = browser.take("frame", k=3)
@@ -142,7 +142,7 @@ def test_a_recording_becomes_an_experiment(simulation, tmp_path):
 
 @pytest.mark.long
 def test_a_long_record_comes_in_parts(saved, monkeypatch):
-    monkeypatch.setattr("robsim.gui._panel.analysis.rows._MOST_BYTES", 100)
+    monkeypatch.setattr("robsim.gui.panels.analysis.rows._MOST_BYTES", 100)
     wanted = {"pose_true": saved.pose_true, "u": saved.u}
     got = {name: np.empty((0, rows.shape[1]), "<f4") for name, rows in wanted.items()}
     with panel_of(saved) as (_, browser):

@@ -80,7 +80,7 @@ def test_the_panel_answers_while_it_is_estimated(monkeypatch):
         may_go_on.wait(300)
         raise ValueError(str(len(trace)))
 
-    monkeypatch.setattr("robsim.gui._panel.analysis.result.batch_estimate", slow)
+    monkeypatch.setattr("robsim.gui.panels.analysis.result.batch_estimate", slow)
     simulation = robsim.Simulation(seed=1)
     simulation.run(1)
     with panel_of(simulation) as (_, browser):

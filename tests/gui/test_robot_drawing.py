@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.gui._tools.robots.drawing import RobotDrawing, Sketch
+from robsim.gui.tools.robots.drawing import RobotDrawing, Sketch
 
 PARTS = ("outline", "red", "blue")
 SQUARE = np.array([(10.0, 10), (90, 10), (90, 70), (10, 70)])

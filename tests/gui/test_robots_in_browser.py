@@ -5,7 +5,7 @@ import pytest
 
 import robsim
 from panel_mouse import ToolMouse
-from robsim.robots import load_robot
+from robsim.vision import load_robot
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow

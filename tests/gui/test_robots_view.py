@@ -6,7 +6,7 @@ import pytest
 import robsim
 from browsers import FakeBrowser, settled
 from python_cameras import PATIENT, EndlessCamera
-from robsim.robots import load_robot
+from robsim.vision import load_robot
 from waiting import wait_for
 
 pytestmark = pytest.mark.long

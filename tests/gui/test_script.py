@@ -8,7 +8,7 @@ from collections import Counter
 
 import pytest
 
-from robsim.gui._hosts.script import STATIC, page_script, script
+from robsim.gui.hosts.script import STATIC, page_script, script
 
 _NAMES = re.compile(r"^(?:export )?(?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE)
 

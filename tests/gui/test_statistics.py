@@ -9,7 +9,7 @@ import pytest
 
 import robsim
 from browsers import panel_of
-from robsim.gui._panel.analysis.statistics import Statistics
+from robsim.gui.panels.analysis.statistics import Statistics
 
 
 def statistics_of(trace):
@@ -70,7 +70,7 @@ def computing(monkeypatch):
     """The time that it takes to compute them: none, unless a test lets it pass."""
     computing = SimpleNamespace(now=0.0)
     time = SimpleNamespace(monotonic=lambda: computing.now)
-    monkeypatch.setattr("robsim.gui._panel.analysis.summary.time", time)
+    monkeypatch.setattr("robsim.gui.panels.analysis.summary.time", time)
     return computing
 
 

@@ -8,7 +8,7 @@ from PIL import Image
 
 import robsim
 from browsers import panel_of
-from robsim.reference import ExtendedKalmanFilter
+from robsim.estimation.reference import ExtendedKalmanFilter
 from small_runs import done
 from threads import together
 

@@ -214,7 +214,7 @@ def test_many_half_open_requests_keep_no_page_out(page):
 
 @pytest.mark.long
 def test_a_request_that_never_ends_is_ended(monkeypatch, page):
-    monkeypatch.setattr("robsim.gui._hosts.serving._PATIENCE", 0.2)
+    monkeypatch.setattr("robsim.gui.hosts.serving._PATIENCE", 0.2)
     hasty = Page(page.view)
     for start in (b"", b"GET /", b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n1"):
         with connected(hasty) as line:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.robots import default_robot, load_robot, robot_names, set_default_robot
+from robsim.vision import default_robot, load_robot, robot_names, set_default_robot
 from waiting import wait_for
 
 
@@ -108,7 +108,7 @@ def test_a_robot_that_is_changed_is_saved_and_survives(watcher):
 @pytest.mark.long
 def test_another_picture_never_takes_the_place_of_a_robot_of_the_users(watcher):
     lab, sheep = load_robot("lab"), load_robot("sheep")
-    robsim.robots.add_robot("mine", sheep)
+    robsim.vision.add_robot("mine", sheep)
     tool = opened(watcher, "robots")
     image = np.array(lab.image)
     for expected in ("mine2", "mine3"):
@@ -185,7 +185,7 @@ def test_a_robot_that_stays_or_is_refused_is_neither_saved_nor_the_default(watch
 
 @pytest.mark.long
 def test_another_robot_of_the_same_name_is_not_written_over(watch, user_folder):
-    robsim.robots.add_robot("mine", "sheep")
+    robsim.vision.add_robot("mine", "sheep")
     other = dataclasses.replace(load_robot("lab"), name="mine")
     watcher = watch(simulation(robot=other))
     opened(watcher, "robots")

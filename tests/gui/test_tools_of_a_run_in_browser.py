@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.robots import default_robot
+from robsim.vision import default_robot
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow

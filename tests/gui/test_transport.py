@@ -324,7 +324,7 @@ def test_stop_in_the_midst_of_many_steps_is_never_lost(robot):
 
 
 def test_a_robot_that_cannot_be_stopped_is_told(robot, monkeypatch):
-    monkeypatch.setattr("robsim.gui._panel.run.transport._PATIENCE", SOON)
+    monkeypatch.setattr("robsim.gui.panels.run.transport._PATIENCE", SOON)
     sim = driven(frames(20), robot)
     with panel_of(sim) as (_, browser):
         browser.press("step")
@@ -343,7 +343,7 @@ def test_a_robot_that_cannot_be_stopped_is_told(robot, monkeypatch):
 
 @pytest.mark.long
 def test_the_panel_answers_while_what_stops_the_robot_hangs(monkeypatch):
-    monkeypatch.setattr("robsim.gui._panel.run.transport._PATIENCE", 0.01)
+    monkeypatch.setattr("robsim.gui.panels.run.transport._PATIENCE", 0.01)
     is_free = threading.Event()
 
     def send(u):

@@ -18,13 +18,13 @@ from browsers import FakeBrowser, Page, settled
 from fuzzing import fuzzed
 from page_client import BINARY, greeted
 from python_cameras import PATIENT, SteppedCamera
-from robsim.gui._hosts.serving import packed_message, unpacked_message
-from robsim.robots import load_robot
+from robsim.gui.hosts.serving import packed_message, unpacked_message
+from robsim.vision import load_robot
 from waiting import wait_for
 
 FLOOR = np.full((30, 40, 3), (120, 122, 118), np.uint8)
 OTHER = np.random.default_rng(5).integers(0, 255, (24, 36, 3)).astype(np.uint8)
-UPLOADS = "robsim.gui._tools.uploads"
+UPLOADS = "robsim.gui.tools.uploads"
 
 
 def png(pixels, **options):
@@ -230,7 +230,7 @@ LARGEST = 200  # px along a side
 
 @pytest.fixture
 def robots(user_folder, monkeypatch):
-    monkeypatch.setattr("robsim.gui._tools.robots.sketches.MAXIMUM_SIDE", LARGEST)
+    monkeypatch.setattr("robsim.gui.tools.robots.sketches.MAXIMUM_SIDE", LARGEST)
     with robsim.gui.robot_panel(robot="lab") as tool:
         yield tool._view
 

@@ -8,7 +8,7 @@ import pytest
 import robsim
 from browsers import settled
 from drops import drag_file
-from robsim.imaging import save_image
+from robsim.vision import save_image
 from waiting import wait_for
 
 pytestmark = pytest.mark.slow

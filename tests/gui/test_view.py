@@ -145,7 +145,7 @@ def test_a_slow_line_gets_fewer_frames_and_the_last_one_and_holds_up_nobody(pane
 
 @pytest.mark.long
 def test_without_any_room_frames_go_on_slowly(panel, monkeypatch):
-    monkeypatch.setattr("robsim.gui._panel.run.camera.SLOW", 0.02)
+    monkeypatch.setattr("robsim.gui.panels.run.camera.SLOW", 0.02)
     monkeypatch.setattr(_link, "SLOW", 0.02)
     view, browser = panel
     deaf = FakeBrowser(view, name="deaf", room=0)
@@ -260,7 +260,7 @@ def test_while_nobody_looks_no_pictures_are_made_and_whoever_comes_sees_the_newe
 
 def test_a_mistake_in_a_part_is_told_once_and_nothing_ends(panel, mistakes, monkeypatch):
     view, browser = panel
-    monkeypatch.setattr("robsim.gui._panel.view.RETRY", 0.0)
+    monkeypatch.setattr("robsim.gui.panels.view.RETRY", 0.0)
     for method in ("take", "look", "state", "changed", "greet"):
         monkeypatch.setattr(view._parts[-1], method, lambda *_, name=method: {}[name])
     browser.press("start")

@@ -6,7 +6,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import robsim
-import robsim.gym
+import robsim.teach.gym
 
 NAMES = ["Park", "Follow"]
 
@@ -46,13 +46,13 @@ def test_an_episode_is_a_run_of_the_task(name):
 
 
 def test_the_same_actions_give_the_same_run_as_a_simulation():
-    env = robsim.gym.TaskEnv("park", steps=25)
+    env = robsim.teach.gym.TaskEnv("park", steps=25)
     generator = np.random.default_rng(3)
     actions = generator.uniform(-1, 1, (25, 2)).astype(np.float32)
     remaining = iter(actions)
     drive(env, lambda observation: next(remaining))
     trace = env._simulation.trace
-    again = robsim.tasks.Park(steps=25).simulation(
+    again = robsim.teach.Park(steps=25).simulation(
         seed=env_seed(seed=1), control=lambda step: tuple(map(float, actions[step.k]))
     )
     assert again.run(25) == trace[:25]
@@ -63,7 +63,7 @@ def env_seed(seed):
 
 
 def test_an_observation_is_what_was_measured_in_this_step():
-    env = robsim.gym.TaskEnv("park", noise=0, dropout=0, steps=10)
+    env = robsim.teach.gym.TaskEnv("park", noise=0, dropout=0, steps=10)
     observation, info = env.reset(seed=2)
     assert observation[3] == 1
     np.testing.assert_allclose(observation[:2], info["pose_true"][:2], atol=1)
@@ -72,7 +72,7 @@ def test_an_observation_is_what_was_measured_in_this_step():
 
 
 def test_a_robot_that_is_hidden_is_where_it_was_seen_last():
-    env = robsim.gym.TaskEnv("park", dropout=1, steps=10)
+    env = robsim.teach.gym.TaskEnv("park", dropout=1, steps=10)
     observation, _ = env.reset(seed=1)
     width, height = env.task.scenario.area
     np.testing.assert_array_equal(observation, [width / 2, height / 2, 0, 0])
@@ -80,9 +80,9 @@ def test_a_robot_that_is_hidden_is_where_it_was_seen_last():
 
 @pytest.mark.parametrize("name", ["park", "follow"])
 def test_the_rewards_of_a_run_sum_to_what_was_done(name):
-    idle = sum(drive(robsim.gym.TaskEnv(name, steps=20), still)[0])
+    idle = sum(drive(robsim.teach.gym.TaskEnv(name, steps=20), still)[0])
     assert idle == pytest.approx(0, abs=0.2)  # the motors are disturbed
-    env = robsim.gym.TaskEnv(name)
+    env = robsim.teach.gym.TaskEnv(name)
     with env.task.solutions[0].choice(env.task).callbacks() as callbacks:
 
         def policy(observation):
@@ -94,11 +94,11 @@ def test_the_rewards_of_a_run_sum_to_what_was_done(name):
 def test_wrong_arguments():
     for name, value in (("task", "measure"), ("observation", "blobs"), ("render_mode", "human")):
         with pytest.raises(ValueError, match=name):
-            robsim.gym.TaskEnv(**{name: value})
+            robsim.teach.gym.TaskEnv(**{name: value})
     with pytest.raises(TypeError, match="noise"):
-        robsim.gym.TaskEnv(robsim.tasks.Park(), noise=3)
+        robsim.teach.gym.TaskEnv(robsim.teach.Park(), noise=3)
 
 
 def test_there_is_no_step_before_the_first_reset():
     with pytest.raises(gymnasium.error.ResetNeeded):
-        robsim.gym.TaskEnv().step(np.zeros(2, np.float32))
+        robsim.teach.gym.TaskEnv().step(np.zeros(2, np.float32))

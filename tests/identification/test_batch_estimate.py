@@ -84,7 +84,7 @@ def test_from_measurements_the_longest_record_has_no_gap():
 @pytest.mark.parametrize("select", ["valid", "all"])
 def test_from_measurements_a_missing_pose_costs_three_samples(select):
     trace = seldom_seen()
-    found = robsim.identification.regression_of(trace, identify_from="measurement", select=select)
+    found = robsim.estimation.regression_of(trace, identify_from="measurement", select=select)
     missing = [100, 101, 102, 400, 401, 402]
     np.testing.assert_array_equal(found.k, np.setdiff1d(np.arange(2, 500), missing))
     assert found.left_out == 6
@@ -224,7 +224,7 @@ def test_from_measurements_least_squares_is_biased_and_the_others_are_not(tracke
     assert np.isnan(report.condition).all()
     assert (report.identifiability.verdicts[:, :4] == "well").all()
     # as from the function itself
-    fit = robsim.identification.output_error(
+    fit = robsim.estimation.output_error(
         tracked_run.pose_measured, tracked_run.u, breaks=tracked_run.bounced
     )
     np.testing.assert_array_equal(report.batch, fit.theta)

@@ -3,7 +3,7 @@ import pytest
 
 import robsim
 from robsim import identifiability
-from robsim.identification._identifiability import ASSUMED_SIGMA, judge
+from robsim.estimation.identification._identifiability import ASSUMED_SIGMA, judge
 
 pytestmark = pytest.mark.kernels
 

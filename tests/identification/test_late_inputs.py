@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 import robsim
-from robsim.identification import instrumental_variables, output_error, regression_of
+from robsim.estimation import instrumental_variables, output_error, regression_of
 from robsim.trace import Trace
 from sizes import thorough
 

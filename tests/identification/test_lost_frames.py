@@ -79,11 +79,11 @@ def test_exact_poses_with_gaps_give_back_the_parameters(method, select):
 
 def test_a_lost_frame_costs_the_samples_that_span_it():
     trace = without([20], 40)
-    found = robsim.identification.regression_of(trace)
+    found = robsim.estimation.regression_of(trace)
     # Of 39 steps 0..38, step 20 comes two dt after step 19.
     np.testing.assert_array_equal(found.k, np.setdiff1d(np.arange(2, 39), [20, 21]))
     assert found.left_out == 2
-    longest = robsim.identification.regression_of(trace, select="longest")
+    longest = robsim.estimation.regression_of(trace, select="longest")
     np.testing.assert_array_equal(longest.k, np.arange(2, 20))
     assert "2 samples with a bounce, a missing pose or lost frames" in str(
         robsim.batch_estimate(trace)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import robsim
 from robsim._core import second_order_recursion
-from robsim.identification import instrumental_variables, output_error
+from robsim.estimation import instrumental_variables, output_error
 from sizes import thorough
 
 pytestmark = pytest.mark.kernels
@@ -261,12 +261,12 @@ def test_records_that_do_not_fit_together_are_named(fit, name, wrong):
 def test_a_regression_has_as_many_inputs_as_poses(rows, others):
     poses, u = np.zeros((rows, 3)), np.zeros((others, 2))
     if rows == others:
-        phi, y = robsim.identification.regression(poses, u)
+        phi, y = robsim.estimation.regression(poses, u)
         assert phi.shape == (max(rows - 2, 0), 3, 5)
         assert y.shape == (max(rows - 2, 0), 3)
     else:
         with pytest.raises(ValueError, match=r"\bu\b"):
-            robsim.identification.regression(poses, u)
+            robsim.estimation.regression(poses, u)
 
 
 @each_method

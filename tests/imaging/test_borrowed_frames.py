@@ -9,8 +9,7 @@ import pytest
 import robsim
 from refusals import refuses
 from robsim import Frame
-from robsim.imaging import PlaneMap
-from robsim.vision import classify, color_histograms, paint_classes
+from robsim.vision import PlaneMap, classify, color_histograms, paint_classes
 from scenes import renderer
 
 COLORS = robsim.load_colors()

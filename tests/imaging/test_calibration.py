@@ -10,7 +10,7 @@ import pytest
 import robsim
 from python_cameras import PATIENT
 from refusals import refuses
-from robsim.imaging import (
+from robsim.vision import (
     Calibration,
     Intrinsics,
     PlaneMap,

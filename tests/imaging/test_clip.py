@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from refusals import refuses
-from robsim.imaging import Clip
+from robsim.vision import Clip
 
 
 def frames(count=6, *, width=60, height=40):

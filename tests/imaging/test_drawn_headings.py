@@ -8,9 +8,9 @@ import pytest
 
 import robsim
 from python_cameras import PATIENT
-from robsim.imaging import save_image, save_video
-from robsim.live import SimulatedLab
-from robsim.sessions import Session
+from robsim.lab import SimulatedLab
+from robsim.trace import Session
+from robsim.vision import save_image, save_video
 
 AREA = (400, 300)
 ROUNDED = np.radians(10) / np.sqrt(12)  # of 36 headings
@@ -70,7 +70,7 @@ def test_of_a_video(tmp_path, frame):
 
 
 def test_of_frames_that_a_calibration_maps(frame):
-    floor = robsim.imaging.Calibration(size=AREA, floor=frame.plane_map, area=AREA)
+    floor = robsim.vision.Calibration(size=AREA, floor=frame.plane_map, area=AREA)
     given = [frame, robsim.simulation.Observation(frame, t=0.2)]
     with robsim.Experiment(given, calibration=floor, measure=True) as experiment:
         trace = experiment.run()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from robsim.imaging import load_image
+from robsim.vision import load_image
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from refusals import INF, NAN, refuses
-from robsim.imaging import Intrinsics
+from robsim.vision import Intrinsics
 
 SIZE = (1280, 960)
 MATRIX = np.array([[1010.0, 0, 636.5], [0, 1000, 482.25], [0, 0, 1]])

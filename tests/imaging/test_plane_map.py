@@ -3,7 +3,7 @@
 import numpy as np
 
 from refusals import INF, NAN, refuses
-from robsim.imaging import PlaneMap
+from robsim.vision import PlaneMap
 
 
 def test_pixel_centres_of_a_smaller_camera():

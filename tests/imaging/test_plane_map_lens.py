@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-from robsim.imaging import Intrinsics, PlaneMap
+from robsim.vision import Intrinsics, PlaneMap
 from tilted_camera import TiltedCamera
 
 pytest.importorskip("cv2")

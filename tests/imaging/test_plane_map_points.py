@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from robsim.imaging import PlaneMap
+from robsim.vision import PlaneMap
 
 pytestmark = pytest.mark.kernels
 

@@ -9,7 +9,7 @@ from PIL import Image
 
 import robsim
 from robsim import Recording
-from robsim.imaging import Intrinsics, PlaneMap, save_image, save_video
+from robsim.vision import Intrinsics, PlaneMap, save_image, save_video
 
 
 def picture(brightness, *, width=32, height=24):

@@ -12,7 +12,7 @@ import robsim
 from disks import full_disk
 from refusals import refuses
 from robsim import Recording
-from robsim.imaging import VideoWriter, save_video
+from robsim.vision import VideoWriter, save_video
 
 cv2 = pytest.importorskip("cv2")
 

@@ -9,10 +9,17 @@ import pytest
 import robsim
 from photographed_sheets import DOTS, printed
 from python_cameras import PATIENT, EndlessCamera
-from robsim.calibration import FloorSheet, calibrate_floor, calibrate_floor_by_sheets, sheet_shifts
-from robsim.imaging import Calibration, Intrinsics, PlaneMap
-from robsim.live import Lens, SimulatedLab, check_camera
-from robsim.live import _calibration_findings as mapping
+from robsim.lab import (
+    FloorSheet,
+    Lens,
+    SimulatedLab,
+    calibrate_floor,
+    calibrate_floor_by_sheets,
+    check_camera,
+    sheet_shifts,
+)
+from robsim.lab.rehearsal import _calibration_findings as mapping
+from robsim.vision import Calibration, Intrinsics, PlaneMap
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("_checks_few_frames")]
 

@@ -7,9 +7,14 @@ import pytest
 
 import robsim
 from python_cameras import PATIENT, EndlessCamera
-from robsim.capture import Camera, FrameTimeoutError
-from robsim.live import CameraFaults, SimulatedLab, check_camera
-from robsim.motors import UdpMotors
+from robsim.lab import (
+    Camera,
+    CameraFaults,
+    FrameTimeoutError,
+    SimulatedLab,
+    UdpMotors,
+    check_camera,
+)
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("_checks_few_frames")]
 

@@ -9,7 +9,7 @@ import pytest
 import robsim
 import sessions
 from python_cameras import PATIENT, SteppedCamera
-from robsim.motors import MotorReceiver, UdpMotors
+from robsim.lab import MotorReceiver, UdpMotors
 from waiting import wait_for
 
 

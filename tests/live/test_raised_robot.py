@@ -6,9 +6,8 @@ import pytest
 import robsim
 from python_cameras import PATIENT
 from robsim import _core
-from robsim.imaging import PlaneMap
-from robsim.live import Lens, SimulatedLab
-from robsim.vision import detect
+from robsim.lab import Lens, SimulatedLab
+from robsim.vision import PlaneMap, detect
 from sizes import thorough
 from tilted_camera import TiltedCamera
 

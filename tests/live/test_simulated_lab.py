@@ -11,9 +11,16 @@ import pytest
 
 import robsim
 from python_cameras import PATIENT, read_on
-from robsim.capture import CaptureError, FrameTimeoutError, UnpluggedError
-from robsim.live import CameraFaults, Lens, SimulatedLab
-from robsim.motors import MotorReceiver, UdpMotors
+from robsim.lab import (
+    CameraFaults,
+    CaptureError,
+    FrameTimeoutError,
+    Lens,
+    MotorReceiver,
+    SimulatedLab,
+    UdpMotors,
+    UnpluggedError,
+)
 from threads import forks, in_fork, in_thread
 from waiting import wait_for
 
@@ -21,10 +28,8 @@ SCENARIO = robsim.Scenario(
     area=(1200, 900), resolution=(320, 240), headings=None, start=(400, 420, 0.4), seed=3
 )
 CORNERS = [(0, 0), (1199, 0), (1199, 899), (0, 899)]
-OBLIQUE = robsim.imaging.PlaneMap.from_points(
-    [(102, 60), (541, 57), (630, 455), (12, 460)], CORNERS
-)
-LENS = robsim.imaging.Intrinsics([[500, 0, 320], [0, 500, 240], [0, 0, 1]], (-0.1, 0, 0, 0, 0))
+OBLIQUE = robsim.vision.PlaneMap.from_points([(102, 60), (541, 57), (630, 455), (12, 460)], CORNERS)
+LENS = robsim.vision.Intrinsics([[500, 0, 320], [0, 500, 240], [0, 0, 1]], (-0.1, 0, 0, 0, 0))
 DRIVE = (8.0, 5.0)
 
 
@@ -252,14 +257,14 @@ def test_reader_motors_and_commands_at_once():
 
 
 def test_what_cannot_be_is_refused():
-    nowhere = robsim.imaging.PlaneMap([[1, 0, 9000], [0, 1, 0], [0, 0, 1]])
+    nowhere = robsim.vision.PlaneMap([[1, 0, 9000], [0, 1, 0], [0, 0, 1]])
     for options, word in (
         ({"scenario": SCENARIO.replace(camera_delay=1)}, "camera_delay"),
         ({"scenario": SCENARIO.replace(motor_delay=1)}, "motor_delay"),
         ({"scenario": SCENARIO.replace(boundary="unlimited")}, "boundary"),
         ({"scenario": SCENARIO.replace(model=robsim.RobotModel())}, "fps=5"),
         ({"lens": Lens(-0.5)}, "k1"),
-        ({"lens": Lens(-0.1), "plane_map": robsim.imaging.PlaneMap(OBLIQUE.matrix, LENS)}, "lens"),
+        ({"lens": Lens(-0.1), "plane_map": robsim.vision.PlaneMap(OBLIQUE.matrix, LENS)}, "lens"),
         ({"plane_map": nowhere}, "plane_map"),
     ):
         with pytest.raises(ValueError, match=word):

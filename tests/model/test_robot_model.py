@@ -55,7 +55,7 @@ def test_prediction_is_the_sum_of_regressors_times_theta(rng):
     model = robsim.RobotModel()
     poses = rng.uniform(-1, 1, (3, 3)) * (600, 600, 3)
     u = rng.uniform(-1, 1, (3, 2))
-    phi, y = robsim.identification.regression(poses, u)
+    phi, y = robsim.estimation.regression(poses, u)
     predicted = model.predict(poses[1], poses[0], u[1])
     expected = (phi[0] * model.theta).sum(axis=1)
     np.testing.assert_allclose(predicted[:2], expected[:2], rtol=1e-13)
@@ -66,7 +66,7 @@ def test_prediction_is_the_sum_of_regressors_times_theta(rng):
 def test_samples_never_see_a_wrapped_jump():
     heading = robsim.wrap_angle(np.linspace(0, 40, 200))
     poses = np.column_stack((np.zeros((200, 2)), heading))
-    phi, y = robsim.identification.regression(poses, np.zeros((200, 2)))
+    phi, y = robsim.estimation.regression(poses, np.zeros((200, 2)))
     steps = np.column_stack((phi[:, 2, 0] - phi[:, 2, 1], y[:, 2] - phi[:, 2, 0]))
     np.testing.assert_allclose(steps, 40 / 199, rtol=1e-9)
 

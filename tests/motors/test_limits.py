@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robsim.motors import Limits
+from robsim.lab import Limits
 
 volts = st.floats(-20, 20)
 inputs = st.tuples(volts, volts)

@@ -16,7 +16,7 @@ import pytest
 from interpreter import LONGER_AND_LONGER, keep_interpreter
 from motor_lines import example
 from robsim._core import Watchdog
-from robsim.motors import (
+from robsim.lab import (
     HaltedError,
     LineError,
     MotorReceiver,
@@ -139,7 +139,7 @@ def test_a_watchdog_that_is_fed_lets_the_robot_drive(robot, motors):
 
 DRIVING = """
 import os, signal, sys
-from robsim.motors import UdpMotors
+from robsim.lab import UdpMotors
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background of a shell
 motors = UdpMotors("127.0.0.1", int(sys.argv[1]), ttl=float(sys.argv[2]), hold=1000)
 motors((1, 2))

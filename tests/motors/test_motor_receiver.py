@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from motor_lines import Sender, drive_line, line, stop_line
-from robsim.motors import LineError, MotorReceiver
+from robsim.lab import LineError, MotorReceiver
 from waiting import wait_for
 
 pytestmark = pytest.mark.threads

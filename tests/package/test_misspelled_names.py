@@ -14,7 +14,7 @@ from robsim import Scenario, Simulation
         (lambda: Simulation(mesure=True), TypeError, "'mesure'.*'measure'"),
         (lambda: Scenario(boundary="bonce"), ValueError, "'bounce'"),
         (lambda: setattr(Simulation(), "mesure", True), AttributeError, "'mesure'.*'measure'"),
-        (lambda: robsim.nees, AttributeError, "robsim.evaluation.nees"),
+        (lambda: robsim.nees, AttributeError, "robsim.estimation.nees"),
         (lambda: robsim.goToPoint, AttributeError, "'GoToPoint'"),
     ],
 )

@@ -55,7 +55,7 @@ def bounds():
         sim = robsim.Simulation(robot="lab", headings=None, resolution=(size, size), start=pose)
         sim.step()
         for noise in (robsim.GaussianNoise(2), robsim.GaussianNoise(10), robsim.UniformNoise(40)):
-            found[size, noise] = robsim.evaluation.measurement_bound(
+            found[size, noise] = robsim.estimation.measurement_bound(
                 sim.frame, pose, sim.robot, noise=noise
             )
     return found

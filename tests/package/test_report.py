@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.evaluation import Column, Quantity, Report, Row, Table, percent
+from robsim.estimation import Column, Quantity, Report, Row, Table, percent
 
 NAN = float("nan")
 
@@ -112,11 +112,11 @@ def test_a_metric_in_a_notebook():
 def test_every_text_is_escaped():
     evil = "<script>alert(1)</script>"
     names = Effort(rms=2.0, each=np.ones((1, 2)), names=(evil,))
-    units = robsim.evaluation.estimation_errors(
+    units = robsim.estimation.estimation_errors(
         np.ones((1, 1)), np.zeros((1, 1)), names=[evil], units=[evil], source=evil
     )
-    problem = robsim.doctor.Problem(kind="a", sentence=evil)
-    check = robsim.doctor.CheckReport(name=evil, problems=(problem,), remarks=(evil,))
+    problem = robsim.teach.Problem(kind="a", sentence=evil)
+    check = robsim.teach.CheckReport(name=evil, problems=(problem,), remarks=(evil,))
     for result in (names, units, check):
         assert "<script" not in result._repr_html_()
         assert "&lt;script&gt;" in result._repr_html_()
@@ -188,15 +188,15 @@ def results():
         trace.summary(),
         robsim.batch_estimate(trace),
         robsim.identifiability(trace),
-        robsim.identification.parameter_convergence(trace),
-        robsim.identification.output_error(trace.pose_measured, trace.u),
+        robsim.estimation.parameter_convergence(trace),
+        robsim.estimation.output_error(trace.pose_measured, trace.u),
         robsim.pose_errors(trace, of="measurement"),
-        robsim.evaluation.nees_consistency(ones, np.eye(2)),
-        robsim.evaluation.nis_consistency(ones, np.eye(2)),
-        robsim.evaluation.whiteness(ones, lags=3),
+        robsim.estimation.nees_consistency(ones, np.eye(2)),
+        robsim.estimation.nis_consistency(ones, np.eye(2)),
+        robsim.estimation.whiteness(ones, lags=3),
         robsim.score_path(trace, [(700, 600)]),
         robsim.vision.score_color(sim.frame, blue, [(5, 5, 9, 9)], repeats=1),
-        robsim.robots.check_colors(sim.robot),
+        robsim.vision.check_colors(sim.robot),
     ]
 
 

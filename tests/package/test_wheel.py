@@ -18,9 +18,10 @@ OF_DEVELOPERS = {
 #: tests that teachers write.
 OF_USERS = (
     *("robsim/cli/simulated/bench.py", "robsim/cli/simulated/bench_table.py"),
-    *("robsim/tasks/_solutions.py", "robsim/tasks/solutions.bin"),  # which read them, packed
-    "robsim/assignments/_grading/digests.py",
-    *("robsim/assignments/_own_tests/", "robsim/assignments/templates/tests/"),
+    # which read them, packed
+    *("robsim/teach/tasks/solutions.py", "robsim/teach/tasks/solutions.bin"),
+    "robsim/teach/assignments/grading/digests.py",
+    *("robsim/teach/assignments/_own_tests/", "robsim/teach/assignments/templates/tests/"),
 )
 
 
@@ -52,7 +53,7 @@ def test_a_wheel_has_nothing_that_only_developers_need():
 def test_rooms_and_their_data_are_there_and_nothing_else_is_compiled():
     files = [Path(file).parts[1:] for file in files_of_wheel() if file.startswith("robsim/")]
     folders = {parts[0] for parts in files if len(parts) > 1}
-    assert folders == {*robsim._ROOMS, "_base", "cli", "assets", "notebooks"}
+    assert folders == {*robsim._WINGS, "base", "cli", "assets", "notebooks"}
     compiled = {
         parts[-1].partition(".")[0] for parts in files if parts[-1].endswith((".so", ".pyd"))
     }

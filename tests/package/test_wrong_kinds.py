@@ -21,7 +21,7 @@ import pytest
 import robsim
 from python_cameras import SteppedCamera
 from refusals import NO_IMAGE, NO_PAIR, NO_POLYGON, NO_POSE, NOT_FINITE, short
-from robsim.tasks._marks.files import shipped_calibrations
+from robsim.teach.tasks.marks.files import shipped_calibrations
 
 pytestmark = pytest.mark.long
 
@@ -73,8 +73,8 @@ ANY_MEANING = {
 
 #: The constant-velocity model has no inputs; what has a star has no name.
 UNCHECKED = {
-    "robsim.reference.ConstantVelocityKalmanFilter.predict(u)",
-    "robsim.grading.Submission.call(arrays)",
+    "robsim.estimation.reference.ConstantVelocityKalmanFilter.predict(u)",
+    "robsim.teach.Submission.call(arrays)",
 }
 
 
@@ -95,7 +95,7 @@ def run():
 
 @cache
 def lab():
-    return robsim.live.SimulatedLab(robsim.Scenario(area=(300, 300), seed=1))
+    return robsim.lab.SimulatedLab(robsim.Scenario(area=(300, 300), seed=1))
 
 
 def trace():
@@ -114,7 +114,7 @@ def camera():
 
 def camera_check():
     with robsim.Camera(camera()) as opened:
-        return robsim.live.check_camera(opened, seconds=0.05)
+        return robsim.lab.check_camera(opened, seconds=0.05)
 
 
 lab_robot = cache(partial(robsim.load_robot, "lab"))
@@ -136,7 +136,7 @@ def red_square():
 
 
 def calibration(size=(64, 48)):
-    return robsim.imaging.Calibration(size=size, floor=robsim.imaging.PlaneMap(), area=size)
+    return robsim.vision.Calibration(size=size, floor=robsim.vision.PlaneMap(), area=size)
 
 
 @cache
@@ -154,9 +154,9 @@ def calibrated():
 
 @cache
 def assignment():
-    measure = robsim.tasks.Measure(steps=2, runs=1)
-    test = robsim.assignments.TaskTest(name="ekf", title="Measure", task=measure, points=1)
-    return robsim.assignments.Assignment(
+    measure = robsim.teach.Measure(steps=2, runs=1)
+    test = robsim.teach.TaskTest(name="ekf", title="Measure", task=measure, points=1)
+    return robsim.teach.Assignment(
         folder=Path(),
         name="hw3",
         title="Homework",
@@ -176,7 +176,7 @@ def new_folder():
 
 @cache
 def new_assignment():
-    return robsim.assignments.new_assignment("measure", Path(new_folder(), "hw1"), seed=1)
+    return robsim.teach.new_assignment("measure", Path(new_folder(), "hw1"), seed=1)
 
 
 #: An example of an argument that has to be given, by name; by callable and name where they differ.
@@ -184,11 +184,11 @@ EXAMPLES = {
     "plot_runs.runs": lambda: {"one": trace()},
     "Score.floor": lambda: 0.1,
     "Score.statistic.values": lambda: [1.0, 2.0],
-    "Solution.choice.task": robsim.tasks.Measure,
+    "Solution.choice.task": robsim.teach.Measure,
     "Solution.read.is_right": lambda: True,
     "TaskCalibration.from_record.record": lambda: calibrated().as_record(),
-    "TaskCalibration.stale.task": robsim.tasks.Estimate,
-    "calibrate.task": lambda: robsim.tasks.Estimate(steps=20, runs=1),
+    "TaskCalibration.stale.task": robsim.teach.Estimate,
+    "calibrate.task": lambda: robsim.teach.Estimate(steps=20, runs=1),
     "Submission.call.name": lambda: "fit",
     "Submission.calls.name": lambda: "fit",
     "Intrinsics.matrix": lambda: [[50, 0, 20], [0, 50, 20], [0, 0, 1]],
@@ -198,7 +198,7 @@ EXAMPLES = {
     "check_assignment.folder": lambda: new_assignment().folder,
     "find_sheets.mark": lambda: 80.0,
     "save_sheet.path": lambda: "sheet.pdf",
-    "save_sheet.pattern": lambda: robsim.calibration.Chessboard(),
+    "save_sheet.pattern": lambda: robsim.lab.Chessboard(),
     "Lens.distorted.size": lambda: (64, 48),
     "Lens.ideal.size": lambda: (64, 48),
     "Blob.color": lambda: "red",
@@ -206,7 +206,7 @@ EXAMPLES = {
     "calibrate_floor.positions": lambda: [(0, 0), (9, 0), (9, 9), (0, 9)],
     "calibrate_floor.area": lambda: (64, 48),
     "calibrate_floor_by_sheets.area": lambda: (64, 48),
-    "calibrate_lens.board": lambda: robsim.calibration.Chessboard(),
+    "calibrate_lens.board": lambda: robsim.lab.Chessboard(),
     "Calibration.size": lambda: (64, 48),
     "Calibration.check_frames.size": lambda: (64, 48),
     "Camera.source": camera,
@@ -326,7 +326,7 @@ ALSO = {
 def session():
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "setup.toml").write_text("format = 1")
-        return robsim.sessions.Session(folder)
+        return robsim.trace.Session(folder)
 
 
 def floor_panel():
@@ -338,8 +338,8 @@ def floor_panel():
 #: What methods are called on, where the class cannot be made of the examples alone.
 OBJECTS = {
     "TaskCalibration": calibrated,
-    "Task": robsim.tasks.Measure,
-    "Solution": lambda: robsim.tasks.Measure().solutions[0],
+    "Task": robsim.teach.Measure,
+    "Solution": lambda: robsim.teach.Measure().solutions[0],
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),
     "CampaignResult": campaign,
     "CampaignSpec": lambda: campaign().spec,
@@ -350,12 +350,12 @@ OBJECTS = {
     "Identifiability": lambda: robsim.identifiability(trace()),
     "Report": report,
     "Assignment": assignment,
-    "SubmissionResult": lambda: robsim.assignments.SubmissionResult,
+    "SubmissionResult": lambda: robsim.teach.SubmissionResult,
     "Session": session,
     "Simulation": run,
     "Trace": trace,
     "SimulatedLab": lab,
-    "Submission": lambda: robsim.grading.Submission(
+    "Submission": lambda: robsim.teach.Submission(
         submission_folder(), slots="control", functions="fit"
     ),
     "LabTruth": lambda: lab().truth,
@@ -364,7 +364,7 @@ OBJECTS = {
 
 def public_callables():
     """Name, function or class, and the class that a method is called on, if there is one."""
-    for room in ["", *robsim._ROOMS]:
+    for room in ["", *robsim._WINGS, "estimation.reference", "teach.gym"]:
         module = importlib.import_module(f"robsim.{room}".rstrip("."))
         for name in module.__all__:
             value = getattr(module, name)
@@ -424,7 +424,9 @@ def cases():
 
 def without_room(name):
     parts = name.split(".")[1:]
-    return ".".join(parts[1:] if parts[0] in robsim._ROOMS else parts)
+    wing = parts[0] in robsim._WINGS
+    apart = parts[:2] in (["estimation", "reference"], ["teach", "gym"])
+    return ".".join(parts[wing + apart :])
 
 
 def example(name, argument, kind):
@@ -516,8 +518,8 @@ def _here(tmp_path_factory):
         patch.chdir(here)
         patch.setenv("ROBSIM_DATA", str(here / "data"))
         (here / "images").mkdir()
-        robsim.imaging.save_image("images/0.png", image())
-        robsim.robots.add_robot("mine", "lab")
+        robsim.vision.save_image("images/0.png", image())
+        robsim.vision.add_robot("mine", "lab")
         (here / "folder").mkdir()
         (here / "folder" / "control.py").write_text("def control(step):\n    return 0, 0\n")
         yield

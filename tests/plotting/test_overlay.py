@@ -3,8 +3,8 @@ import pytest
 from matplotlib.colors import to_rgb
 
 import robsim
-from robsim.plotting import _style as style
 from robsim.plotting import draw_overlay
+from robsim.plotting import style as style
 from sizes import thorough
 
 GREY = 120
@@ -13,7 +13,7 @@ OUTLINE = [(50, 50), (50, -50), (-50, -50), (-50, 50)]
 
 def make_frame(width=1200, height=1200, plane_map=None):
     pixels = np.full((height, width, 3), GREY, dtype=np.uint8)
-    return robsim.Frame(pixels, plane_map=plane_map or robsim.imaging.PlaneMap())
+    return robsim.Frame(pixels, plane_map=plane_map or robsim.vision.PlaneMap())
 
 
 def has_color(pixels, color, place, reach=2, tolerance=40):
@@ -123,8 +123,8 @@ CAMERA = [[300, 0, 199.5], [0, 300, 149.5], [0, 0, 1]]
 @pytest.mark.parametrize("distortion", [None, (-0.2, 0, 0, 0, 0)])
 def test_places_go_through_the_plane_map(distortion):
     # a camera of 400 x 300 px, at an angle
-    lens = distortion and robsim.imaging.Intrinsics(CAMERA, distortion)
-    plane_map = robsim.imaging.PlaneMap([[3, 0.4, -60], [0, 4, 20], [0, 0.001, 1]], lens)
+    lens = distortion and robsim.vision.Intrinsics(CAMERA, distortion)
+    plane_map = robsim.vision.PlaneMap([[3, 0.4, -60], [0, 4, 20], [0, 0.001, 1]], lens)
     measurement = robsim.Measurement((500, 500, 0.3))
     pixels = draw_overlay(
         make_frame(400, 300, plane_map),

@@ -9,14 +9,9 @@ from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 
 import robsim
-from robsim.evaluation import estimation_errors, nees_consistency, pose_errors
-from robsim.plotting import _style as style
-from robsim.plotting import (
-    plot_consistency,
-    plot_ellipses,
-    plot_errors,
-    plot_parameters,
-)
+from robsim.estimation import estimation_errors, nees_consistency, pose_errors
+from robsim.plotting import plot_consistency, plot_ellipses, plot_errors, plot_parameters
+from robsim.plotting import style as style
 
 pytestmark = pytest.mark.kernels
 

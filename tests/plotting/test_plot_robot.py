@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 
 from drawn_robots import box, painted
 from robsim import load_robot
-from robsim.plotting import _style as style
 from robsim.plotting import plot_robot
-from robsim.robots import RobotDefinition, robot_from_image
+from robsim.plotting import style as style
+from robsim.vision import RobotDefinition, robot_from_image
 
 RED, BLUE = box(240, 240, 319, 319), box(80, 200, 159, 279)
 

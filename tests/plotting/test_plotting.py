@@ -11,8 +11,8 @@ from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 
 import robsim
-from robsim.plotting import _style as style
 from robsim.plotting import plot_batch, plot_frame, plot_parameters, plot_traces
+from robsim.plotting import style as style
 from robsim.trace import RunInfo, Trace
 
 pytestmark = pytest.mark.long
@@ -386,7 +386,7 @@ NOTHING = np.full((3, 5), np.nan)
 
 def make_report(*, batch=None, online=NOTHING):
     theta_true = np.array(THETA_TRUE)
-    return robsim.identification.BatchEstimate(
+    return robsim.estimation.BatchEstimate(
         theta_true=theta_true,
         batch=theta_true * (1 + 1e-12) if batch is None else batch,
         online=online,
@@ -450,7 +450,7 @@ def test_batch_without_a_truth_shows_the_relative_standard_errors():
 
 # frame
 
-AT_AN_ANGLE = robsim.imaging.PlaneMap([[2.0, 0.3, 10.0], [0.1, 2.2, -5.0], [1e-3, 2e-3, 1.0]])
+AT_AN_ANGLE = robsim.vision.PlaneMap([[2.0, 0.3, 10.0], [0.1, 2.2, -5.0], [1e-3, 2e-3, 1.0]])
 
 
 def make_frame(plane_map=None, *, marker=None):
@@ -459,7 +459,7 @@ def make_frame(plane_map=None, *, marker=None):
     if marker is not None:
         u, v = marker
         image[v - 1 : v + 2, u - 1 : u + 2] = (255, 0, 0)
-    plane_map = plane_map or robsim.imaging.PlaneMap.scaled((60, 40), (1200, 800))
+    plane_map = plane_map or robsim.vision.PlaneMap.scaled((60, 40), (1200, 800))
     return robsim.Frame(image, t=2.4, index=12, plane_map=plane_map)
 
 
@@ -564,7 +564,7 @@ def test_a_camera_at_an_angle_is_shown_in_its_own_pixels():
 def test_frame_of_a_camera_from_the_side_shows_the_path_of_a_run_without_truth():
     image = robsim.Simulation(seed=1, resolution=(400, 400)).frame.image
     pixels, positions = [(0, 0), (399, 0), (390, 399), (5, 399)], [(0, 0), (9, 0), (9, 9), (0, 9)]
-    plane_map = robsim.imaging.PlaneMap.from_points(pixels, 133 * np.array(positions))
+    plane_map = robsim.vision.PlaneMap.from_points(pixels, 133 * np.array(positions))
     experiment = robsim.Experiment([robsim.Frame(image, plane_map=plane_map)])
     trace = experiment.run()
     assert trace.seen.all()

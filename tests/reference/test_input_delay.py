@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.reference import (
+from robsim.estimation.reference import (
     ConstantVelocityKalmanFilter,
     ExtendedKalmanFilter,
     ParticleFilter,
@@ -66,7 +66,7 @@ def mean_nees(kind, given, runs=8):
         error = np.array([estimate.pose for estimate in estimates]) - trace.pose_true
         error[:, 2] = robsim.wrap_angle(error[:, 2])
         P = np.array([estimate.covariance for estimate in estimates])
-        values.append(robsim.evaluation.nees(error[20:], P[20:]).mean())
+        values.append(robsim.estimation.nees(error[20:], P[20:]).mean())
     return np.mean(values), 5 * np.std(values, ddof=1) / np.sqrt(runs)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.reference import (
+from robsim.estimation.reference import (
     ConstantVelocityKalmanFilter,
     ExtendedKalmanFilter,
     ParticleFilter,
@@ -277,7 +277,7 @@ def test_with_the_noise_of_the_world_it_is_consistent(kind, rng):
         poses, P, _ = filtered(kind(measurement_sigma=sigma), z, inputs_before(trace))
         errors.append(error_of(poses, trace.pose_true)[10:])  # after the prior is forgotten
         covariances.append(P[10:])
-    report = robsim.evaluation.nees_consistency(np.array(errors), np.array(covariances))
+    report = robsim.estimation.nees_consistency(np.array(errors), np.array(covariances))
     assert report.mean == pytest.approx(3, rel=0.15)
     assert report.inside > 0.7
 
@@ -474,10 +474,10 @@ import importlib, pkgutil, sys
 import robsim
 for name in robsim.__all__:
     getattr(robsim, name)
-assert "robsim.reference" not in sys.modules
-sys.modules["robsim.reference"] = None  # as if the folder were not there
+assert "robsim.estimation.reference" not in sys.modules
+sys.modules["robsim.estimation.reference"] = None  # as if the folder were not there
 for module in pkgutil.walk_packages(robsim.__path__, "robsim."):
-    unneeded = ("robsim.reference", "robsim.__main__", "robsim.simulation.templates")
+    unneeded = ("robsim.estimation.reference", "robsim.__main__", "robsim.simulation.templates")
     left_out = module.name.startswith(unneeded)
     is_of_windows = ".windows." in module.name and sys.platform != "win32"
     if not (left_out or is_of_windows):

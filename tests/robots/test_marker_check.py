@@ -5,7 +5,7 @@ import pytest
 
 from drawn_robots import COLORS, box, painted, random_robot
 from robsim import ColorClass, load_colors
-from robsim.robots import RobotDefinition, check_colors
+from robsim.vision import RobotDefinition, check_colors
 
 pytestmark = pytest.mark.kernels
 

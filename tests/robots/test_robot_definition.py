@@ -11,13 +11,7 @@ import pytest
 from PIL import Image
 
 from robsim import Simulation, load_robot
-from robsim.robots import (
-    RobotDefinition,
-    check_colors,
-    robot_from_image,
-    robot_names,
-    save_robot,
-)
+from robsim.vision import RobotDefinition, check_colors, robot_from_image, robot_names, save_robot
 
 pytestmark = pytest.mark.kernels
 
@@ -334,7 +328,7 @@ def test_nobody_can_change_it():
 
 def test_a_robot_is_loaded_once(monkeypatch):
     robot = load_robot("lab")
-    monkeypatch.setattr("robsim.robots._files.read_toml", pytest.fail)
+    monkeypatch.setattr("robsim.vision.robots.files.read_toml", pytest.fail)
     for name in ("lab", "LAB", None):
         assert load_robot(name) is robot
         assert Simulation(robot=name).robot is robot

@@ -6,7 +6,7 @@ from PIL import Image, ImageFilter
 
 from drawn_robots import COLORS, box, covered, painted, star
 from robsim import ColorClass
-from robsim.robots import check_colors, robot_from_image
+from robsim.vision import check_colors, robot_from_image
 from sizes import thorough
 
 pytestmark = pytest.mark.kernels

@@ -13,7 +13,8 @@ from PIL import Image
 
 from drawn_robots import box, painted, random_robot
 from robsim import DriveAround, Simulation
-from robsim.robots import (
+from robsim.vision import (
+    MarkerLayout,
     add_robot,
     default_robot,
     load_robot,
@@ -24,7 +25,6 @@ from robsim.robots import (
     save_robot,
     set_default_robot,
 )
-from robsim.vision import MarkerLayout
 from sizes import thorough
 
 pytestmark = [pytest.mark.kernels, pytest.mark.long, pytest.mark.usefixtures("user_folder")]

@@ -7,7 +7,7 @@ import pytest
 import tomlkit
 
 import robsim
-from robsim.sessions import Session
+from robsim.trace import Session
 from sessions import record
 
 pytest.importorskip("cv2")

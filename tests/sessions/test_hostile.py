@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from robsim.sessions import Session
-from robsim.sessions import _matroska as matroska
+from robsim.trace import Session
+from robsim.trace.sessions import _matroska as matroska
 from sessions import record
 from sizes import thorough
 

@@ -8,7 +8,7 @@ from PIL import Image
 
 import robsim
 import sessions
-from robsim.sessions import Session
+from robsim.trace import Session
 from sessions import AREA, Row, numbered, record
 
 pytest.importorskip("cv2")

@@ -11,7 +11,7 @@ import pytest
 
 import robsim
 import sessions
-from robsim.sessions import Session
+from robsim.trace import Session
 from sessions import AREA, SETUP, Row, SessionWriter, check_agreement, numbered, record, row_time
 from threads import in_fork
 
@@ -115,14 +115,14 @@ def test_the_default_video_shifts_poses_by_less_than_a_tenth_of_a_pixel(recorded
     assert np.abs(error).max() > 0  # it is not lossless
 
 
-LENS = robsim.imaging.Intrinsics(
+LENS = robsim.vision.Intrinsics(
     [[1 / 3e-3, 0, 159.5], [0, 333.3, 119.5], [0, 0, 1]], (-0.1, 0.01, 1e-3, -2 / 3e3, 0.1 + 0.2)
 )
-THROUGH_LENS = robsim.imaging.PlaneMap([[2, 0.1, 1 / 3], [0, 2.2, 7], [1e-4, 2e-5, 1]], LENS)
+THROUGH_LENS = robsim.vision.PlaneMap([[2, 0.1, 1 / 3], [0, 2.2, 7], [1e-4, 2e-5, 1]], LENS)
 
 
 def test_the_setup_comes_back(tmp_path):
-    robot = robsim.robots.load_robot("lab")
+    robot = robsim.vision.load_robot("lab")
     setup = {
         "area": (640, 480),
         "dt": 1 / 30,
@@ -150,10 +150,10 @@ def test_the_setup_comes_back(tmp_path):
 
 
 def test_a_frame_keeps_its_own_numbers(tmp_path):
-    scaled = robsim.imaging.PlaneMap.scaled((300, 300), (600, 600))
+    scaled = robsim.vision.PlaneMap.scaled((300, 300), (600, 600))
     writer = SessionWriter(tmp_path, setup={"plane_map": scaled}, lossless=True, waits=True)
     image = numbered(3)[0].image
-    maps = [scaled, robsim.imaging.PlaneMap(), THROUGH_LENS]
+    maps = [scaled, robsim.vision.PlaneMap(), THROUGH_LENS]
     for k, plane_map in enumerate(maps):
         frame = robsim.Frame(image, t=k, t_arrival=k + 0.04, index=7 * k, plane_map=plane_map)
         writer.add(Row(k=5 + k, t=k, t_arrival=k + 0.04, t_sent=k + 0.06), frame)
@@ -324,7 +324,7 @@ def test_a_forked_process_writes_nothing(tmp_path):
 
 def test_a_full_disk_is_told_once_and_loses_no_row(tmp_path, monkeypatch):
     resource = pytest.importorskip("resource")
-    monkeypatch.setattr("robsim.sessions._writer._AFTER_ERROR", 0.0)
+    monkeypatch.setattr("robsim.trace.sessions.writer._AFTER_ERROR", 0.0)
     writer = record(tmp_path, 10)
     writer.flush()
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -349,14 +349,14 @@ def test_a_full_disk_is_told_once_and_loses_no_row(tmp_path, monkeypatch):
 
 
 def test_a_disk_that_takes_its_time_to_sync_does_not_hold_up_the_rows(tmp_path, monkeypatch):
-    monkeypatch.setattr("robsim.sessions._writer._BETWEEN_SYNCS", 0.01)
+    monkeypatch.setattr("robsim.trace.sessions.writer._BETWEEN_SYNCS", 0.01)
     syncing, may_go_on = threading.Event(), threading.Event()
 
     def slow(file):
         syncing.set()
         may_go_on.wait()
 
-    monkeypatch.setattr("robsim.sessions._writer._AppendedFile.sync", slow)
+    monkeypatch.setattr("robsim.trace.sessions.writer._AppendedFile.sync", slow)
     writer = record(tmp_path, 2)
     assert syncing.wait(300)
     for k in range(2, 9):

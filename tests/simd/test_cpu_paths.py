@@ -182,7 +182,7 @@ def test_estimators(rows, rng):
     y = rng.normal(size=rows)
 
     def estimates():
-        fit = robsim.identification.least_squares(phi, y)
+        fit = robsim.estimation.least_squares(phi, y)
         recursive = robsim.RecursiveLeastSquares(6, n_filters=3, forgetting=0.98)
         history = recursive.update(np.repeat(phi[:, None], 3, 1), np.column_stack((y, 2 * y, -y)))
         errors = (fit.standard_errors, fit.standard_errors_unscaled, fit.residual_rms)

@@ -13,7 +13,7 @@ def test_a_drive_with_tracking_and_identification(tmp_path):
         headings=None,
         measure=True,
         estimate_parameters=True,
-        estimate_state=robsim.reference.ExtendedKalmanFilter(),
+        estimate_state=robsim.estimation.reference.ExtendedKalmanFilter(),
         identify_from="truth",
         control=robsim.DriveAround(low=-0.2, high=0.5, hold=5),
         process_noise=robsim.WheelNoise(0.001),
@@ -42,5 +42,6 @@ def test_a_drive_with_tracking_and_identification(tmp_path):
     assert read == trace
     with pytest.warns(UserWarning, match="estimate_state"):  # code is no data
         scenario = robsim.Scenario.of(read)
-    again = robsim.Simulation(scenario, estimate_state=robsim.reference.ExtendedKalmanFilter())
+    kalman_filter = robsim.estimation.reference.ExtendedKalmanFilter()
+    again = robsim.Simulation(scenario, estimate_state=kalman_filter)
     assert again.run(120).pose_estimated.tobytes() == trace.pose_estimated.tobytes()

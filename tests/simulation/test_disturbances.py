@@ -90,7 +90,7 @@ def test_the_sigma_of_wheels():
 def test_it_is_as_if_gains_and_frictions_were_drawn(monkeypatch):
     numbers = iter([1, -2, 3.1, 3, -0.5])
     monkeypatch.setattr(
-        "robsim.simulation._world.disturbances.random_normal", lambda seed, counter: next(numbers)
+        "robsim.simulation.world.disturbances.random_normal", lambda seed, counter: next(numbers)
     )
     world = ParameterMismatch(0.1).draw(MODEL, np.random.default_rng(1))
     gain, p = RobotParameters().motor_gain, RobotParameters()

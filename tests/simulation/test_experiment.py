@@ -121,7 +121,7 @@ def test_parameters_can_be_estimated_when_the_inputs_are_known():
 
 @pytest.mark.long
 def test_a_model_with_another_time_step_than_the_frames_is_refused(run, tmp_path):
-    robsim.imaging.save_video(tmp_path / "run.mkv", run[0][:3], fps=10)
+    robsim.vision.save_video(tmp_path / "run.mkv", run[0][:3], fps=10)
     recording = robsim.Recording(tmp_path / "run.mkv", area=(1200, 1200))
 
     def define_model():
@@ -245,8 +245,8 @@ def test_frames_of_another_size_than_the_area_without_a_map_are_told_once(run):
         assert not sim.run().seen.any()
     assert [one.filename for one in told] == [__file__]
     robsim.Experiment([small], area=(50, 40)).run()
-    lens = robsim.imaging.Intrinsics([[40, 0, 25], [0, 40, 20], [0, 0, 1]])
-    mapped = robsim.imaging.PlaneMap(intrinsics=lens)
+    lens = robsim.vision.Intrinsics([[40, 0, 25], [0, 40, 20], [0, 0, 1]])
+    mapped = robsim.vision.PlaneMap(intrinsics=lens)
     robsim.Experiment([robsim.Frame(small.image, plane_map=mapped)]).run()
 
 

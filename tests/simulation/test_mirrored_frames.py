@@ -7,8 +7,8 @@ import pytest
 
 import robsim
 from drawn_robots import box, painted
-from robsim.robots import RobotDefinition
-from robsim.simulation._outside.mirrored import drives_backwards
+from robsim.simulation.outside.mirrored import drives_backwards
+from robsim.vision import RobotDefinition
 from sizes import thorough
 
 pytestmark = pytest.mark.long

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.motors import Limits, LineError, MotorReceiver, RecordedMotors, UdpMotors
+from robsim.lab import Limits, LineError, MotorReceiver, RecordedMotors, UdpMotors
 from waiting import wait_for
 
 pytestmark = pytest.mark.threads

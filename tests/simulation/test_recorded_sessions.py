@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.sessions import Session
+from robsim.trace import Session
 
 pytest.importorskip("cv2")
 

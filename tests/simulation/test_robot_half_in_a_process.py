@@ -42,7 +42,7 @@ def run_at_home(control):
         identify_from="measurement",
         measure=True,
         estimate_parameters=True,
-        estimate_state=robsim.reference.ExtendedKalmanFilter(),
+        estimate_state=robsim.estimation.reference.ExtendedKalmanFilter(),
         control=control,
     )
     trace = sim.run(STEPS)

@@ -64,7 +64,7 @@ def test_a_gap_interrupts_the_record_as_a_missing_measurement_does(lost):
         np.testing.assert_array_equal(one[1], other[1])
     np.testing.assert_array_equal(full.trace.parameters[-1], short.trace.parameters[-1])
     # The record gives the same ones, and that of its last step.
-    recorded = robsim.identification.regression_of(short.trace)
+    recorded = robsim.estimation.regression_of(short.trace)
     np.testing.assert_array_equal(recorded.phi[: len(samples)], [phi for phi, _ in samples])
     np.testing.assert_array_equal(recorded.y[: len(samples)], [y for _, y in samples])
     assert len(recorded.k) == len(samples) + 1
@@ -105,7 +105,7 @@ def run_at(times, **options):
 
 STAGES = {
     "estimate_parameters": lambda: True,
-    "estimate_state": robsim.reference.ExtendedKalmanFilter,
+    "estimate_state": robsim.estimation.reference.ExtendedKalmanFilter,
 }
 
 
@@ -145,7 +145,7 @@ def test_the_rate_of_the_frames_can_be_told():
         0.033 * np.arange(30),
         define_model=lambda: rate,
         estimate_parameters=True,
-        estimate_state=robsim.reference.ExtendedKalmanFilter(rate),
+        estimate_state=robsim.estimation.reference.ExtendedKalmanFilter(rate),
     )
     run()
     assert len(sim.trace) == 30

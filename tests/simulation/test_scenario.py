@@ -44,7 +44,7 @@ def test_every_option_counts():
 
 
 def test_names_and_files_are_read_at_once(tmp_path):
-    robsim.imaging.save_image(tmp_path / "floor.png", IMAGE)
+    robsim.vision.save_image(tmp_path / "floor.png", IMAGE)
     (tmp_path / "colors.toml").write_text("[red]\nu = [1, 2]\n")
     read = Scenario(
         robot="lab",
@@ -67,9 +67,9 @@ def test_names_and_files_are_read_at_once(tmp_path):
 
 def test_a_file_that_has_changed_is_read_anew(tmp_path):
     path = tmp_path / "floor.png"
-    robsim.imaging.save_image(path, IMAGE)
+    robsim.vision.save_image(path, IMAGE)
     before = Scenario(background=path)
-    robsim.imaging.save_image(path, np.concatenate((IMAGE, IMAGE)))
+    robsim.vision.save_image(path, np.concatenate((IMAGE, IMAGE)))
     assert Scenario(background=path) != before
 
 

@@ -62,16 +62,16 @@ def test_only_what_is_not_the_default_is_written():
 
 
 def test_the_users_own_default_robot_is_written(user_folder):
-    robsim.robots.set_default_robot("sheep")
+    robsim.vision.set_default_robot("sheep")
     assert 'robot = "sheep"' in Scenario().to_toml()
 
 
 @pytest.mark.long
 def test_a_robot_that_another_machine_does_not_have(user_folder, tmp_path):
-    robsim.robots.add_robot("mine", robsim.load_robot("robot2"))
+    robsim.vision.add_robot("mine", robsim.load_robot("robot2"))
     scenario = Scenario(robot="mine")
     scenario.save(tmp_path / "run.toml")
-    robsim.robots.remove_robot("mine")
+    robsim.vision.remove_robot("mine")
     assert Scenario.load(tmp_path / "run.toml") == scenario
 
 
@@ -175,7 +175,7 @@ def test_files_that_are_none(tmp_path):
 
 
 def test_what_is_too_large(tmp_path, monkeypatch):
-    monkeypatch.setattr("robsim.simulation._scenario_file.MOST_BYTES", 2**20)
+    monkeypatch.setattr("robsim.simulation.scenario_file.MOST_BYTES", 2**20)
     large = Scenario(control=Replay(np.ones((2**17, 2))))
     with pytest.raises(ValueError, match="1 MB, got one of 2 MB"):
         large.save(tmp_path / "run.toml")
@@ -187,7 +187,7 @@ def test_what_is_too_large(tmp_path, monkeypatch):
         Scenario.from_toml("#" * (2**20 + 1))
     (tmp_path / "run.toml").write_text("#" + "-" * (2**20 - 1))
     assert Scenario.load(tmp_path / "run.toml") == Scenario()
-    monkeypatch.setattr("robsim.simulation._scenario_file.MOST_PIXELS", 79)
+    monkeypatch.setattr("robsim.simulation.scenario_file.MOST_PIXELS", 79)
     with pytest.raises(ValueError, match="79 px, got 10 x 8"):
         Scenario(background=np.zeros((8, 10, 3), np.uint8)).to_toml()
 

@@ -105,7 +105,7 @@ def regression_of(sim, steps):
 def test_from_truth_the_sample_of_a_step_is_there_in_that_step():
     samples, trace = regression_of(robsim.Simulation(control=robsim.DriveAround(), seed=3), 20)
     assert samples[:2] == [None, None]
-    phi, y = robsim.identification.regression(trace.pose_true, trace.u)
+    phi, y = robsim.estimation.regression(trace.pose_true, trace.u)
     for k in range(2, 20):
         assert samples[k].k == k
         np.testing.assert_array_equal(samples[k].phi, phi[k - 2])
@@ -127,7 +127,7 @@ def test_from_measurement_or_estimate_it_is_that_of_the_step_before(source):
     )
     samples, trace = regression_of(sim, 20)
     assert samples[:3] == [None, None, None]
-    phi, y = robsim.identification.regression([pose(k) for k in range(20)], trace.u)
+    phi, y = robsim.estimation.regression([pose(k) for k in range(20)], trace.u)
     for k in range(3, 20):
         assert samples[k].k == k - 1
         np.testing.assert_allclose(samples[k].phi, phi[k - 3])

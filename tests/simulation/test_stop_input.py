@@ -21,7 +21,7 @@ from threads import in_thread
 from waiting import wait_for
 
 IMAGE = np.zeros((6, 8, 3), np.uint8)
-MAP = robsim.imaging.PlaneMap.scaled((8, 6), (1200, 1200))
+MAP = robsim.vision.PlaneMap.scaled((8, 6), (1200, 1200))
 STOP = (0.0, 0.0)
 LONG = 300  # s, a limit that nothing meets
 
@@ -378,7 +378,7 @@ def test_samples_do_not_span_a_stop():
     sim.run(4)
     trace = sim.run()
     assert samples == [2, 3, 6, 7]
-    np.testing.assert_array_equal(robsim.identification.regression_of(trace).k, [2, 3, 6, 7, 8])
+    np.testing.assert_array_equal(robsim.estimation.regression_of(trace).k, [2, 3, 6, 7, 8])
 
 
 def test_a_pause_after_a_stop_may_have_any_length():
@@ -391,7 +391,7 @@ def test_a_pause_after_a_stop_may_have_any_length():
         Robot(),
         frames,
         control=lambda step: steps.append(step.dt) or (0.1, 0.1),
-        estimate_state=robsim.reference.ExtendedKalmanFilter(),
+        estimate_state=robsim.estimation.reference.ExtendedKalmanFilter(),
         **options,
     )
     sim.run(3)
@@ -425,7 +425,7 @@ class Stalled:
         for k in range(3):
             self.arrivals.put(frame(k))
         self.sim = experiment(self.robot, self.arrivals, frame_timeout=frame_timeout)
-        monkeypatch.setattr("robsim.simulation._outside.frame_source.time", self)
+        monkeypatch.setattr("robsim.simulation.outside.frame_source.time", self)
 
     def monotonic(self):
         if self.is_waiting():

@@ -8,7 +8,7 @@ import pytest
 
 import robsim
 from python_motors import Sender
-from robsim.motors import HaltedError, MotorReceiver, UdpMotors
+from robsim.lab import HaltedError, MotorReceiver, UdpMotors
 from threads import in_thread
 from waiting import wait_for
 
@@ -168,5 +168,5 @@ def test_without_motors_it_ends_the_run():
 
 def test_what_is_live():
     assert not experiment(None).is_live
-    with robsim.live.SimulatedLab(fps=100) as lab, robsim.Camera(lab) as camera:
+    with robsim.lab.SimulatedLab(fps=100) as lab, robsim.Camera(lab) as camera:
         assert robsim.Experiment(camera).is_live

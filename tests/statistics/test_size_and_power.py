@@ -35,13 +35,13 @@ def test_the_promises_hold(family):
 
 @pytest.mark.long
 def test_a_verdict_that_is_too_strict_is_found(monkeypatch):
-    monkeypatch.setattr("robsim.evaluation._consistency.FRACTION_IN_BAND", 0.98)
+    monkeypatch.setattr("robsim.estimation.evaluation.consistency.FRACTION_IN_BAND", 0.98)
     assert min(row.p_value for row in measured(4, ["nees"])) < NEVER
 
 
 @pytest.mark.long
 def test_a_verdict_without_power_is_found(monkeypatch):
-    monkeypatch.setattr("robsim.evaluation._whiteness._LEVEL", 1e-12)
+    monkeypatch.setattr("robsim.estimation.evaluation._whiteness._LEVEL", 1e-12)
     assert min(row.p_value for row in measured(6, ["whiteness"])) < NEVER
 
 
@@ -107,7 +107,7 @@ def test_the_nees_by_step_leads_to_the_verdict_on_the_runs_themselves():
             robot="lab",
             measure=True,
             resolution=(240, 240),
-            estimate_state=robsim.reference.ExtendedKalmanFilter(robsim.RobotModel()),
+            estimate_state=robsim.estimation.reference.ExtendedKalmanFilter(robsim.RobotModel()),
             seed=seed,
         ).run(30)
         for seed in range(3)

@@ -8,7 +8,7 @@ import pytest
 import robsim
 import tracked_standard_errors
 from nees_of_runs import nees_by_step
-from robsim import reference
+from robsim.estimation import reference
 
 pytestmark = pytest.mark.slow
 

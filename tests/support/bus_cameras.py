@@ -11,7 +11,7 @@ SIZE = (320, 240)
 def new_lab(size=SIZE, fps=30):
     """Return a lab whose robot is in the middle of its floor."""
     scenario = robsim.Scenario(seed=3, area=size, resolution=size)
-    return robsim.live.SimulatedLab(scenario, fps=fps)
+    return robsim.lab.SimulatedLab(scenario, fps=fps)
 
 
 def true_pose(lab, frame):

@@ -3,7 +3,7 @@
 import numpy as np
 from PIL import Image, ImageDraw
 
-from robsim.robots import robot_from_image
+from robsim.vision import robot_from_image
 
 COLORS = {"red": (205, 38, 42, 255), "blue": (28, 72, 205, 255)}
 BODY = (70, 70, 70, 255)

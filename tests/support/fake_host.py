@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 
 from chromium_browser import new_tab
-from robsim.gui._hosts.script import script, style
+from robsim.gui.hosts.script import script, style
 
 ADDRESS = "http://robsim.test/"  # never looked up: an address is what localStorage needs
 

@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 
 import robsim
-from robsim import imaging, robots
+from robsim import vision as imaging
+from robsim import vision as robots
 
 TRACE = robsim.Simulation(seed=1).run(6)
 

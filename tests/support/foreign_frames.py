@@ -208,7 +208,7 @@ class View:
         return middle @ np.diag((focal, focal, 1)) @ turned @ floor
 
     def plane_map(self, tilted=False):
-        return robsim.imaging.PlaneMap(np.linalg.inv(self.pixels_from_floor(tilted)))
+        return robsim.vision.PlaneMap(np.linalg.inv(self.pixels_from_floor(tilted)))
 
     def pixels(self, positions, tilted=False):
         """The pixels of positions (N, 2) in the work area."""

@@ -14,9 +14,7 @@ from doubles import GigeServer
 from needs import needs_double, needs_extension
 from python_cameras import PATIENT
 from robsim import _core
-from robsim.capture import CameraBusyError, NoCameraError, UnpluggedError
-from robsim.live import SimulatedLab
-from robsim.motors import UdpMotors
+from robsim.lab import CameraBusyError, NoCameraError, SimulatedLab, UdpMotors, UnpluggedError
 from sent_pixels import from_rgb
 from waiting import wait_for
 

@@ -7,19 +7,19 @@ import textwrap
 import numpy as np
 
 import robsim
-from robsim.grading import Limits
-from robsim.grading._graded_run import all_here, graded_run
-from robsim.grading._isolation._layers import layer as layer
-from robsim.grading._seeds import RunSeeds
-from robsim.grading._submissions import Rules, read_submission
-from robsim.grading._tasks.task import Task
+from robsim.teach import Limits
+from robsim.teach.grading.graded_run import all_here, graded_run
+from robsim.teach.grading.seeds import RunSeeds
+from robsim.teach.grading.tasks.task import Task
+from robsim.teach.isolation._layers import layer as layer
+from robsim.teach.submissions import Rules, read_submission
 
 zygotes = None
 if sys.platform != "win32":
-    from robsim.grading._isolation._processes import zygotes
+    from robsim.teach.isolation._processes import zygotes
 if sys.platform == "linux":
-    from robsim.grading._isolation._layers import landlock as landlock
-    from robsim.grading._isolation._layers import users as users
+    from robsim.teach.isolation._layers import landlock as landlock
+    from robsim.teach.isolation._layers import users as users
 
 #: Minutes: honest code never comes to them, on a busy machine neither.
 PATIENT = Limits(call=300.0, first_call=300.0, run=600.0, cpu=300.0)
@@ -55,7 +55,7 @@ HONEST = {
         """,
     "estimate_state": """
         import numpy as np, robsim
-        inner = robsim.reference.ExtendedKalmanFilter()
+        inner = robsim.estimation.reference.ExtendedKalmanFilter()
         def estimate_state(step):
             estimate = inner(step)
             return robsim.Estimate(estimate.pose, 2 * estimate.covariance, state=[step.k, step.u0])

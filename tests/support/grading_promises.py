@@ -14,8 +14,8 @@ from pathlib import Path
 
 from scipy.stats import binomtest
 
-from robsim.tasks import TASKS, SolutionMarks, task
-from robsim.tasks._marks import calibrate, calibration, files, sets, tolerance
+from robsim.teach import TASKS, SolutionMarks, task
+from robsim.teach.tasks.marks import calibrate, calibration, files, sets, tolerance
 
 __all__ = ["calibration", "files", "promises", "tolerance"]
 

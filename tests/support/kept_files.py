@@ -20,14 +20,18 @@ from typing import Any
 import numpy as np
 
 import robsim
-from robsim.assignments import Assignment, SubmissionResult
 from robsim.campaigns import campaign
-from robsim.grading import Key
-from robsim.imaging import Calibration, Intrinsics, PlaneMap, load_calibration, save_calibration
-from robsim.robots import save_robot
-from robsim.sessions import Session
-from robsim.tasks import Estimate
-from robsim.vision import save_colors
+from robsim.teach import Assignment, Estimate, Key, SubmissionResult
+from robsim.trace import Session
+from robsim.vision import (
+    Calibration,
+    Intrinsics,
+    PlaneMap,
+    load_calibration,
+    save_calibration,
+    save_colors,
+    save_robot,
+)
 
 EXPECTED = "expected.json"
 

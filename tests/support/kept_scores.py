@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from robsim.tasks import TASKS, task
+from robsim.teach import TASKS, task
 
 SEED, RUNS = 7, 2
 

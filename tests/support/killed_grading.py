@@ -2,7 +2,7 @@
 
 import sys
 
-from robsim.assignments import Assignment
+from robsim.teach import Assignment
 from small_assignments import drawn_quickly
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import cv2  # noqa: F401 - what all children need
 import numpy as np
 
 import sessions
-from robsim.sessions import Session
+from robsim.trace import Session
 from waiting import wait_for
 
 AT_ONCE = 5

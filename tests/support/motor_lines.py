@@ -7,7 +7,7 @@ from pathlib import Path
 
 import robsim
 
-PAGE = Path(robsim.__file__).parent / "motors/PROTOCOL.md"
+PAGE = Path(robsim.__file__).parent / "lab/motors/PROTOCOL.md"
 
 
 def line(words):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robsim.evaluation import nees, nees_consistency, wrapped_error
+from robsim.estimation import nees, nees_consistency, wrapped_error
 
 _COORDINATES = 3
 

@@ -6,7 +6,7 @@ from functools import cache
 import cv2
 import numpy as np
 
-from robsim.calibration import FloorSheet
+from robsim.lab import FloorSheet
 
 SAMPLES = 3  # of each pixel, in each direction
 DOTS = 4  # of a printed page, for one mm

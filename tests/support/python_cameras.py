@@ -3,7 +3,7 @@
 import threading
 
 from robsim import _core
-from robsim.capture import EndOfStream
+from robsim.lab import EndOfStream
 
 #: s; for a camera whose frames come for sure, however busy the machine is.
 PATIENT = {"open_timeout": 300, "frame_timeout": 300}

@@ -50,7 +50,7 @@ def _reply_of(step, u):
 def robot_half(requests, replies, folder, resolution, control, seed):
     """The process: an experiment whose frames come over a pipe, until that is closed."""
     pixels = pixels_in(folder / "pixels", resolution, "r")
-    plane_map = robsim.imaging.PlaneMap.scaled(resolution, AREA)
+    plane_map = robsim.vision.PlaneMap.scaled(resolution, AREA)
 
     def frames():
         while True:
@@ -67,7 +67,7 @@ def robot_half(requests, replies, folder, resolution, control, seed):
         frame_timeout=math.inf,
         seed=seed,
         estimate_parameters=True,
-        estimate_state=robsim.reference.ExtendedKalmanFilter(),
+        estimate_state=robsim.estimation.reference.ExtendedKalmanFilter(),
         control=CONTROLS[control],
     )
     experiment.run().save(folder / "trace.npz")

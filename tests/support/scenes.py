@@ -3,7 +3,7 @@
 import numpy as np
 
 import robsim
-from robsim.simulation._world.scene import Floor, make_scene, scaled_floor
+from robsim.simulation.world.scene import Floor, make_scene, scaled_floor
 
 AREA = (1200, 1200)
 
@@ -45,7 +45,7 @@ def errors_of(draw, poses, *, markers=None, resolution=AREA):
     """Measured minus true poses (N, 3), NaN where the robot is not seen."""
     markers = robsim.load_robot().marker_layout() if markers is None else markers
     colors = robsim.load_colors()
-    plane_map = robsim.imaging.PlaneMap.scaled(resolution, AREA)
+    plane_map = robsim.vision.PlaneMap.scaled(resolution, AREA)
     errors = np.full((len(poses), 3), np.nan)
     for error, pose in zip(errors, poses, strict=True):
         seen = robsim.locate(robsim.find_blobs(draw.render(pose), colors), markers, plane_map)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import faults
 import sessions
-from robsim.sessions import Session
+from robsim.trace import Session
 from sizes import thorough
 
 STEPS = 2

@@ -5,8 +5,8 @@ from functools import cache
 import numpy as np
 
 import robsim
-from robsim.sessions._rows import Row
-from robsim.sessions._writer import SessionWriter
+from robsim.trace.sessions.rows import Row
+from robsim.trace.sessions.writer import SessionWriter
 
 AREA = (300, 300)
 SETUP = {"area": AREA, "dt": 0.2, "robot": "lab", "stop_input": (0.0, 0.0)}

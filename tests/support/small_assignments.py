@@ -8,9 +8,8 @@ from unittest import mock
 
 from PIL import Image
 
-from robsim.assignments._grading import work
-from robsim.grading import Key
-from robsim.tasks import task
+from robsim.teach import Key, task
+from robsim.teach.assignments.grading import work
 
 #: Wide limits for the scores of the task to estimate, so that any filter that works is within.
 LIMITS = {

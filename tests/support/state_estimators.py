@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 import robsim
-from robsim import reference
+from robsim.estimation import reference
 
 Q = np.diag((0.1**2, 0.1**2, 0.005**2))
 R = np.diag((0.5**2, 0.5**2, 0.01**2))

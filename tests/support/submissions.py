@@ -5,13 +5,8 @@ import zipfile
 
 import pytest
 
-from robsim.grading import SubmissionError
-from robsim.grading._submissions import (
-    Rules,
-    SubmissionFiles,
-    loaded_slots,
-    read_submission,
-)
+from robsim.teach import SubmissionError
+from robsim.teach.submissions import Rules, SubmissionFiles, loaded_slots, read_submission
 
 CONTROL = Rules(slots=("control",))
 BOTH = Rules(slots=("control", "measure"))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from robsim.imaging import Intrinsics, PlaneMap
+from robsim.vision import Intrinsics, PlaneMap
 
 
 class TiltedCamera:

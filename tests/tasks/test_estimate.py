@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.evaluation import wrapped_error
-from robsim.tasks import Estimate
+from robsim.estimation import wrapped_error
+from robsim.teach import Estimate
 
 
 @pytest.mark.long

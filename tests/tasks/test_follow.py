@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.tasks import Follow
+from robsim.teach import Follow
 
 
 def driven_along(positions, control=lambda step: (0.0, 0.0)):

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.grading import Submission
-from robsim.tasks import Identify, Park
+from robsim.teach import Identify, Park, Submission
 
 SCENARIO = robsim.Scenario(
     robot="lab", area=(400, 400), resolution=(200, 200), start=(200, 200, 0.3), measure=True
@@ -112,7 +111,7 @@ def test_what_is_not_given_hides_no_other_error():
 
 def test_a_campaign_with_less_given_is_another_one():
     def description(**options):
-        from robsim.campaigns._description import description_of
+        from robsim.campaigns.description import description_of
 
         spec = robsim.campaigns.CampaignSpec(
             scenario=SCENARIO, metrics="tracking", runs=1, steps=2, seed=1, **options

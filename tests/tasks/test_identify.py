@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robsim.tasks import Identify
+from robsim.teach import Identify
 
 
 def run_with(one, theta_of_step):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.tasks import Measure
+from robsim.teach import Measure
 
 
 def test_no_measurement_is_the_worst_there_is():

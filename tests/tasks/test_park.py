@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.tasks import Park
+from robsim.teach import Park
 
 
 def run_at(goal_offset, control=lambda step: (0.0, 0.0)):

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import robsim
-from robsim.grading import Limits, Submission, SubmissionError, check_isolation
-from robsim.tasks import TASKS, _shipped
+from robsim.teach import TASKS, Limits, Submission, SubmissionError, check_isolation
+from robsim.teach.tasks import _shipped
 from write_solutions import sources_in
 
 COMPILED = (".so", ".pyd", ".pyc")
@@ -67,7 +67,7 @@ def test_a_change_of_what_is_not_there_is_refused(tmp_path, monkeypatch):
 
 @pytest.mark.long
 @pytest.mark.parametrize("code", [
-    "robsim.tasks.Park().solutions",
+    "robsim.teach.Park().solutions",
     "open(os.path.join(os.path.dirname(robsim.__file__), 'tasks', 'solutions.bin'), 'rb')",
 ])  # fmt: skip
 def test_a_submission_that_is_graded_cannot_unpack_them(tmp_path, code):

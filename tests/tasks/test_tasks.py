@@ -4,18 +4,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.tasks import (
-    TASKS,
-    Estimate,
-    Follow,
-    Identify,
-    Limit,
-    Measure,
-    Park,
-    Score,
-    task,
-)
-from robsim.tasks._solutions import solutions_in
+from robsim.teach import TASKS, Estimate, Follow, Identify, Limit, Measure, Park, Score, task
+from robsim.teach.tasks.solutions import solutions_in
 
 
 def errors_of(one, solution):
@@ -103,7 +93,7 @@ def test_a_folder_without_a_reference_is_refused(tmp_path):
 def test_the_files_of_a_solution_are_as_they_were_read(tmp_path):
     file = tmp_path / "control.py"
     file.write_text("from task import GOAL\n\ndef control(step):\n    return 0, 0\n")
-    solution = robsim.tasks.Solution.read(tmp_path, "control", is_right=True)
+    solution = robsim.teach.Solution.read(tmp_path, "control", is_right=True)
     file.write_text("nonsense")
     assert errors_of(Park(steps=3), solution) == [None]
 

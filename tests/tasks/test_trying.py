@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.tasks import Limit, Measure, Park, _trying
+from robsim.teach import Limit, Measure, Park
+from robsim.teach.tasks import _trying
 from small_assignments import solution
 
 SHORT = {"steps": 40, "runs": 2}

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.evaluation import parameter_bounds
-from robsim.identification import parameter_convergence
-from robsim.imaging import Calibration, PlaneMap
+from robsim.estimation import parameter_bounds, parameter_convergence
+from robsim.estimation.reference import ConstantVelocityKalmanFilter
 from robsim.plotting import annotated_frames
-from robsim.reference import ConstantVelocityKalmanFilter
+from robsim.vision import Calibration, PlaneMap
 
 MM_PER_PX = 2.5
 LENGTHS = {"px": 1.0, "mm": MM_PER_PX, "m": MM_PER_PX / 1000}
@@ -171,7 +170,7 @@ def test_a_calibrated_experiment_knows_the_length_of_a_px(simulation, tmp_path):
     trace = experiment.run()
     assert trace.info.mm_per_px == MM_PER_PX
     assert trace.in_unit("mm").pose_measured[0, 0] == MM_PER_PX * trace.pose_measured[0, 0]
-    session = robsim.sessions.Session(tmp_path / "session")
+    session = robsim.trace.Session(tmp_path / "session")
     assert session.mm_per_px == session.trace.info.mm_per_px == MM_PER_PX
     again = robsim.Experiment(session).run()
     assert again.info.mm_per_px == MM_PER_PX

@@ -42,7 +42,7 @@ def test_the_pose_of_a_hand_made_pair():
 
 
 def test_the_plane_map_takes_the_pose_to_the_work_area():
-    plane_map = robsim.imaging.PlaneMap.scaled((200, 200), (500, 500))
+    plane_map = robsim.vision.PlaneMap.scaled((200, 200), (500, 500))
     x, y, heading = located(MarkerLayout(100, 35), BLUE, RED, plane_map=plane_map).pose
     assert (x, y) == pytest.approx(np.add(plane_map.to_world((100, 90)), (35, 0)))
     assert heading == pytest.approx(0)
@@ -202,7 +202,7 @@ def test_causes_in_the_frame(disturb, reason, explanation):
     sim = robsim.Simulation(seed=1)
     image = np.ascontiguousarray(disturb(sim.frame.image))
     size = image.shape[1::-1]
-    plane_map = robsim.imaging.PlaneMap.scaled(size, sim.area)
+    plane_map = robsim.vision.PlaneMap.scaled(size, sim.area)
     frame = robsim.Frame(image, plane_map=plane_map)
     blobs = robsim.find_blobs(frame, sim.colors, markers=sim.markers)
     for picture in (frame, image):

@@ -59,10 +59,10 @@ def test_large_markers_are_not_drawn_to_the_nearer_side(pose, radius):
 
 
 def test_what_lies_where_the_lens_shows_nothing_is_no_marker():
-    folding = robsim.imaging.Intrinsics(CAMERA.matrix, (-2, 0, 0, 0, 0))
+    folding = robsim.vision.Intrinsics(CAMERA.matrix, (-2, 0, 0, 0, 0))
     place = {"area": 400, "centroid": (1200, 900), "bounding_box": (1190, 890, 1210, 910)}
     blobs = {color: [Blob(color, **place)] for color in ("red", "blue")}
-    plane_map = robsim.imaging.PlaneMap(np.eye(3), folding)
+    plane_map = robsim.vision.PlaneMap(np.eye(3), folding)
     assert np.isnan(plane_map.to_world((1200, 900))).all()
     markers = MarkerLayout.from_positions({"right": RED, "left": BLUE})
     assert detect(blobs, markers, plane_map=plane_map).measurement is None

@@ -10,16 +10,20 @@ import robsim
 from drawn_robots import box, painted
 from robsim import ColorClass
 from robsim.gui import robot_panel
-from robsim.robots import (
+from robsim.vision import (
+    Blob,
+    MarkerLayout,
     RobotDefinition,
     add_robot,
     check_colors,
+    detect,
     load_robot,
     robot_from_image,
     rotate_robot,
+    save_colors,
     save_robot,
+    train_markers,
 )
-from robsim.vision import Blob, MarkerLayout, detect, save_colors, train_markers
 
 COLORS = (
     ColorClass("green", u=(0, 116), v=(0, 104)),
@@ -232,7 +236,7 @@ def test_a_scenario_and_a_session_keep_the_names(tmp_path):
     options = {"colors": COLORS, "robot": robot(), "measure": True}
     with robsim.Experiment(frames, record=tmp_path / "session", **options) as experiment:
         experiment.run()
-    session = robsim.sessions.Session(tmp_path / "session")
+    session = robsim.trace.Session(tmp_path / "session")
     assert session.markers.colors == BY_ROLE
     assert session.trace.seen.all()
 

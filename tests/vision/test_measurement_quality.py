@@ -63,7 +63,7 @@ def test_the_errors_are_as_large_as_the_covariance_says():
     sim = simulation(headings=None, noise=robsim.GaussianNoise(10), boundary="unlimited", seed=7)
     trace = sim.run(120)
     error, covariance = trace.error[trace.seen], trace.covariance_measured[trace.seen]
-    squared = robsim.evaluation.nees(error, covariance)
+    squared = robsim.estimation.nees(error, covariance)
     # the mean of chi-square of 3 degrees of freedom: 3 +- 4 standard deviations
     assert abs(np.mean(squared) - 3) < 4 * np.sqrt(6 / len(squared))
 
@@ -89,7 +89,7 @@ def test_without_outlines_pixels_are_weighted_by_their_colour():
         assert weighted.misfit is None
         counted = robsim.locate(blobs, places, step.frame.plane_map)
         truth = sim.trace.pose_true[-1]
-        squared.append(robsim.evaluation.nees(weighted.pose - truth, weighted.covariance))
+        squared.append(robsim.estimation.nees(weighted.pose - truth, weighted.covariance))
         errors.append([np.linalg.norm((one.pose - truth)[:2]) for one in (weighted, counted)])
     weighted, counted = np.sqrt(np.mean(np.square(errors), axis=0))
     assert weighted < 0.6 * counted
@@ -188,9 +188,9 @@ def test_huge_figures_break_neither_filters_nor_reports_nor_plots():
         )  # fmt: skip
 
     for reference in (
-        robsim.reference.ExtendedKalmanFilter,
-        robsim.reference.UnscentedKalmanFilter,
-        robsim.reference.ParticleFilter,
+        robsim.estimation.reference.ExtendedKalmanFilter,
+        robsim.estimation.reference.UnscentedKalmanFilter,
+        robsim.estimation.reference.ParticleFilter,
     ):
         sim = simulation(measure=measure, estimate_state=reference(), resolution=(240, 240))
         trace = sim.run(3)

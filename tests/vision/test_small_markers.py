@@ -16,7 +16,7 @@ def frame_of(size, noise=None, index=0):
     image = renderer(resolution=(size, size)).render((500, 600, 0.4))
     if noise is not None:
         image = noise.add(image, 3, index)
-    return robsim.Frame(image, plane_map=robsim.imaging.PlaneMap.scaled((size, size), AREA))
+    return robsim.Frame(image, plane_map=robsim.vision.PlaneMap.scaled((size, size), AREA))
 
 
 def window_of(frame, markers=LAB):
@@ -53,7 +53,7 @@ def test_the_window_suits_the_smaller_marker_and_the_far_end_of_the_floor():
     )
     assert window_of(frame, unequal) == window_of(frame, one_known) == 3
     # the far end, at the top, is seen at half the scale
-    oblique = robsim.imaging.PlaneMap.from_points(
+    oblique = robsim.vision.PlaneMap.from_points(
         [(300, 0), (899, 0), (1199, 1199), (0, 1199)], [(0, 0), (1200, 0), (1200, 1200), (0, 1200)]
     )
     assert window_of(robsim.Frame(frame.image, plane_map=oblique)) < 7
@@ -72,7 +72,7 @@ def test_the_width_of_a_marker():
 def measured(camera, noise, poses):
     """Measured minus true poses (N, 3), NaN where none was found; nan poses = empty floor."""
     draw = renderer(resolution=camera)
-    plane_map = robsim.imaging.PlaneMap.scaled(camera, AREA)
+    plane_map = robsim.vision.PlaneMap.scaled(camera, AREA)
     errors = np.full((len(poses), 3), np.nan)
     for i, pose in enumerate(poses):
         image = noise.add(draw.render(np.nan_to_num(pose, nan=-9 * AREA[0])), 1, i)
@@ -244,7 +244,7 @@ def test_an_experiment_measures_the_noise():
 
 def test_a_frame_without_a_robot_says_what_the_noise_asks_for():
     image = np.full((200, 200, 3), 128, np.uint8)
-    plane_map = robsim.imaging.PlaneMap.scaled((200, 200), AREA)
+    plane_map = robsim.vision.PlaneMap.scaled((200, 200), AREA)
 
     def explained(noise):
         frame = robsim.Frame(noise.add(image, 1), plane_map=plane_map)

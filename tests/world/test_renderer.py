@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.simulation import Renderer, Scene
+from robsim._core import Renderer, Scene
 from scenes import renderer, small_renderer
 
 CENTRE = (600.0, 600.0, 0.0)

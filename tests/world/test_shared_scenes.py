@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.simulation import Renderer, draw_red_square
-from robsim.simulation._world.scene_cache import SceneCache
+from robsim._core import Renderer
+from robsim.simulation import draw_red_square
+from robsim.simulation.world.scene_cache import SceneCache
 from scenes import renderer, small_renderer
 from threads import together
 

@@ -7,11 +7,11 @@
 
 namespace robsim::bindings {
 
-/// Raises the error of robsim.capture that a fault stands for.
+/// Raises the error of robsim.lab that a fault stands for.
 inline void raise_in_python(const CaptureError& error) {
   namespace py = pybind11;
   const py::object raised =
-      py::module_::import("robsim.capture._errors")
+      py::module_::import("robsim.lab.cameras.errors")
           .attr("error_of")(name_of(error.fault()), device_text(error.what()));
   PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
 }

@@ -138,7 +138,7 @@ Examples
           "_repr_png_",
           [](const Frame& self) -> std::pair<py::bytes, std::map<std::string, int>> {
             // The core knows no codecs: the package's own one does it.
-            const py::bytes png = py::module_::import("robsim.imaging._images")
+            const py::bytes png = py::module_::import("robsim.vision.imaging.images")
                                       .attr("png_bytes")(image_array(self.image));
             return {png, {{"width", std::min(self.image.width(), notebook_width)}}};
           },

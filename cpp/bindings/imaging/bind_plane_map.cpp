@@ -114,7 +114,7 @@ py::array_t<double> map_points(py::handle value, const std::string& name, const 
 }
 
 void bind_intrinsics(py::module_& module) {
-  Class<Intrinsics> intrinsics(public_in(module, "robsim.imaging"), "Intrinsics", R"(
+  Class<Intrinsics> intrinsics(public_in(module, "robsim.vision"), "Intrinsics", R"(
 A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
 
 Parameters
@@ -202,7 +202,7 @@ array (2,) or (N, 2)
 }
 
 void bind_plane_map(py::module_& module) {
-  Class<PlaneMap> plane_map(public_in(module, "robsim.imaging"), "PlaneMap", R"(
+  Class<PlaneMap> plane_map(public_in(module, "robsim.vision"), "PlaneMap", R"(
 Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
 
 Parameters

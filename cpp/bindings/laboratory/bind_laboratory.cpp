@@ -97,7 +97,7 @@ TimeSpan span_from(const std::pair<double, double>& span) { return {span.first, 
 void bind_faults(py::module_& module) {
   Class<CameraFaults>(public_in(module, "robsim._core"), "CameraFaults",
                       "What goes wrong with a simulated camera. Users take "
-                      "robsim.live.CameraFaults.")
+                      "robsim.lab.CameraFaults.")
       .def(py::init([](double late, double lateness, double dropped, double repeated, double torn,
                        std::pair<double, double> stall, std::pair<double, double> unplugged,
                        double drift, double drift_period, std::uint64_t seed) {
@@ -137,7 +137,7 @@ std::shared_ptr<LaboratoryCamera> make_camera(const std::shared_ptr<Laboratory>&
 void bind_laboratory(py::module_& module) {
   Class<Laboratory, std::shared_ptr<Laboratory>>(public_in(module, "robsim._core"), "Laboratory",
                                                  "The simulated world in real time. Users take "
-                                                 "robsim.live.SimulatedLab.")
+                                                 "robsim.lab.SimulatedLab.")
       .def(py::init(&make_laboratory), py::arg("world"), py::arg("model"), py::arg("input"))
       .def("start", here<&Laboratory::start>())
       .def("close",
@@ -163,7 +163,7 @@ void bind_laboratory(py::module_& module) {
 
   Class<LaboratoryCamera, CaptureDevice, std::shared_ptr<LaboratoryCamera>>(
       public_in(module, "robsim._core"), "LaboratoryCamera",
-      "The camera of a laboratory, for a grabber. Users take robsim.live.SimulatedLab.")
+      "The camera of a laboratory, for a grabber. Users take robsim.lab.SimulatedLab.")
       .def(py::init(&make_camera), py::arg("laboratory"), py::arg("scene"), py::kw_only(),
            py::arg("warp"), py::arg("top"), py::arg("noise"), py::arg("noise_seed"),
            py::arg("delay"), py::arg("faults"));

@@ -46,7 +46,7 @@ auto natively(const F& call) {
 template <typename Error>
 void bind_error(py::module_& module, const char* name, py::handle base, const char* doc) {
   const auto error = py::register_local_exception<Error>(module, name, base);
-  error.attr("__module__") = "robsim.motors";
+  error.attr("__module__") = "robsim.lab";
   error.attr("__doc__") = doc;
 }
 
@@ -76,7 +76,7 @@ MotorEvent::Kind kind_from(const std::string& kind) {
 }
 
 void bind_event(py::module_& module) {
-  Class<MotorEvent> event(public_in(module, "robsim.motors"), "MotorEvent",
+  Class<MotorEvent> event(public_in(module, "robsim.lab"), "MotorEvent",
                           "What went over a line to a robot, or what the robot did by itself.");
   event.def_readonly("t", &MotorEvent::t, "float: when (s, clock of time.monotonic).")
       .def_property_readonly(
@@ -98,7 +98,7 @@ void bind_event(py::module_& module) {
 }
 
 void bind_counts(py::module_& module) {
-  Class<LineCounts> counts(public_in(module, "robsim.motors"), "LineCounts",
+  Class<LineCounts> counts(public_in(module, "robsim.lab"), "LineCounts",
                            "How many lines a robot has heard.");
   counts.def_readonly("valid", &LineCounts::valid, "int: lines that it acted upon.")
       .def_readonly("damaged", &LineCounts::damaged,
@@ -126,7 +126,7 @@ std::optional<double> given(double limit) {
 }
 
 void bind_limits(py::module_& module) {
-  Class<Limits> limits(public_in(module, "robsim.motors"), "Limits", R"(
+  Class<Limits> limits(public_in(module, "robsim.lab"), "Limits", R"(
 What the motors of a robot are asked for at most.
 
 Both motors are scaled by one factor, so that the robot drives the same curve more slowly: if each
@@ -203,7 +203,7 @@ void bind_line(py::module_& module) {
 void bind_link(py::module_& module) {
   Class<MotorLink, std::shared_ptr<MotorLink>> link(
       public_in(module, "robsim._core"), "MotorLink",
-      "The sender's end of a line to a robot. Users take robsim.motors.UdpMotors or SerialMotors.");
+      "The sender's end of a line to a robot. Users take robsim.lab.UdpMotors or SerialMotors.");
   link.def(py::init([](Line& line, double ttl, double hold) {
              return make_native<MotorLink>(std::move(line), ttl, hold);
            }),
@@ -231,10 +231,10 @@ float
 
 Raises
 ------
-robsim.motors.LineError
+robsim.lab.LineError
     If the line cannot be written to within 50 ms, or went wrong since the last input; the robot is
     then told to stop, again and again for 2 s.
-robsim.motors.HaltedError
+robsim.lab.HaltedError
     If the robot was halted: by a frame that did not come in time, for one.
 ValueError
     If an input is beyond 1000 V.
@@ -250,7 +250,7 @@ float
 
 Raises
 ------
-robsim.motors.LineError
+robsim.lab.LineError
     If the line cannot be written to; it is tried again.
 )")
       .def(
@@ -265,7 +265,7 @@ Stop the robot and close the line; the second time it does nothing.
 
 Raises
 ------
-robsim.motors.LineError
+robsim.lab.LineError
     If the line went wrong since the last input: the robot may not have been told to stop.
 )")
       .def_property_readonly("name", &MotorLink::name, "str: what the line is called in errors.")
@@ -372,7 +372,7 @@ array (2,)
 )");
 
   Class<MotorReceiver, ReceivedInput, std::shared_ptr<MotorReceiver>>(
-      public_in(module, "robsim.motors"), "MotorReceiver", R"(
+      public_in(module, "robsim.lab"), "MotorReceiver", R"(
 The robot's end of a line: reads inputs as PROTOCOL.md demands of a robot, in a thread of its own.
 
 It stands in for a robot, in rehearsals and tests. It stops by itself when it hears nothing valid
@@ -394,7 +394,7 @@ answers : bool
 
 Raises
 ------
-robsim.motors.LineError
+robsim.lab.LineError
     If the port is taken, or there is no such address.
 )")
       .def(py::init(&make_receiver), py::arg("port") = 0, py::kw_only(),

@@ -12,7 +12,7 @@ namespace {
 
 // What the Python side makes of an error: see simulation/_callbacks/errors.py.
 py::object errors(const char* function) {
-  return py::module_::import("robsim.simulation._callbacks.errors").attr(function);
+  return py::module_::import("robsim.simulation.callbacks.errors").attr(function);
 }
 
 template <typename T>

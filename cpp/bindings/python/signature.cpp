@@ -78,7 +78,7 @@ std::string names_of(const std::vector<Parameter>& parameters) {
 std::string suggestion(const std::string& name, const std::vector<Parameter>& parameters) {
   py::list known;
   for (const Parameter& parameter : parameters) known.append(parameter.name);
-  return py::module_::import("robsim._base.spelling")
+  return py::module_::import("robsim.base.spelling")
       .attr("suggestion")(name, known)
       .cast<std::string>();
 }

@@ -143,7 +143,7 @@ state : array (n,), optional
       .def("__repr__", py::overload_cast<const Estimate&>(&repr));
   define_estimate_value(estimate);
 
-  Class<Sample> sample(public_in(module, "robsim.identification"), "Sample", R"(
+  Class<Sample> sample(public_in(module, "robsim.estimation"), "Sample", R"(
 One sample for the parameter estimator: y = sum(phi * theta, axis=1).
 
 Parameters

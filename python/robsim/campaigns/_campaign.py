@@ -8,21 +8,21 @@ from contextlib import closing
 from os import PathLike
 from typing import Any, NoReturn
 
-from robsim._base.checks import check_bool, check_choice
-from robsim._base.files import as_path
-from robsim._base.seeds import Seed
-from robsim._base.text import one_line
-from robsim.campaigns._engines.campaign_work import CampaignWork
-from robsim.campaigns._engines.chunks import Chunks
-from robsim.campaigns._engines.engine import Engine, engine_value, rows_by
-from robsim.campaigns._engines.executors import DaskClient
-from robsim.campaigns._engines.in_flight import DIED
-from robsim.campaigns._result import CampaignResult, result_of
-from robsim.campaigns._runs import CaseRuns, Row
-from robsim.campaigns._spec import CampaignSpec
+from robsim.base.checks import check_bool, check_choice
+from robsim.base.files import as_path
+from robsim.base.seeds import Seed
+from robsim.base.text import one_line
 from robsim.campaigns._store import Store, seed_in_store
+from robsim.campaigns.engines.campaign_work import CampaignWork
+from robsim.campaigns.engines.chunks import Chunks
+from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
+from robsim.campaigns.engines.executors import DaskClient
+from robsim.campaigns.engines.in_flight import DIED
+from robsim.campaigns.result import CampaignResult, result_of
+from robsim.campaigns.runs import CaseRuns, Row
+from robsim.campaigns.spec import CampaignSpec
 from robsim.simulation import Scenario
-from robsim.simulation._progress import progress_bar
+from robsim.simulation.progress import progress_bar
 
 
 def campaign(

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import check_name
-from robsim._base.report import Report
-from robsim._base.spelling import check_names, suggestion
-from robsim._base.text import quoted
+from robsim.base.checks import check_name
+from robsim.base.report import Report
+from robsim.base.spelling import check_names, suggestion
+from robsim.base.text import quoted
 from robsim.control import score_path, score_pose
-from robsim.evaluation import pose_consistency, pose_errors
-from robsim.identification import batch_estimate
+from robsim.estimation.evaluation.consistency import pose_consistency
+from robsim.estimation.evaluation.errors import pose_errors
+from robsim.estimation.identification.batch import batch_estimate
 from robsim.trace import PARAMETER_NAMES, Trace
 
 #: A number, numbers by name, or a report that has them.

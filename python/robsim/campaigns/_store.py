@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._base.files import as_path
-from robsim._base.text import one_line
-from robsim._base.warn import warn_user
-from robsim.campaigns._description import description_of, difference, surroundings
-from robsim.campaigns._runs import Job, Row
-from robsim.campaigns._spec import ROW_COLUMNS, CampaignSpec
+from robsim.base.files import as_path
+from robsim.base.text import one_line
+from robsim.base.warn import warn_user
+from robsim.campaigns.description import description_of, difference, surroundings
+from robsim.campaigns.runs import Job, Row
+from robsim.campaigns.spec import ROW_COLUMNS, CampaignSpec
 from robsim.trace import Trace
 
 _FORMAT = 2

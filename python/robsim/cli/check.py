@@ -12,13 +12,15 @@ from robsim.cli import errors
 from robsim.cli.errors import styled
 from robsim.cli.option import argument, option
 from robsim.cli.shared import Json
-from robsim.simulation._slots import SLOTS
+from robsim.simulation.slots import SLOTS
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
 
-    from robsim.doctor import CheckReport, FolderReport, Problem, TaskReport
+    from robsim.base.check_report import CheckReport, Problem
+    from robsim.teach.doctor.callbacks.folder import FolderReport
+    from robsim.teach.doctor.tasks.report import TaskReport
 
 EXAMPLE = "Example: robsim check mine"
 HELP = (
@@ -44,7 +46,7 @@ def check(
     as_json: Json = False,
 ) -> None:
     """Check callbacks."""
-    from robsim.doctor import check_folder
+    from robsim.teach.doctor.callbacks.folder import check_folder
 
     with errors.report_errors():
         report = check_folder(path, slots=slot, task=task)
@@ -60,7 +62,7 @@ def _page(report: FolderReport) -> Iterator[RenderableType]:
     """Yield what is printed of a folder: a line for each slot, then what is wrong with each."""
     from rich.table import Table
 
-    from robsim.doctor import TaskReport
+    from robsim.teach.doctor.tasks.report import TaskReport
 
     yield styled(report.heading, "bold")
     if isinstance(report, TaskReport):

@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from robsim._base.text import quoted
 from robsim._core import Frame, Observation, color_histograms
+from robsim.base.text import quoted
 from robsim.cli import errors
 from robsim.cli.option import argument, integer_option, option, switch
 from robsim.cli.shared import Area, CalibrationFile, Colors, Robot
 from robsim.cli.text import parse_region, parse_size
-from robsim.imaging._images import Pixels, image_suffixes, load_image
-from robsim.robots import load_robot
-from robsim.vision._color_files import colors_to_toml, save_colors
-from robsim.vision._trained_color import TrainedColor
-from robsim.vision._training import Region, train_color, train_markers
+from robsim.vision.imaging.images import Pixels, image_suffixes, load_image
+from robsim.vision.markers.color_files import colors_to_toml, save_colors
+from robsim.vision.markers.trained_color import TrainedColor
+from robsim.vision.markers.training import Region, train_color, train_markers
+from robsim.vision.robots.lookup import load_robot
 
 if TYPE_CHECKING:
-    from robsim.imaging._recordings import Recording
-    from robsim.sessions import Session
+    from robsim.trace.sessions.session import Session
+    from robsim.vision.imaging.recordings import Recording
 
 HELP = (
     "Find the ranges of a colour in images of it, or those of a robot's markers in a recording.\n\n"
@@ -141,9 +141,9 @@ def _check_for_a_recording(frames: Sequence[Path], limit_y: bool, figure: Path |
 def _recording(
     source: Path, area: str | None, calibration: Path | None
 ) -> Recording | Session | Iterable[Frame | Observation]:
-    from robsim.imaging._recordings import Recording
-    from robsim.sessions import Session
-    from robsim.sessions._writer import SETUP
+    from robsim.trace.sessions.session import Session
+    from robsim.trace.sessions.writer import SETUP
+    from robsim.vision.imaging.recordings import Recording
 
     if not (source / SETUP).is_file():
         return Recording(source, area=parse_size("--area", area), calibration=calibration)

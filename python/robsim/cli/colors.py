@@ -8,20 +8,20 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from robsim._base.checks import Floats, check_float
-from robsim._base.geometry.polygons import area_and_centroid, mask
-from robsim._base.text import quoted
 from robsim._core import ColorClass, classify, find_blobs
+from robsim.base.checks import Floats, check_float
+from robsim.base.geometry.polygons import area_and_centroid, mask
+from robsim.base.text import quoted
 from robsim.cli import color_training, errors
 from robsim.cli.command import Command, command_group
 from robsim.cli.option import argument, integer_option, number_option, option
 from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
 from robsim.cli.text import about, parse_noise, parse_point, parse_region
-from robsim.imaging._images import Pixels, load_image, save_image
-from robsim.simulation._simulation import Simulation
-from robsim.vision._color_files import SHIPPED_COLORS, colors_to_toml, load_colors
-from robsim.vision._color_masks import paint_classes
-from robsim.vision._color_score import ColorScore, Region, score_color
+from robsim.simulation.simulation import Simulation
+from robsim.vision.imaging.images import Pixels, load_image, save_image
+from robsim.vision.markers.color_files import SHIPPED_COLORS, colors_to_toml, load_colors
+from robsim.vision.markers.color_masks import paint_classes
+from robsim.vision.markers.color_score import ColorScore, Region, score_color
 
 HELP = (
     "A colour class is a name with ranges of Y (brightness), U and V; a colour file contains "

@@ -14,7 +14,7 @@ from rich.console import Console, RenderableType
 from rich.measure import Measurement
 from rich.text import Text
 
-from robsim._base.text import one_line, printable
+from robsim.base.text import one_line, printable
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -40,7 +40,7 @@ def naming_options(options: Mapping[str, str]) -> Iterator[None]:
 
 def in_words_of_the_shell(text: str) -> str:
     """Return the message of an error with the options of the command for arguments of Python."""
-    from robsim.simulation._slots import SLOTS
+    from robsim.simulation.slots import SLOTS
 
     for name, option in _option_of.items():
         # "steps must be ...", "area: ...", "measure=True", "control=...", "time_limit = 3 s"
@@ -63,8 +63,8 @@ def report_errors(folder: Path | None = None) -> Iterator[None]:
     try:
         yield
     except (Exception, SystemExit) as error:
-        from robsim.simulation._callbacks.errors import callback_of
-        from robsim.simulation._slots import SLOTS
+        from robsim.simulation.callbacks.errors import callback_of
+        from robsim.simulation.slots import SLOTS
 
         if isinstance(error, typer.Exit):
             raise

@@ -16,7 +16,7 @@ def notebooks(
     folder: Annotated[Path, argument("FOLDER", "The folder; created if needed.")],
 ) -> None:
     """Copy the notebooks for students into a folder."""
-    from robsim._base.shipped import copy_notebooks
+    from robsim.base.shipped import copy_notebooks
 
     with errors.report_errors():
         files = copy_notebooks(folder)

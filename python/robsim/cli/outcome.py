@@ -11,10 +11,12 @@ from robsim.cli import errors
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from robsim import Frame, Simulation, Trace
-    from robsim._base.report import Report
-    from robsim.imaging._images import Pixels
-    from robsim.simulation._runner import Runner
+    from robsim._core import Frame
+    from robsim.base.report import Report
+    from robsim.simulation.runner import Runner
+    from robsim.simulation.simulation import Simulation
+    from robsim.trace.trace import Trace
+    from robsim.vision.imaging.images import Pixels
 
 
 def finish(
@@ -33,7 +35,7 @@ def finish(
     `more` are other reports of it, by name; `scale` is the length of a px (mm).
     """
     from robsim.cli.results import write_results
-    from robsim.vision._missed_detections import explain_missed
+    from robsim.vision.markers.missed_detections import explain_missed
 
     if not len(simulation.trace):
         errors.print_note("no steps, no results")
@@ -61,7 +63,7 @@ def finish(
 def _write_videos(
     simulation: Simulation, trace: Trace, video: Path | None, record: Path | None
 ) -> None:
-    from robsim.plotting._images.replay import annotated_frames
+    from robsim.plotting.images.replay import annotated_frames
 
     if video:
         frames = annotated_frames(
@@ -80,8 +82,8 @@ def _frames(simulation: Simulation) -> Iterator[Frame]:
 
 def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Trace) -> None:
     """Write the frames of a run to a video file, with a progress bar."""
-    from robsim.imaging._video import save_video
-    from robsim.simulation._progress import progress_bar
+    from robsim.simulation.progress import progress_bar
+    from robsim.vision.imaging.video import save_video
 
     shown = progress_bar(frames, total=len(trace), unit="frame", desc=file.name)
     save_video(file, shown, fps=min(500.0, max(0.1, 1 / trace.info.dt)))

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from robsim.cli import errors
 
 if TYPE_CHECKING:
-    from robsim.gui._hosted import HostedPanel
-    from robsim.gui._hosts.page import Page
+    from robsim.gui.hosted import HostedPanel
+    from robsim.gui.hosts.page import Page
 
 _PATIENCE = 3.0  # s that the last page may be away, such as while it is loaded anew
 

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 import robsim
-from robsim._base.files import write_whole
-from robsim._base.report import Report
-from robsim._base.text import one_line
-from robsim.identification._batch import BatchEstimate, batch_estimate
-from robsim.simulation._runner import Runner
+from robsim.base.files import write_whole
+from robsim.base.report import Report
+from robsim.base.text import one_line
+from robsim.estimation.identification.batch import BatchEstimate, batch_estimate
+from robsim.simulation.runner import Runner
 from robsim.trace import Trace, TrackingStatistics
 
 _FIGURES = ("camera.jpg", "traces.png", "parameters.png", "batch.png")

@@ -6,14 +6,14 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from robsim._base.text import one_line, quoted
+from robsim.base.text import one_line, quoted
 from robsim.cli import errors
 from robsim.cli.command import Command, command_group
 from robsim.cli.option import argument, number_option, option, switch
 from robsim.cli.text import number, parse_point, parse_points
 
 if TYPE_CHECKING:
-    from robsim.robots import RobotDefinition
+    from robsim.vision.robots.definition import RobotDefinition
 
 HELP = (
     "A robot is an image from above with an outline, two markers of different colours, a "
@@ -37,8 +37,8 @@ def list_robots() -> None:
     from rich.markup import escape
     from rich.table import Table
 
-    from robsim.robots._default_robot import default_robot, missing_robot_error
-    from robsim.robots._lookup import find_folder, shipped_robots, user_robots
+    from robsim.vision.robots._default_robot import default_robot, missing_robot_error
+    from robsim.vision.robots.lookup import find_folder, shipped_robots, user_robots
 
     problems: list[object] = []
     chosen = None
@@ -81,7 +81,8 @@ def show(
     """Draw a robot with its outline, markers and heading, and check it."""
     from robsim.cli.results import save_figure
     from robsim.plotting import plot_robot
-    from robsim.robots import check_colors, load_robot
+    from robsim.vision.robots.lookup import load_robot
+    from robsim.vision.robots.marker_check import check_colors
 
     with errors.report_errors():
         robot = load_robot(name)
@@ -169,7 +170,7 @@ def add(
     ] = False,
 ) -> None:
     """Add a robot to your user folder."""
-    from robsim.robots import add_robot
+    from robsim.vision.robots.user_robots import add_robot
 
     with errors.report_errors():
         robot = add_robot(
@@ -217,7 +218,7 @@ def rotate(
     ],
 ) -> None:
     """Rotate the image of one of your robots, so that the robot faces right."""
-    from robsim.robots import rotate_robot
+    from robsim.vision.robots.user_robots import rotate_robot
 
     with errors.report_errors():
         robot = rotate_robot(name, degrees)
@@ -227,7 +228,8 @@ def rotate(
 @app.command(cls=Command, epilog="Example: robsim robots use lab")
 def use(name: Name) -> None:
     """Choose the default robot; the choice is stored."""
-    from robsim.robots import default_robot, set_default_robot
+    from robsim.vision.robots._default_robot import default_robot
+    from robsim.vision.robots.lookup import set_default_robot
 
     with errors.report_errors():
         set_default_robot(name)
@@ -237,7 +239,7 @@ def use(name: Name) -> None:
 @app.command(cls=Command, epilog="Example: robsim robots reset")
 def reset() -> None:
     """Make "lab" the default robot again."""
-    from robsim.robots import default_robot, reset_default_robot
+    from robsim.vision.robots._default_robot import default_robot, reset_default_robot
 
     with errors.report_errors():
         reset_default_robot()
@@ -247,7 +249,8 @@ def reset() -> None:
 @app.command(cls=Command, epilog="Example: robsim robots remove mine")
 def remove(name: Name) -> None:
     """Remove one of your robots."""
-    from robsim.robots import default_robot, remove_robot
+    from robsim.vision.robots._default_robot import default_robot
+    from robsim.vision.robots.user_robots import remove_robot
 
     with errors.report_errors():
         remove_robot(name)
@@ -256,7 +259,7 @@ def remove(name: Name) -> None:
 
 def _numbers_of(folder: Path, problems: list[object]) -> tuple[str, str, str]:
     """Return size, alignment and marker distance; an error is appended to `problems`."""
-    from robsim.robots._files import read_robot
+    from robsim.vision.robots.files import read_robot
 
     try:
         robot = read_robot(folder)

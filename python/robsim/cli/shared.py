@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from robsim._base.checks import check_choice, check_float
+from robsim.base.checks import check_choice, check_float
 from robsim.cli import errors
 from robsim.cli.option import argument, integer_option, number_option, option, switch
 from robsim.cli.text import about, parse_points
-from robsim.control._by_name import NAMES, POINTS
+from robsim.control.by_name import NAMES, POINTS
 
 if TYPE_CHECKING:
     from robsim._core import PlaneMap
@@ -131,8 +131,8 @@ def check_unit(
     unit: str, scale: float | None, calibration: Path | None = None, *, is_simulated: bool = False
 ) -> None:
     """Raise an error unless lengths can be told in a unit."""
-    from robsim.imaging import load_calibration
-    from robsim.trace._units import UNITS
+    from robsim.trace.units import UNITS
+    from robsim.vision.imaging.calibration_file import load_calibration
 
     with about("--unit"):
         check_choice("unit", unit, UNITS)

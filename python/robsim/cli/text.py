@@ -10,12 +10,12 @@ from typing import Any
 
 import typer
 
-from robsim._base.checks import check_size
-from robsim._base.spelling import suggestion
-from robsim._base.text import quoted
-from robsim.control._by_name import NAMES, POINTS, controller_named
-from robsim.imaging import GaussianNoise, UniformNoise
+from robsim.base.checks import check_size
+from robsim.base.spelling import suggestion
+from robsim.base.text import quoted
+from robsim.control.by_name import NAMES, POINTS, controller_named
 from robsim.simulation import Dropout
+from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
 
 Points = list[tuple[float, float]]
 

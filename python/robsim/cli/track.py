@@ -11,9 +11,9 @@ from robsim.cli.outcome import finish, write_with_progress
 from robsim.cli.text import parse_size
 
 if TYPE_CHECKING:
-    from robsim.imaging._recordings import Recording
     from robsim.simulation import Experiment
     from robsim.trace import Trace
+    from robsim.vision.imaging.recordings import Recording
 
 VIDEO = "tracked.mp4"
 EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
@@ -50,8 +50,8 @@ def track(
 ) -> None:
     """Track the robot in a video file or a folder of images."""
     from robsim.cli.results import check_folder
-    from robsim.imaging._recordings import Recording
     from robsim.simulation import Experiment
+    from robsim.vision.imaging.recordings import Recording
 
     with errors.report_errors():
         check_folder(out)
@@ -90,8 +90,8 @@ def track(
 
 
 def _write_video(experiment: Experiment, trace: Trace, recording: Recording, file: Path) -> None:
-    from robsim.imaging._opencv import load_opencv
-    from robsim.plotting._images.replay import annotated_frames
+    from robsim.plotting.images.replay import annotated_frames
+    from robsim.vision.imaging.opencv import load_opencv
 
     try:
         load_opencv("writing a video")

@@ -3,12 +3,12 @@
 They follow a path, or excite the robot so that its parameters can be identified.
 """
 
-from robsim._base.public import present as _present
 from robsim._core import Controller, DriveAround, Replay, Spin
-from robsim.control._excitation import Chirp, MultiSine, PseudoRandomBinary
-from robsim.control._path_following import FollowPath, GoToPoint
-from robsim.control._path_score import PathScore, score_path
-from robsim.control._pose_score import PoseScore, score_pose
+from robsim.base.public import present as _present
+from robsim.control.excitation import Chirp, MultiSine, PseudoRandomBinary
+from robsim.control.path_following import FollowPath, GoToPoint
+from robsim.control.path_score import PathScore, score_path
+from robsim.control.pose_score import PoseScore, score_pose
 
 __all__ = [
     "Chirp",

@@ -1,10 +1,10 @@
 """The face: panels of a run in a notebook, or in a browser window of their own."""
 
-from robsim._base.public import present as _present
-from robsim.gui._facade import Panel, panel
-from robsim.gui._tools.colors.panel import ColorPanel, color_panel
-from robsim.gui._tools.floor.panel import FloorPanel, floor_panel
-from robsim.gui._tools.robots.panel import RobotPanel, robot_panel
+from robsim.base.public import present as _present
+from robsim.gui.facade import Panel, panel
+from robsim.gui.tools.colors.panel import ColorPanel, color_panel
+from robsim.gui.tools.floor.panel import FloorPanel, floor_panel
+from robsim.gui.tools.robots.panel import RobotPanel, robot_panel
 
 __all__ = [
     "ColorPanel",

@@ -10,13 +10,13 @@ from concurrent.futures import CancelledError, Future
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, ClassVar, Literal, TypeVar
 
-from robsim._base.checks import check_float
 from robsim._core import HaltedError, Step
+from robsim.base.checks import check_float
 from robsim.gui._playback import Playback
 from robsim.gui._worker import Worker, at_work
 from robsim.simulation import Experiment, Simulation
-from robsim.simulation._callbacks.errors import callback_of
-from robsim.simulation._slots import ONCE, names
+from robsim.simulation.callbacks.errors import callback_of
+from robsim.simulation.slots import ONCE, names
 
 State = Literal["paused", "running", "ended", "failed", "closed"]
 

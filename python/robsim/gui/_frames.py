@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from robsim._core import Blob, PlaneMap
-from robsim.imaging._images import Pixels
+from robsim.vision.imaging.images import Pixels
 
 _GAP = 1 / 30  # s between two frames
 _QUALITY = 80  # of the JPEG; 25 kB for 600 x 600

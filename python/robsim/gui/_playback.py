@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from robsim._core import Step
 
 if TYPE_CHECKING:
-    from robsim.gui._panel.record import Record
+    from robsim.gui.panels.record import Record
 
 
 class Playback:

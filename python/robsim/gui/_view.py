@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
-from robsim._base.text import said_by
+from robsim.base.text import said_by
 from robsim.gui._link import Buffers, Link
 from robsim.gui._messages import Messages, Refused, checked_message
 from robsim.gui._worker import Worker

@@ -1,6 +1,5 @@
 """The simulation: its options, slots and loop, the scene, callback folders, frame sources."""
 
-from robsim._base.public import present as _present
 from robsim._core import (
     Estimate,
     Observation,
@@ -12,18 +11,19 @@ from robsim._core import (
     Unicycle,
     WorldState,
 )
-from robsim.simulation._callbacks.errors import (
+from robsim.base.public import present as _present
+from robsim.simulation.callbacks.errors import (
     CallbackError,
     CallbackTypeError,
     CallbackValueError,
     FailedCallback,
 )
-from robsim.simulation._experiment import Experiment
-from robsim.simulation._scenario import Scenario
-from robsim.simulation._simulation import Simulation
-from robsim.simulation._world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
-from robsim.simulation._world.dropout import Dropout
-from robsim.simulation._world.scene import draw_red_square
+from robsim.simulation.experiment import Experiment
+from robsim.simulation.scenario import Scenario
+from robsim.simulation.simulation import Simulation
+from robsim.simulation.world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
+from robsim.simulation.world.dropout import Dropout
+from robsim.simulation.world.scene import draw_red_square
 
 __all__ = [
     "CallbackError",

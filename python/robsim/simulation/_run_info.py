@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from robsim._base.seeds import seed_record
 from robsim._core import RobotModel
-from robsim.simulation._slotted import is_code
+from robsim.base.seeds import seed_record
+from robsim.simulation.slotted import is_code
 from robsim.trace import RunInfo
 
 if TYPE_CHECKING:
-    from robsim.simulation._runner import Runner
+    from robsim.simulation.runner import Runner
 
 
 def run_info(runner: Runner) -> RunInfo:

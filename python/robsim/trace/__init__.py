@@ -1,18 +1,20 @@
-"""The recorded run: named columns with units, slices, files."""
+"""The recorded run: named columns with units, slices, files; sessions with the frames as well."""
 
-from robsim._base.public import present as _present
-from robsim.trace._columns import PARAMETER_NAMES
-from robsim.trace._not_recorded import NotRecordedError
-from robsim.trace._run_info import RunInfo
-from robsim.trace._summary import TraceSummary
-from robsim.trace._timing import TimingReport
-from robsim.trace._trace import Trace
-from robsim.trace._tracking import TrackingStatistics
+from robsim.base.public import present as _present
+from robsim.trace.columns import PARAMETER_NAMES
+from robsim.trace.not_recorded import NotRecordedError
+from robsim.trace.run_info import RunInfo
+from robsim.trace.sessions.session import Session
+from robsim.trace.summary import TraceSummary
+from robsim.trace.timing import TimingReport
+from robsim.trace.trace import Trace
+from robsim.trace.tracking import TrackingStatistics
 
 __all__ = [
     "PARAMETER_NAMES",
     "NotRecordedError",
     "RunInfo",
+    "Session",
     "TimingReport",
     "Trace",
     "TraceSummary",

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Self, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._base.checks import Floats
-from robsim.trace._columns import GROUPS
+from robsim.base.checks import Floats
+from robsim.trace.columns import GROUPS
 
 
 class Column(property):

@@ -16,11 +16,11 @@ from typing import Any, BinaryIO, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._base.checks import Floats
-from robsim._base.files import packed_arrays, write_whole
-from robsim._base.text import cut, listed, one_line, quoted
-from robsim.trace._columns import check_group_name
-from robsim.trace._run_info import RunInfo
+from robsim.base.checks import Floats
+from robsim.base.files import packed_arrays, write_whole
+from robsim.base.text import cut, listed, one_line, quoted
+from robsim.trace.columns import check_group_name
+from robsim.trace.run_info import RunInfo
 
 FORMAT = "robsim trace 1"
 _INFO = "info"

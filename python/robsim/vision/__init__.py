@@ -1,52 +1,12 @@
-"""Vision: colour classes and their files, blobs, the pose from two markers, colour scores."""
+"""Images and what is seen in them: frames, noise, calibrations, colours, blobs, poses, robots."""
 
-from robsim._base.public import present as _present
-from robsim._core import (
-    Blob,
-    ColorClass,
-    Detection,
-    MarkerLayout,
-    Measurement,
-    MissedDetections,
-    classify,
-    color_histograms,
-    detect,
-    find_blobs,
-    locate,
-    rgb_to_yuv,
-    surrounding_chroma,
-)
-from robsim.vision._color_files import colors_to_toml, load_colors, save_colors
-from robsim.vision._color_masks import paint_classes
-from robsim.vision._color_score import ColorScore, score_color
-from robsim.vision._small_markers import SmallMarkersWarning
-from robsim.vision._trained_color import TrainedColor
-from robsim.vision._training import train_color, train_markers
+from typing import TYPE_CHECKING as _TYPE_CHECKING
 
-__all__ = [
-    "Blob",
-    "ColorClass",
-    "ColorScore",
-    "Detection",
-    "MarkerLayout",
-    "Measurement",
-    "MissedDetections",
-    "SmallMarkersWarning",
-    "TrainedColor",
-    "classify",
-    "color_histograms",
-    "colors_to_toml",
-    "detect",
-    "find_blobs",
-    "load_colors",
-    "locate",
-    "paint_classes",
-    "rgb_to_yuv",
-    "save_colors",
-    "score_color",
-    "surrounding_chroma",
-    "train_color",
-    "train_markers",
-]
+from robsim.base.late import late_names as _late_names
 
-_present(globals())
+if _TYPE_CHECKING:
+    from robsim.vision.imaging import *
+    from robsim.vision.markers import *
+    from robsim.vision.robots import *
+
+__getattr__, __dir__ = _late_names(__name__, ("imaging", "markers", "robots"))

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import Floats
 from robsim._core import Frame
-from robsim.robots import RobotDefinition
+from robsim.base.checks import Floats
+from robsim.vision import RobotDefinition
 
 _ID = 0
 _MODULES = 8  # of the black square's side; a white one around it on each side

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
-from robsim.plotting import _style as style
+from robsim.plotting import style as style
 
 if TYPE_CHECKING:
     from bench_accuracy.result import AccuracyCase, AccuracyResult

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._base.checks import Floats
-from robsim._base.report import Column, Report, Row, Table
-from robsim._base.report.numbers import plain
-from robsim.evaluation import nees, wrapped_error
-from robsim.trace._tracking import FALSE_POSE_LIMITS
+from robsim.base.checks import Floats
+from robsim.base.report import Column, Report, Row, Table
+from robsim.base.report.numbers import plain
+from robsim.estimation import nees, wrapped_error
+from robsim.trace.tracking import FALSE_POSE_LIMITS
 
 #: What is compared, by its name in programs.
 METHODS = {

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from robsim._core import MarkerLayout
-from robsim.capture import Camera
-from robsim.simulation._scenario import Scenario
+from robsim.lab import Camera
+from robsim.simulation.scenario import Scenario
 from robsim.vision import find_blobs, load_colors, locate
 
 FIRST = 10  # frames until all is in the memory

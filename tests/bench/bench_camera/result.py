@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from robsim._base.report import Column, Quantity, Report, Row, Table, percent
+from robsim.base.report import Column, Quantity, Report, Row, Table, percent
 
 RATE = 30  # frames/s
 LIVE_REMARKS = (

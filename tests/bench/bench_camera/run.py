@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from bench_camera.result import CameraBench, Path
-from robsim._base.checks import check_int
 from robsim._core import Frame, Measurement, cpu_path, find_blobs, locate, to_rgb
+from robsim.base.checks import check_int
 from robsim.cli.simulated.bench_table import Call, check_same_blobs, opencv_finder, timed
-from robsim.imaging._images import Pixels
-from robsim.imaging._noise import GaussianNoise
-from robsim.imaging._opencv import load_opencv
-from robsim.simulation._simulation import Simulation
+from robsim.simulation.simulation import Simulation
+from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging.noise import GaussianNoise
+from robsim.vision.imaging.opencv import load_opencv
 from sent_pixels import from_rgb
 
 SIZES = ((1280, 960), (640, 480))

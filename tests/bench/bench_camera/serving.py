@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from doubles import GigeServer, VirtualBus, VirtualCamera
-from robsim.capture import CaptureError
-from robsim.imaging._noise import GaussianNoise
-from robsim.live._lab import SimulatedLab
-from robsim.simulation._scenario import Scenario
+from robsim.lab import CaptureError
+from robsim.lab.rehearsal.lab import SimulatedLab
+from robsim.simulation.scenario import Scenario
+from robsim.vision.imaging.noise import GaussianNoise
 
 SIZE = (1280, 960)
 FPS = 30.0  # of which a FireWire camera of this size sends each other one

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 from robsim._core import DriveAround
 from robsim.campaigns._metrics import METRICS
-from robsim.imaging import GaussianNoise
 from robsim.simulation import Scenario, Simulation
 from robsim.trace import Trace
+from robsim.vision import GaussianNoise
 
 STEPS = 100
 _CHUNKS = 20  # of a pool, for each process

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 from bench_campaign.loops import KINDS, STEPS
 from robsim.campaigns import campaign
-from robsim.campaigns._engines.chunks import SECONDS
-from robsim.campaigns._runs import Job, Row
+from robsim.campaigns.engines.chunks import SECONDS
+from robsim.campaigns.runs import Job, Row
 
 _LARGE = 100  # runs of a chunk
 _MANY = 200  # workers

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from bench_campaign.scaling import Scaling
-from robsim._base.report import Column, Quantity, Report, Row, Table
+from robsim.base.report import Column, Quantity, Report, Row, Table
 
 
 @dataclass(frozen=True, kw_only=True)

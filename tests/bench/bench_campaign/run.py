@@ -23,7 +23,7 @@ from bench_campaign.loops import (
 from bench_campaign.parent import parent_cost
 from bench_campaign.result import CampaignBench
 from bench_campaign.scaling import scaling_of
-from robsim._base.checks import check_float, check_int
+from robsim.base.checks import check_float, check_int
 from robsim.campaigns import campaign
 
 _PROCESSES = 2

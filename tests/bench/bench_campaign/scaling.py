@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from bench_campaign.dask_tasks import TaskCost
 from bench_campaign.many_workers import EACH, Throughput, simulated
 from bench_campaign.parent import ParentCost
-from robsim._base.report import Column, Quantity, Row, Table, percent
-from robsim._base.report.numbers import Format
-from robsim.campaigns._engines.chunks import size_for
-from robsim.campaigns._engines.executors import seconds_of_chunk
+from robsim.base.report import Column, Quantity, Row, Table, percent
+from robsim.base.report.numbers import Format
+from robsim.campaigns.engines.chunks import size_for
+from robsim.campaigns.engines.executors import seconds_of_chunk
 
 _WORKERS = (1, 10, 100, 1000)
 _MOST = max(_WORKERS)

@@ -7,15 +7,15 @@ import time
 from dataclasses import dataclass
 
 from bench_grading.result import GradingBench
-from robsim._base.checks import check_float, check_int
 from robsim._core import DriveAround
-from robsim.grading._graded_run import all_here, asking, graded_run, started
-from robsim.grading._isolation import Isolation, Limits
-from robsim.grading._seeds import RunSeeds
-from robsim.grading._submissions import Rules, SubmissionFiles
-from robsim.grading._tasks.task import Task
-from robsim.imaging._noise import GaussianNoise
+from robsim.base.checks import check_float, check_int
 from robsim.simulation import Scenario, Simulation
+from robsim.teach.grading.graded_run import all_here, asking, graded_run, started
+from robsim.teach.grading.seeds import RunSeeds
+from robsim.teach.grading.tasks.task import Task
+from robsim.teach.isolation import Isolation, Limits
+from robsim.teach.submissions import Rules, SubmissionFiles
+from robsim.vision.imaging.noise import GaussianNoise
 
 _WARM_UP = 20  # steps
 _PATIENT = Limits(call=60, first_call=60, run=1e6, cpu=1e6)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from robsim._core import reduced
 from robsim.gui._frames import jpeg
-from robsim.gui._panel.run.pictures import Shot
-from robsim.imaging._images import Pixels
+from robsim.gui.panels.run.pictures import Shot
+from robsim.vision.imaging.images import Pixels
 
 BITS = 16
 _CELL = 0.02  # of the picture's width

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robsim._base.report import Column, Quantity, Report, Row, Table
+from robsim.base.report import Column, Quantity, Report, Row, Table
 
 
 @dataclass(frozen=True, kw_only=True)

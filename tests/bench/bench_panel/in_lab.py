@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _SHOW = f"""import sys
 sys.path.insert(0, {str(Path(__file__).parents[1])!r})
 from bench_panel.scene import measured_view
-from robsim.gui._hosts.notebook import NotebookLink
+from robsim.gui.hosts.notebook import NotebookLink
 view, steps = measured_view()
 NotebookLink(view).display(view.snapshot)"""
 _TELL = """import json

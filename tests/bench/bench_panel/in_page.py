@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from bench_panel.browser import new_context, watch
 from bench_panel.figures import Painted, painted
 from bench_panel.scene import measured_view
-from robsim.gui._hosts.page import Page
+from robsim.gui.hosts.page import Page
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

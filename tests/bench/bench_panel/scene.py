@@ -6,8 +6,8 @@ import time
 
 from bench_panel.barcode import stamped_picture
 from robsim._core import DriveAround, Step
-from robsim.gui._panel.run.settings.estimator import default_estimator
-from robsim.gui._panel.view import PanelView
+from robsim.gui.panels.settings.estimator import default_estimator
+from robsim.gui.panels.view import PanelView
 from robsim.simulation import Simulation
 
 _SPEED = 6.0  # times dt = 0.2 s: 30 steps/s

@@ -25,7 +25,7 @@ from gige_cameras import (
     wait_for_camera,
 )
 from needs import needs_extension, needs_program
-from robsim.capture import (
+from robsim.lab import (
     CameraBusyError,
     CameraFeatures,
     CaptureError,
@@ -182,7 +182,7 @@ def test_it_is_found_by_its_serial_number_and_keeps_the_rate_of_its_world(server
             frames += driven(server, camera, 5)
     with pytest.raises(NoCameraError, match=f"{server.serial} at {ADDRESS}"):
         robsim.Camera("gige://no-such-camera.invalid")
-    report = robsim.capture.find_cameras(network=True)
+    report = robsim.lab.find_cameras(network=True)
     assert any(server.serial in line and f'robsim.Camera("{URL}")' in line for line in report.found)
 
 

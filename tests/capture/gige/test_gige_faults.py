@@ -17,11 +17,7 @@ from gige_cameras import (
     ticks_of,
     wait_for_camera,
 )
-from robsim.capture import (
-    FrameTimeoutError,
-    UnpluggedError,
-)
-from robsim.live import CameraFaults
+from robsim.lab import CameraFaults, FrameTimeoutError, UnpluggedError
 from waiting import wait_for
 
 SERVING = """
@@ -42,7 +38,7 @@ OPEN_AT_THE_END = """
 import robsim
 from doubles import GigeServer
 from gige_cameras import SCENARIO, opened
-lab = robsim.live.SimulatedLab(SCENARIO, fps=100)
+lab = robsim.lab.SimulatedLab(SCENARIO, fps=100)
 server = GigeServer(lab)
 camera = opened()
 """

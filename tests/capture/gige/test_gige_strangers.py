@@ -9,7 +9,7 @@ import pytest
 
 from gige_between import DISCOVERY, LEADER, READ_MEMORY, URL, between
 from gige_cameras import opened, served
-from robsim.capture import CaptureError
+from robsim.lab import CaptureError
 
 VENDOR = 0x48  # register
 NO_UTF8 = b"\xff\xe9" * 32

@@ -6,7 +6,8 @@ from contextlib import contextmanager
 import pytest
 
 import graded
-from robsim.grading import Limits, _isolation
+from robsim.teach import Limits
+from robsim.teach import isolation as _isolation
 
 MINUTES = 300.0  # s: nothing here waits for so long, on a busy machine neither
 

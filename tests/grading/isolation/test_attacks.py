@@ -11,7 +11,7 @@ import pytest
 import graded
 import robsim
 from graded import layer
-from robsim.grading import IsolationError, check_isolation
+from robsim.teach import IsolationError, check_isolation
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="layers are for Linux")
 
@@ -132,7 +132,7 @@ os.mkdir("d"); os.rename("mine.npy", "d/mine.npy"); os.remove("d/mine.npy"); os.
 resource.getrlimit(resource.RLIMIT_AS); os.cpu_count(); os.sched_getaffinity(0); time.sleep(0.01)
 import fractions, decimal, statistics, html.parser, concurrent.futures
 with concurrent.futures.ThreadPoolExecutor(2) as pool: assert sum(pool.map(abs, [-1, 2])) == 3
-import robsim.reference, scipy.linalg, pandas, matplotlib.pyplot as plt
+import robsim.estimation.reference, scipy.linalg, pandas, matplotlib.pyplot as plt
 plt.plot([1, 2]); plt.savefig("a.png"); pandas.DataFrame({"a": [1]}).describe()
 open(os.devnull, "w").write("x")
 np.random.default_rng().random()
@@ -186,12 +186,12 @@ def test_files_are_closed(tried, without, tmp_path):
 
 def test_what_is_hidden_cannot_be_read(tried):
     package = Path(robsim.__file__).parent
-    folder, file = package / "reference", package / "evaluation" / "_errors.py"
+    folder, file = package / "estimation/reference", package / "estimation/evaluation/errors.py"
     source = "\n".join(
         attempt(f"open({str(path)!r}, 'rb').read(1)")
         for path in (folder / "__init__.py", file, package / "control" / "__init__.py")
     )
-    layers, output = tried(source + "import robsim.doctor", hidden=[str(folder), str(file)])
+    layers, output = tried(source + "import robsim.teach.doctor", hidden=[str(folder), str(file)])
     if not layers.holds(FILES):
         pytest.skip(layers[FILES].text)
     hidden, also, beside = output.splitlines()[:3]

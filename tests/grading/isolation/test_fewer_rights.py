@@ -19,7 +19,7 @@ CONTAINER = (0, 1, 3, 4, 5, 6, 7, 8, 10, 13, 18, 27, 29, 31)
 
 CHECK = """
 import struct, sys
-from robsim.grading._isolation._layers import calls
+from robsim.teach.isolation._layers import calls
 keep = set(map(int, sys.argv[1:]))
 for number in range(41):
     if number not in keep:
@@ -28,7 +28,7 @@ mask = sum(1 << number for number in keep)
 words = (mask & 0xFFFFFFFF, mask & 0xFFFFFFFF, 0, mask >> 32, mask >> 32, 0)
 calls._libc.capset(struct.pack("<Ii", 0x20080522, 0), struct.pack("<6I", *words))
 assert not calls.has_capability(21)
-from robsim.grading import check_isolation
+from robsim.teach import check_isolation
 import json
 report = check_isolation()
 print(json.dumps([report.layers, report.attempts, report.closed]))

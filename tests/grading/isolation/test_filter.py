@@ -9,7 +9,7 @@ import pytest
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="filters are for Linux")
 
 if sys.platform == "linux":
-    from robsim.grading._isolation._layers.seccomp import DENIED, PROCESSORS, program_for
+    from robsim.teach.isolation._layers.seccomp import DENIED, PROCESSORS, program_for
 
 HEADERS = {
     "x86_64": ["/usr/include/x86_64-linux-gnu/asm/unistd_64.h", "/usr/include/asm/unistd_64.h"],

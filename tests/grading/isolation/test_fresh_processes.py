@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from robsim.grading import IsolationError, check_isolation
+from robsim.teach import IsolationError, check_isolation
 
 pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="not on Windows"),
@@ -15,7 +15,7 @@ pytestmark = [
 
 @pytest.fixture(autouse=True)
 def _no_zygote(monkeypatch):
-    monkeypatch.setattr("robsim.grading._isolation._start.HAS_ZYGOTE", False)
+    monkeypatch.setattr("robsim.teach.isolation.start.HAS_ZYGOTE", False)
     yield
     for thread in threading.enumerate():
         if thread.name == "robsim keeper":

@@ -17,7 +17,7 @@ import graded
 from graded import assert_same_trace
 from red_team import HONEST
 from red_team.ground import SCENARIO, ground, more_left
-from robsim.grading import GradingError
+from robsim.teach import GradingError
 from sizes import thorough
 from waiting import wait_for
 
@@ -92,7 +92,7 @@ def test_a_killed_worker_is_said_and_a_killed_zygote_takes_its_workers_along(wor
 
 
 def test_a_zygote_that_hangs_is_killed_and_replaced(worker, ended, monkeypatch):
-    monkeypatch.setattr("robsim.grading._isolation._process._END", 0.2)
+    monkeypatch.setattr("robsim.teach.isolation._process._END", 0.2)
     with worker(WAITS) as (started, channel):
         channel.recv(1)
         for zygote in zygotes():

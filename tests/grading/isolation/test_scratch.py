@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from robsim.grading._isolation._processes import scratch, written
+from robsim.teach.isolation._processes import scratch, written
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="workers run on Unix")
 

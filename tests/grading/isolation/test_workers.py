@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from robsim.grading import Limits
+from robsim.teach import Limits
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
 

@@ -8,7 +8,7 @@ import pytest
 from graded import zygotes
 from red_team import ATTACKS, HONEST, LAYERS
 from red_team.ground import SCENARIO, STEPS_AFTER, check_after, check_outcome, ground
-from robsim.grading import check_isolation
+from robsim.teach import check_isolation
 from sizes import thorough
 
 pytestmark = [

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 
 from fuzzing import LONGEST_MESSAGE, SEEDS, fuzzed
-from robsim.grading import SubmissionError
+from robsim.teach import SubmissionError
 from submissions import BOTH, PLAIN, SubmissionFiles, read_submission
 
 pytestmark = [pytest.mark.fuzz, pytest.mark.filterwarnings("ignore:Duplicate name")]

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from robsim.grading._submissions import folder as reader
+from robsim.teach.submissions import folder as reader
 from submissions import CONTROL, PLAIN, Rules, packed, read_submission, refused, write
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs links, pipes and sockets")

@@ -4,7 +4,7 @@ import pytest
 
 import robsim
 from graded import PATIENT
-from robsim.grading import Submission, SubmissionError
+from robsim.teach import Submission, SubmissionError
 from submissions import notebook, packed, write
 
 pytestmark = pytest.mark.long
@@ -75,7 +75,9 @@ def test_data_files_are_there(tmp_path):
 
 
 def test_what_is_masked_is_told_in_a_worker(tmp_path):
-    source = "import robsim\n\n\ndef control(step):\n    return robsim.reference.nothing\n"
-    error = failure(write(tmp_path / "s001", control=source), masked=["robsim.reference"])
+    body = "    return robsim.estimation.reference.nothing\n"
+    source = f"import robsim\n\n\ndef control(step):\n{body}"
+    hidden = "robsim.estimation.reference"
+    error = failure(write(tmp_path / "s001", control=source), masked=[hidden])
     assert (error.step, error.file, error.line) == (0, "control.py", 5)
-    assert "robsim.reference is not there" in str(error)
+    assert "robsim.estimation.reference is not there" in str(error)

@@ -8,8 +8,8 @@ import traceback
 import pytest
 
 import robsim
-import robsim.reference
-from robsim.grading import SubmissionError
+import robsim.estimation.reference
+from robsim.teach import SubmissionError
 from submissions import (
     BOTH,
     CONTROL,
@@ -34,7 +34,7 @@ def traceless():
     assert sys.path == path
     assert [name for name in sys.modules if name.startswith("robsim_callbacks")] == []
     assert [n for n, module in modules.items() if sys.modules.get(n) is not module] == []
-    assert robsim.reference is sys.modules["robsim.reference"]
+    assert robsim.estimation.reference is sys.modules["robsim.estimation.reference"]
 
 
 def failure(path, rules=CONTROL):
@@ -136,31 +136,31 @@ def test_what_fails_at_the_start_is_told_with_its_line(tmp_path):
     assert failure(tmp_path / "mine.py").whose == "submission"
 
 
-MASKED = Rules(slots=("control",), masked=("robsim.reference", "fractions"))
+MASKED = Rules(slots=("control",), masked=("robsim.estimation.reference", "fractions"))
 
 
 def test_what_is_masked_cannot_be_had(tmp_path):
     for line in (
-        "import robsim.reference",
-        "import robsim.reference as r",
-        "from robsim import reference",
-        "from robsim.reference import ExtendedKalmanFilter",
-        "import robsim.reference._kalman",
-        "from robsim.reference import _kalman",
-        "import robsim\nrobsim.reference",
-        "import importlib\nimportlib.import_module('robsim.reference')",
-        "import importlib\nimportlib.import_module('robsim.reference._kalman')",
-        "__import__('robsim.reference')",
+        "import robsim.estimation.reference",
+        "import robsim.estimation.reference as r",
+        "from robsim.estimation import reference",
+        "from robsim.estimation.reference import ExtendedKalmanFilter",
+        "import robsim.estimation.reference._kalman",
+        "from robsim.estimation.reference import _kalman",
+        "import robsim\nrobsim.estimation.reference",
+        "import importlib\nimportlib.import_module('robsim.estimation.reference')",
+        "import importlib\nimportlib.import_module('robsim.estimation.reference._kalman')",
+        "__import__('robsim.estimation.reference')",
     ):
         error = failure(write(tmp_path / "s001", control=f"{line}\n{PLAIN}"), MASKED)
-        assert "ImportError: robsim.reference is not there" in str(error)
+        assert "ImportError: robsim.estimation.reference is not there" in str(error)
         assert error.line == 1 + line.count("\n")
         late = f"def control(step):\n    {line.replace(chr(10), chr(10) + '    ')}\n"
         files = sent(write(tmp_path / "s002", control=late), MASKED)
-        masked = pytest.raises(ImportError, match=r"robsim\.reference is not there")
+        masked = pytest.raises(ImportError, match=r"robsim\.estimation\.reference is not there")
         with loaded_slots(files, MASKED) as callbacks, masked:
             callbacks["control"](None)
-        assert importlib.import_module("robsim.reference") is robsim.reference
+        assert importlib.import_module("robsim.estimation.reference") is robsim.estimation.reference
 
 
 def test_a_masked_function_cannot_be_had(tmp_path):

@@ -38,13 +38,13 @@ def odd(image):
 @contextmanager
 def simulated_lab(rng):
     scenario = robsim.Scenario(area=(600, 600), resolution=(160, 160), seed=rng.randrange(1000))
-    faults = robsim.live.CameraFaults()
+    faults = robsim.lab.CameraFaults()
     if rng.random() < 0.4:
-        faults = robsim.live.CameraFaults(
+        faults = robsim.lab.CameraFaults(
             late=0.1, late_by=0.05, dropped=0.1, repeated=0.1, torn=0.1, drift=0.2
         )
     with (
-        robsim.live.SimulatedLab(scenario, fps=FPS, faults=faults) as lab,
+        robsim.lab.SimulatedLab(scenario, fps=FPS, faults=faults) as lab,
         robsim.Camera(lab, **PATIENCE) as camera,
     ):
         yield Shown(camera, stall=lambda: lab.stall(LONG), unplug=lab.unplug)

@@ -19,7 +19,7 @@ import numpy as np
 import gige_cameras
 import robsim
 from interpreter import keep_interpreter
-from robsim.sessions import Session
+from robsim.trace import Session
 from waiting import wait_for
 
 from . import cameras, robots, wired

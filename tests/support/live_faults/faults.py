@@ -11,8 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from interpreter import keep_interpreter
-from robsim.capture import CaptureError
-from robsim.motors import LineError
+from robsim.lab import CaptureError, LineError
 from waiting import wait_for
 
 from . import cameras, robots, wired

@@ -7,7 +7,7 @@ import threading
 import tty
 
 import motor_lines
-from robsim.motors import MotorReceiver, SerialMotors, UdpMotors
+from robsim.lab import MotorReceiver, SerialMotors, UdpMotors
 
 TTL = 0.15  # s, of native links
 NATIVE = ("udp", "serial")

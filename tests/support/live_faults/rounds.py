@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 import robsim
-from robsim.motors import LineError
-from robsim.sessions import Session
+from robsim.lab import LineError
+from robsim.trace import Session
 from waiting import wait_for
 
 from . import cameras, faults, robots
@@ -142,7 +142,7 @@ class Round(Checked):
             self.experiment = robsim.Experiment(
                 self.camera.frames, send=self.motors, frame_timeout=self.frame_timeout,
                 area=(300, 300) if self.camera_kind == "generator" else None,
-                robot="lab", limits=robsim.motors.Limits(voltage=5), record=folder,
+                robot="lab", limits=robsim.lab.Limits(voltage=5), record=folder,
                 time_limit=min((f.time_limit for f in self.faults if f.time_limit), default=None),
                 measure=self.measure, estimate_state=self.estimate_state, control=self.control,
             )  # fmt: skip

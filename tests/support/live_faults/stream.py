@@ -23,7 +23,7 @@ def main():
     parser.add_argument("--frames", type=int, default=100_000)
     frames = parser.parse_args().frames
     image = np.random.default_rng(0).integers(0, 256, (120, 160, 3), np.uint8)
-    motors = robsim.motors.RecordedMotors()
+    motors = robsim.lab.RecordedMotors()
     motors._keep = lambda u1, u2: 0.0  # it would grow
     with (
         robsim.Camera(EndlessCamera(image), area=(160, 120)) as camera,

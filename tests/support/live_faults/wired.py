@@ -7,7 +7,7 @@ import gige_cameras
 import robsim
 from doubles import GigeServer, VirtualBus, with_bus_library
 from needs import needs_extension
-from robsim.live import SimulatedLab
+from robsim.lab import SimulatedLab
 from waiting import wait_for
 
 CAN = {
@@ -86,9 +86,9 @@ def on_gige(lab):
 def served(kind, rng):
     """Show a lab, in half of the cases one whose camera drops, repeats and tears frames."""
     scenario = robsim.Scenario(area=(600, 450), resolution=SIZE, seed=rng.randrange(1000))
-    faults = robsim.live.CameraFaults()
+    faults = robsim.lab.CameraFaults()
     if rng.random() < 0.5:
-        faults = robsim.live.CameraFaults(dropped=0.1, repeated=0.1, torn=0.1)
+        faults = robsim.lab.CameraFaults(dropped=0.1, repeated=0.1, torn=0.1)
     turn, show = (gige_cameras.alone(), on_gige) if kind == "gige" else (nullcontext(), on_firewire)
     with turn, SimulatedLab(scenario, fps=FPS[kind], faults=faults) as lab, show(lab) as made:
         made.area = lab.area

@@ -7,7 +7,7 @@ that are made for them. Not covered by any attack here, nor by the grader:
 - with the process alone (macOS; Linux without its layers): what reads or changes files, connects,
   starts processes, or signals others of the same user;
 - masked modules that robsim itself needs in a worker (evaluation, vision, ...), and masked names:
-  code that searches memory finds them; robsim.reference is not among them;
+  code that searches memory finds them; robsim.estimation.reference is not among them;
 - samples of the truth, where an assignment lets a submission identify parameters from the truth:
   they go to submissions that fill the parameter estimator, and no other stage;
 - public seeds: who knows the seed knows the noise; a copy of somebody else's solution.

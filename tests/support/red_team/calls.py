@@ -7,7 +7,7 @@ from red_team.attack import ITS_OWN, Attack, kind
 # The bodies of results are changed on their way: a number of arrays; kind, axes and shape of each;
 # their bytes.
 _CHANGES = """
-from robsim.grading._wire import Channel, Kind
+from robsim.teach.grading._wire import Channel, Kind
 send = Channel.send
 def changed(self, kind, *parts, **options):
     if kind == Kind.RESULT:

@@ -19,7 +19,7 @@ import robsim
 from graded import assert_same_trace, zygotes
 from red_team.attack import HONEST, ITS_OWN, PATIENT, PROCESS, SHORT, Attack, file_of
 from red_team.calls import CALLS, HONEST_FIT
-from robsim.grading import Key, Limits, Submission, SubmissionError
+from robsim.teach import Key, Limits, Submission, SubmissionError
 from robsim.trace import Trace
 from waiting import wait_for
 
@@ -89,7 +89,7 @@ class Ground:
         limits = SHORT if "took longer" in attack.says else PATIENT
         settings = {
             "slots": "estimate_state",
-            "masked": ["robsim.reference"],
+            "masked": ["robsim.estimation.reference"],
             "frames": True,
             "limits": Limits(output=1 << 14, **limits | attack.limits),
             "key": KEY,

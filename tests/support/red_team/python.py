@@ -8,9 +8,9 @@ _READS = "the file of a module can be read where files are not closed"
 
 
 def _masked(lines: str) -> str:
-    """What is masked is robsim.reference; whoever has its filter says so."""
+    """What is masked is robsim.estimation.reference; whoever has its filter says so."""
     get = f"def get():\n{textwrap.indent(lines, '    ')}\n"
-    return get + in_step_2('tries("robsim.reference", get)')
+    return get + in_step_2('tries("robsim.estimation.reference", get)')
 
 
 def _returned(lines: str) -> str:
@@ -28,7 +28,7 @@ masked, returned = kind(_masked), kind(_returned)
 
 PYTHON = [
     attack("patched metrics", "lets all measures of robsim say 0, and the trace its own pose")("""
-import robsim.evaluation, robsim.trace
+import robsim.estimation, robsim.trace
 for module in [m for n, m in sys.modules.items() if n.startswith("robsim")]:
     for name, value in list(vars(module).items()):
         if "rms" in name or "error" in name.lower() and callable(value):
@@ -50,7 +50,7 @@ cheat = honest
         "patched checks", "lets the checks of its own half pass all, and gives NaN", says="finite"
     )("""
 for name, module in list(sys.modules.items()):
-    if name.startswith("robsim._base.checks") or name.endswith("callbacks.checks"):
+    if name.startswith("robsim.base.checks") or name.endswith("callbacks.checks"):
         for each in list(vars(module)):
             if each.startswith("check"): setattr(module, each, lambda *a, **k: a and a[-1])
 def cheat(step):
@@ -149,11 +149,11 @@ robsim.Estimate(Pair((1.0, 2.0, 3.0)), np.eye(3))
     ),
     masked("a masked module by importlib", "imports it by the machinery below import")("""
 import importlib
-return importlib.import_module('robsim.reference').ExtendedKalmanFilter
+return importlib.import_module('robsim.estimation.reference').ExtendedKalmanFilter
 """),
     masked("a masked module by its loader", "makes its spec from its file", why=_READS)("""
 import importlib.util as u
-path = os.path.join(os.path.dirname(robsim.__file__), 'reference', '__init__.py')
+path = os.path.join(os.path.dirname(robsim.__file__), 'estimation/reference', '__init__.py')
 spec = u.spec_from_file_location('mine', path)
 module = u.module_from_spec(spec)
 spec.loader.exec_module(module)
@@ -165,7 +165,7 @@ return module.ExtendedKalmanFilter
         why=_READS,
     )("""
 import glob
-base = os.path.join(os.path.dirname(robsim.__file__), 'reference')
+base = os.path.join(os.path.dirname(robsim.__file__), 'estimation/reference')
 names = glob.glob(base + '/**/*.py*', recursive=True) or [base + '/__init__.py']
 return [open(name, 'rb').read() for name in names]
 """),
@@ -176,7 +176,7 @@ return [open(name, 'rb').read() for name in names]
     )("""
 sys.meta_path[:] = [f for f in sys.meta_path if 'Masked' not in repr(f)]
 import builtins
-return builtins.__import__('robsim.reference').reference.ExtendedKalmanFilter
+return builtins.__import__('robsim.estimation.reference').estimation.reference.ExtendedKalmanFilter
 """),
     masked("a masked module in memory", "looks for it in sys.modules and among all objects")("""
 seen, found = set(), gc.get_objects() + [sys.modules]
@@ -190,7 +190,7 @@ raise LookupError
 """),
     masked("a masked module by pickle", "lets pickle import it")("""
 import pickle
-return pickle.loads(b'crobsim.reference\\nExtendedKalmanFilter\\n.')
+return pickle.loads(b'crobsim.estimation.reference\\nExtendedKalmanFilter\\n.')
 """),
     attack(
         "control characters in an exception",
@@ -240,7 +240,7 @@ def cheat(step):
         "raises the error that says that the assignment is broken",
         says=r"line \d+: AssignmentError: the key cannot be read",
     )("""
-from robsim.grading import AssignmentError
+from robsim.teach import AssignmentError
 def cheat(step): raise AssignmentError("the key cannot be read: tell your teacher")
 """),
     Attack(

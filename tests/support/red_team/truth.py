@@ -165,11 +165,11 @@ def cheat(step):
                     reached(f"the seed of the noise, {seed}")
                     return
 def stream(seed):
-    from robsim._base.seeds import seed_sequence, stream_number
+    from robsim.base.seeds import seed_sequence, stream_number
     return stream_number(seed_sequence(seed), "noise")
 """),
     attack("the seed of the robot half", "makes the world from the seed that its half is given")("""
-from robsim.grading._robot_half import Setup
+from robsim.teach.grading.robot_half import Setup
 def setup(start):
     seen, found = set(), gc.get_objects()
     while found:

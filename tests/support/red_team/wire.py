@@ -7,8 +7,8 @@ from red_team.attack import ITS_OWN, SHORT, attack, in_step_2, kind
 # Where the numbers of an answer lie: see step_message.cpp. The pose, the covariance and the input
 # are the last 14 numbers. The bodies are changed on their way.
 _CHANGES = """
-from robsim.grading import _robot_half
-from robsim.grading._wire import Channel, Kind
+from robsim.teach.grading import robot_half as _robot_half
+from robsim.teach.grading._wire import Channel, Kind
 exchange = Channel.exchange
 answers = []
 def changed(self, kind, *parts, **options):
@@ -23,7 +23,7 @@ cheat = honest
 
 
 _READY = """
-from robsim.grading._wire import Ready
+from robsim.teach.grading._wire import Ready
 plain = Ready.to_bytes
 def to_bytes(self, slots):
     body = bytearray(plain(self, slots))

@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from robsim.tasks import Estimate, Measure, TaskCalibration, calibrate
-from robsim.tasks._marks import files
+from robsim.teach import Estimate, Measure, TaskCalibration, calibrate
+from robsim.teach.tasks.marks import files
 
 TASK = Estimate(steps=20, runs=2)
 CHOSEN = ("reference", "larger_r", "naive", "no_q")
@@ -27,8 +27,8 @@ def keep(tmp_path_factory):
 @pytest.fixture(scope="module", autouse=True)
 def few_tests():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("robsim.tasks._marks.calibrate.PILOT_TESTS", 10)
-        patch.setattr("robsim.tasks._marks.calibrate.WRONG_TESTS", 12)
+        patch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 10)
+        patch.setattr("robsim.teach.tasks.marks.calibrate.WRONG_TESTS", 12)
         yield
 
 
@@ -81,7 +81,7 @@ def test_the_same_call_goes_on_with_the_runs_that_are_kept(calibration, keep, mo
     def refuse(*_):
         raise AssertionError("a run was done again")
 
-    monkeypatch.setattr("robsim.campaigns._runs.CaseRuns.row", refuse)
+    monkeypatch.setattr("robsim.campaigns.runs.CaseRuns.row", refuse)
     assert calibrated(keep) == calibration
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest
 
-from robsim.tasks import Estimate, Limit, Measure
-from robsim.tasks._marks import sets
-from robsim.tasks._marks.limits import limits_from
+from robsim.teach import Estimate, Limit, Measure
+from robsim.teach.tasks.marks import sets
+from robsim.teach.tasks.marks.limits import limits_from
 
 PILOT = 60
 

@@ -3,7 +3,7 @@
 import pytest
 
 from grading_promises import calibration, files, promises, tolerance
-from robsim.tasks import task
+from robsim.teach import task
 from sizes import thorough
 
 NAMES = sorted(files.shipped_calibrations())

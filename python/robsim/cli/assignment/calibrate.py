@@ -12,7 +12,7 @@ from robsim.cli.option import number_option
 from robsim.cli.shared import Jobs, engine_of
 
 if TYPE_CHECKING:
-    from robsim.tasks import TaskCalibration
+    from robsim.teach.tasks.marks.calibration import TaskCalibration
 
 EXAMPLE = "Example: robsim assignment calibrate hw1 --jobs 2"
 HELP = (
@@ -49,8 +49,12 @@ def calibrate_and_print(
     folder: Path, *, jobs: int, false_fail: float = 0.01, confidence: float = 0.95
 ) -> None:
     """Calibrate, and say beforehand how long it takes, afterwards what came of it."""
-    from robsim.assignments import Assignment, calibrate_assignment
-    from robsim.assignments._calibration import KEPT, seconds_to_calibrate
+    from robsim.teach.assignments.assignment import Assignment
+    from robsim.teach.assignments.calibration import (
+        KEPT,
+        calibrate_assignment,
+        seconds_to_calibrate,
+    )
 
     executor = engine_of(jobs)
     seconds = seconds_to_calibrate(

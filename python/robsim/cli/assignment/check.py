@@ -22,7 +22,7 @@ HELP = (
 
 def check(folder: Folder, jobs: Jobs = 1, as_json: Json = False) -> None:
     """Check an assignment before you rely on it."""
-    from robsim.assignments import check_assignment
+    from robsim.teach.assignments.checking.check import check_assignment
 
     with report_errors():
         report = check_assignment(folder, executor=engine_of(jobs), progress=not as_json)

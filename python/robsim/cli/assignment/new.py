@@ -42,7 +42,7 @@ def new(
     jobs: Jobs = 1,
 ) -> None:
     """Make the folder of a new assignment."""
-    from robsim.assignments import new_assignment
+    from robsim.teach.assignments.making.folder import new_assignment
 
     with report_errors():
         made = new_assignment(template, folder, name=name, seed=seed)

@@ -18,7 +18,7 @@ Folder = Annotated[Path, argument("FOLDER", "The assignment, as robsim assignmen
 @contextmanager
 def report_errors() -> Iterator[None]:
     """Print an error as a sentence, and exit with 2; those of an assignment, too."""
-    from robsim.grading import GradingError
+    from robsim.teach.errors import GradingError
 
     with errors.report_errors():
         try:

@@ -38,7 +38,9 @@ def pack(
     ] = None,
 ) -> None:
     """Pack an assignment: for students, for Gradescope."""
-    from robsim.assignments import Assignment, pack_gradescope, pack_students
+    from robsim.teach.assignments.assignment import Assignment
+    from robsim.teach.assignments.packing.gradescope import pack_gradescope
+    from robsim.teach.assignments.packing.students import pack_students
 
     with report_errors():
         if students is None and gradescope is None:

@@ -32,9 +32,10 @@ def check(
     out: Annotated[Path, option("--out", "FILE", "The picture to write.")] = Path("check.png"),
 ) -> None:
     """Draw the floor's grid on a picture, to see whether a calibration fits."""
-    from robsim.calibration import draw_grid, sheet_shifts
-    from robsim.calibration._shifts import remedy_of_shifts
-    from robsim.imaging import load_calibration, save_image
+    from robsim.lab.calibration.grid import draw_grid
+    from robsim.lab.calibration.shifts import remedy_of_shifts, sheet_shifts
+    from robsim.vision.imaging.calibration_file import load_calibration
+    from robsim.vision.imaging.images import save_image
 
     with errors.report_errors():
         if out.resolve() == picture.resolve():

@@ -7,22 +7,16 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from robsim._base.checks import check_mm_per_px
-from robsim._base.text import quoted
+from robsim.base.checks import check_mm_per_px
+from robsim.base.text import quoted
 from robsim.cli import errors
-from robsim.cli.calibration.options import (
-    Mark,
-    check_out,
-    height_of,
-    pictures_of,
-    report_and_save,
-)
+from robsim.cli.calibration.options import Mark, check_out, height_of, pictures_of, report_and_save
 from robsim.cli.option import argument, number_option, option
 from robsim.cli.shared import Json
 from robsim.cli.text import about, parse_points, parse_size
 
 if TYPE_CHECKING:
-    from robsim.calibration import FloorCalibration
+    from robsim.lab.calibration.floor_report import FloorCalibration
 
 _COLUMNS = "name", "u", "v", "x", "y"
 _LARGEST_FILE = 2**20  # bytes
@@ -111,7 +105,7 @@ def floor(
     as_json: Json = False,
 ) -> None:
     """Calibrate where a camera looks at the floor from."""
-    from robsim.imaging import load_calibration
+    from robsim.vision.imaging.calibration_file import load_calibration
 
     with errors.report_errors():
         file = out or calibration or Path("camera.toml")
@@ -147,8 +141,8 @@ def floor(
 def _calibrated(
     sources: list[Path], marks: Any, mark: float, places: list[str], options: dict[str, Any]
 ) -> FloorCalibration:
-    from robsim.calibration import calibrate_floor, calibrate_floor_by_sheets
-    from robsim.imaging._frames import frame_size
+    from robsim.lab.calibration.floor import calibrate_floor, calibrate_floor_by_sheets
+    from robsim.vision.imaging.frames import frame_size
 
     if marks is None:
         if not sources:
@@ -196,7 +190,7 @@ def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) 
 
 
 def _read_marks(file: Path) -> tuple[list[str], list[list[float]], list[list[float]]]:
-    from robsim._base.files import read_text
+    from robsim.base.files import read_text
 
     rows = list(csv.reader(read_text(file, _LARGEST_FILE).splitlines()))
     rows = [[cell.strip() for cell in row] for row in rows if any(map(str.strip, row))]

@@ -51,8 +51,8 @@ def lens(
     as_json: Json = False,
 ) -> None:
     """Calibrate a lens by pictures of a printed board."""
-    from robsim.calibration import calibrate_lens
     from robsim.cli.calibration.taking import taken_pictures
+    from robsim.lab.calibration.lens import calibrate_lens
 
     with errors.report_errors():
         check_out(out, ".toml")
@@ -75,7 +75,7 @@ def lens(
 
 def _has_floor(file: Path) -> bool:
     """Return whether there is a calibration of a floor in a file, if there is one."""
-    from robsim.imaging import load_calibration
+    from robsim.vision.imaging.calibration_file import load_calibration
 
     try:
         return load_calibration(file).floor is not None

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from robsim._base.text import quoted
+from robsim.base.text import quoted
 from robsim.cli.option import number_option, option
 
 if TYPE_CHECKING:
-    from robsim._base.report import Report
-    from robsim.calibration import Charuco, Chessboard
-    from robsim.imaging import Calibration
+    from robsim.base.report import Report
+    from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
+    from robsim.vision.imaging.calibration import Calibration
 
 _MOST_OF_VIDEO = 40  # pictures; neighbours in a video show the same
 
@@ -47,7 +47,7 @@ Mark = Annotated[
 
 def board_of(board: str | None, square: float | None, *, charuco: bool) -> Chessboard | Charuco:
     """Return the board that --board, --square and --charuco name."""
-    from robsim.calibration import Charuco, Chessboard
+    from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 
     kind = Charuco if charuco else Chessboard
     options: dict[str, Any] = {} if square is None else {"square": square}
@@ -72,8 +72,8 @@ def pictures_of(sources: list[Path], most: int = _MOST_OF_VIDEO) -> Iterator[tup
 
     Of a video, `most` frames at most, evenly spread.
     """
-    from robsim.imaging import Recording, load_image
-    from robsim.imaging._images import image_suffixes
+    from robsim.vision.imaging.images import image_suffixes, load_image
+    from robsim.vision.imaging.recordings import Recording
 
     for source in sources:
         if source.is_file() and source.suffix.lower() in image_suffixes():
@@ -97,7 +97,7 @@ def pictures_of(sources: list[Path], most: int = _MOST_OF_VIDEO) -> Iterator[tup
 def report_and_save(report: Report, calibration: Calibration, out: Path, *, as_json: bool) -> None:
     """Print a report and write its calibration; exit with 1 if it is bad."""
     from robsim.cli import errors
-    from robsim.imaging import save_calibration
+    from robsim.vision.imaging.calibration_file import save_calibration
 
     save_calibration(out, calibration)
     errors.show(report.to_json() if as_json else report)

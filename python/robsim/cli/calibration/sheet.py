@@ -33,10 +33,10 @@ def sheet(
     ] = 80.0,
 ) -> None:
     """Write a sheet to print, as PDF at true scale."""
-    from robsim._base.checks import check_choice, check_int
-    from robsim.calibration import FloorSheet, save_sheet
-    from robsim.calibration._patterns.floor_sheet import MOST_SHEETS
+    from robsim.base.checks import check_choice, check_int
     from robsim.cli.text import about
+    from robsim.lab.calibration.patterns.floor_sheet import MOST_SHEETS, FloorSheet
+    from robsim.lab.calibration.patterns.printing import save_sheet
 
     with errors.report_errors():
         check_out(out, ".pdf")

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from robsim._base.checks import check_int
-from robsim._base.text import listed
-from robsim.calibration import Charuco, Chessboard
-from robsim.calibration._taking import BoardTaker
+from robsim.base.checks import check_int
+from robsim.base.text import listed
 from robsim.cli import errors
 from robsim.cli.text import about
+from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
+from robsim.lab.calibration.taking import BoardTaker
 
 _PATIENCE = 60.0  # s without a new picture
 
@@ -27,9 +27,10 @@ def taken_pictures(
     """
     import time
 
-    from robsim.capture import Camera, EndOfStream
     from robsim.cli.live.sources import _source
-    from robsim.imaging import save_image
+    from robsim.lab.cameras.camera import Camera
+    from robsim.lab.cameras.errors import EndOfStream
+    from robsim.vision.imaging.images import save_image
 
     with about("--count"):
         check_int("count", count, minimum=4, maximum=200)

@@ -16,7 +16,8 @@ from robsim.cli.option import argument, integer_option, option, switch
 from robsim.cli.shared import Jobs, Json, Out
 
 if TYPE_CHECKING:
-    from robsim.assignments import Assignment, ClassResult
+    from robsim.teach.assignments.assignment import Assignment
+    from robsim.teach.assignments.class_result import ClassResult
 
 EXAMPLE = "Example: robsim grade hw3 submissions"
 HELP = (
@@ -160,9 +161,9 @@ def grade(
 
 
 def _assignment(folder: Path | None, isolation: str | None) -> Assignment:
-    from robsim._base.checks import check_choice
-    from robsim.assignments import Assignment
-    from robsim.grading._isolation._request import LEVELS
+    from robsim.base.checks import check_choice
+    from robsim.teach.assignments.assignment import Assignment
+    from robsim.teach.isolation.request import LEVELS
 
     if folder is None:
         raise ValueError(
@@ -178,7 +179,8 @@ def _assignment(folder: Path | None, isolation: str | None) -> Assignment:
 @contextmanager
 def _reported() -> Iterator[None]:
     """Print an error as a sentence, and exit with the status that says whose it is."""
-    from robsim.grading import GradingError, IsolationError, SubmissionError
+    from robsim.teach.errors import GradingError, SubmissionError
+    from robsim.teach.isolation.start import IsolationError
 
     with errors.report_errors():
         try:

@@ -9,14 +9,15 @@ import typer
 from robsim.cli import errors
 
 if TYPE_CHECKING:
-    from robsim.grading import IsolationReport
+    from robsim.teach.isolation.check import IsolationReport
 
 NO_WORKER, NOT_STRICT = 2, 3  # exit statuses
 
 
 def print_isolation(isolation: str, *, as_json: bool) -> None:
     """Print what holds; exit with the status that says whether the level can be had."""
-    from robsim.grading import GraderError, IsolationError
+    from robsim.teach.errors import GraderError
+    from robsim.teach.isolation.start import IsolationError
 
     missing: object = None
     try:
@@ -36,7 +37,7 @@ def print_isolation(isolation: str, *, as_json: bool) -> None:
 
 def checked_isolation(isolation: str) -> IsolationReport:
     """Return what holds at a level, as it was tried out."""
-    from robsim.grading import check_isolation
+    from robsim.teach.isolation.check import check_isolation
 
     with errors.report_errors():
         return check_isolation(isolation=isolation)  # type: ignore[arg-type]

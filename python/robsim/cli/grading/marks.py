@@ -9,34 +9,35 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from robsim._base.checks import check_choice
-from robsim._base.files import write_whole
-from robsim._base.text import one_line
-from robsim.assignments._classes.class_files import ClassTables, write_class_files
-from robsim.assignments._classes.class_run import grade_all
-from robsim.assignments._classes.plan import plan_of
-from robsim.assignments._classes.regrading import regrade
-from robsim.assignments._classes.store import ResultFolder
-from robsim.assignments._classes.submissions import (
+from robsim.base.checks import check_choice
+from robsim.base.files import write_whole
+from robsim.base.text import one_line
+from robsim.cli import errors
+from robsim.cli.pages import show_panel
+from robsim.cli.results import check_file, check_folder
+from robsim.teach.assignments.classes.class_files import ClassTables, write_class_files
+from robsim.teach.assignments.classes.class_run import grade_all
+from robsim.teach.assignments.classes.plan import plan_of
+from robsim.teach.assignments.classes.regrading import regrade
+from robsim.teach.assignments.classes.store import ResultFolder
+from robsim.teach.assignments.classes.submissions import (
     Handed,
     check_is_one,
     one_submission,
     submissions_in,
 )
-from robsim.assignments._grading.seeds import key_for
-from robsim.assignments._points import number
-from robsim.assignments._reports.marks.gradescope import write_gradescope
-from robsim.assignments._reports.marks.tables import COLUMNS
-from robsim.assignments._reports.student_text import student_text
-from robsim.assignments._reports.views import for_student
-from robsim.assignments._reports.writing import CLASS, PAGE
-from robsim.assignments._results import PASSED, SubmissionResult
-from robsim.cli import errors
-from robsim.cli.pages import show_panel
-from robsim.cli.results import check_file, check_folder
+from robsim.teach.assignments.grading.seeds import key_for
+from robsim.teach.assignments.points import number
+from robsim.teach.assignments.results import PASSED, SubmissionResult
+from robsim.teach.reports.marks.gradescope import write_gradescope
+from robsim.teach.reports.marks.tables import COLUMNS
+from robsim.teach.reports.student_text import student_text
+from robsim.teach.reports.views import for_student
+from robsim.teach.reports.writing import CLASS, PAGE
 
 if TYPE_CHECKING:
-    from robsim.assignments import Assignment, ClassResult
+    from robsim.teach.assignments.assignment import Assignment
+    from robsim.teach.assignments.class_result import ClassResult
 
 _MOST_NAMED = 4
 

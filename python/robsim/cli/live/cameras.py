@@ -20,7 +20,7 @@ def cameras(
     as_json: Json = False,
 ) -> None:
     """List the cameras of this computer, what is missing, and why."""
-    from robsim.capture import find_cameras
+    from robsim.lab.cameras.finding import find_cameras
 
     with errors.report_errors():
         report = find_cameras(network=network)

@@ -31,11 +31,11 @@ def check_and_report(
     as_json : bool
         Whether to print JSON.
     **options
-        Those of `robsim.live.check_camera`.
+        Those of `robsim.lab.check_camera`.
     """
     from robsim import plotting
     from robsim.cli.results import save_figure
-    from robsim.live import check_camera
+    from robsim.lab.rehearsal.camera_check import check_camera
 
     errors.print_note(f"looking for {_SECONDS:g} s; the robot must stand, and nothing drives it")
     check = check_camera(camera, motors=motors, seconds=_SECONDS, **options)

@@ -8,15 +8,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from robsim._base.report import Quantity, Report
-from robsim._core import MotorLink, RobotModel
-from robsim.capture import CameraCounts
+from robsim._core import Limits, MotorLink, RobotModel
+from robsim.base.report import Quantity, Report
 from robsim.cli import errors
 from robsim.cli.live.sources import SIMULATED, WatchedCamera
 from robsim.cli.live.status import StatusLine
-from robsim.motors import Limits
+from robsim.lab.cameras.camera import CameraCounts
 from robsim.simulation import Experiment
-from robsim.simulation._folders.callback_folder import CallbackFolder
+from robsim.simulation.folders.callback_folder import CallbackFolder
 
 _PATIENCE = 10.0  # s without a frame, if nothing is driven
 

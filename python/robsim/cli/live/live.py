@@ -144,12 +144,12 @@ def live(
     as_json: shared.Json = False,
 ) -> None:
     """Drive a robot under a real camera."""
+    from robsim._core import Limits
     from robsim.cli.live.checking import check_and_report
     from robsim.cli.live.driving import LiveRun, step_of_model
     from robsim.cli.live.sources import opened, rate_of
     from robsim.cli.results import check_folder
-    from robsim.motors import Limits
-    from robsim.simulation._options import step_count
+    from robsim.simulation.options import step_count
 
     with errors.report_errors(folder), _stops_at_signals():
         if folder is not None and not folder.is_dir():
@@ -229,7 +229,7 @@ def _check_number(option: str, value: float | None) -> None:
 
 def _session(out: Path, record: bool | None, camera: str) -> Path | None:
     """Return a folder for the session that is not there yet; None = it is not recorded."""
-    from robsim.imaging._opencv import load_opencv
+    from robsim.vision.imaging.opencv import load_opencv
 
     if record is False or (record is None and Path(camera).exists()):
         return None
@@ -248,7 +248,7 @@ def _session(out: Path, record: bool | None, camera: str) -> Path | None:
 
 def _replay(session: Path, folder: Path | None) -> str:
     """Return the line of Python that runs a session again."""
-    frames = f"robsim.sessions.Session({str(session)!r})"
+    frames = f"robsim.trace.Session({str(session)!r})"
     if folder is None:
         return f"robsim.Experiment({frames}, control=...).run()"
     return f"robsim.Experiment.from_folder({str(folder)!r}, frames={frames}).run()"

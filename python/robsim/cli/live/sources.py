@@ -9,17 +9,18 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from robsim._base.checks import check_float
-from robsim._base.spelling import closest
-from robsim._base.text import quoted
 from robsim._core import Frame, MotorLink, PlaneMap
-from robsim.capture import Camera
-from robsim.capture._sources import meant_address
+from robsim.base.checks import check_float
+from robsim.base.spelling import closest
+from robsim.base.text import quoted
 from robsim.cli.text import about
-from robsim.live import SimulatedLab
-from robsim.motors import SerialMotors, UdpMotors
+from robsim.lab.cameras.camera import Camera
+from robsim.lab.cameras.sources import meant_address
+from robsim.lab.motors.serial import SerialMotors
+from robsim.lab.motors.udp import UdpMotors
+from robsim.lab.rehearsal.lab import SimulatedLab
 from robsim.simulation import Scenario
-from robsim.simulation._outside.frame_source import DT_TOLERANCE
+from robsim.simulation.outside.frame_source import DT_TOLERANCE
 
 SIMULATED, NONE = "simulated", "none"
 LAB_RATE = 20.0  # frames/s, of the simulated lab

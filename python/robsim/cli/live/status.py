@@ -10,11 +10,11 @@ import time
 from collections import deque
 from typing import Self
 
-from robsim._base.text import one_line
+from robsim._core import detect
+from robsim.base.text import one_line
 from robsim.cli.live.sources import WatchedCamera
 from robsim.simulation import Experiment
 from robsim.trace import Trace
-from robsim.vision import detect
 
 _PERIOD = 0.125  # s
 _RATE_OVER = 16  # periods

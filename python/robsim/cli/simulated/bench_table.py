@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from robsim._base.checks import Floats, check_int
-from robsim._base.report import Column, Quantity, Report, Row, Table
 from robsim._core import (
     Blob,
     ColorClass,
@@ -24,12 +22,14 @@ from robsim._core import (
     cpu_path,
     find_blobs,
 )
-from robsim.imaging._images import Pixels
-from robsim.imaging._noise import GaussianNoise
-from robsim.imaging._opencv import load_opencv
-from robsim.robots import load_robot
+from robsim.base.checks import Floats, check_int
+from robsim.base.report import Column, Quantity, Report, Row, Table
 from robsim.simulation import Simulation
-from robsim.simulation._world.scene import make_scene, robot_sprite
+from robsim.simulation.world.scene import make_scene, robot_sprite
+from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging.noise import GaussianNoise
+from robsim.vision.imaging.opencv import load_opencv
+from robsim.vision.robots.lookup import load_robot
 
 Call = Callable[[], Any]
 Found = dict[str, Floats]  # by colour: area, u, v of the centroid of each blob (N, 3)

@@ -90,7 +90,7 @@ def _exit_unless_any_succeeded(result: CampaignResult) -> None:
 
 def _check_exports(*, csv: Path | None, parquet: Path | None, npz: Path | None) -> None:
     """Raise what cannot be written, before what takes long."""
-    from robsim.campaigns._export import check_is_empty, import_arrow
+    from robsim.campaigns.export import check_is_empty, import_arrow
 
     for file in (csv, parquet):
         if file is not None:
@@ -103,8 +103,8 @@ def _check_exports(*, csv: Path | None, parquet: Path | None, npz: Path | None) 
 
 
 def _write_example(file: Path) -> None:
-    from robsim._base.files import write_whole
-    from robsim.campaigns._spec_file import EXAMPLE as CONTENT
+    from robsim.base.files import write_whole
+    from robsim.campaigns.spec_file import EXAMPLE as CONTENT
 
     if file.exists():
         raise FileExistsError(f"{file} exists: give another name")
@@ -114,7 +114,7 @@ def _write_example(file: Path) -> None:
 
 def _result(file: Path, *, runs: int | None, jobs: int, store: Path | None) -> CampaignResult:
     from robsim.campaigns._campaign import run_spec
-    from robsim.campaigns._spec_file import load_spec
+    from robsim.campaigns.spec_file import load_spec
 
     executor = engine_of(jobs)
     spec = load_spec(file, runs=runs)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from robsim.cli.results import Results
-    from robsim.identification._batch import BatchEstimate
+    from robsim.estimation.identification.batch import BatchEstimate
     from robsim.simulation import Simulation
 
 EXAMPLE = "Example: robsim demo"
@@ -62,8 +62,8 @@ def _run(out: Path, steps: int, seed: int) -> Results:
 def simulate_demo(steps: int = 1000, seed: int = 2008, progress: str | bool = False) -> Simulation:
     """Drive through a noisy camera's view, and estimate from what it measures."""
     from robsim._core import DriveAround
-    from robsim.imaging import GaussianNoise
     from robsim.simulation import Simulation
+    from robsim.vision.imaging.noise import GaussianNoise
 
     simulation = Simulation(
         control=DriveAround(),

@@ -12,12 +12,12 @@ from robsim.cli.simulated.options import shared_options, simulation_of
 from robsim.cli.text import about, parse_speed
 
 if TYPE_CHECKING:
-    from robsim.gui._hosted import HostedPanel
-    from robsim.gui._panel.view import Shown
-    from robsim.imaging import Recording
-    from robsim.sessions import Session
-    from robsim.tasks import Task
+    from robsim.gui.hosted import HostedPanel
+    from robsim.gui.panels.view import Shown
+    from robsim.teach.tasks._task import Task
     from robsim.trace import Trace
+    from robsim.trace.sessions.session import Session
+    from robsim.vision.imaging.recordings import Recording
 
 EXAMPLE = "Example: robsim gui mine"
 HELP = (
@@ -164,7 +164,7 @@ def _task_of(name: str | None, scenario: Path | None) -> Task | None:
         return None
     if scenario is not None:
         raise ValueError("--task has a scenario of its own: leave out --scenario")
-    from robsim.tasks import task
+    from robsim.teach.tasks.by_name import task
 
     with about("--task"):
         return task(name)
@@ -222,9 +222,9 @@ def _shown(
 
 
 def _saved(path: Path) -> Recording | Session | Trace | None:
-    from robsim.imaging import Recording
-    from robsim.sessions import Session
     from robsim.trace import Trace
+    from robsim.trace.sessions.session import Session
+    from robsim.vision.imaging.recordings import Recording
 
     if path.suffix == ".npz":
         return Trace.load(path)

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robsim.cli.text import about, parse_control, parse_dropout, parse_noise, parse_size
-from robsim.control._by_name import POINTS
+from robsim.control.by_name import POINTS
 
 if TYPE_CHECKING:
-    from robsim import Simulation
     from robsim.simulation import Scenario
+    from robsim.simulation.simulation import Simulation
 
 
 def shared_options(
@@ -27,7 +27,7 @@ def shared_options(
 ) -> dict[str, Any]:
     """Return the options of a simulation that are given, of those that the commands share."""
     from robsim.simulation import Scenario
-    from robsim.simulation._time_limit import TimeLimit
+    from robsim.simulation.time_limit import TimeLimit
 
     _check_quotes(folder, control)
     world = given(

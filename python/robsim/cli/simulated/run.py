@@ -10,10 +10,10 @@ from robsim.cli.option import integer_option, option, switch
 from robsim.cli.outcome import finish
 from robsim.cli.simulated.options import check_each, given, shared_options, simulation_of
 from robsim.cli.text import about, parse_headings, parse_size, parse_start
-from robsim.imaging._video import CODECS, LOSSLESS
+from robsim.vision.imaging.video import CODECS, LOSSLESS
 
 if TYPE_CHECKING:
-    from robsim import Simulation
+    from robsim.simulation.simulation import Simulation
 
 EXAMPLE = "Example: robsim run mine --steps 300 --measure"
 HELP = (
@@ -98,7 +98,7 @@ def run(
     as_json: shared.Json = False,
 ) -> None:
     """Run a simulation."""
-    from robsim.simulation._options import step_count
+    from robsim.simulation.options import step_count
 
     with errors.report_errors(folder):
         with about("--steps"):
@@ -142,7 +142,7 @@ def run(
 def _check_outputs(out: Path, video: Path | None, record: Path | None) -> None:
     """Raise the errors of the outputs, before the run."""
     from robsim.cli.results import check_folder
-    from robsim.imaging._video import VideoWriter
+    from robsim.vision.imaging.video import VideoWriter
 
     check_folder(out)
     for file in filter(None, (video, record)):

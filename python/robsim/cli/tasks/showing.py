@@ -23,7 +23,7 @@ Name = Annotated[
 
 def list_tasks() -> None:
     """List the tasks, and which callbacks they ask for."""
-    from robsim.tasks import TASKS
+    from robsim.teach.tasks.by_name import TASKS
 
     rows = [(name, kind.title, ", ".join(kind.slots)) for name, kind in TASKS.items()]
     errors.print_rows(("task", "what is to be done", "callbacks"), rows)
@@ -39,7 +39,7 @@ def show(
     ] = None,
 ) -> None:
     """Show a task."""
-    from robsim.tasks import task
+    from robsim.teach.tasks.by_name import task
 
     with errors.report_errors():
         one = task(name)

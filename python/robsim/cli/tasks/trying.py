@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from robsim._base.text import one_line
+from robsim.base.text import one_line
 from robsim.cli import errors
 from robsim.cli.option import argument, integer_option, number_option, option
 from robsim.cli.shared import Json
@@ -47,7 +47,7 @@ def try_solution(
 ) -> None:
     """Try a solution of a task."""
     from robsim.cli.results import check_figure_name, check_file, save_figure
-    from robsim.tasks import task
+    from robsim.teach.tasks.by_name import task
 
     with errors.report_errors(path if path.is_dir() else path.parent):
         if figure is not None:

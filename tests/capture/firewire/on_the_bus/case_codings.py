@@ -8,7 +8,7 @@ import sanitizers
 from bus_cameras import LARGE, SIZE, error_of, new_lab
 from doubles import VirtualCamera
 from python_cameras import PATIENT
-from robsim.capture import CameraFeatures, CaptureError
+from robsim.lab import CameraFeatures, CaptureError
 from waiting import wait_for
 
 

@@ -17,7 +17,7 @@ import robsim
 from bus_cameras import LARGE, SIZE, error_of, new_lab
 from python_cameras import PATIENT
 from robsim import _firewire
-from robsim.capture import (
+from robsim.lab import (
     CameraFeatures,
     CaptureError,
     FrameTimeoutError,
@@ -27,7 +27,7 @@ from robsim.capture import (
     NoPermissionError,
     UnpluggedError,
 )
-from robsim.capture._sources import source_of
+from robsim.lab.cameras.sources import source_of
 from sizes import thorough
 from waiting import wait_for
 
@@ -153,7 +153,7 @@ def test_after_an_overrun_no_old_frame_comes(start, monkeypatch):
         ends.append(lab.truth.t[-1])
         return opened
 
-    monkeypatch.setattr("robsim.capture._camera.source_of", opened_and_not_read)
+    monkeypatch.setattr("robsim.lab.cameras.camera.source_of", opened_and_not_read)
     with opened() as camera:
         frame = camera.read()
         assert camera.counts.dropped >= 6  # all that the buffers had

@@ -11,7 +11,8 @@ import numpy as np
 
 import parameter_estimators
 import state_estimators
-from robsim.doctor import _situations, check_estimator, check_parameter_estimator
+from robsim.teach import check_estimator, check_parameter_estimator
+from robsim.teach.doctor import _situations
 from size_and_power.row import Row
 from size_and_power.trials import Trials, random_of
 

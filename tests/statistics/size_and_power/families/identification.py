@@ -3,7 +3,7 @@
 import numpy as np
 
 import robsim
-from robsim.identification import parameter_convergence
+from robsim.estimation import parameter_convergence
 from size_and_power.row import Row
 from size_and_power.trials import Trials, random_of
 

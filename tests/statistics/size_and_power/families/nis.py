@@ -1,6 +1,6 @@
 """The NIS of a linear Kalman filter, right and with a Q or R that is wrong."""
 
-from robsim.evaluation import nis_consistency
+from robsim.estimation import nis_consistency
 from size_and_power.linear_filter import factors, filtered, key_of
 from size_and_power.row import Row
 from size_and_power.trials import Trials, random_of

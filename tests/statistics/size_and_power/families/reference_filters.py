@@ -1,4 +1,4 @@
-"""The filters of robsim.reference with their defaults, in simulated worlds."""
+"""The filters of robsim.estimation.reference with their defaults, in simulated worlds."""
 
 from functools import partial
 
@@ -6,7 +6,7 @@ import numpy as np
 
 import robsim
 from nees_of_runs import nees_by_step, reports
-from robsim import reference
+from robsim.estimation import reference
 from size_and_power.row import Row
 from size_and_power.trials import Trials
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robsim.evaluation import whiteness
+from robsim.estimation import whiteness
 from size_and_power.row import Row
 from size_and_power.trials import Trials, random_of
 

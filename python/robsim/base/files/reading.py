@@ -1,0 +1,107 @@
+"""Reading files within limits: paths, content, TOML."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from robsim.base.spelling import suggestion
+from robsim.base.text import cut, one_line, quoted
+
+#: Limit of a TOML file without images in it (bytes).
+MOST_TOML = 2**20
+_MOST_SIGNS = 100_000  # ',', '=', ... outside of images; a second to parse
+_MOST_PARTS = 8  # of a dotted key: the time to parse it is their square
+
+_PART = r"""(?>[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
+_LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-])(?:{_PART}[ \t]*\.[ \t]*){{{_MOST_PARTS}}}+{_PART}")
+
+
+def as_folder(folder: str | PathLike[str]) -> Path:
+    return as_path(folder, "folder")
+
+
+def as_path(path: str | PathLike[str], name: str = "path") -> Path:
+    """Return the argument `name` as a Path; raise TypeError or ValueError if it is none."""
+    if not isinstance(path, (str, PathLike)):
+        raise TypeError(f"{name} must be a path, got {quoted(path)}")
+    found = Path(path)
+    if "\0" in str(found):
+        raise ValueError(f"{name} must be a path without null characters, got {quoted(str(path))}")
+    return found
+
+
+def read_toml(path: str | PathLike[str], most: int = MOST_TOML) -> dict[str, Any]:
+    """Read a TOML file, with or without a byte order mark.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    most : int
+        Limit of its size (bytes).
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is not TOML, or too large; the message names the file.
+    """
+    text = read_text(Path(path), most)
+    try:
+        return parse_toml(text)
+    except ValueError as error:
+        raise ValueError(f"{one_line(path)} is not a TOML file: {error}") from error
+
+
+def read_text(path: Path, most: int) -> str:
+    """Return the text of a file of at most so many bytes; else raise a ValueError that names it."""
+    content = content_of(path, most + 1)
+    if len(content) > most:
+        size = f"{most >> 20} MB" if most >= 2**20 else f"{most >> 10} kB"
+        raise ValueError(f"{one_line(path)} must have at most {size}")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{one_line(path)} is not a TOML file: it is not UTF-8 text") from error
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Return what a TOML text says; the time that it takes is limited.
+
+    Raises
+    ------
+    ValueError
+        If it is not TOML, or too involved.
+    """
+    signs = sum(map(text.count, ",=[{.\"'#")) + text.count("\n\n")
+    lines = text.count("\n")
+    if signs > _MOST_SIGNS or lines > _MOST_SIGNS + len(text) // 50:  # a line of base64 has 76
+        raise ValueError(f"it has more than {_MOST_SIGNS} keys, values and comments")
+    if key := _LONG_KEY.search(text):
+        raise ValueError(f"a key must have at most {_MOST_PARTS} parts, got {quoted(key.group())}")
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ValueError(cut(error)) from error
+
+
+def content_of(path: Path, size: int = -1) -> bytes:
+    """Return the first `size` bytes of a file, all by default.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file, with the one in its folder that was probably meant.
+    """
+    try:
+        with path.open("rb") as file:
+            return file.read(size)
+    except FileNotFoundError as error:
+        others = sorted(path.parent.glob(f"*{path.suffix}")) if path.suffix else []
+        hint = suggestion(path.name, [other.name for other in others])
+        raise FileNotFoundError(error.errno, f"{error.strerror}{hint}", str(path)) from None

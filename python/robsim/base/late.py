@@ -1,0 +1,52 @@
+"""The doors of wings: public names whose rooms are loaded when the first of them is asked for."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+from robsim.base.spelling import no_attribute, suggestion
+
+
+def late_names(
+    wing: str, rooms: tuple[str, ...], apart: tuple[str, ...] = ()
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """Return ``__getattr__`` and ``__dir__`` of a wing with the public names of its rooms.
+
+    Parameters
+    ----------
+    wing : str
+        Its ``__name__``.
+    rooms : tuple of str
+        Its rooms, in the order in which they import one another.
+    apart : tuple of str
+        Rooms that need what not everybody has: their names are in them alone.
+    """
+    namespace = sys.modules[wing].__dict__
+
+    def loaded(room: str) -> ModuleType:
+        return importlib.import_module(f"{wing}.{room}")
+
+    def names() -> list[str]:
+        public = (name for room in rooms for name in loaded(room).__all__)
+        return sorted(public, key=lambda name: (not name.isupper(), not name[0].isupper(), name))
+
+    def get(name: str) -> Any:
+        if name in rooms or name in apart:
+            return loaded(name)
+        if name.startswith("_") and name != "__all__":
+            raise AttributeError(f"module {wing!r} has no attribute {name!r}")
+        with sys.modules["robsim"]._loading:
+            if name == "__all__":
+                namespace[name] = names()
+                return namespace[name]
+            for room in rooms:
+                if name in loaded(room).__all__:
+                    namespace[name] = getattr(loaded(room), name)
+                    return namespace[name]
+        raise no_attribute(f"module {wing!r} has no attribute {name!r}" + suggestion(name, names()))
+
+    return get, lambda: sorted([*names(), *rooms, *apart])

@@ -1,0 +1,18 @@
+"""One kind of result: numbers with a title, tables, remarks and a verdict, in all their forms."""
+
+from robsim.base.report.numbers import count, interval, percent
+from robsim.base.report.problem import Problem
+from robsim.base.report.report import Report
+from robsim.base.report.table import Column, Quantity, Row, Table
+
+__all__ = [
+    "Column",
+    "Problem",
+    "Quantity",
+    "Report",
+    "Row",
+    "Table",
+    "count",
+    "interval",
+    "percent",
+]

@@ -1,0 +1,60 @@
+"""Something that a check found wrong, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from robsim.base.source_line import SourceLine
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """Something that a check found wrong.
+
+    Attributes
+    ----------
+    kind : str
+        Short identifier for programs, such as ``"covariance not symmetric"``.
+    sentence : str
+        What is wrong and how to fix it, for people.
+    situation : str
+        What the robot was doing; empty if it does not matter.
+    k : int or None
+        The first step at which it occurred; None = not tied to a step.
+    line : SourceLine or None
+        The line that failed, or that the problem is about, or else the definition of the faulty
+        function; None = unknown.
+    """
+
+    kind: str
+    sentence: str
+    situation: str = ""
+    k: int | None = None
+    line: SourceLine | None = None
+
+    @property
+    def where(self) -> str:
+        """Step, situation and line, as far as they are known."""
+        step = "" if self.k is None else f"step {self.k}"
+        when = ", ".join(part for part in (step, self.situation) if part)
+        return "; ".join(part for part in (when, str(self.line or "")) if part)
+
+    @property
+    def code(self) -> str:
+        """The text of the line; empty if it is not known."""
+        return self.line.text if self.line else ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return name -> value, the line as two texts: where it is, and what it says."""
+        return {
+            "kind": self.kind,
+            "sentence": self.sentence,
+            "situation": self.situation,
+            "k": self.k,
+            "line": str(self.line) if self.line else None,
+            "code": self.code or None,
+        }
+
+    def __str__(self) -> str:
+        return f"{self.sentence} ({self.where})" if self.where else self.sentence

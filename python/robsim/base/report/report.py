@@ -1,0 +1,162 @@
+"""What every result is: numbers that describe themselves, and thereby have all forms."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from robsim.base.checks import check_int
+from robsim.base.report.as_data import as_dict, as_frame
+from robsim.base.report.as_text import as_line, as_text
+from robsim.base.report.problem import Problem
+from robsim.base.report.table import Quantity, Table
+
+if TYPE_CHECKING:
+    import pandas
+
+_PARTS = ("title", "verdict", "at_limit", "quantities", "tables", "problems", "remarks")
+
+
+class Report(ABC):
+    """A result: a dataclass of numbers which says what they are.
+
+    A subclass has the properties `title` and, as far as they apply, `verdict`, `at_limit`,
+    `quantities`, `tables` and `remarks`. From these come the short line at a prompt, the text that
+    ``print`` shows, the table in a notebook, `to_dict`, `to_json` and `to_pandas`.
+
+    Examples
+    --------
+    A metric of one's own::
+
+        @dataclass(frozen=True, kw_only=True)
+        class Effort(Report):
+            rms: float
+            largest: float
+
+            @property
+            def title(self):
+                return "Voltages of both motors"
+
+            @property
+            def verdict(self):
+                return "gentle" if self.largest < 1 else "rough"
+
+            @property
+            def quantities(self):
+                return (
+                    Quantity("rms", "root mean square", self.rms, "V"),
+                    Quantity("largest", "largest", self.largest, "V", ".2f"),
+                )
+
+
+        def effort(trace):
+            return Effort(rms=np.sqrt(np.mean(trace.u**2)), largest=np.abs(trace.u).max())
+    """
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        for name in set(_PARTS) & set(cls.__annotations__) - set(vars(cls)):
+            raise TypeError(
+                f"{cls.__name__}.{name} must be a property, or a field with a default: Report has "
+                "a property of that name"
+            )
+        # A dataclass makes a repr of all its arrays, unless the class has one of its own.
+        if "__repr__" not in vars(cls):
+            cls.__repr__ = Report.__repr__  # type: ignore[method-assign]
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """What the report is about, in one line."""
+
+    @property
+    def verdict(self) -> str | None:
+        """The judgement in a word or two; None = there is none."""
+        return None
+
+    @property
+    def at_limit(self) -> bool | None:
+        """Whether the verdict is on the edge; None = it is not a matter of chance.
+
+        On the edge: it would be another one if what it was judged by were better or worse by one
+        standard deviation, so that other seeds may get another verdict.
+        """
+        return None
+
+    @property
+    def quantities(self) -> Sequence[Quantity]:
+        """The single numbers."""
+        return ()
+
+    @property
+    def tables(self) -> Sequence[Table]:
+        """The tables of numbers."""
+        return ()
+
+    @property
+    def problems(self) -> Sequence[Problem] | None:
+        """What is wrong; None = the report is not that of a check."""
+        return None
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """What else a reader must know, a sentence each."""
+        return ()
+
+    @property
+    def heading(self) -> str:
+        """The title and the verdict, in one line."""
+        if self.verdict is None:
+            return self.title
+        return f"{self.title}: {self.verdict}{', at the limit' if self.at_limit else ''}"
+
+    @property
+    def line(self) -> str:
+        """The heading and the single numbers, in one line."""
+        return as_line(self)
+
+    def __str__(self) -> str:
+        return as_text(self)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {as_line(self, 80)}>"
+
+    def _repr_html_(self) -> str:
+        from robsim.base.report.as_html import as_html
+
+        return as_html(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return title, verdict, at_limit, quantities, tables, remarks, as plain values by name.
+
+        A table is row -> column -> value; ``"units"`` has the units of quantities and columns, and
+        a row its own. None = not known, or not finite. Angles are in rad, unless that says deg.
+        """
+        return as_dict(self)
+
+    def to_json(self, *, indent: int | None = 2) -> str:
+        """Return `to_dict` as JSON.
+
+        Parameters
+        ----------
+        indent : int, optional
+            Number of spaces that a level is indented by; None = all in one line.
+        """
+        import json
+
+        if indent is not None:
+            check_int("indent", indent, minimum=0, maximum=16)
+        return json.dumps(self.to_dict(), indent=indent, allow_nan=False)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the table as a data frame, or the quantities where there is no table.
+
+        Its ``attrs`` have the title and the verdict; angles are in rad.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        return as_frame(self)

@@ -1,0 +1,199 @@
+"""The numbers of a report: what they are called, their units, and how people read them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robsim.base.checks import check_int, check_text
+from robsim.base.report.numbers import Format, shown, shown_unit
+from robsim.base.text import quoted
+
+
+def _check_labels(label: Quantity | Column) -> None:
+    for name in ("key", "title", "missing"):
+        check_text(name, getattr(label, name))
+    if label.unit is not None or isinstance(label, Quantity):
+        check_text("unit", label.unit)
+    if not (isinstance(label.format, str) or callable(label.format)):
+        raise TypeError(f"format must be a format such as '.4g' or a function, got {label.format}")
+
+
+def _tuple_of(name: str, values: Any, kind: type) -> tuple[Any, ...]:
+    if not isinstance(values, Iterable):
+        raise TypeError(f"{name} must be a sequence of {kind.__name__}, got {quoted(values)}")
+    entries = tuple(values)
+    for entry in entries:
+        if not isinstance(entry, kind):
+            raise TypeError(
+                f"{name} must be a sequence of {kind.__name__}, got one of {quoted(entry)}"
+            )
+    return entries
+
+
+def _headed(title: str, unit: str) -> str:
+    return f"{title} ({shown_unit(unit)})" if unit else title
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A single number, or text, of a report.
+
+    Parameters
+    ----------
+    key : str
+        Its name in programs: in `Report.to_dict`, in the data frame.
+    title : str
+        Its name for people.
+    value : float, int, str, ...
+        The value; None or NaN = not known.
+    unit : str
+        Its unit; an angle in ``"rad"`` is shown in degrees.
+    format : str or callable
+        Format of a float, or a function of the value that returns its text, such as `percent`.
+    missing : str
+        What people read where the value is not known.
+    """
+
+    key: str
+    title: str
+    value: Any
+    unit: str = ""
+    format: Format = ".4g"
+    missing: str = "-"
+
+    def __post_init__(self) -> None:
+        _check_labels(self)
+
+    @property
+    def heading(self) -> str:
+        """The title with the unit that is shown."""
+        return _headed(self.title, self.unit)
+
+    @property
+    def line(self) -> str:
+        """Title, value and unit, such as ``"rms voltage 0.76 V"``."""
+        return f"{self.title} {self.text} {shown_unit(self.unit)}".rstrip()
+
+    @property
+    def text(self) -> str:
+        """The value as people read it."""
+        return shown(self.value, self.unit, self.format, self.missing)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Parameters
+    ----------
+    key, title, format, missing
+        As those of a `Quantity`.
+    unit : str or None
+        Unit of its values; "" = they are plain numbers, None = each row has its own.
+    """
+
+    key: str
+    title: str
+    unit: str | None = None
+    format: Format = ".4g"
+    missing: str = "-"
+
+    def __post_init__(self) -> None:
+        _check_labels(self)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a table.
+
+    Parameters
+    ----------
+    title : str
+        Its name, in programs, too.
+    values : sequence
+        A value for each column; None or NaN = not known.
+    unit : str
+        Unit of the values in columns without one; an angle in ``"rad"`` is shown in degrees.
+    """
+
+    title: str
+    values: Sequence[Any]
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        check_text("title", self.title)
+        check_text("unit", self.unit)
+        is_text = isinstance(self.values, (str, bytes))
+        if is_text or not isinstance(self.values, (Sequence, np.ndarray)):
+            raise TypeError(f"values must be a sequence, got {quoted(self.values)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """A table of a report.
+
+    Parameters
+    ----------
+    key : str
+        Its name in programs.
+    columns : sequence of Column
+        What the columns are.
+    rows : sequence of Row
+        The numbers.
+    row_title : str
+        What a row is about, such as ``"parameter"``.
+    group : int
+        Number of rows that belong together, between two rules; 0 = no rules.
+    """
+
+    key: str
+    columns: Sequence[Column]
+    rows: Sequence[Row]
+    row_title: str = ""
+    group: int = 0
+
+    def __post_init__(self) -> None:
+        check_text("key", self.key)
+        check_text("row_title", self.row_title)
+        check_int("group", self.group, minimum=0, maximum=sys.maxsize)
+        object.__setattr__(self, "columns", _tuple_of("columns", self.columns, Column))
+        object.__setattr__(self, "rows", _tuple_of("rows", self.rows, Row))
+
+    @property
+    def headings(self) -> list[str]:
+        """The titles of the columns with their units, that of the rows first."""
+        titles = (_headed(column.title, column.unit or "") for column in self.columns)
+        return [self.row_title, *titles]
+
+    def texts(self) -> Iterator[list[str]]:
+        """Yield the rows as people read them, the title with its unit first."""
+        for row in self.rows:
+            cells = []
+            for column, value in zip(self.columns, row.values, strict=True):
+                unit = row.unit if column.unit is None else column.unit
+                cells.append(shown(value, unit, column.format, column.missing))
+            yield [_headed(row.title, row.unit), *cells]
+
+    @property
+    def alignments(self) -> list[str]:
+        """How the columns are aligned, that of the titles first: texts left, numbers right."""
+        values = zip(*(row.values for row in self.rows), strict=True)
+        are_texts = [all(isinstance(value, (str, list)) for value in column) for column in values]
+        return ["left", *("left" if is_text else "right" for is_text in are_texts)]
+
+    @property
+    def has_units(self) -> bool:
+        """Whether the rows have units of their own."""
+        return any(row.unit for row in self.rows)
+
+    def records(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Yield title and values of each row, name -> value; "unit" if the rows have units."""
+        keys = [column.key for column in self.columns]
+        for row in self.rows:
+            unit = {"unit": row.unit} if self.has_units else {}
+            yield row.title, unit | dict(zip(keys, row.values, strict=True))

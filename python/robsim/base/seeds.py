@@ -1,0 +1,121 @@
+"""Random seeds: one per run, split into independent named streams for `Simulation`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robsim.base.text import quoted
+
+
+@dataclass(frozen=True, repr=False)
+class SeedRecord:
+    """A seed that is not a plain int, as a value: what a `numpy.random.SeedSequence` is made of."""
+
+    entropy: int | tuple[int, ...]
+    spawn_key: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.entropy, tuple):
+            _check_numbers("entropy", (self.entropy,))
+        else:
+            _check_numbers("entropy", self.entropy)
+        _check_numbers("spawn_key", self.spawn_key)
+
+    def __repr__(self) -> str:
+        return f"SeedSequence(entropy={self.entropy}, spawn_key={self.spawn_key})"
+
+
+def _check_numbers(name: str, numbers: Any) -> None:
+    if not isinstance(numbers, tuple) or not all(type(n) is int and n >= 0 for n in numbers):
+        raise ValueError(f"{name} must have ints of at least 0, got {quoted(numbers)}")
+
+
+Seed = int | np.random.SeedSequence | np.random.Generator | SeedRecord | None
+
+#: The streams of a run, in the order of their spawn keys.
+STREAMS = (
+    *("controller", "noise", "start", "user", "dropout", "disturbance", "mismatch"),
+    "faults",
+)
+
+
+def seed_sequence(seed: Seed) -> np.random.SeedSequence:
+    """Return the seed of a run.
+
+    Parameters
+    ----------
+    seed : int, SeedSequence, SeedRecord, Generator or None
+        A Generator is asked for a new seed; None = entropy of the operating system.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `seed` has another type, or is negative.
+    """
+    if isinstance(seed, np.random.SeedSequence):
+        return seed
+    if isinstance(seed, SeedRecord):
+        return np.random.SeedSequence(seed.entropy, spawn_key=seed.spawn_key)
+    if isinstance(seed, np.random.Generator):
+        return np.random.SeedSequence(int(seed.integers(2**63)))
+    if seed is None:
+        return np.random.SeedSequence()
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
+        raise TypeError(f"seed must be an int, SeedSequence, Generator or None, got {quoted(seed)}")
+    if seed < 0:
+        raise ValueError(f"seed must be at least 0, got {quoted(seed)}")
+    return np.random.SeedSequence(int(seed))
+
+
+def seed_value(seed: Seed) -> int | SeedRecord | None:
+    """Return a seed as data: an int where that says it all, or a record; None stays None."""
+    if seed is None or (type(seed) is int and seed >= 0):
+        return seed
+    if not isinstance(seed, SeedRecord):
+        record = seed_record(seed_sequence(seed))
+        entropy = record["entropy"]
+        is_int = isinstance(entropy, int)
+        seed = SeedRecord(entropy if is_int else tuple(entropy), tuple(record["spawn_key"]))
+    if isinstance(seed.entropy, int) and not seed.spawn_key:
+        return seed.entropy
+    return seed
+
+
+def stream(seed: np.random.SeedSequence, name: str) -> np.random.SeedSequence:
+    """Return the seed of a named stream, always the same for the same `seed` and `name`."""
+    key = (*seed.spawn_key, STREAMS.index(name))
+    return np.random.SeedSequence(seed.entropy, spawn_key=key)
+
+
+def stream_number(seed: np.random.SeedSequence, name: str) -> int:
+    """Return a named stream as the 64-bit number that seeds the C++ core."""
+    return int(stream(seed, name).generate_state(1, np.uint64)[0])
+
+
+def random_bits(seed: int | np.random.SeedSequence) -> Iterator[int]:
+    """Yield numbers of 64 random bits.
+
+    Every version of numpy gives the same bits for a seed; what the methods of a Generator make of
+    them may change (NEP 19).
+    """
+    source = np.random.PCG64(seed)
+    while True:
+        yield source.random_raw()
+
+
+def as_uniform(bits: int) -> float:
+    """Return 64 random bits as a number in [0, 1)."""
+    return (bits >> 11) * 2.0**-53
+
+
+def seed_record(seed: np.random.SeedSequence) -> dict[str, Any]:
+    """Return the seed as a trace stores it; ``SeedSequence(**record)`` restores it."""
+    entropy = seed.entropy
+    if isinstance(entropy, (int, np.integer)):
+        return {"entropy": int(entropy), "spawn_key": list(map(int, seed.spawn_key))}
+    words = [] if entropy is None else [int(word) for word in entropy]
+    return {"entropy": words, "spawn_key": list(map(int, seed.spawn_key))}

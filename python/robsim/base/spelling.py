@@ -1,0 +1,84 @@
+"""Names in messages: suggestions for misspelled ones (options, choices, columns), articles."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Callable, Iterable
+
+from robsim.base.text import quoted
+
+_LONGEST = 100  # characters; no name is longer, and the search takes their square
+
+
+def closest(name: str, known: Iterable[str], *, cutoff: float = 0.6) -> str | None:
+    """Return the known name that `name` resembles most, or None if it resembles none.
+
+    Case, underscores, hyphens and spaces do not count.
+
+    Parameters
+    ----------
+    name : str
+        The name that came.
+    known : iterable of str
+        All names that there are.
+    cutoff : float
+        How much it must resemble one: 1 = it is the same.
+    """
+    if len(name) > _LONGEST:
+        return None
+    plain = {_plain(other): other for other in known}
+    close = difflib.get_close_matches(_plain(name), plain, 1, cutoff)
+    return plain[close[0]] if close else None
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Return the end of an error message, ``"; did you mean 'x'?"``, or ``""``.
+
+    Parameters
+    ----------
+    name : str
+        The name that came.
+    known : iterable of str
+        All names that there are.
+    """
+    meant = closest(name, known)
+    return "" if meant is None else f"; did you mean {meant!r}?"
+
+
+def no_attribute(message: str) -> AttributeError:
+    """Return an AttributeError whose message says what may be meant.
+
+    It has no name: Python, from 3.12 on, would add a suggestion of its own.
+    """
+    return AttributeError(message, obj=None)
+
+
+def check_names(
+    what: str, given: Iterable[str], known: Iterable[str], error: Callable[[str], Exception]
+) -> None:
+    """Raise an error for the first name that is not known, with the one that was meant.
+
+    Parameters
+    ----------
+    what : str
+        What has the names: ``"a scenario has no option"``.
+    given, known : iterable of str
+        The names that came, and all there are.
+    error : type
+        The exception.
+    """
+    known = list(known)
+    for name in given:
+        if name not in known:
+            meant = closest(name, known)
+            hint = f"did you mean {meant!r}?" if meant else f"there are {', '.join(known)}"
+            raise error(f"{what} {quoted(name)}: {hint}")
+
+
+def with_article(name: str) -> str:
+    return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\W_]", "", name.lower())

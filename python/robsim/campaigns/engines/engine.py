@@ -1,0 +1,90 @@
+"""The engine of a campaign: what `executor` may be, and how each does the runs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Generator
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import closing
+from typing import Any
+
+from robsim.base.checks import check_int, is_int
+from robsim.base.text import quoted
+from robsim.campaigns.engines.executors import (
+    DaskClient,
+    DaskWorkers,
+    ExecutorWorkers,
+    check_dask_client,
+    is_dask_client,
+)
+from robsim.campaigns.engines.in_flight import rows_of_workers
+from robsim.campaigns.engines.processes import Processes
+from robsim.campaigns.engines.work import JobT, RowT, Supply, Work
+
+#: A number of processes, "threads", an executor, a Dask client; None = here.
+Engine = int | str | Executor | DaskClient | None
+
+_MOST_WORKERS = 1024
+
+
+def engine_value(executor: Any) -> Engine:
+    """Return the option ``executor``; else raise TypeError or ValueError."""
+    if executor is None or isinstance(executor, Executor):
+        return executor
+    if is_int(executor):
+        return check_int("executor", executor, minimum=1, maximum=_MOST_WORKERS)
+    if isinstance(executor, str) and executor == "threads":
+        return executor
+    if is_dask_client(executor):
+        check_dask_client(executor)
+        return executor
+    expected = (
+        "executor must be None, a number of processes, 'threads', a concurrent.futures.Executor or "
+        f"a Dask Client, got {quoted(executor)}"
+    )
+    if callable(getattr(executor, "get_client", None)):
+        expected += ": give its client, from get_client()"
+    raise ValueError(expected) if isinstance(executor, str) else TypeError(expected)
+
+
+def rows_by(
+    engine: Engine, work: Work[JobT, RowT], chunks: Supply[JobT, RowT]
+) -> Generator[list[RowT], None, None]:
+    """Yield the rows of all jobs, in the order in which they are done."""
+    if engine is None:
+        return _rows_here(work, chunks)
+    if isinstance(engine, int):
+        return _rows_in_processes(work, chunks, engine)
+    if isinstance(engine, str):
+        return _rows_in_threads(work, chunks)
+    if isinstance(engine, Executor):
+        return rows_of_workers(ExecutorWorkers(work, engine), chunks)
+    return rows_of_workers(DaskWorkers(work, engine), chunks)
+
+
+def _rows_here(
+    work: Work[JobT, RowT], chunks: Supply[JobT, RowT]
+) -> Generator[list[RowT], None, None]:
+    doer = work.doer()
+    while chunk := chunks.take():
+        rows = doer.rows(chunk)
+        chunks.note(rows)
+        yield rows
+
+
+def _rows_in_threads(
+    work: Work[JobT, RowT], chunks: Supply[JobT, RowT]
+) -> Generator[list[RowT], None, None]:
+    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    pool = ThreadPoolExecutor(workers)
+    try:
+        yield from rows_of_workers(ExecutorWorkers(work, pool), chunks)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _rows_in_processes(
+    work: Work[JobT, RowT], chunks: Supply[JobT, RowT], count: int
+) -> Generator[list[RowT], None, None]:
+    with closing(Processes(work, count)) as processes:
+        yield from rows_of_workers(processes, chunks)

@@ -1,0 +1,123 @@
+"""Runs in processes of their own, which may die."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import signal
+import tempfile
+import threading
+from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPoolExecutor
+from contextlib import suppress
+from multiprocessing.connection import wait as wait_for
+from typing import Any, Generic
+
+from robsim.campaigns.engines.chunks import SECONDS
+from robsim.campaigns.engines.work import Doer, JobT, RowT, Work
+
+_LOST = (BrokenExecutor, CancelledError)
+_STARTS = 5  # of a pool, before there is something else wrong
+
+
+class Processes(Generic[JobT, RowT]):
+    """A pool of processes that is made anew when it is broken, as it is by any that dies.
+
+    Raises TypeError for code that other processes cannot be sent.
+    """
+
+    deaths = 2
+
+    def __init__(self, work: Work[JobT, RowT], count: int) -> None:
+        work.check_can_be_sent()
+        self._work = work
+        self._count = count
+        self._pool: ProcessPoolExecutor | None = None
+        # Only what fits into a pipe is sent through one: who sends more waits for the reader, even
+        # if that is dead.
+        content = pickle.dumps(work)
+        descriptor, self._file = tempfile.mkstemp(prefix="robsim-campaign-")
+        with open(descriptor, "wb") as stream:
+            stream.write(content)
+
+    def close(self) -> None:
+        """End for good."""
+        self.end()
+        with suppress(OSError):
+            os.unlink(self._file)
+
+    def room(self) -> int:
+        return self._count + 1
+
+    def seconds(self) -> float:
+        return SECONDS
+
+    def is_death(self, error: Exception, /) -> bool:
+        return isinstance(error, _LOST)
+
+    def lost(self, job: JobT, /) -> RowT:
+        return self._work.lost(job)
+
+    def submit(self, jobs: list[JobT], /) -> Future[list[RowT]]:
+        """Hand over a chunk; a broken pool is replaced."""
+        for _ in range(_STARTS):
+            try:
+                if self._pool is None:
+                    self._pool = self._begun()
+                return self._pool.submit(_rows, jobs)
+            except _LOST:
+                self.end()
+        raise RuntimeError(
+            "executor: the worker processes end as soon as they begin; a program that is a file "
+            "must call this below the line `if __name__ == '__main__':`, and what other "
+            "programs define as they run must lie in a module"
+        )
+
+    def _begun(self) -> ProcessPoolExecutor:
+        pool = ProcessPoolExecutor(
+            self._count,
+            mp_context=multiprocessing.get_context("spawn"),
+            initializer=_begin,
+            initargs=(self._file,),
+        )
+        self._pool = pool
+        pool.submit(_rows, []).result()
+        return pool
+
+    def end(self) -> None:
+        """End the processes, in the middle of their runs if need be."""
+        pool, self._pool = self._pool, None
+        if pool is None:
+            return
+        processes = list((getattr(pool, "_processes", None) or {}).values())
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in processes:
+            process.terminate()
+        pool.shutdown()
+
+
+_doer: Doer[Any, Any] | None = None  # of this process, if it is one of a pool
+
+
+def _begin(file: str) -> None:
+    """Begin a worker process: Ctrl-C is for its parent, and it ends with that."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, args=(file,), daemon=True).start()
+    global _doer
+    with open(file, "rb") as stream:
+        work: Work[Any, Any] = pickle.load(stream)
+    _doer = work.doer()
+
+
+def _rows(jobs: list[Any]) -> list[Any]:
+    assert _doer is not None
+    return _doer.rows(jobs)
+
+
+def _end_with_parent(file: str) -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait_for([parent.sentinel])
+        with suppress(OSError):
+            os.unlink(file)
+        os._exit(1)

@@ -1,0 +1,364 @@
+"""`CampaignResult`: the rows of a campaign, and what can be asked of them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim.base.checks import Floats, check_float, check_int, is_int
+from robsim.base.files import as_path, write_csv
+from robsim.base.report import Quantity, Report, Table, count
+from robsim.base.report.as_data import import_pandas
+from robsim.base.spelling import suggestion
+from robsim.base.text import listed, quoted
+from robsim.campaigns._store import trace_in_store
+from robsim.campaigns.description import description_of
+from robsim.campaigns.export import write_npz, write_parquet
+from robsim.campaigns.runs import CaseRuns
+from robsim.campaigns.spec import ROW_COLUMNS, CampaignSpec, Case
+from robsim.campaigns.summary import CampaignSummary, summary_of
+from robsim.trace import Trace
+
+if TYPE_CHECKING:
+    import pandas
+
+_MOST_CASES, _MOST_METRICS = 12, 8  # whose means are shown with the result itself
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CampaignResult(Report):
+    """The runs of a campaign: a row for each, in the order cases x runs.
+
+    ``result["tracking_rmse_xy"]`` is a column: an array with a number for each row.
+
+    Attributes
+    ----------
+    spec : CampaignSpec
+        What the numbers are of.
+    columns : dict of str to array
+        All columns by name: ``case_id``, ``run``, the options (their labels), the numbers of the
+        metrics, ``error`` and ``line`` (None for a run that did not fail), ``seconds``.
+    store : Path or None
+        The file that has the rows; None = in memory.
+    """
+
+    spec: CampaignSpec
+    columns: Mapping[str, NDArray[Any]]
+    store: Path | None = None
+
+    @cached_property
+    def metrics(self) -> tuple[str, ...]:
+        """Names of the columns that have the numbers of the metrics."""
+        return tuple(name for name in self.columns if name not in self.spec._taken)
+
+    @cached_property
+    def failed(self) -> NDArray[np.bool_]:
+        """The rows of runs that failed."""
+        return np.array([error is not None for error in self.columns["error"]], bool)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if not isinstance(name, str) or name not in self.columns:
+            hint = suggestion(name, self.columns) if isinstance(name, str) else ""
+            raise KeyError(f"a campaign has no column {quoted(name)}{hint}")
+        return self.columns[name]
+
+    def __len__(self) -> int:
+        return len(self.columns["run"])
+
+    @property
+    def checksum(self) -> str:
+        """SHA-256 of all numbers with the names of their columns; the same for the same numbers.
+
+        Times and texts of errors are no part of it; a run that failed is.
+        """
+        content = hashlib.sha256(self.failed.tobytes())
+        for name in sorted(self.metrics):
+            numbers = self.columns[name]
+            content.update(name.encode())
+            content.update(np.where(np.isnan(numbers), np.nan, numbers).astype("<f8").tobytes())
+        return content.hexdigest()
+
+    @property
+    def title(self) -> str:
+        """How many runs of what."""
+        cases, spec = len(self.spec.cases), self.spec
+        return f"Campaign of {cases} x {spec.runs} runs of {spec.steps} steps"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Runs, those that failed, the time they took."""
+        failed = int(self.failed.sum())
+        return (
+            Quantity("cases", "cases", len(self.spec.cases)),
+            Quantity("runs", "runs", len(self)),
+            Quantity("failed", "failed", failed, format=lambda n: count(n, len(self))),
+            Quantity("seconds", "time of all runs", float(self.columns["seconds"].sum()), "s"),
+        )
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """The means of the first metrics, if there are not many cases."""
+        if len(self.spec.cases) > _MOST_CASES:
+            return ()
+        return self.summary().tables[:_MOST_METRICS]
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is not shown, and the first error."""
+        is_all = len(self.spec.cases) <= _MOST_CASES and len(self.metrics) <= _MOST_METRICS
+        more = () if is_all else ("summary() has the means of all metrics and cases",)
+        if not self.failed.any():
+            return more
+        return *more, f"the first run that failed: {self._first_error}"
+
+    @property
+    def _first_error(self) -> str:
+        """The error of the first run that failed, with its place; empty if none did."""
+        if not self.failed.any():
+            return ""
+        row = int(np.argmax(self.failed))
+        case = self.spec.cases[self.columns["case_id"][row]]
+        line = self.columns["line"][row]
+        place = f" ({line})" if line else ""
+        run = f"run {self.columns['run'][row]} of {case}"
+        return f"{run}: {self.columns['error'][row]}{place}"
+
+    def summary(
+        self,
+        by: str | Iterable[str] | None = None,
+        *,
+        metrics: str | Iterable[str] | None = None,
+        level: float = 0.95,
+    ) -> CampaignSummary:
+        """Return means with their intervals, and differences of paired runs.
+
+        Parameters
+        ----------
+        by : str or iterable of str, optional
+            The options whose values are compared; over the others is averaged. Default: all that
+            have more than one value.
+        metrics : str or iterable of str, optional
+            Columns, as in `metrics`. Default: all.
+        level : float
+            Level of confidence of the intervals, within 0..1.
+
+        Returns
+        -------
+        CampaignSummary
+            For each metric the mean of each group with its interval; the difference to the first
+            group, run by run, with its interval, and how many runs more decide whether it is one.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such option or metric, or `level` is out of range.
+        """
+        options = self.spec.vary
+        several = tuple(name for name, choices in options.items() if len(choices) > 1)
+        names = several if by is None else _names("by", by, options)
+        columns = self.metrics if metrics is None else _names("metrics", metrics, self.metrics)
+        check_float("level", level, exclusive_minimum=0, maximum=1 - 1e-9)
+        groups: dict[tuple[Any, ...], list[Floats]] = {}
+        table = self._numbers(columns)
+        for case in self.spec.cases:
+            group = tuple(case.labels[name] for name in names)
+            groups.setdefault(group, []).append(table[case.index])
+        return summary_of(
+            np.array([np.mean(cases, axis=0) for cases in groups.values()]),
+            by=names,
+            groups=[", ".join(map(str, group)) or "all" for group in groups],
+            metrics=columns,
+            level=level,
+            failed=int(self.failed.sum()),
+            first_error=self._first_error,
+        )
+
+    def _numbers(self, metrics: tuple[str, ...]) -> Floats:
+        """Return the numbers of M metrics, (cases, runs, M)."""
+        shape = len(self.spec.cases), self.spec.runs
+        if not metrics:
+            return np.empty((*shape, 0))
+        return np.stack([self.columns[name].reshape(shape) for name in metrics], axis=-1)
+
+    def trace(self, case: int | Mapping[str, Any], run: int) -> Trace:
+        """Return the trace of a run: that in the store, else the run is done again.
+
+        Parameters
+        ----------
+        case : int or mapping of str to label
+            The case: its number from 0, or the labels of its options, such as
+            ``{"estimate_state": "EKF"}``; an option with one value can be left out.
+        run : int
+            Number of the run, from 0.
+
+        Returns
+        -------
+        Trace
+            That of the campaign, unless a callback depends on more than the run.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such case or run.
+        OSError
+            If the store cannot be read.
+        Exception
+            What the run raised, if it failed.
+        """
+        chosen = self._case(case)
+        check_int("run", run, minimum=0, maximum=self.spec.runs - 1)
+        if self.store is not None:
+            kept = trace_in_store(self.store, self._description, chosen.index, int(run))
+            if kept is not None:
+                return kept
+        return CaseRuns(self.spec, chosen).trace(int(run))
+
+    @cached_property
+    def _description(self) -> dict[str, Any]:
+        return description_of(self.spec)
+
+    def _case(self, case: Any) -> Case:
+        cases = self.spec.cases
+        if is_int(case):
+            return cases[check_int("case", case, minimum=0, maximum=len(cases) - 1)]
+        if not isinstance(case, Mapping):
+            raise TypeError(
+                f"case must be a number or the labels of its options, got {quoted(case)}"
+            )
+        fitting = [one for one in cases if all(one.labels.get(name) == case[name] for name in case)]
+        if len(fitting) != 1:
+            raise ValueError(
+                f"case must be that of one of {len(cases)} cases, got {quoted(dict(case))}, which "
+                f"fits {len(fitting)}"
+            )
+        return fitting[0]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the rows as a data frame, with a column for each of `columns`.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        frame: pandas.DataFrame = import_pandas().DataFrame(dict(self.columns))
+        return frame
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write the rows as CSV; what is not known stays empty.
+
+        A text that a spreadsheet would take for a formula gets a ' before it.
+
+        Parameters
+        ----------
+        path : path
+            The file to write.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; an old file of that name is unchanged then.
+        """
+        columns = {name: values.tolist() for name, values in self.columns.items()}
+        write_csv(as_path(path), columns)
+
+    def to_parquet(self, path: str | PathLike[str]) -> None:
+        """Write the rows as a Parquet file; what is not known is null.
+
+        Parameters
+        ----------
+        path : path
+            The file to write.
+
+        Raises
+        ------
+        ImportError
+            If pyarrow is not installed.
+        OSError
+            If it cannot be written; an old file of that name is unchanged then.
+        """
+        write_parquet(path, self.columns)
+
+    def to_npz(self, folder: str | PathLike[str]) -> None:
+        """Write a file for each case into a folder: ``case_000.npz`` and so on.
+
+        ``numpy.load`` reads them, without pickle. A file has an array for each of `columns`: with a
+        number for each run, and one label for each option. Texts of runs that did not fail are "".
+
+        Parameters
+        ----------
+        folder : path
+            The folder; it is made, or is empty.
+
+        Raises
+        ------
+        FileExistsError, NotADirectoryError
+            If there is something in it, or it is a file.
+        OSError
+            If they cannot be written; nothing is left of them then.
+        """
+        write_npz(folder, self.columns, tuple(self.spec.vary))
+
+
+def _names(argument: str, given: Any, known: Collection[str]) -> tuple[str, ...]:
+    """Return names, after a check that they are known."""
+    names = (given,) if isinstance(given, str) else given
+    if not isinstance(names, Iterable):
+        raise TypeError(f"{argument} must be names, got {quoted(given)}")
+    names = tuple(names)
+    for name in names:
+        if not isinstance(name, str):
+            raise TypeError(f"{argument} must be names, got {quoted(name)}")
+        if name not in known:
+            hint = suggestion(name, known) or f": there are {listed(known) or 'none'}"
+            raise ValueError(f"{argument} has no {quoted(name)}{hint}")
+    return names
+
+
+def result_of(
+    spec: CampaignSpec, stored: Mapping[str, NDArray[Any]], file: Path | None
+) -> CampaignResult:
+    """Return the result of columns as a store, or a file of one, has them."""
+    case_ids = stored["case_id"]
+    options = {
+        name: _labels(list(choices))[_places(spec, name)][case_ids]
+        for name, choices in spec.vary.items()
+    }
+    # In the order of the metrics, whatever came first.
+    order = list(spec.metrics)
+    numbers = sorted(
+        (name for name in stored if name not in ROW_COLUMNS), key=lambda name: _place(name, order)
+    )
+    names = ("case_id", "run", *numbers, "error", "line", "seconds")
+    columns = {name: stored[name] for name in names}
+    first = {name: columns.pop(name) for name in ("case_id", "run")}
+    columns = first | options | columns
+    for column in columns.values():
+        column.setflags(write=False)
+    return CampaignResult(spec=spec, columns=columns, store=file and file.absolute())
+
+
+def _labels(labels: list[Any]) -> NDArray[Any]:
+    """Return labels as numbers, if all are, else as texts."""
+    are_numbers = not any(isinstance(label, str) for label in labels)
+    return np.array(labels if are_numbers else list(map(str, labels)))
+
+
+def _places(spec: CampaignSpec, name: str) -> NDArray[np.int64]:
+    """Return the place that the label of each case has among those of its option."""
+    places = {label: place for place, label in enumerate(spec.vary[name])}
+    return np.array([places[case.labels[name]] for case in spec.cases])
+
+
+def _place(column: str, metrics: list[str]) -> int:
+    """Return which metric a column is of: that of the longest name that it begins with."""
+    fitting = [name for name in metrics if column == name or column.startswith(f"{name}_")]
+    return metrics.index(max(fitting, key=len))

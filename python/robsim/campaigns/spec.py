@@ -1,0 +1,166 @@
+"""`CampaignSpec`: all that says what the numbers of a campaign are, as one value."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from robsim.base.checks import check_choice, check_float, check_int
+from robsim.base.seeds import Seed, seed_sequence, seed_value
+from robsim.base.text import quoted
+from robsim.campaigns._metrics import Metric, metrics_value
+from robsim.campaigns.choices import Choice, Label, options_value, scenario_of
+from robsim.simulation import Scenario
+from robsim.simulation.options import step_count
+
+_MOST_RUNS = 10**7
+_MOST_CASES = 10**5
+
+#: Columns of the rows that are neither an option nor a number of a metric.
+ROW_COLUMNS = ("case_id", "run", "error", "line", "seconds")
+
+
+@dataclass(frozen=True)
+class Case:
+    """One of the combinations of options.
+
+    Attributes
+    ----------
+    index : int
+        Its place in the product of the options, the last of which changes first.
+    labels : dict
+        Option to the label of its value.
+    """
+
+    index: int
+    labels: Mapping[str, Label]
+
+    def __str__(self) -> str:
+        return ", ".join(f"{name}={label}" for name, label in self.labels.items()) or "the scenario"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignSpec:
+    """All that says what the numbers of a campaign are.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        What the runs have in common; its seed is not used.
+    vary : dict
+        Option to its choices by label; the cases are their product.
+    metrics : dict
+        Functions of the trace, by name.
+    runs, steps : int
+        Runs of each case; steps of each run.
+    seed : int or SeedRecord
+        What the seeds of the runs come from, see `seed_of`.
+    time_limit : float or None
+        Maximum duration of a call of a callback (s).
+    keep : str
+        What is kept of each run: ``"numbers"``, or its trace, too: ``"traces"``.
+    given : str
+        What callbacks may look at: ``"all"``, or no more than where they are graded, ``"frames"``,
+        ``"blobs"``, ``"pose"``.
+    """
+
+    scenario: Scenario | None = None
+    vary: Any = None
+    metrics: Any
+    runs: int
+    steps: int
+    seed: Seed = None
+    time_limit: float | None = None
+    keep: str = "numbers"
+    given: str = "all"
+    _is_unseeded: bool = field(default=False, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        scenario = Scenario() if self.scenario is None else self.scenario
+        if not isinstance(scenario, Scenario):
+            raise TypeError(f"scenario must be a robsim.Scenario, got {quoted(scenario)}")
+        seed = scenario.seed if self.seed is None else self.seed
+        object.__setattr__(self, "_is_unseeded", seed is None)
+        if self.time_limit is not None:
+            check_float("time_limit", self.time_limit, "s", exclusive_minimum=0)
+        check_choice("keep", self.keep, ("numbers", "traces"))
+        check_choice("given", self.given, ("all", "frames", "blobs", "pose"))
+        for name, value in {
+            "scenario": scenario.replace(seed=None),
+            "vary": options_value(self.vary),
+            "metrics": metrics_value(self.metrics),
+            "runs": check_int("runs", self.runs, minimum=1, maximum=_MOST_RUNS),
+            "steps": step_count(self.steps),
+            "seed": seed_value(seed_sequence(seed)),
+        }.items():
+            object.__setattr__(self, name, value)
+        n_cases = np.prod([len(choices) for choices in self.vary.values()], dtype=object)
+        if n_cases > _MOST_CASES:
+            raise ValueError(f"vary must have at most {_MOST_CASES} combinations, got {n_cases}")
+        if self.steps < 1:
+            raise ValueError("steps must be at least 1, got 0")
+        for case in self.cases:
+            self._scenario_of(case)  # which says what does not fit together
+
+    @cached_property
+    def cases(self) -> tuple[Case, ...]:
+        """The product of the options, the last of which changes first."""
+        products = itertools.product(*self.vary.values())
+        return tuple(
+            Case(index, dict(zip(self.vary, labels, strict=True)))
+            for index, labels in enumerate(products)
+        )
+
+    @cached_property
+    def _taken(self) -> frozenset[str]:
+        """The names of columns that no metric may have."""
+        return frozenset((*ROW_COLUMNS, *self.vary))
+
+    def _chosen(self, case: Case) -> dict[str, Choice]:
+        return {name: self.vary[name][label] for name, label in case.labels.items()}
+
+    def _scenario_of(self, case: Case) -> Scenario:
+        """Return the scenario of a case, without a seed."""
+        assert self.scenario is not None
+        try:
+            return scenario_of(self.scenario, self._chosen(case))
+        except (TypeError, ValueError) as error:
+            error.add_note(f"vary: in the case {case}")
+            raise
+
+    def seed_of(self, run: int) -> np.random.SeedSequence:
+        """Return the seed of a run: the same in every case, whatever the number of runs is.
+
+        Parameters
+        ----------
+        run : int
+            Number of the run, from 0.
+
+        Returns
+        -------
+        SeedSequence
+            ``SeedSequence(entropy, spawn_key=(*spawn_key, run))``, those of `seed`.
+        """
+        root = seed_sequence(self.seed)
+        check_int("run", run, minimum=0, maximum=_MOST_RUNS - 1)
+        return np.random.SeedSequence(root.entropy, spawn_key=(*root.spawn_key, run))
+
+    def _with_seed(self, seed: Seed) -> CampaignSpec:
+        return replace(self, seed=seed)
+
+    @property
+    def _functions(self) -> dict[str, Metric]:
+        """The metrics by name."""
+        functions: dict[str, Metric] = self.metrics
+        return functions
+
+    def __repr__(self) -> str:
+        return (
+            f"<CampaignSpec: {len(self.cases)} cases x {self.runs} runs of {self.steps} steps, "
+            f"metrics {', '.join(self.metrics)}>"
+        )

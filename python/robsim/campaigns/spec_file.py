@@ -1,0 +1,159 @@
+"""Campaigns as TOML files, for the command line."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from robsim.base.files import as_path, parse_toml, read_text
+from robsim.base.spelling import check_names
+from robsim.base.text import one_line, quoted
+from robsim.campaigns._metrics import score_value
+from robsim.campaigns.choices import FOLDER
+from robsim.campaigns.spec import CampaignSpec
+from robsim.simulation import Scenario
+from robsim.simulation.options import KINDS
+from robsim.simulation.scenario import OPTIONS
+from robsim.simulation.scenario_file import MOST_BYTES, options_of, read_option
+from robsim.simulation.slots import SLOTS
+
+EXAMPLE = """\
+# A campaign of robsim: run it with robsim campaign FILE.
+runs = 20 # of each combination of what [vary] has
+steps = 50 # of each run
+seed = 1 # run i has the same seed in every case
+metrics = ["tracking"] # or "mine:final": the function final(trace) in mine.py beside this file
+# or { kind = "score_path", waypoints = [[300, 300], [600, 300]] } # or score_pose, with pose
+# keep = "traces" # with --store: not only the numbers of each run
+
+# What the runs have in common, as in a file of robsim run --scenario; or scenario = "FILE".
+[scenario]
+resolution = [480, 480] # px
+start = "random"
+measure = true
+
+[scenario.control]
+kind = "DriveAround"
+
+# Options and their values: a list, or a table of label = value. All combinations are run.
+# The value of a slot, such as control, may be a folder with a file for it: control = ["mine"].
+[vary]
+camera_delay = [0, 1]
+
+[vary.noise]
+0 = "none"
+10 = { kind = "GaussianNoise", percent = 10 }
+20 = { kind = "GaussianNoise", percent = 20 }
+"""
+
+_KEYS = ("runs", "steps", "seed", "metrics", "time_limit", "keep", "scenario", "vary")
+_NONE = "none"  # TOML has no None
+
+
+def load_spec(path: str | PathLike[str], *, runs: int | None = None) -> CampaignSpec:
+    """Read a campaign from a file; paths in it are relative to its folder.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file, see `EXAMPLE`. Functions and folders that it names are Python code, and run.
+    runs : int, optional
+        Number of runs, in place of that in the file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is not TOML, or something in it is missing, unknown or wrong.
+    """
+    file = as_path(path)
+    text = read_text(file, MOST_BYTES)
+    try:
+        values = parse_toml(text)
+        check_names("a campaign has no", values, _KEYS, ValueError)
+        if runs is not None:
+            values["runs"] = runs
+        if missing := [name for name in ("runs", "steps", "metrics") if name not in values]:
+            raise ValueError(f"{missing[0]} is missing")
+        folder = file.absolute().parent
+        values["metrics"] = [_metric(one, folder) for one in _as_list(values["metrics"])]
+        values["scenario"] = _scenario(values.get("scenario", {}), folder)
+        values["vary"] = _vary(values.get("vary", {}), folder)
+        return CampaignSpec(**values)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ValueError(f"campaign file {one_line(path)}: {error}") from error
+
+
+def _as_list(value: Any) -> list[Any]:
+    return value if isinstance(value, list) else [value]
+
+
+def _metric(name: Any, folder: Path) -> Any:
+    """Return a metric: its name, the function of ``"module:function"``, a score of a table."""
+    if isinstance(name, dict):
+        if not isinstance(kind := name.get("kind"), str):
+            raise ValueError(
+                f"metrics: a table must have a kind, such as 'score_path', got {quoted(name)}"
+            )
+        return score_value(kind, {key: value for key, value in name.items() if key != "kind"})
+    if not isinstance(name, str) or ":" not in name:
+        return name
+    module, _, function = name.partition(":")
+    # Other processes are told this path, too.
+    if str(folder) not in sys.path:
+        sys.path.insert(0, str(folder))
+    try:
+        return getattr(importlib.import_module(module), function)
+    except (ImportError, AttributeError) as error:
+        raise ValueError(f"metrics: there is no {quoted(name)}: {error}") from error
+
+
+def _scenario(value: Any, folder: Path) -> Scenario:
+    if isinstance(value, str):
+        return Scenario.load(folder / value)
+    if not isinstance(value, dict):
+        raise TypeError(f"scenario must be a table or a file, got {quoted(value)}")
+    return Scenario(**options_of(value, OPTIONS))
+
+
+def _vary(tables: Any, folder: Path) -> dict[str, Any]:
+    if not isinstance(tables, dict):
+        raise TypeError(f"vary must be a table, got {quoted(tables)}")
+    return {name: _values(name, values, folder) for name, values in tables.items()}
+
+
+def _values(name: str, values: Any, folder: Path) -> Any:
+    if isinstance(values, dict):
+        labels = _labels(values)
+        return {
+            label: _value(name, value, folder)
+            for label, value in zip(labels, values.values(), strict=True)
+        }
+    if not isinstance(values, list):
+        raise TypeError(
+            f"vary: {name} must be a list of values, or a table of labels, got {quoted(values)}"
+        )
+    return [_value(name, value, folder) for value in values]
+
+
+def _labels(values: Mapping[str, Any]) -> list[Any]:
+    """Return the labels of a table: as numbers, if all are."""
+    for kind in (int, float):
+        try:
+            return [kind(label) for label in values]
+        except ValueError:
+            pass
+    return list(values)
+
+
+def _value(name: str, value: Any, folder: Path) -> Any:
+    if name == FOLDER or (name in SLOTS and isinstance(value, str) and value != _NONE):
+        return folder / value if isinstance(value, str) else value
+    if value == _NONE and (name in KINDS or name in SLOTS):
+        return None
+    return read_option(name, value) if name in OPTIONS else value

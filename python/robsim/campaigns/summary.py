@@ -1,0 +1,255 @@
+"""Means over the runs of a campaign with their intervals, and differences of paired runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robsim.base.checks import Floats
+from robsim.base.report import Column, Report, Row, Table
+from robsim.base.report.as_data import import_pandas
+from robsim.base.report.numbers import percent
+
+if TYPE_CHECKING:
+    import pandas
+
+_COLUMNS = (
+    *("n", "mean", "half_width", "sd"),
+    *("n_pairs", "difference", "difference_half_width", "more_runs"),
+)
+_WIDEST = 12  # label of a group, in letters, that stands at the head of a column
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CampaignSummary(Report):
+    """Means over the runs of each group of cases, and their differences to the first group.
+
+    A run counts where the number is known in all cases of the group; these are averaged first, so
+    that there is one number for each run, and the runs are independent.
+
+    Attributes
+    ----------
+    by : tuple of str
+        The options that make the groups.
+    groups : tuple of str
+        The groups; the differences are those to the first.
+    metrics : tuple of str
+        The M columns.
+    n : array (G, M) of int
+        Number of runs.
+    mean, sd : array (G, M)
+        Mean and standard deviation over the runs.
+    half_width : array (G, M)
+        Half width of the confidence interval of the mean.
+    n_pairs : array (G, M) of int
+        Number of runs that are known in the group and in the first one.
+    difference, difference_half_width : array (G, M)
+        Mean of the group minus the first one, run by run, and half the width of its confidence
+        interval.
+    more_runs : array (G, M)
+        How many runs more let the interval exclude 0, if mean and spread of the differences stay
+        what they are; 0 = it does, NaN = not known, inf = there is no difference.
+    level : float
+        Level of confidence of all intervals.
+    failed : int
+        Number of runs that failed.
+    first_error : str
+        The error of the first of them, with its run and case.
+
+    Notes
+    -----
+    The intervals are those of Student's t for the mean of independent numbers: for a mean over
+    dozens of runs, and of numbers without far outliers. Those of differences are narrower than the
+    means' own suggest, as the runs of all cases have the same seeds. They hold for one comparison:
+    of twenty, one is expected beside its interval of 95 %; and who goes on until an interval
+    excludes 0 finds a difference where there is none.
+    """
+
+    by: tuple[str, ...]
+    groups: tuple[str, ...]
+    metrics: tuple[str, ...]
+    n: Floats
+    mean: Floats
+    sd: Floats
+    half_width: Floats
+    n_pairs: Floats
+    difference: Floats
+    difference_half_width: Floats
+    more_runs: Floats
+    level: float
+    failed: int = 0
+    first_error: str = ""
+
+    @property
+    def title(self) -> str:
+        """What was summarized."""
+        return f"Means by {', '.join(self.by)}" if self.by else "Means over all cases"
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """A table for each metric."""
+        return tuple(self._table(index) for index in range(len(self.metrics)))
+
+    def _table(self, index: int) -> Table:
+        text = percent(self.level, 0)
+        columns = [
+            Column("mean", "mean", ""),
+            Column("half_width", f"+- ({text})", "", ".2g"),
+            Column("sd", "sd", "", ".3g"),
+            Column("runs", "runs", ""),
+        ]
+        if len(self.groups) > 1:
+            columns += [
+                Column("difference", f"minus {self._first}", "", ".3g"),
+                Column("difference_half_width", f"+- ({text})", "", ".2g"),
+                Column("more_runs", "runs more", "", _runs),
+            ]
+        rows = [
+            Row(group, self._values(g, index)[: len(columns)])
+            for g, group in enumerate(self.groups)
+        ]
+        name = self.metrics[index]
+        return Table(key=name, columns=columns, rows=rows, row_title=name)
+
+    @property
+    def _first(self) -> str:
+        return self.groups[0] if len(self.groups[0]) <= _WIDEST else "the first"
+
+    def _values(self, group: int, index: int) -> list[object]:
+        at = group, index
+        values: list[object] = [
+            float(self.mean[at]),
+            float(self.half_width[at]),
+            float(self.sd[at]),
+            int(self.n[at]),
+        ]
+        if not group:
+            return [*values, None, None, None]
+        return [
+            *values,
+            float(self.difference[at]),
+            float(self.difference_half_width[at]),
+            float(self.more_runs[at]),
+        ]
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is compared, and what is missing."""
+        remarks = []
+        if len(self.groups) > 1 and self.metrics:
+            remarks.append("differences are those of runs with the same seed")
+            remarks.append(
+                "runs more: how many more let the interval of the difference exclude 0, if mean "
+                "and spread stay what they are; decided: it does"
+            )
+        if self.failed:
+            one = self.failed == 1
+            runs = "1 run failed and counts" if one else f"{self.failed} runs failed and count"
+            remarks.append(f"{runs} only where numbers are known; the first: {self.first_error}")
+        return tuple(remarks)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return a data frame with a row for each metric and group.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        pd = import_pandas()
+        index = pd.MultiIndex.from_product([self.metrics, self.groups], names=["metric", "group"])
+        columns = {name: getattr(self, name).T.ravel() for name in _COLUMNS}
+        frame: pandas.DataFrame = pd.DataFrame(columns, index=index)
+        return frame
+
+
+def _runs(count: float) -> str:
+    if math.isinf(count):
+        return "no difference"
+    return f"{count:.0f}" if count else "decided"
+
+
+def summary_of(
+    values: Floats,
+    *,
+    by: Sequence[str],
+    groups: Sequence[str],
+    metrics: Sequence[str],
+    level: float,
+    failed: int,
+    first_error: str = "",
+) -> CampaignSummary:
+    """Return the summary of numbers.
+
+    Parameters
+    ----------
+    values : array (G, R, M)
+        M numbers of R runs of G groups; NaN = not known.
+    by, groups, metrics : sequence of str
+        The options, the names of the groups, and the names of the numbers.
+    level : float
+        Level of confidence.
+    failed : int
+        Number of runs that failed.
+    first_error : str
+        The error of the first of them.
+    """
+    n, mean, sd, half_width = _statistics(values, level)
+    with np.errstate(invalid="ignore"):  # inf - inf
+        pairs = values - values[:1]
+    n_pairs, difference, spread, difference_half_width = _statistics(pairs, level)
+    return CampaignSummary(
+        by=tuple(by),
+        groups=tuple(groups),
+        metrics=tuple(metrics),
+        n=n,
+        mean=mean,
+        sd=sd,
+        half_width=half_width,
+        n_pairs=n_pairs,
+        difference=difference,
+        difference_half_width=difference_half_width,
+        more_runs=_more_runs(n_pairs, difference, spread, level),
+        level=level,
+        failed=failed,
+        first_error=first_error,
+    )
+
+
+def _statistics(values: Floats, level: float) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return number, mean, standard deviation, and half the interval of the mean over the runs."""
+    known = ~np.isnan(values)
+    n = np.count_nonzero(known, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = np.sum(values, axis=1, where=known) / n
+        squares = np.sum(np.square(values - mean[:, np.newaxis]), axis=1, where=known)
+        sd = np.sqrt(squares / np.where(n > 1, n - 1, np.nan))
+        # half width = t(n - 1) sd / sqrt(n)
+        half_width = _student(level, n) * sd / np.sqrt(n)
+    return np.asarray(n), mean, sd, half_width
+
+
+def _student(level: float, n: Floats) -> Floats:
+    from scipy.special import stdtrit
+
+    quantiles: Floats = stdtrit(np.maximum(n - 1, 1), (1 + level) / 2)
+    return quantiles
+
+
+def _more_runs(n: Floats, difference: Floats, sd: Floats, level: float) -> Floats:
+    """Return how many runs more are needed, so that |difference| > t(n - 1) sd / sqrt(n)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.square(sd / difference)
+    needed = np.where(np.isnan(sd), np.nan, np.where(difference == 0, np.inf, 2.0))
+    is_open = np.isfinite(ratio) & np.isfinite(needed)
+    for _ in range(50):  # t depends on n; it settles in a few turns
+        needed[is_open] = np.maximum(
+            np.floor(np.square(_student(level, needed[is_open])) * ratio[is_open]) + 1, 2
+        )
+    more = np.maximum(needed - n, 0.0)
+    is_decided = np.abs(difference) > _student(level, n) * sd / np.sqrt(np.maximum(n, 1))
+    return np.where(np.isfinite(needed) & is_decided, 0.0, more)

@@ -1,0 +1,43 @@
+"""The controllers by name, as the command line offers them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from robsim._core import DriveAround, Spin, Step
+from robsim.control.excitation import Chirp, MultiSine, PseudoRandomBinary
+from robsim.control.path_following import FollowPath, GoToPoint
+
+Point = tuple[float, float]
+Control = Callable[[Step], Any]
+
+_OPEN_LOOP: dict[str, Callable[[], Control]] = {
+    "spin": Spin,
+    "drive-around": DriveAround,
+    "pseudo-random-binary": PseudoRandomBinary,
+    "multi-sine": MultiSine,
+    "chirp": Chirp,
+}
+_TO_POINTS: dict[str, Callable[[Sequence[Point]], Control]] = {
+    "go-to-point": lambda points: GoToPoint(*points[0]),
+    "follow-path": FollowPath,
+}
+
+NAMES = (*_OPEN_LOOP, *_TO_POINTS)
+
+#: How many points a controller needs; None = one or more. They all need the robot's pose.
+POINTS: dict[str, int | None] = {"go-to-point": 1, "follow-path": None}
+
+
+def controller_named(name: str, points: Sequence[Point] = ()) -> Control:
+    """Return a controller with its default options.
+
+    Parameters
+    ----------
+    name : str
+        One of `NAMES`.
+    points : sequence of (x, y)
+        Where it drives (px), for those of `POINTS`.
+    """
+    return _TO_POINTS[name](points) if name in _TO_POINTS else _OPEN_LOOP[name]()

@@ -1,0 +1,175 @@
+"""The cross-track error and the progress of a driven path, for users who compare controllers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim.base.checks import Floats, check_float
+from robsim.base.report import Quantity, Report
+from robsim.control.waypoints import as_waypoints, nearest_on_segment
+from robsim.trace import Trace
+from robsim.trace.columns import POSES
+from robsim.trace.trace import check_trace
+from robsim.trace.units import length_format
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathScore(Report):
+    """How well a robot followed a path: the result of `score_path`.
+
+    Attributes
+    ----------
+    source : str
+        The path that was scored: ``"truth"``, or ``"measurement"`` where the truth is not known.
+    waypoints : int
+        Number of waypoints.
+    reached : int
+        Number of waypoints that were reached, in their order.
+    completed_step : int or None
+        The step at which the last waypoint was reached; None = it was not.
+    rmse, max_error : float
+        Root mean square and maximum of the cross-track error (in `unit`).
+    final_distance : float
+        Distance from the last waypoint at the end of the run (in `unit`).
+    effort : float
+        Root mean square of the voltages of both motors (V); NaN = not known.
+    unit : str
+        The unit of lengths: that of the trace.
+    """
+
+    source: str
+    waypoints: int
+    reached: int
+    completed_step: int | None
+    rmse: float
+    max_error: float
+    final_distance: float
+    effort: float
+    unit: str = "px"
+
+    @property
+    def title(self) -> str:
+        """What was scored."""
+        return "Path through the waypoints"
+
+    @property
+    def verdict(self) -> str:
+        """Return ``"completed"`` or ``"incomplete"``."""
+        return "incomplete" if self.completed_step is None else "completed"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Waypoints, cross-track error and effort."""
+        unit, length = self.unit, length_format(self.unit, 1)
+        final = "distance from the last one at the end"
+        return (
+            Quantity("waypoints", "waypoints", self.waypoints),
+            Quantity("reached", "reached", self.reached),
+            Quantity("completed_step", "reached the last one at step", self.completed_step),
+            Quantity("rmse", "cross-track error, rmse", self.rmse, unit, length),
+            Quantity("max_error", "cross-track error, maximum", self.max_error, unit, length),
+            Quantity("final_distance", final, self.final_distance, unit, length),
+            Quantity("effort", "rms voltage", self.effort, "V", ".2f"),
+            Quantity("source", "poses from", self.source),
+        )
+
+
+def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 25.0) -> PathScore:
+    """Score a run against the path from its first pose through the waypoints.
+
+    Parameters
+    ----------
+    trace : Trace
+        The run; its true path is scored, or the measured one if it has no truth.
+    waypoints : array (N, 2)
+        Positions (x, y) in work-area px, as the controller has them, in the order in which they
+        are to be reached.
+    waypoint_radius : float
+        Distance at which a waypoint counts as reached (work-area px).
+
+    Returns
+    -------
+    PathScore
+        Cross-track error, waypoints reached, effort.
+
+    Raises
+    ------
+    NotRecordedError
+        If the trace has neither true nor measured poses.
+    TypeError, ValueError
+        If an argument has the wrong type or shape.
+
+    Notes
+    -----
+    The path is p(0) -> p(1) -> ... -> p(N), from the first pose through the waypoints. With j
+    waypoints reached at step k, only the segment p(j) -> p(j+1) counts; after the last waypoint it
+    is the point p(N):
+
+        error(k) = distance of (x(k), y(k)) from the nearest point of p(j) -> p(j+1)
+
+    The other segments do not count, so a short cut to a later one is an error. There is one
+    exception, since a waypoint counts as reached before the robot is there: as long as the robot
+    is within `waypoint_radius` of p(j), the segment p(j-1) -> p(j) counts, too; and so on backwards
+    where waypoints lie close together.
+    """
+    check_trace(trace)
+    px = trace.info.px_length
+    points = as_waypoints(waypoints) * px
+    radius = check_float("waypoint_radius", waypoint_radius, "px", minimum=0) * px
+    source, poses = known_poses(trace)
+    rows = np.flatnonzero(np.isfinite(poses[:, :2]).all(axis=1))
+    if not len(rows):
+        trace.require(POSES[source])
+    positions = poses[rows, :2]
+    errors, reached_rows = _cross_track_errors(positions, points, radius)
+    is_completed = len(reached_rows) == len(points)
+    return PathScore(
+        source=source,
+        waypoints=len(points),
+        reached=len(reached_rows),
+        completed_step=int(trace.k[rows[reached_rows[-1]]]) if is_completed else None,
+        rmse=float(np.sqrt(np.mean(np.square(errors)))),
+        max_error=float(errors.max()),
+        final_distance=float(np.hypot(*(positions[-1] - points[-1]))),
+        effort=rms_voltage(trace),
+        unit=trace.info.unit,
+    )
+
+
+def rms_voltage(trace: Trace) -> float:
+    """Return the root mean square of the voltages of both motors (V); NaN = not known."""
+    voltages = trace.u[np.isfinite(trace.u)]
+    return float(np.sqrt(np.mean(np.square(voltages)))) if len(voltages) else math.nan
+
+
+def known_poses(trace: Trace) -> tuple[str, Floats]:
+    """Return where the poses are from, and the poses: the true ones if there are any."""
+    source = "truth" if np.isfinite(trace.pose_true[:, :2]).any() else "measurement"
+    return source, trace.poses_from(source)
+
+
+def _cross_track_errors(
+    positions: Floats, points: Floats, radius: float
+) -> tuple[Floats, list[int]]:
+    """Return the error at each position, and the rows in which the waypoints were reached."""
+    path = np.vstack((positions[:1], points, points[-1:]))
+    errors = np.empty(len(positions))
+    reached_rows: list[int] = []
+    for row, position in enumerate(positions):
+        j = len(reached_rows)
+        while j < len(points) and math.dist(position, points[j]) <= radius:
+            reached_rows.append(row)
+            j += 1
+        errors[row] = _distance(position, path[j : j + 2])
+        while j > 0 and math.dist(position, path[j]) <= radius:
+            j -= 1
+            errors[row] = min(errors[row], _distance(position, path[j : j + 2]))
+    return errors, reached_rows
+
+
+def _distance(position: Floats, segment: Floats) -> float:
+    return math.dist(position, nearest_on_segment(position, segment[0], segment[1]))

@@ -1,0 +1,11 @@
+"""Estimates: of parameters, and how good estimates are; reference filters to compare with."""
+
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+
+from robsim.base.late import late_names as _late_names
+
+if _TYPE_CHECKING:
+    from robsim.estimation.evaluation import *
+    from robsim.estimation.identification import *
+
+__getattr__, __dir__ = _late_names(__name__, ("identification", "evaluation"), apart=("reference",))

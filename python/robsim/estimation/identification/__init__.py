@@ -1,0 +1,35 @@
+"""Parameter estimation: recursive and batch estimates, identifiability and convergence."""
+
+from robsim._core import LeastSquaresFit, RecursiveLeastSquares, Sample, least_squares, regression
+from robsim.base.public import present as _present
+from robsim.estimation.identification._identifiability import Identifiability, identifiability
+from robsim.estimation.identification._regression import Regression, regression_of
+from robsim.estimation.identification.batch import BatchEstimate, batch_estimate
+from robsim.estimation.identification.convergence import (
+    ConvergenceReport,
+    convergence_time,
+    parameter_convergence,
+)
+from robsim.estimation.identification.fits import ModelFit, instrumental_variables, output_error
+
+__all__ = [
+    "BatchEstimate",
+    "ConvergenceReport",
+    "Identifiability",
+    "LeastSquaresFit",
+    "ModelFit",
+    "RecursiveLeastSquares",
+    "Regression",
+    "Sample",
+    "batch_estimate",
+    "convergence_time",
+    "identifiability",
+    "instrumental_variables",
+    "least_squares",
+    "output_error",
+    "parameter_convergence",
+    "regression",
+    "regression_of",
+]
+
+_present(globals())

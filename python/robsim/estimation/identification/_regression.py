@@ -1,0 +1,156 @@
+"""The regression samples of a recorded run, which the batch estimates are computed from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._core import check_mean_interval, model_steps, regression
+from robsim.base.checks import Floats, check_choice
+from robsim.trace import Trace
+from robsim.trace.columns import POSES
+from robsim.trace.input_delay import check_delay, delayed
+from robsim.trace.trace import Bools, check_trace, longest_run
+
+SELECTIONS = ("valid", "longest", "all")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Regression:
+    """Samples of the robot model's predictor: y = sum(phi * theta, axis=2).
+
+    Attributes
+    ----------
+    phi : array (N, 3, 5)
+        Regressors of the axes X, Y and P (heading).
+    y : array (N, 3)
+        Outputs x, y (work-area px) and heading (rad).
+    k : array (N,) of int
+        The step whose output y is; its regressors are from the two steps before.
+    identify_from : str
+        The poses of the samples: truth, measurement or estimate.
+    left_out : int
+        Number of samples omitted because they span a bounce, a missing pose or lost frames.
+    """
+
+    phi: Floats
+    y: Floats
+    k: NDArray[np.int64]
+    identify_from: str
+    left_out: int
+
+
+def regression_of(
+    trace: Trace,
+    *,
+    identify_from: str | None = None,
+    select: str = "valid",
+    input_delay: float = 0.0,
+) -> Regression:
+    """Return the regression samples of a trace.
+
+    Parameters
+    ----------
+    trace : Trace
+        The recorded run.
+    identify_from : str, optional
+        ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
+        estimate.
+    select : str
+        ``"valid"``: all except those that span a bounce, a step without a pose or lost frames.
+        ``"longest"``: those of the longest segment without an interruption. ``"all"``: also those
+        that span a bounce, which the model does not cover.
+    input_delay : float
+        How late the inputs act (steps of the model), 0..1000. Samples whose inputs are from before
+        the record, from lost frames or from before a stop are not valid.
+
+    Returns
+    -------
+    Regression
+        Regressors, outputs and their steps.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `trace` is not a Trace, or a name is unknown; if the time between two steps is not a
+        multiple of the model's dt.
+    """
+    check_trace(trace)
+    source = trace.info.identify_from if identify_from is None else identify_from
+    check_choice("identify_from", source, tuple(POSES))
+    check_choice("select", select, SELECTIONS)
+    delay = check_delay("input_delay", input_delay)
+    poses = trace.poses_from(source)
+    follows = _follows(poses, interruptions(trace, over_bounces=select == "all", input_delay=delay))
+    if select == "longest":
+        longest = longest_run(follows)
+        follows = np.isin(np.arange(len(follows)), np.arange(longest.start, longest.stop))
+    # The sample of step k needs the poses of three consecutive steps.
+    is_whole = follows[1:] & follows[:-1]
+    phi, y = np.empty((0, 3, 5)), np.empty((0, 3))
+    if is_whole.any():
+        known = np.where(np.isfinite(poses).all(axis=1, keepdims=True), poses, 0.0)
+        u = np.nan_to_num(inputs_of(trace, delay))
+        phi, y = (rows[is_whole] for rows in regression(known, u))
+    return Regression(
+        phi=phi,
+        y=y,
+        k=trace.k[2:][is_whole],
+        identify_from=source,
+        left_out=0 if select == "longest" else int((~is_whole).sum()),
+    )
+
+
+def inputs_of(trace: Trace, input_delay: float = 0.0) -> Floats:
+    """Return the inputs (N, 2) that acted, in V: where nobody knows better, those sent."""
+    u = trace.u.copy()
+    received = trace.last_u[1:]
+    is_known = np.isfinite(received).all(axis=1)
+    u[:-1][is_known] = received[is_known]
+    return delayed(u, input_delay) if input_delay else u
+
+
+def interruptions(trace: Trace, *, over_bounces: bool = False, input_delay: float = 0.0) -> Bools:
+    """Return for each step whether the model does not give it from the two before, (N,).
+
+    It does not across a bounce, not across lost frames, whose inputs are not known, and not
+    where the robot was stopped in between.
+
+    Parameters
+    ----------
+    trace : Trace
+        The recorded run.
+    over_bounces : bool
+        Count a bounce as no interruption.
+    input_delay : float
+        How late the inputs act (steps): for so long after an interruption, and at the beginning of
+        a record that begins later than its run, what acts was given before, and is not known.
+
+    Raises
+    ------
+    ValueError
+        If the time between two steps is not a multiple of the model's dt.
+    """
+    is_break = np.zeros(len(trace), dtype=bool)
+    # While the robot was stopped, time passed as somebody liked.
+    intervals = np.diff(trace.t)[~trace.interrupted[1:]]
+    steps = model_steps(intervals, trace.info.dt)
+    check_mean_interval(intervals.sum(), steps.sum(), trace.info.dt)
+    is_break[1:][~trace.interrupted[1:]] = steps > 1
+    is_break |= trace.interrupted
+    if input_delay and len(trace):
+        is_break[0] |= trace.k[0] > 0
+        late = np.flatnonzero(is_break)[:, np.newaxis] + np.arange(1, math.ceil(input_delay) + 1)
+        is_break[late[late < len(trace)]] = True
+    if not over_bounces:
+        is_break |= trace.bounced
+    return is_break
+
+
+def _follows(poses: Floats, breaks: Bools) -> Bools:
+    """Return for each of the steps 1.. whether its pose follows from the previous one."""
+    seen = np.asarray(np.isfinite(poses).all(axis=1))
+    return np.asarray(seen[1:] & seen[:-1] & ~breaks[1:])

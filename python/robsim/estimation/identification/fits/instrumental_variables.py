@@ -1,0 +1,218 @@
+"""Parameter estimation by refined instrumental variables, unbiased by measurement noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim._core import regression, second_order_recursion
+from robsim.base.checks import Floats
+from robsim.estimation.identification.fits.initial_estimate import axis_with_pole, initial_estimate
+from robsim.estimation.identification.fits.linear import solve
+from robsim.estimation.identification.fits.model_fit import ModelFit, with_undetermined
+from robsim.estimation.identification.fits.segments import Segment, as_record, split
+from robsim.estimation.identification.fits.unknowns import HEADING, X, Y
+from robsim.trace.input_delay import check_delay
+
+_ITERATIONS = 30
+# An axis has converged when no parameter changes by more than this fraction of its standard error.
+_TOLERANCE = 1e-3
+_ROUNDING = 1e-10
+_MAXIMUM_POLE = 0.999
+# A run of n consecutive poses gives n - 4 degrees of freedom.
+_MINIMUM_POSES = 5
+_MINIMUM_SAMPLES = 8
+
+
+def instrumental_variables(
+    poses: ArrayLike,
+    u: ArrayLike,
+    *,
+    breaks: ArrayLike | None = None,
+    input_delay: float = 0.0,
+) -> ModelFit:
+    """Estimate the parameters of the robot model from measured poses, without bias.
+
+    Least squares is biased by the noise in its regressors. Here each regressor has an instrument:
+    the same quantity, simulated from the inputs with the current estimate, which is uncorrelated
+    with the noise. Samples and instruments are filtered so that the noise becomes white, and the
+    estimate is iterated. The constraint a1 + a2 = 1, which holds for every robot, is used: without
+    it a drift of the measured path, which is noise, could be fitted by a parameter. Gaps cost
+    samples, since only consecutive poses are used; `output_error` bridges them.
+
+    Parameters
+    ----------
+    poses : array (N, 3)
+        Measured x, y (work-area px), heading (rad), wrapped or not; NaN = not seen.
+    u : array (N, 2)
+        The inputs given at these steps (V).
+    breaks : array (N,) of bool, optional
+        Steps that do not follow from the previous one, such as bounces.
+    input_delay : float
+        How late the inputs act (steps), 0..1000; before the first they were 0. `output_error` can
+        also estimate it.
+
+    Returns
+    -------
+    ModelFit
+        Parameters and standard errors; `residual_rms` is that of the filtered samples.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape, or if there are too few consecutive poses.
+
+    Notes
+    -----
+    Source: Young and Jakeman, Refined instrumental variable methods of recursive time-series
+    analysis, part I, Int. J. Control 29(1), 1979. The transient from the noise of a run's first two
+    poses does not decay in the filter 1/A, which has a pole at 1; it is projected out.
+    """
+    delay = check_delay("input_delay", input_delay)
+    record = as_record(poses, u, breaks).with_delay(delay)
+    runs = split(record, maximum_gap=0, minimum=_MINIMUM_POSES)
+    n_samples = sum(len(run.u) - 4 for run in runs)
+    if n_samples < _MINIMUM_SAMPLES:
+        raise ValueError(
+            f"instrumental variables need at least {_MINIMUM_SAMPLES} samples from runs of poses "
+            f"without a gap, got {n_samples}: a run of n poses gives n - 4"
+        )
+    fits = _fit_axes(runs)
+    theta, errors = with_undetermined(
+        np.array([fit.theta for fit in fits]), np.array([fit.errors for fit in fits])
+    )
+    return ModelFit(
+        theta=theta,
+        standard_errors=errors,
+        residual_rms=np.array([fit.rms for fit in fits]),
+        iterations=max(fit.iterations for fit in fits),
+        # An axis without a determined parameter may drift.
+        converged=all(
+            fit.converged or not np.isfinite(row).any()
+            for fit, row in zip(fits, theta, strict=True)
+        ),
+        input_delay=delay,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Samples of one axis in a run: y = phi (a2, b1, b2, d1), with a1 = 1 - a2.
+
+    Attributes
+    ----------
+    first : array (2,)
+        The first two values of the axis.
+    phi : array (n, 4)
+        Regressors: x(k-2) - x(k-1), and those of b1, b2 and d1.
+    y : array (n,)
+        Outputs x(k) - x(k-1).
+    slope : array (n, 3)
+        Derivatives of the last three regressors by the heading.
+    """
+
+    first: Floats
+    phi: Floats
+    y: Floats
+    slope: Floats
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _AxisFit:
+    """Parameters (5,) and standard errors (5,) of an axis, and the rms residual."""
+
+    theta: Floats
+    errors: Floats
+    rms: float
+    iterations: int = 0
+    converged: bool = False
+
+
+def _fit_axes(runs: list[Segment]) -> list[_AxisFit]:
+    """Return the fits of X, Y and P; the residuals of P give the noise of the heading."""
+    start = initial_estimate(runs)
+    turn = _iterate(runs, HEADING, start[HEADING], 0.0)
+    return [*(_iterate(runs, axis, start[axis], turn.rms) for axis in (X, Y)), turn]
+
+
+def _run_samples(run: Segment, axis: int) -> _Samples:
+    all_phi, all_y = regression(run.poses, run.u)
+    # d(u cos)/d heading = -u sin,  d(u sin)/d heading = u cos
+    slopes = [-all_phi[:, Y, 2:], all_phi[:, X, 2:], np.zeros_like(all_phi[:, HEADING, 2:])]
+    phi = all_phi[:, axis]
+    # x(k) - x(k-1) = a2 (x(k-2) - x(k-1)) + forces
+    difference = phi[:, 1] - phi[:, 0]
+    return _Samples(
+        run.poses[:2, axis],
+        np.column_stack([difference, phi[:, 2:]]),
+        all_y[:, axis] - phi[:, 0],
+        slopes[axis],
+    )
+
+
+def _iterate(runs: list[Segment], axis: int, theta: Floats, heading_sigma: float) -> _AxisFit:
+    samples = [_run_samples(run, axis) for run in runs]
+    for iteration in range(1, _ITERATIONS + 1):
+        # For every robot one pole is 1 and the other one is -a2.
+        pole = min(max(-theta[1], 0.0), _MAXIMUM_POLE)
+        simulated, _ = axis_with_pole(runs, axis, pole)
+        fit = _refine(samples, simulated, heading_sigma)
+        # The standard error of an undetermined parameter is NaN, for which this is False.
+        has_changed = np.abs(fit.theta - theta) > _TOLERANCE * fit.errors + _ROUNDING
+        theta = fit.theta
+        if not has_changed.any():
+            return replace(fit, iterations=iteration, converged=True)
+    return replace(fit, iterations=_ITERATIONS)
+
+
+def _refine(runs: list[_Samples], simulated: Floats, heading_sigma: float) -> _AxisFit:
+    """Return the next estimate of an axis, with instruments from the simulated parameters."""
+    columns = np.vstack([_whitened(run, simulated) for run in runs])
+    instruments, phi, y = columns[:, :4], columns[:, 4:8], columns[:, 8]
+    # Z' Phi theta = Z' y with the instruments Z = Q R: Q' Phi theta = Q' y
+    Q = _orthonormal(instruments)
+    estimate, covariance = solve(Q.T @ phi, Q.T @ y)
+    freedom = max(len(y) - 2 * len(runs) - 4, 1)
+    variance = np.sum(np.square(y - phi @ estimate)) / freedom
+    # The noise n of the headings rotates the forces: Q' Phi (estimate - theta) = Q' (e + H n) with
+    # H n = (slope (b1, b2, d1) n) filtered by 1/A, so that H' Q filters backwards.
+    a1, a2 = simulated[:2]
+    backwards = [
+        second_order_recursion(a1, a2, part[::-1])[::-1] for part in np.split(Q, _ends(runs))
+    ]
+    forces = np.hstack([run.slope @ estimate[1:] for run in runs])
+    by_heading = heading_sigma * np.vstack(backwards) * forces[:, None]
+    spread, _ = solve(Q.T @ phi, by_heading.T)
+    errors = np.sqrt(variance * np.diag(covariance) + np.square(spread).sum(axis=1))
+    return _AxisFit(
+        theta=np.hstack([1 - estimate[0], estimate]),
+        errors=np.hstack([errors[0], errors]),
+        rms=float(np.sqrt(variance)),
+    )
+
+
+def _ends(runs: list[_Samples]) -> list[int]:
+    return [int(end) for end in np.cumsum([len(run.y) for run in runs])[:-1]]
+
+
+def _whitened(run: _Samples, simulated: Floats) -> Floats:
+    """Return instruments, regressors and outputs of a run (n, 9), filtered by 1/A."""
+    a1, a2 = simulated[:2]
+    # The path simulated from the inputs and the first two poses.
+    start = run.first[0], run.first[1] - a1 * run.first[0]
+    path = second_order_recursion(a1, a2, np.hstack([start, run.phi[:, 1:] @ simulated[2:]]))
+    instruments = np.column_stack([path[:-2] - path[1:-1], run.phi[:, 1:]])
+    # 1/A turns the noise e(k) - a1 e(k-1) - a2 e(k-2) of a sample into e(k), plus a transient
+    # from the first two poses.
+    columns = second_order_recursion(a1, a2, np.column_stack([instruments, run.phi, run.y]))
+    transient, _ = np.linalg.qr(second_order_recursion(a1, a2, np.eye(len(run.y), 2)))
+    return columns - transient @ (transient.T @ columns)
+
+
+def _orthonormal(columns: Floats) -> Floats:
+    """Return an orthonormal basis (N, 4) of columns whose lengths may differ by far."""
+    length = np.linalg.norm(columns, axis=0)
+    length[length == 0] = 1
+    return np.linalg.qr(columns / length)[0]

@@ -1,0 +1,28 @@
+"""Reference state estimators to compare one's own with: each is a ready `estimate_state`.
+
+No other part of robsim needs this package: a course in which the students write these filters
+themselves can delete its folder.
+
+A filter is consistent if the noises it is given are those of the world. In a simulation with
+``process_noise=noise``, a `PoseNoise`, a filter gets ``process_sigma=noise.sigma``; in one with
+``motor_delay=d`` it gets ``input_delay=d``.
+"""
+
+from robsim.base.public import present as _present
+from robsim.estimation.reference.constant_velocity import ConstantVelocityKalmanFilter
+from robsim.estimation.reference.estimator import Prior
+from robsim.estimation.reference.extended import ExtendedKalmanFilter
+from robsim.estimation.reference.motion import RobotMotion
+from robsim.estimation.reference.particle import ParticleFilter
+from robsim.estimation.reference.unscented import UnscentedKalmanFilter
+
+__all__ = [
+    "ConstantVelocityKalmanFilter",
+    "ExtendedKalmanFilter",
+    "ParticleFilter",
+    "Prior",
+    "RobotMotion",
+    "UnscentedKalmanFilter",
+]
+
+_present(globals(), __name__)

@@ -1,0 +1,293 @@
+"""What users hold of the panel of a run: `panel` opens one, `Panel` is its remote control."""
+
+from __future__ import annotations
+
+from concurrent import futures
+from concurrent.futures import CancelledError, Future
+from copy import deepcopy
+from io import BytesIO
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from PIL import Image
+
+from robsim._core import Step
+from robsim.base.checks import Floats
+from robsim.control.waypoints import as_goals
+from robsim.estimation.identification.batch import BatchEstimate
+from robsim.gui._driver import SPEED, State
+from robsim.gui.hosted import AT_EXIT, HostedPanel, lock, opened
+from robsim.gui.panels.view import PanelView, Shown
+from robsim.trace import Trace
+from robsim.vision.imaging.images import image_file, save_image
+
+if TYPE_CHECKING:
+    from robsim.gui.tools.colors.panel import ColorPanel
+    from robsim.gui.tools.robots.panel import RobotPanel
+
+
+def panel(what: Shown, *, speed: float | None = None, goals: ArrayLike | None = None) -> Panel:
+    """Open the panel of a run: camera view, controls, traces, callbacks.
+
+    In a notebook it is shown as the last line of a cell, and runs beside other cells. In a script
+    `Panel.open` shows it in a browser window; without Python, ``robsim gui`` does.
+
+    Parameters
+    ----------
+    what : Simulation, Experiment, Recording, Trace or Session
+        What the panel runs and shows. A simulation or an experiment belongs to it until it is
+        closed: pause before you look at its frames or change it. A recording is measured frame by
+        frame; a trace or a session is played back.
+    speed : float, optional
+        Multiple of real time, above 0; ``float("inf")`` = as fast as it goes. A live camera sets
+        the pace itself. Default: 5, or as it is if the panel is open.
+    goals : array_like (2,), (3,) or (N, 2), optional
+        Where the robot is to go, drawn in the picture of a panel that is made: a position, a pose,
+        or the waypoints of a path (work-area px), such as `goals` of a task.
+
+    Returns
+    -------
+    Panel
+        The panel. The same one if `what` has one that is open.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type, or is out of range; the message names it.
+    RuntimeError
+        If `what` is running already, such as in another thread.
+
+    Notes
+    -----
+    A notebook needs ``pip install "robsim[notebook]"``. Saved, it keeps a picture of the last
+    pause, for readers without Python. JupyterLab and Jupyter Notebook 7 show the panel at full
+    speed. Colab delivers a few pictures a second. VS Code loads a part of its widgets from the
+    internet, and asks you once. Where the panel does not appear, ``panel.open()`` and
+    ``robsim gui`` show it in a browser window.
+
+    Examples
+    --------
+    In a notebook, as the last lines of a cell:
+
+    >>> sim = robsim.Simulation(control=robsim.DriveAround(), measure=True, seed=1)
+    >>> panel = robsim.panel(sim)
+    >>> panel
+    <robsim.gui.Panel: Simulation, paused at the start>
+
+    In the next one, while it is shown:
+
+    >>> step = panel.step()
+    >>> panel.trace.seen
+    array([ True])
+    >>> panel.save("panel.png")
+    >>> panel.close()
+    """
+    asked = None if goals is None else as_goals(goals)
+    with lock:
+        found = _panel_of(what)
+        if found is None:
+            found = Panel(what, SPEED if speed is None else speed, asked)
+        elif speed is not None:
+            found.speed = speed
+        return found
+
+
+def is_shown(what: Shown) -> bool:
+    with lock:
+        return _panel_of(what) is not None
+
+
+def _panel_of(what: Shown) -> Panel | None:
+    panels = (one for one in opened if isinstance(one, Panel))
+    return next((one for one in panels if one._what is what), None)
+
+
+class Panel(HostedPanel):
+    """The panel of a run; `robsim.panel` makes it.
+
+    Its methods do what its buttons do, and return when it is done, between two steps: after
+    `pause` the simulation may be looked at, and its callbacks may be set. Any thread may call them,
+    and `trace` may be read while the run goes on. A context closes the panel at its end.
+
+    Examples
+    --------
+    A script that shows a run in a browser window until that is closed:
+
+    >>> sim = robsim.Simulation(control=robsim.DriveAround(), measure=True, seed=1)
+    >>> with robsim.panel(sim, speed=1) as panel:
+    ...     panel.open()
+    ...     panel.wait()
+
+    Without a window:
+
+    >>> with robsim.panel(sim) as panel:
+    ...     panel.start()
+    ...     while len(panel.trace) < 20:
+    ...         time.sleep(0.1)
+    ...     panel.pause()
+    ...     frame = panel.last_step.frame
+    """
+
+    _maker = "robsim.panel"
+    _view: PanelView
+
+    def __init__(self, what: Shown, speed: float, goals: Floats | None = None) -> None:
+        self._what = what
+        self._view = PanelView(what, speed=speed, goals=goals)
+        super().__init__()
+
+    # What it does.
+
+    def start(self) -> None:
+        """Run on, until something ends it."""
+        self._do(self._view.driver.start())
+
+    def pause(self) -> None:
+        """Stop after the step under way; the robot of an experiment is stopped."""
+        if self.state != "closed":
+            self._do(self._view.driver.pause())
+
+    def step(self) -> Step:
+        """Pause, and do one step.
+
+        Returns
+        -------
+        Step
+            The step.
+
+        Raises
+        ------
+        Exception
+            Any exception of a callback, as from `Simulation.step`.
+        """
+        self._do(self._view.driver.step())
+        return self._newest()
+
+    def step_stage(self) -> str:
+        """Pause, and do one stage of a step.
+
+        Returns
+        -------
+        str
+            The stage that comes next.
+
+        Raises
+        ------
+        Exception
+            Any exception of a callback.
+        """
+        self._do(self._view.driver.step_stage())
+        self._raise_error()
+        return self._view.runner.stage
+
+    def reset(self) -> None:
+        """Pause, and go back to the start."""
+        self._do(self._view.driver.reset())
+        self._raise_error()
+
+    def finish(self) -> BatchEstimate:
+        """Pause, and estimate the parameters from all steps; the panel shows table and figure.
+
+        Returns
+        -------
+        BatchEstimate
+            As from `robsim.batch_estimate`.
+
+        Raises
+        ------
+        ValueError
+            If there are not enough steps in which the robot was seen.
+        """
+        self._check_open()
+        self._view.finish()
+        self.pause()
+        return deepcopy(self._view.estimate())  # the panel's own stays as it is
+
+    # What it tells.
+
+    @property
+    def state(self) -> State:
+        """``"paused"``, ``"running"``, ``"ended"`` (no more frames), ``"failed"``, ``"closed"``."""
+        return self._view.driver.state
+
+    @property
+    def error(self) -> BaseException | None:
+        """What ended the run if `state` is ``"failed"``."""
+        return self._view.driver.error
+
+    @property
+    def speed(self) -> float:
+        """Multiple of real time; inf = as fast as it goes. It can be set."""
+        return self._view.driver.speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._view.driver.speed = speed
+        self._view.post(self._view.tell_state)
+
+    @property
+    def last_step(self) -> Step:
+        """The newest step; pause before you look at its frame."""
+        return self._view.driver.ask(lambda: self._view.runner.last_step)
+
+    @property
+    def trace(self) -> Trace:
+        """All steps up to now; the run may go on meanwhile."""
+        return self._view.record.trace
+
+    @property
+    def tool(self) -> RobotPanel | ColorPanel | None:
+        """The tool that is open in it, by Define Robot or Train Camera."""
+        return self._view.tools.tool
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write a picture of the camera view and the traces.
+
+        Parameters
+        ----------
+        path : path
+            The file to write, such as ``panel.png``.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        TypeError, ValueError
+            If `path` is no path, or its suffix names no known format.
+        """
+        file, _ = image_file(path)  # it takes seconds to draw
+        save_image(file, np.asarray(Image.open(BytesIO(self.snapshot())).convert("RGB")))
+
+    def __repr__(self) -> str:
+        what, steps = type(self._what).__name__, self._view.record.n_steps
+        where = f"at step {steps - 1}" if steps else "at the start"
+        return f"<robsim.gui.Panel: {what}, {self.state} {where}>"
+
+    # How.
+
+    @property
+    def _is_closed(self) -> bool:
+        return self.state == "closed"
+
+    def _pause_soon(self) -> None:
+        futures.wait([self._view.driver.pause()], AT_EXIT)  # a callback may hang
+
+    def _do(self, command: Future[Any]) -> None:
+        """Wait for a command, but not in a callback, which it waits for."""
+        if self._view.driver.is_here:
+            return
+        try:
+            command.result()
+        except CancelledError:
+            self._check_open()
+            raise
+
+    def _newest(self) -> Step:
+        self._raise_error()
+        return self.last_step
+
+    def _raise_error(self) -> None:
+        if self.error is not None and not self._view.driver.is_here:
+            raise self.error

@@ -1,0 +1,190 @@
+"""What all panels have in common: a page, a place below a cell, a picture, an end."""
+
+from __future__ import annotations
+
+import atexit
+import base64
+import threading
+import warnings
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from robsim.gui._view import View
+from robsim.gui.hosts.caller import answers_to
+
+if TYPE_CHECKING:
+    from robsim.gui.hosts.page import Page
+
+_PATIENCE = 3.0  # s that a page may be away, such as while it is loaded anew
+#: s for each panel to end, when Python does.
+AT_EXIT = 1.0
+
+#: All that are open, with the lock that is held to look.
+opened: list[HostedPanel] = []
+lock = threading.RLock()
+
+
+class HostedPanel(ABC):
+    """A panel that a page or a notebook shows; what it does itself is a subclass's."""
+
+    #: What makes another one, for messages.
+    _maker: ClassVar[str]
+    _view: View
+
+    def __init__(self) -> None:
+        self._page: Page | None = None
+        with lock:
+            opened.append(self)
+
+    @property
+    @abstractmethod
+    def _is_closed(self) -> bool:
+        """Whether it has ended."""
+
+    @abstractmethod
+    def _pause_soon(self) -> None:
+        """Pause what runs, without waiting for long."""
+
+    # What it does.
+
+    def close(self) -> None:
+        """End the run's thread and the page; what is shown in a notebook stays as it is."""
+        self._close(timeout=5.0)
+
+    def _close(self, timeout: float) -> None:
+        with lock:
+            page, self._page = self._page, None
+            if self in opened:
+                opened.remove(self)
+        self._view.close(timeout)
+        if page is not None:
+            page.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def snapshot(self) -> bytes:
+        """Return a picture of what it shows, a PNG."""
+        return self._view.snapshot()
+
+    def message(self, kind: str, **fields: Any) -> list[dict[str, Any]]:
+        """Do what the page asks for when the mouse does something there, and wait for its end.
+
+        What is computed beside the panel, such as how well colours would do in other light, or
+        where floor sheets are, comes later.
+
+        Parameters
+        ----------
+        kind : str
+            Type of the message, such as ``"press"``. ``robsim/gui/PROTOCOL.md`` lists all that a
+            browser may send.
+        **fields
+            Its fields, such as ``button="step"``: numbers, texts, lists or None.
+
+        Returns
+        -------
+        list of dict
+            What the panel answers, without pictures, such as ``tree`` to ``inspect``; often
+            nothing. A callback that fails does not make this fail: `Panel.error` has it.
+
+        Raises
+        ------
+        RuntimeError
+            If the panel is closed.
+        TypeError, ValueError
+            If there is no such message, or what it asks for is refused; the text says why.
+        """
+        self._check_open()
+        return answers_to(self._view, kind, fields)
+
+    # Where it is shown.
+
+    @property
+    def url(self) -> str:
+        """The address of its page, for browsers on this machine; it holds a secret."""
+        return self._serve().url
+
+    def open(self, *, port: int = 0) -> None:
+        """Show it in a window of the browser, beside a notebook or without one.
+
+        Parameters
+        ----------
+        port : int
+            Where its page is served, on this machine alone; 0 = any port that is free.
+
+        Raises
+        ------
+        OSError
+            If the port cannot be used.
+        TypeError, ValueError
+            If `port` is no port.
+
+        Warns
+        -----
+        UserWarning
+            If there is no browser that could be started: it tells the address.
+        """
+        page = self._serve(port)
+        if not page.open():
+            warnings.warn(f"no browser could be started: open {page.url}", stacklevel=2)
+
+    def wait(self) -> None:
+        """Wait until its page has been opened, and closed again.
+
+        For the end of a script, which otherwise ends its panels. Ctrl-C pauses what runs, and ends
+        the wait; so does `close` in another thread.
+        """
+        page = self._serve()
+        try:
+            page.wait(_PATIENCE)
+        except KeyboardInterrupt:
+            self._pause_soon()
+
+    def _serve(self, port: int = 0) -> Page:
+        from robsim.gui.hosts.page import Page  # loads tornado
+
+        with lock:
+            self._check_open()
+            if self._page is not None and port not in (0, self._page.port):
+                self._page.close()
+                self._page = None
+            if self._page is None:
+                self._page = Page(self._view, port=port)
+            return self._page
+
+    def _ipython_display_(self) -> None:
+        try:
+            from robsim.gui.hosts import notebook
+        except ImportError:
+            print(
+                f'{self!r}\nTo see it here: pip install "robsim[notebook]", then restart the kernel'
+                " and reload the page.\nOr in a browser window of its own: "
+                f"{self._maker}(...).open()"
+            )
+        else:
+            notebook.show(self)
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
+        picture = base64.b64encode(self.snapshot()).decode()
+        return {"text/plain": repr(self), "image/png": picture}
+
+    # How.
+
+    def _leave_cell(self) -> None:
+        """Close it, if no cell shows it any more, unless its page does."""
+        if self._page is None or not self._page.pages:
+            self.close()
+
+    def _check_open(self) -> None:
+        if self._is_closed:
+            raise RuntimeError(f"the panel is closed: {self._maker} opens another one")
+
+
+@atexit.register
+def _close_all() -> None:
+    """End all threads while there still is a Python for them."""
+    for one in [*opened]:
+        one._close(AT_EXIT)

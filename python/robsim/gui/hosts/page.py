@@ -1,0 +1,135 @@
+"""The host without a notebook: a page on loopback, with a server in a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import os
+import secrets
+import socket
+import sys
+import threading
+import time
+import webbrowser
+from concurrent.futures import Future
+from contextlib import suppress
+
+from robsim.base.checks import check_int
+from robsim.gui._view import View
+from robsim.gui.hosts.serving import Server, Socket
+
+_GOODBYE = 0.5  # s for pages to take leave when the server ends
+
+
+class Page:
+    """Serves a view on 127.0.0.1, to whoever has the secret address.
+
+    Parameters
+    ----------
+    view : View
+        What is shown.
+    port : int
+        Where; 0 = any that is free.
+    """
+
+    def __init__(self, view: View, *, port: int = 0) -> None:
+        self.view = view
+        self.secret = secrets.token_urlsafe(18)
+        self.ticket = ""
+        self._listening = _listen(port)
+        self.port: int = self._listening.getsockname()[1]
+        self.url = f"http://127.0.0.1:{self.port}/{self.secret}/"
+        self.pages: set[Socket] = set()
+        self._change = threading.Condition()
+        self._left: float | None = None  # when the last page went
+        started: Future[None] = Future()
+        self._thread = threading.Thread(
+            target=self._run, args=(started,), name="robsim page", daemon=True
+        )
+        self._thread.start()
+        started.result()
+
+    def open(self) -> bool:
+        """Show it in the user's browser; return whether there is one.
+
+        It gets an address that leads there once, as other users can read what programs are called
+        with.
+        """
+        if not _has_screen():
+            return False
+        self.ticket = secrets.token_urlsafe(18)
+        return webbrowser.open(f"http://127.0.0.1:{self.port}/{self.ticket}")
+
+    def wait(self, patience: float) -> None:
+        """Wait until pages have come, and the last one has been gone for some seconds.
+
+        A page that is loaded anew, or has lost its line, is back before. Closing ends it, too.
+        """
+        with self._change:
+            while self._thread.is_alive() and (
+                self._left is None or time.monotonic() < self._left + patience
+            ):
+                self._change.wait(0.2)  # short: on Windows nothing else lets Ctrl-C in
+
+    def close(self) -> None:
+        """End the server; the view goes on."""
+        with suppress(RuntimeError):  # it has ended
+            self._loop.call_soon_threadsafe(self._end.set)
+        self._thread.join(5)
+
+    # In the thread.
+
+    def came(self, page: Socket) -> None:
+        with self._change:
+            self.pages.add(page)
+            self._left = None
+
+    def went(self, page: Socket) -> None:
+        with self._change:
+            self.pages.discard(page)
+            if not self.pages:
+                self._left = time.monotonic()
+
+    def _run(self, started: Future[None]) -> None:
+        try:
+            asyncio.run(self._serve(started))
+        except BaseException as error:
+            self._listening.close()
+            if started.done():
+                raise
+            started.set_exception(error)
+
+    async def _serve(self, started: Future[None]) -> None:
+        self._loop, self._end = asyncio.get_running_loop(), asyncio.Event()
+        server = Server(self)
+        server.add_socket(self._listening)
+        started.set_result(None)
+        await self._end.wait()
+        server.stop()
+        for page in self.pages:
+            page.close(1001)
+        until = self._loop.time() + _GOODBYE
+        while self.pages and self._loop.time() < until:
+            await asyncio.sleep(0.01)
+        for page in self.pages:
+            page.cut()
+        await server.close_all_connections()
+
+
+def _listen(port: int) -> socket.socket:
+    check_int("port", port, minimum=0, maximum=65535)
+    try:
+        listening = socket.create_server(("127.0.0.1", port))
+    except OSError as error:
+        reasons = {errno.EADDRINUSE: "another program has it", errno.EACCES: "it needs more rights"}
+        reason = reasons.get(error.errno or 0, error.strerror)
+        raise OSError(f"port {port} cannot be used: {reason}; 0 = any that is free") from None
+    listening.setblocking(False)
+    return listening
+
+
+def _has_screen() -> bool:
+    """Return whether a window can open: text browsers would take the terminal."""
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"))

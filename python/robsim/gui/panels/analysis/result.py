@@ -1,0 +1,121 @@
+"""What Finish gives: the batch estimate as table and figure."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from robsim.estimation.identification.batch import BatchEstimate, batch_estimate
+from robsim.gui._beside import Beside
+from robsim.gui._link import Link
+from robsim.gui.panels.analysis.parameters import excitation_of, listed
+from robsim.gui.panels.drawing import drawing
+from robsim.gui.panels.part import Part
+from robsim.trace import PARAMETER_NAMES
+
+if TYPE_CHECKING:
+    from robsim.gui.panels.view import PanelView
+
+Steps: TypeAlias = tuple[int, int]  # resets, and steps since
+Told: TypeAlias = tuple[dict[str, Any], list[bytes]]  # message and pictures
+
+
+class Result(Part):
+    """Estimates the parameters from the whole record, which takes a second or so."""
+
+    _newest: Told | None = None
+    _seen: Steps = (0, 0)  # that it was estimated from
+    _is_wanted = False
+
+    def __init__(self, panel: PanelView) -> None:
+        super().__init__(panel)
+        self._beside = Beside(panel, "robsim result")
+        self._estimated: tuple[Steps, BatchEstimate] | None = None
+        self._estimating = threading.Lock()  # of that
+
+    def greet(self, link: Link) -> None:
+        if self._newest is not None and self._seen == self._steps:
+            message, pictures = self._newest
+            link.send({**message, "again": True}, pictures)
+
+    def tell(self) -> None:
+        """Send the estimate to all who watch, once it is made; one at a time."""
+        self._is_wanted = True
+        self._begin()
+
+    def estimate(self) -> BatchEstimate:
+        """Return the estimate, made once for the same steps; any thread may call this."""
+        return self._estimate()[1]
+
+    @property
+    def _steps(self) -> Steps:
+        record = self.panel.record
+        return record.n_resets, record.n_steps
+
+    def _estimate(self) -> tuple[Steps, BatchEstimate]:
+        with self._estimating:  # which steps, too: older ones never take the place of newer ones
+            n_resets, trace = self.panel.record.n_resets, self.panel.record.trace
+            seen = n_resets, len(trace)
+            if not len(trace):
+                raise ValueError("nothing has run yet")
+            if self._estimated is None or self._estimated[0] != seen:
+                self._estimated = seen, batch_estimate(trace)
+            return self._estimated
+
+    def settle(self) -> None:
+        """Wait until what was wanted has been estimated and drawn."""
+        self._beside.wait()
+
+    def close(self, timeout: float) -> None:
+        self._beside.wait(timeout)
+
+    def _begin(self) -> None:
+        if not self._is_wanted or self._beside.is_busy:
+            return
+        self._is_wanted = False
+        self._beside.begin(self._compute, self._take)
+
+    def _compute(self) -> tuple[Steps, Told]:
+        try:
+            seen, report = self._estimate()
+        except ValueError as error:  # too short, or no such poses were recorded
+            return self._steps, _without_estimate(str(error))
+        return seen, _told(report)
+
+    def _take(self, result: tuple[Steps, Told] | None) -> None:
+        if result is not None:
+            self._seen, self._newest = result
+            message, pictures = self._newest
+            self.panel.send({**message, "again": False}, *pictures)
+        self._begin()
+
+
+def _without_estimate(why: str) -> Told:
+    verdict = {"verdict": "no estimate", "good": None}
+    return {"type": "result", "rows": [], "text": why, **verdict}, []
+
+
+def _told(report: BatchEstimate) -> Told:
+    excitation = excitation_of(report.identifiability)
+    message = {
+        "type": "result",
+        "rows": _rows_of(report),
+        "text": "\n".join((report.title, *report.remarks)),
+        "verdict": excitation["text"],
+        "good": excitation["good"],
+    }
+    return message, [_figure_of(report)]
+
+
+def _rows_of(report: BatchEstimate) -> list[list[Any]]:
+    columns = (report.theta_true, report.batch, report.standard_errors, report.online)
+    return [[*row] for row in zip(PARAMETER_NAMES, *map(listed, columns), strict=True)]
+
+
+def _figure_of(report: BatchEstimate) -> bytes:
+    from robsim.plotting import plot_batch  # matplotlib takes its time to load
+
+    with drawing:
+        axes: Any = plot_batch(report)
+        picture: bytes = axes._repr_png_()
+    return picture

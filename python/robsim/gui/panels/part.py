@@ -1,0 +1,53 @@
+"""What a part of the panel is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from robsim._core import Step
+from robsim.gui._link import Link
+
+if TYPE_CHECKING:
+    from robsim.gui.panels.view import PanelView
+
+Handlers = Mapping[str, Callable[[Link, dict[str, Any]], None]]
+
+
+class Part:
+    """A part of the panel: what it tells the browsers, and does when they ask.
+
+    All its methods are called in the thread of the view, but for `take` and `close`.
+    """
+
+    def __init__(self, panel: PanelView) -> None:
+        self.panel = panel
+
+    def handlers(self) -> Handlers:
+        """Return what it does with messages, by their type."""
+        return {}
+
+    def setup(self) -> dict[str, Any]:
+        """Return its fields of the message ``setup``."""
+        return {}
+
+    def state(self) -> dict[str, Any]:
+        """Return its fields of the message ``state``, which is sent after each command."""
+        return {}
+
+    def greet(self, link: Link) -> None:
+        """Tell a new view what is in neither of them."""
+
+    def take(self, step: Step) -> None:
+        """Take what it wants of a step that is over; in the thread of the run, so be quick."""
+
+    def changed(self) -> None:
+        """Note that the state of the run has changed: paused, failed, reset and so on."""
+
+    def look(self, now: float) -> float:
+        """Do what is due; return when to look again, by the monotonic clock."""
+        return math.inf
+
+    def close(self, timeout: float) -> None:
+        """Wait for what is computed or drawn for it (s), once the view has ended; any thread."""

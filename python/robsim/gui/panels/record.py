@@ -1,0 +1,244 @@
+"""What the panel shows: a run under way, or one that was saved; its steps and their frames."""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from robsim._core import Blob, ColorClass, Estimate, Frame, MarkerLayout, Measurement, Step
+from robsim.base.checks import Floats
+from robsim.gui._css_colors import css_color
+from robsim.gui.panels.run.pictures import Shot, past_shot, row_of, shot_of
+from robsim.simulation import Experiment, Simulation
+from robsim.trace import Trace
+from robsim.trace.columns import GROUPS, fields_of
+from robsim.trace.sessions.session import Session
+
+_REOPEN = 1.0  # s, after which a session is looked at again for what has been written since
+
+
+class Record(ABC):
+    """The steps that the panel shows.
+
+    Attributes
+    ----------
+    source : str
+        ``"simulation"``, ``"experiment"`` or ``"trace"``.
+    reads_in_run : bool
+        Whether `frame` may be called in the thread of the run alone.
+    remarks : tuple of str
+        What the user should know of it.
+    """
+
+    source: ClassVar[str]
+    reads_in_run: ClassVar[bool] = True
+    remarks: tuple[str, ...] = ()
+    area: tuple[int, int]
+    colors: tuple[ColorClass, ...]
+    markers: MarkerLayout
+    robot_name: str
+    outline: Floats  # in the axes of the robot
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """What it is, in a few words."""
+
+    @property
+    @abstractmethod
+    def trace(self) -> Trace:
+        """The steps by now; any thread may ask."""
+
+    @property
+    @abstractmethod
+    def n_steps(self) -> int:
+        """Number of steps; any thread may ask."""
+
+    @property
+    def n_resets(self) -> int:
+        """How often the steps have begun anew; any thread may ask.
+
+        What is asked for after it is of that run, or of a later one.
+        """
+        return 0
+
+    @abstractmethod
+    def columns(self) -> Mapping[str, Floats]:
+        """Return the groups of columns of the trace by now; any thread may ask."""
+
+    @property
+    @abstractmethod
+    def has_own_measure(self) -> bool:
+        """Whether a callback of the user's measures the pose."""
+
+    @property
+    def has_frames_once(self) -> bool:
+        """Whether the frame of a step cannot be had again for certain, once it is over."""
+        return False
+
+    @abstractmethod
+    def frame(self, k: int) -> Frame | None:
+        """Return the frame of a step; None if none came. LookupError if it is not there any more.
+
+        In the thread of the run, unless `reads_in_run` is false.
+        """
+
+    @abstractmethod
+    def find_blobs(self, frame: Frame) -> Mapping[str, list[Blob]]:
+        """Return the blobs of a frame, found as in the run."""
+
+    def shot(self, step: Step) -> Shot:
+        """Return what is shown of the newest step; in the thread of the run."""
+        return past_shot(self, step.k, step.frame)
+
+    def time_of(self, k: int) -> float:
+        """Return the time of a step (s)."""
+        columns = self.columns()
+        return float(columns["t"][k, 0]) if "t" in columns else k * self.trace.info.dt
+
+    def step(self, k: int, frame: Frame | None) -> Step:
+        """Return a step that is over, with what the trace has of it."""
+        columns = self.columns()
+
+        def row(name: str) -> list[float] | None:
+            return row_of(columns, name, k)
+
+        measured, parameters = row("pose_measured"), row("parameters")
+        pose, covariance = row("pose_estimated"), row("covariance")
+        estimate = None
+        if pose is not None and covariance is not None:
+            estimate = Estimate(pose, np.reshape(covariance, (3, 3)))
+        return Step(
+            k=k,
+            t=self.time_of(k),
+            dt=self.time_of(k) - self.time_of(k - 1) if k else self.trace.info.dt,
+            last_u=row("last_u") or (k and row_of(columns, "u", k - 1)) or (0.0, 0.0),
+            u=row("u"),
+            frame=frame,
+            measurement=measured and Measurement(measured),
+            estimate=estimate,
+            parameters=parameters and np.reshape(parameters, (3, 5)),
+            colors=self.colors,
+            markers=self.markers,
+        )
+
+    def described(self) -> dict[str, Any]:
+        """Return what the message ``setup`` says of it."""
+        info, columns = self.trace.info, self.columns()
+        theta = np.ravel(info.theta_true)
+        return {
+            "source": self.source,
+            "title": self.title,
+            "remarks": [*self.remarks],
+            "dt": info.dt,
+            "columns": [_described_group(name, columns.get(name)) for name in self._groups()],
+            "has_truth": info.boundary != "recorded",
+            "theta_true": theta.tolist() if np.isfinite(theta).all() else None,
+            "colors": [{"name": c.name, "css": css_color(c)} for c in self.colors],
+        }
+
+    def _groups(self) -> list[str]:
+        """Return the groups of columns that its trace has or can get."""
+        of_colors = (f"blobs_{color.name}" for color in self.colors)
+        return [*dict.fromkeys((*GROUPS, *of_colors, *self.columns()))]
+
+
+def _described_group(name: str, rows: Floats | None) -> dict[str, Any]:
+    fields = fields_of(name, 0 if rows is None else rows.shape[1])
+    return {"name": name, "fields": [*fields], "units": [*fields.values()]}
+
+
+class RunRecord(Record):
+    """The steps of a run under way."""
+
+    def __init__(self, runner: Simulation | Experiment) -> None:
+        self._runner = runner
+        self.area = runner.area
+        self.look_again()
+
+    def look_again(self) -> None:
+        """Take over another robot, or other colours, that the run has got."""
+        runner = self._runner
+        self.colors, self.markers = runner.colors, runner.markers
+        self.robot_name = runner.robot.name
+        self.outline = runner.robot.to_robot_frame(runner.robot.outline)
+
+    @property
+    def title(self) -> str:
+        return f"{self.source.capitalize()}, robot {self.robot_name}"
+
+    @property
+    def trace(self) -> Trace:
+        return self._runner.trace
+
+    @property
+    def n_steps(self) -> int:
+        return self._runner.n_steps
+
+    @property
+    def n_resets(self) -> int:
+        return self._runner._n_resets
+
+    def columns(self) -> Mapping[str, Floats]:
+        return self._runner._core.columns()
+
+    @property
+    def has_own_measure(self) -> bool:
+        return self._runner._callbacks["measure"] is not True
+
+    def find_blobs(self, frame: Frame) -> Mapping[str, list[Blob]]:
+        return self._runner.find_blobs(frame)
+
+    def shot(self, step: Step) -> Shot:
+        is_tracked = self._runner._is_on("measure")
+        return shot_of(step, self.columns(), self.n_resets, is_tracked=is_tracked)
+
+
+class SimulationRecord(RunRecord):
+    """The steps of a simulation, whose frames are rendered again."""
+
+    source = "simulation"
+
+    def __init__(self, runner: Simulation) -> None:
+        super().__init__(runner)
+        self._simulation = runner
+
+    def frame(self, k: int) -> Frame | None:
+        return self._simulation.render_step(k)
+
+
+class ExperimentRecord(RunRecord):
+    """The steps of an experiment, whose frames are read again, if they can be."""
+
+    source = "experiment"
+    reads_in_run = False  # the run may wait for a frame of the camera
+
+    def __init__(self, runner: Experiment) -> None:
+        super().__init__(runner)
+        self._experiment = runner
+        self._session: Session | None = None  # the one that is recorded, up to what was read of it
+        self._opened = -math.inf
+
+    @property
+    def has_frames_once(self) -> bool:
+        return not self._experiment._source.can_read_again  # a session is written a moment later
+
+    def frame(self, k: int) -> Frame | None:
+        recording = self._experiment._recording
+        if recording is not None and recording.has_begun:
+            return self._recorded(recording.folder, k)
+        return self._experiment._source.again(k)
+
+    def _recorded(self, folder: Path, k: int) -> Frame | None:
+        now = time.monotonic()
+        if self._session is None or (k >= len(self._session) and now > self._opened + _REOPEN):
+            self._session, self._opened = Session(folder), now
+        if k >= len(self._session):
+            raise LookupError("it is not written yet")
+        return self._session._at(k).frame

@@ -1,0 +1,184 @@
+"""The list of callbacks: whose they are, where they stand, what they take."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import time
+from typing import TYPE_CHECKING, Any
+
+from robsim.base.text import said_by
+from robsim.gui._link import Link
+from robsim.gui._messages import Refused
+from robsim.gui._playback import Playback
+from robsim.gui.panels.code.editor import open_in_editor
+from robsim.gui.panels.code.lab import lab_link
+from robsim.gui.panels.code.places import name_in, place_in, source_in
+from robsim.gui.panels.part import Handlers, Part
+from robsim.gui.panels.settings.owners import owners_of
+from robsim.simulation.callbacks.call_times import CallTimes
+from robsim.simulation.callbacks.errors import callback_of
+from robsim.simulation.slots import SLOTS
+
+if TYPE_CHECKING:
+    from robsim.gui.panels.view import PanelView
+
+_GAP = 1.0  # s between two messages while it runs, and two looks while it does not
+
+_Slots = list[dict[str, Any]]
+
+
+class Callbacks(Part):
+    """Tells of each slot whose callback fills it, where it stands, its time, its last error.
+
+    What is in the slots are plain values of Python, which the thread of the view may read.
+    """
+
+    def __init__(self, panel: PanelView) -> None:
+        super().__init__(panel)
+        assert not isinstance(panel.runner, Playback)  # which has none
+        self._runner = panel.runner
+        self._owners = owners_of(self._runner)
+        self._slots = [slot for slot in SLOTS if slot in self._runner.SLOTS]
+        self._times = CallTimes()
+        self._runner._time_calls(self._times)
+        self._means: dict[
+            str, tuple[int, float, float | None]
+        ] = {}  # calls, s, ms of the last ones
+        self._opened: list[tuple[Link, subprocess.Popen[bytes]]] = []
+        self._told: _Slots = []
+        self._files = self._runner._from_folder
+        self._due = self._may_edit = 0.0
+
+    def handlers(self) -> Handlers:
+        return {"source": self._source, "edit": self._edit}
+
+    def greet(self, link: Link) -> None:
+        self._send(link, self._described())
+
+    def changed(self) -> None:
+        if self.panel.driver.state == "closed":
+            self._runner._time_calls(None)
+        self._tell()
+
+    def look(self, now: float) -> float:
+        if not any(link.is_watched for link in self.panel.links):
+            return math.inf
+        if now >= self._due:
+            self._due = now + _GAP
+            self._look_at_editors()
+            self._tell()
+        return self._due
+
+    def _tell(self) -> None:
+        if any(link.is_watched for link in self.panel.links):
+            self._tell_gone()
+        slots = self._described()
+        if slots != self._told:
+            self._told = slots
+            for link in self.panel.links:
+                if link.is_watched:
+                    self._send(link, slots)
+
+    def _tell_gone(self) -> None:
+        """Say what takes the place of files that the folder had, and has no longer."""
+        before, self._files = self._files, self._runner._from_folder
+        for slot in self._slots:
+            given = self._runner._given[slot]
+            was_used = before.get(slot, False) is not False and (given is None or given is True)
+            if slot in self._files or not was_used:
+                continue
+            is_off = self._owners.of(slot) == "off"
+            now = f"{SLOTS[slot].title} is off" if is_off else "robsim's default takes its place"
+            self.panel.note(f"{slot}.py is gone from the folder: {now}")
+
+    def _send(self, link: Link, slots: _Slots) -> None:
+        if not link.is_in_notebook:  # a page has no JupyterLab behind its address
+            slots = [{**slot, "link": None} for slot in slots]
+        link.send({"type": "callbacks", "slots": slots})
+
+    def _described(self) -> _Slots:
+        return [self._facts(slot) for slot in self._slots]
+
+    def _facts(self, slot: str) -> dict[str, Any]:
+        place = place_in(self._runner, slot)
+        calls, ms = self._timed(slot)
+        return {
+            "slot": slot,
+            "when": SLOTS[slot].when,
+            "owner": self._owners.of(slot),
+            "name": name_in(self._runner, slot),
+            "file": None if place.file is None else str(place.file),
+            "line": place.line,
+            "link": None if place.file is None else lab_link(place.file),
+            "can_edit": place.file is not None,
+            "ms": ms,
+            "calls": calls,
+            "error": self._error(slot),
+        }
+
+    def _timed(self, slot: str) -> tuple[int, float | None]:
+        """Return the number of calls, and how long the newest ones took in the mean (ms)."""
+        calls, seconds = self._times.total(slot)
+        before, spent, ms = self._means.get(slot, (0, 0.0, None))
+        if calls < before:  # another callback is in the slot
+            before, spent, ms = 0, 0.0, None
+        if calls > before:
+            ms = 1e3 * (seconds - spent) / (calls - before)
+        self._means[slot] = calls, seconds, ms
+        return calls, ms
+
+    def _error(self, slot: str) -> dict[str, Any] | None:
+        error = self.panel.driver.error
+        failed = None if error is None else callback_of(error)
+        if error is None or failed is None or failed.slot != slot:
+            return None
+        line = failed.source.number if failed.source else None
+        return {"text": said_by(error), "line": line, "k": failed.k}
+
+    def _source(self, link: Link, message: dict[str, Any]) -> None:
+        slot = self._known(message)
+        try:
+            text, first = source_in(self._runner, slot)
+        except OSError as error:
+            raise Refused(f"{slot} cannot be read: {error}") from None
+        file = place_in(self._runner, slot).file
+        link.send(
+            {
+                "type": "source",
+                "slot": slot,
+                "text": text,
+                "file": None if file is None else str(file),
+                "first": first,
+            }
+        )
+
+    def _edit(self, link: Link, message: dict[str, Any]) -> None:
+        slot = self._known(message)
+        place = place_in(self._runner, slot)
+        if place.file is None:
+            raise Refused(f"{slot} stands in no file")
+        if time.monotonic() < self._may_edit:  # a second click, or a key that is held
+            return
+        started = open_in_editor(place.file, place.line or 1)
+        self._may_edit = time.monotonic() + _GAP
+        if started is not None:
+            self._opened.append((link, started))
+
+    def _known(self, message: dict[str, Any]) -> str:
+        slot: str = message["slot"]
+        if slot not in self._slots:
+            raise Refused(f"there is no slot {slot!r}")
+        return slot
+
+    def _look_at_editors(self) -> None:
+        """Say which ones could not open their file."""
+        waiting = [(link, editor) for link, editor in self._opened if editor.poll() is None]
+        for link, editor in self._opened:
+            if editor.returncode:
+                text = (
+                    "Your editor could not open the file: set VISUAL to another one before you "
+                    "start Python, or open the file yourself"
+                )
+                link.send({"type": "note", "level": "error", "text": text})
+        self._opened = waiting

@@ -1,0 +1,182 @@
+"""Start, Pause, Step and their like, the big Stop, and the state of the run."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any
+
+from robsim._core import Step
+from robsim.base.text import said_by
+from robsim.gui._link import Link
+from robsim.gui._messages import Refused
+from robsim.gui.panels.part import Handlers, Part
+from robsim.gui.panels.run.trouble import trouble_of
+from robsim.simulation import Experiment
+from robsim.simulation.slots import ONCE, names
+
+if TYPE_CHECKING:
+    from robsim.gui.panels.view import PanelView
+
+_GAP = 1.0  # s between two looks at the camera's counts
+_PATIENCE = 0.2  # s for Stop
+_MOST_STOPS = 10  # that hang at the same time
+
+
+class Transport(Part):
+    """Carries out the buttons that move the run on, and tells its state."""
+
+    def __init__(self, panel: PanelView) -> None:
+        super().__init__(panel)
+        panel.driver.on_stage.append(self._note_stage)
+        self._stopping: list[threading.Thread] = []
+        self._camera = CameraRate(panel.runner) if panel.driver.is_live else None
+
+    def handlers(self) -> Handlers:
+        return {"press": self._press, "animate": self._animate}
+
+    def setup(self) -> dict[str, Any]:
+        driver = self.panel.driver
+        return {"motors": driver.has_motors, "live": driver.is_live}
+
+    def state(self) -> dict[str, Any]:
+        driver, record = self.panel.driver, self.panel.record
+        n_resets, steps, error = record.n_resets, record.n_steps, driver.error
+        return {
+            "state": driver.state,
+            "k": steps - 1,
+            "steps": steps,
+            "resets": n_resets,
+            "t": self._time(),
+            "speed": 0 if math.isinf(driver.speed) else driver.speed,
+            "animate": driver.animates,
+            "stage": self.panel.runner.stage,
+            "error": error and trouble_of(error),
+            "camera": self._camera and self._camera.told(driver.state == "running"),
+            "stopped": driver.is_stopped,
+        }
+
+    def _time(self) -> float | None:
+        record = self.panel.record
+        try:
+            return record.time_of(record.n_steps - 1) if record.n_steps else None
+        except IndexError:  # it was reset in between
+            return None
+
+    def take(self, step: Step) -> None:
+        if self._camera is not None:
+            self._camera.take(step)
+
+    def look(self, now: float) -> float:
+        is_over = self.panel.driver.state == "closed" or not self.panel.is_watched
+        if self._camera is None or is_over:
+            return math.inf
+        if now >= self._camera.due:
+            self._camera.count(now)
+            self.panel.tell_state()
+        return self._camera.due
+
+    def _press(self, link: Link, message: dict[str, Any]) -> None:
+        driver, button = self.panel.driver, message["button"]
+        if button == "start" and driver.state == "ended" and isinstance(driver.runner, Experiment):
+            raise Refused("The frames are over. Reset begins with the first one again.")
+        if button == "stop":
+            self._stop()
+            return
+        self.panel.check_room(2 if button == "pause" else 1)
+        buttons = {
+            "start": driver.start,
+            "pause": driver.pause,
+            "step": driver.step,
+            "step_stage": driver.step_stage,
+            "reset": driver.reset,
+            "finish": self.panel.finish,
+        }
+        if button not in buttons:
+            raise Refused(f"there is no button {button!r}")
+        done = buttons[button]()
+        if done is not None:
+            done.add_done_callback(self._tell_failure)
+
+    def _stop(self) -> None:
+        """Stop the robot here and now: the thread of the run may hang in a callback.
+
+        Where what stops it hangs, too, the panel goes on, and the next Stop tries again.
+        """
+        self.panel.forget("press")  # what was pressed before Stop must not move it after
+        self._stopping = [thread for thread in self._stopping if thread.is_alive()]
+        if len(self._stopping) < _MOST_STOPS:
+            thread = threading.Thread(target=self._stop_robot, name="robsim stop", daemon=True)
+            thread.start()
+            thread.join(_PATIENCE)
+            self._stopping.append(thread)
+        if self._stopping and self._stopping[-1].is_alive():
+            self.panel.note("The robot may still be driving: its motors have not answered yet")
+
+    def _stop_robot(self) -> None:
+        try:
+            self.panel.driver.stop_robot().add_done_callback(self._tell_failure)
+        except BaseException as error:  # whatever the motors raise
+            self.panel.note(f"The robot could not be stopped: {said_by(error)}")
+
+    def _tell_failure(self, future: Future[None]) -> None:
+        if not future.cancelled() and (error := future.exception()) is not None:
+            self.panel.note(str(error) or type(error).__name__)
+
+    def _animate(self, link: Link, message: dict[str, Any]) -> None:
+        self.panel.driver.animates = message["on"]
+        self.panel.tell_state()
+
+    def _note_stage(self, stage: str, step: Step) -> None:
+        is_start = stage in names(when=ONCE)
+        # Of a step it is the stage that comes next which one sees work: so none is left out.
+        message = {"type": "stages", "stage": stage if is_start else self.panel.runner.stage}
+        self.panel.post(lambda: self.panel.send(message))
+
+
+class CameraRate:
+    """What is to be known of a live camera: how many frames come, how old, how many are dropped."""
+
+    def __init__(self, experiment: Any) -> None:
+        self._source = experiment._source
+        self._exposed = -math.inf  # the newest frame, by the monotonic clock
+        self._began: float | None = None  # when the run went on; None = it does not
+        self._grabbed: tuple[float, int] | None = None  # when, how many
+        self._rate: float | None = None  # 1/s
+        self._dropped = 0  # while it ran
+        self._dropped_before = 0  # by the camera, when that was counted
+        self.due = 0.0
+
+    def take(self, step: Step) -> None:
+        """Note when the frame of a step was exposed; in the thread of the run."""
+        frame = step.frame
+        if frame is not None and frame.epoch is not None and frame.t is not None:
+            self._exposed = frame.epoch + frame.t
+
+    def count(self, now: float) -> None:
+        """Note how many frames have come."""
+        self.due = now + _GAP
+        if (counts := self._source.counts) is None:
+            return
+        if self._grabbed is not None:
+            self._rate = (counts.grabbed - self._grabbed[1]) / (now - self._grabbed[0])
+        self._grabbed = now, counts.grabbed
+
+    def told(self, is_running: bool) -> dict[str, Any]:
+        """Return the field ``camera`` of the message ``state``."""
+        self._count_dropped()
+        now = time.monotonic()
+        if is_running != (self._began is not None):
+            self._began = now if is_running else None
+        # Where none has come since the start: how long it has been waited for.
+        age = None if self._began is None else max(0.0, now - max(self._exposed, self._began))
+        return {"rate": self._rate, "age": age, "dropped": self._dropped}
+
+    def _count_dropped(self) -> None:
+        """Count what was dropped in a run; otherwise nobody takes the frames."""
+        if (counts := self._source.counts) is not None:
+            if self._began is not None:
+                self._dropped += counts.dropped - self._dropped_before
+            self._dropped_before = counts.dropped

@@ -1,0 +1,68 @@
+"""The state estimator that the panel offers, tuned to its world."""
+
+from __future__ import annotations
+
+import math
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robsim._core import RobotModel
+from robsim.simulation import Experiment, PoseNoise, Simulation, WheelNoise
+
+# At run time it is imported where it is used, since a course can leave it out.
+if TYPE_CHECKING:
+    from robsim.estimation.reference.extended import ExtendedKalmanFilter
+
+Sigma = tuple[float, float, float]
+
+
+def why_no_default() -> str | None:
+    """Return why the panel has no state estimator of its own."""
+    if find_spec("robsim.estimation.reference") is None:
+        return "robsim.estimation.reference, which has one, is not installed here"
+    return None
+
+
+def default_estimator(runner: Simulation | Experiment) -> ExtendedKalmanFilter:
+    """Return an extended Kalman filter for a world."""
+    from robsim.estimation.reference.estimator import Prior
+    from robsim.estimation.reference.extended import ExtendedKalmanFilter
+
+    width, height = runner.area
+    uniform = (width / math.sqrt(12), height / math.sqrt(12), math.pi / math.sqrt(3))
+    prior = Prior(pose=(width / 2, height / 2, 0.0), pose_sigma=uniform)
+    delay = runner.scenario.motor_delay if isinstance(runner, Simulation) else 0.0
+    estimator = ExtendedKalmanFilter(runner.model, input_delay=delay, prior=prior)
+    tune(estimator, runner)
+    if (step := runner.last_step).k > 0:
+        estimator.motion.steps_in(step.dt)  # raises where its model has not the dt of the frames
+    return estimator
+
+
+def tune(estimator: ExtendedKalmanFilter, runner: Simulation | Experiment) -> None:
+    """Give a filter the process noise of a simulated world; nobody knows that of an experiment."""
+    if isinstance(runner, Simulation):
+        estimator.Q = np.diag(np.square(_process_sigma(runner)))
+
+
+def _process_sigma(simulation: Simulation) -> Sigma:
+    """Return standard deviations of the disturbance of a world in a step (px, px, rad)."""
+    noise, model = simulation.process_noise, simulation.model
+    if isinstance(noise, PoseNoise):
+        x, y, heading = noise.sigma
+        return float(x), float(y), float(heading)
+    if isinstance(noise, WheelNoise):
+        x, heading = _of_wheels(noise, model)
+        return x, x, heading
+    from robsim.estimation.reference.noise import PROCESS_SIGMA
+
+    # Without a disturbance 0 is right, but a filter with 0 does not recover from a bounce.
+    return PROCESS_SIGMA
+
+
+def _of_wheels(noise: WheelNoise, model: RobotModel) -> tuple[float, float]:
+    """Return the standard deviations of the position, along the heading, and of the heading."""
+    along, _, heading = np.sqrt(np.diag(noise.Q(model, 0.0)))
+    return float(along), float(heading)

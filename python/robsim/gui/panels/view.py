@@ -1,0 +1,234 @@
+"""The main panel: its parts, and what they share."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from robsim._core import Step
+from robsim.base.checks import Floats
+from robsim.base.text import quoted
+from robsim.estimation.identification.batch import BatchEstimate
+from robsim.gui._driver import SPEED, Driver
+from robsim.gui._link import Link
+from robsim.gui._messages import Messages, Refused
+from robsim.gui._playback import Playback
+from robsim.gui._view import RETRY, View
+from robsim.gui.panels.analysis.inspector import Inspector
+from robsim.gui.panels.analysis.parameters import Parameters
+from robsim.gui.panels.analysis.past import Past
+from robsim.gui.panels.analysis.result import Result
+from robsim.gui.panels.analysis.rows import Rows
+from robsim.gui.panels.analysis.statistics import Statistics
+from robsim.gui.panels.messages import MESSAGES
+from robsim.gui.panels.part import Handlers, Part
+from robsim.gui.panels.record import ExperimentRecord, Record, SimulationRecord
+from robsim.gui.panels.run.callbacks import Callbacks
+from robsim.gui.panels.run.camera import CameraView
+from robsim.gui.panels.run.controls import Controls
+from robsim.gui.panels.run.tools import Tools
+from robsim.gui.panels.run.transport import Transport
+from robsim.gui.panels.saved import SavedRecord
+from robsim.gui.panels.still import Still
+from robsim.simulation import Experiment, Simulation
+from robsim.trace import Trace
+from robsim.trace.sessions.session import Session
+from robsim.vision.imaging.recordings import Recording
+
+_MOST_COMMANDS = 100  # of browsers that wait for the run, such as while a callback hangs
+_PATIENCE = 2.0  # s for a page that is loaded anew to come back
+
+Shown = Simulation | Experiment | Recording | Trace | Session
+
+
+class PanelView(View):
+    """Camera view, controls, traces and callbacks of a run, or a saved one that is played back.
+
+    Parameters
+    ----------
+    shown : Simulation, Experiment, Recording, Trace or Session
+        What it shows. A recording becomes an experiment that measures the robot in its frames.
+    speed : float
+        That of the `Driver`.
+    goals : array (2,), (3,) or (N, 2), optional
+        Where the robot is to go, which is drawn.
+
+    Attributes
+    ----------
+    runner : Simulation, Experiment or Playback
+        What the driver drives; a `Playback` if nothing runs.
+    """
+
+    kind: ClassVar[str] = "panel"
+    messages: ClassVar[Messages] = MESSAGES
+
+    def __init__(self, shown: Shown, *, speed: float = SPEED, goals: Floats | None = None) -> None:
+        super().__init__()
+        self.goals = goals
+        self.runner, self.record = _runner_and_record(shown)
+        self.driver = Driver(self.runner, speed=speed)
+        self._alone_at = math.inf  # when the run is paused, as nobody looks
+        self._was_running = self._is_change_waiting = False
+        self.rows, self.past, self._result = Rows(self), Past(self), Result(self)
+        self.camera, self.still = CameraView(self), Still(self)
+        kinds = [Transport, Controls, Statistics, Parameters, Inspector]
+        if not isinstance(self.runner, Playback):
+            kinds.append(Callbacks)
+        made = (kind(self) for kind in kinds)
+        self.tools = Tools(self)
+        analysis = (self.past, self._result, self.still, self.rows, self.tools)
+        self._parts: list[Part] = [self.camera, *made, *analysis]
+        self._handlers = {**super().handlers()}
+        for part in self._parts:
+            self._handlers |= part.handlers()
+        self.driver.on_step.append(self._take)
+        self.driver.on_state.append(self._tell_browsers)
+
+    @property
+    def is_running(self) -> bool:
+        return self.driver.state == "running"
+
+    def finish(self) -> None:
+        """Pause, and tell all browsers the batch estimate from what has been recorded."""
+        paused = self.driver.pause()
+        paused.add_done_callback(lambda _: self.post(self._result.tell))
+
+    def estimate(self) -> BatchEstimate:
+        """Return the batch estimate from what has been recorded; ValueError if there is none."""
+        return self._result.estimate()
+
+    def close(self, timeout: float = 5.0) -> bool:
+        """End the run and the panel; what is shown stays as it is. False if a callback hangs."""
+        has_ended = self.driver.close(timeout)
+        has_ended = super().close(timeout) and has_ended
+        for part in self._parts:
+            part.close(timeout)
+        return has_ended
+
+    def settle(self) -> None:
+        super().settle()
+        if not (self.is_here or self.driver.is_here):  # a callback, which the run waits for
+            self.driver.ask(lambda: None)
+            super().settle()  # what the run has answered
+            self.tools.settle()
+            self._result.settle()
+            super().settle()  # that it has been told
+
+    def is_urgent(self, message: Any) -> bool:
+        return (
+            isinstance(message, dict)
+            and message.get("type") == "press"
+            and message.get("button") == "stop"
+        )
+
+    def snapshot(self) -> bytes:
+        return self.still.picture()
+
+    # In the thread of the run.
+
+    def _take(self, step: Step) -> None:
+        for part in self._parts:
+            self.guarded(part.take, step)
+        if not self.is_running:
+            self._tell_change()
+
+    def _tell_browsers(self, driver: Driver) -> None:
+        was_running, self._was_running = self._was_running, driver.state == "running"
+        is_over = (was_running and not self._was_running) or driver.state == "failed"
+        last = None
+        if is_over and self.record.n_steps:  # while it ran it may have been left out
+            last = self.guarded(lambda: self.runner.last_step)
+        if last is None:
+            self._tell_change()
+        else:
+            self._take(last)
+
+    def _tell_change(self) -> None:
+        if not self._is_change_waiting:  # of several changes the last one is told
+            self._is_change_waiting = True
+            self.post(self._changed)
+
+    # In the thread of the view.
+
+    def handlers(self) -> Handlers:
+        return self._handlers
+
+    def look(self, now: float) -> float:
+        due = self._look_for_watchers(now)
+        for part in self._parts:
+            next_due = self.guarded(part.look, now)
+            due = min(due, now + RETRY if next_due is None else next_due)
+        return due
+
+    def has_room(self, factor: int = 1) -> bool:
+        """Return whether the run can take a command: not too many wait, or `factor` times that."""
+        return self.driver.n_waiting < factor * _MOST_COMMANDS
+
+    def check_room(self, factor: int = 1) -> None:
+        if not self.has_room(factor):
+            raise Refused("The run does not answer: a callback is still busy")
+
+    def tell_setup(self) -> None:
+        self.send(self._gathered("setup"))
+
+    def tell(self, link: Link) -> None:
+        link.send(self._gathered("setup"))
+        link.send(self._gathered("state"))
+        for part in self._parts:
+            self.guarded(part.greet, link)
+
+    def tell_state(self) -> None:
+        self.send(self._gathered("state"))
+
+    def parted(self) -> None:
+        """Pause when nobody looks: soon, as a page that is loaded anew says good-bye, too.
+
+        A real robot does not drive while nobody can see it and press Stop, not even for so long.
+        """
+        self._alone_at = time.monotonic() + (0.0 if self.driver.has_motors else _PATIENCE)
+
+    def _look_for_watchers(self, now: float) -> float:
+        if self.is_watched:
+            self._alone_at = math.inf
+        if now >= self._alone_at:
+            self._alone_at = math.inf
+            if self.is_running and self.driver.has_motors:
+                self.guarded(self.driver.stop_robot)
+            elif self.is_running:
+                self.driver.pause()
+        return self._alone_at
+
+    def _gathered(self, kind: str) -> Mapping[str, Any]:
+        """Return a message to which each part adds its fields."""
+        message: dict[str, Any] = {"type": kind}
+        for part in self._parts:
+            message |= self.guarded(part.setup if kind == "setup" else part.state) or {}
+        return message
+
+    def _changed(self) -> None:
+        self._is_change_waiting = False
+        for part in self._parts:
+            self.guarded(part.changed)
+        self.tell_state()
+
+
+def _runner_and_record(shown: Shown) -> tuple[Simulation | Experiment | Playback, Record]:
+    if isinstance(shown, (Simulation, Experiment)) and shown.is_running:
+        raise RuntimeError(
+            "it is running already: a panel runs it itself, so wait for its end, or call stop()"
+        )
+    if isinstance(shown, Simulation):
+        return shown, SimulationRecord(shown)
+    if isinstance(shown, Recording):
+        shown = Experiment(shown)
+    if isinstance(shown, Experiment):
+        return shown, ExperimentRecord(shown)
+    if isinstance(shown, (Trace, Session)):
+        record = SavedRecord(shown)
+        return Playback(record), record
+    raise TypeError(
+        "what must be a Simulation, an Experiment, a Recording, a Trace or a Session, got "
+        f"{quoted(shown)}"
+    )

@@ -1,0 +1,227 @@
+"""Colour classes while they are trained: regions of pictures, ranges, what was made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._core import ColorClass, color_histograms
+from robsim.base.checks import Floats
+from robsim.base.text import quoted
+from robsim.vision.imaging.images import Pixels
+from robsim.vision.markers.training import chroma_around, medians_of, share_in_class
+
+Region = tuple[int, int, int, int]
+Counts = NDArray[np.int64]
+
+_MOST_CLASSES = 32  # as many as `find_blobs` takes
+_MOST_SAMPLES = 100  # of a class
+OPTIONS = ("percentile", "margin", "limit_y")
+_ONE_PIXEL = np.eye(1, 256, 128, dtype=np.int64).repeat(3, axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """A region of a picture that has the colour.
+
+    Attributes
+    ----------
+    picture : str
+        Which picture, for people.
+    region : tuple of int
+        (left, top, right, bottom), all included (px).
+    histograms : array (3, 256)
+        How many of its pixels have each value of Y, U and V.
+    around : array (2, 2) or None
+        Chroma of the picture around it, as from `surrounding_chroma`.
+    """
+
+    picture: str
+    region: Region
+    histograms: Counts
+    around: Floats | None = None
+
+    @property
+    def medians(self) -> Floats:
+        """Medians of Y, U and V."""
+        return medians_of(self.histograms)
+
+    def share_in(self, color: ColorClass) -> float:
+        """Return the share of its pixels that a class takes, by the channel that takes fewest."""
+        return share_in_class(color, self.histograms)
+
+
+@dataclass
+class TrainedClass:
+    """A class, and how it came about.
+
+    Attributes
+    ----------
+    color : ColorClass
+        The class as it is now.
+    samples : list of Sample
+        The regions that it was made from; none if it was given, or its ranges were set by hand.
+    percentile, margin, limit_y
+        As for `ColorClass.from_region`.
+    """
+
+    color: ColorClass
+    samples: list[Sample] = field(default_factory=list)
+    percentile: float = 33.0
+    margin: int = 52
+    limit_y: bool = False
+
+    @property
+    def histograms(self) -> Counts:
+        """Those of all samples together."""
+        zero = np.zeros((3, 256), np.int64)
+        return sum((sample.histograms for sample in self.samples), zero)
+
+    @property
+    def around(self) -> Floats | None:
+        """Chroma around them: median of all pictures, the largest spread; None = unknown."""
+        known = [sample.around for sample in self.samples if sample.around is not None]
+        if not known or len(known) < len(self.samples):
+            return None
+        medians, spreads = np.swapaxes(known, 0, 1)
+        return np.array([np.median(medians, axis=0), np.max(spreads, axis=0)])
+
+    def remade(self) -> ColorClass:
+        """Return the class that its samples give; ValueError if they are grey."""
+        return ColorClass.from_histograms(
+            self.histograms,
+            name=self.color.name,
+            percentile=self.percentile,
+            margin=self.margin,
+            limit_y=self.limit_y,
+            around=self.around,
+        )
+
+
+class ColorTraining:
+    """Several colour classes while they are trained.
+
+    Parameters
+    ----------
+    colors : iterable of ColorClass
+        What is there already.
+
+    Attributes
+    ----------
+    classes : dict of str to TrainedClass
+        By name, in the order of the file.
+    """
+
+    def __init__(self, colors: Iterable[ColorClass] = ()) -> None:
+        self.classes = {color.name: TrainedClass(color) for color in colors}
+        self._next: dict[str, dict[str, Any]] = {}  # options of classes that are not there yet
+
+    @property
+    def value(self) -> tuple[ColorClass, ...]:
+        return tuple(one.color for one in self.classes.values())
+
+    def train(
+        self, name: str, image: Pixels, region: Region, *, picture: str = "", keep: int = 0
+    ) -> None:
+        """Make a class from a region of a picture, and the first `keep` regions that it had.
+
+        Raises
+        ------
+        ValueError
+            If the region lies outside the picture or is grey, or there are too many; nothing is
+            changed.
+        """
+        histograms = color_histograms(image, region)
+        sample = Sample(picture, region, histograms, chroma_around(image, histograms))
+        before = self.classes.get(name)
+        samples = [*(before.samples[:keep] if before else ()), sample]
+        if len(samples) > _MOST_SAMPLES:
+            raise ValueError(f"a colour must have at most {_MOST_SAMPLES} regions")
+        if before is None:
+            _check_count(len(self.classes) + 1)
+            any_color = ColorClass(name)
+            made = TrainedClass(any_color, samples, **self._next.get(name, {}))
+        else:
+            made = TrainedClass(
+                before.color, samples, before.percentile, before.margin, before.limit_y
+            )
+        made.color = made.remade()
+        self.classes[name] = made
+
+    def adjust(self, name: str, **options: float | bool) -> None:
+        """Set `percentile`, `margin` or `limit_y` of a class, which is made anew from its samples.
+
+        One without samples is made so when it gets some, also if it is not there yet.
+
+        Raises
+        ------
+        ValueError
+            If an option is out of range; nothing is changed.
+        """
+        chosen = self.options(name) | options
+        ColorClass.from_histograms(_ONE_PIXEL, name=name, **(chosen | {"limit_y": True}))
+        before = self.classes.get(name)
+        if before is None:
+            self._next[name] = chosen
+            return
+        made = TrainedClass(before.color, before.samples, **chosen)
+        if made.samples:
+            made.color = made.remade()
+        self.classes[name] = made
+
+    def options(self, name: str) -> dict[str, Any]:
+        """Return `percentile`, `margin` and `limit_y` of a class, also of one that is to be."""
+        one = self.classes.get(name) or TrainedClass(ColorClass(name), **self._next.get(name, {}))
+        return {key: getattr(one, key) for key in OPTIONS}
+
+    def put(self, color: ColorClass) -> None:
+        """Set the ranges of a class by hand, or add it; its samples stay to be compared with."""
+        if color.name in self.classes:
+            self.classes[color.name].color = color
+        else:
+            _check_count(len(self.classes) + 1)
+            self.classes[color.name] = TrainedClass(color)
+
+    def replace(self, colors: Iterable[ColorClass]) -> None:
+        """Take these classes in place of all; what was trained of those of the same name stays.
+
+        Raises
+        ------
+        ValueError
+            If there are too many; nothing is changed.
+        """
+        colors = tuple(colors)
+        _check_count(len(colors))
+        before, self.classes = self.classes, {}
+        for color in colors:
+            kept = before.get(color.name, TrainedClass(color))
+            kept.color = color
+            self.classes[color.name] = kept
+
+    def remove(self, name: str) -> None:
+        del self.classes[self._known(name).color.name]
+
+    def drift(self, name: str) -> list[tuple[str, Floats, float]]:
+        """Return picture, medians of Y, U, V and the share in the class, of each sample."""
+        one = self._known(name)
+        return [
+            (sample.picture, sample.medians, sample.share_in(one.color)) for sample in one.samples
+        ]
+
+    def _known(self, name: str) -> TrainedClass:
+        if name not in self.classes:
+            raise ValueError(f"there is no colour {quoted(name)}")
+        return self.classes[name]
+
+
+def _check_count(count: int) -> None:
+    if count > _MOST_CLASSES:
+        raise ValueError(f"there must be at most {_MOST_CLASSES} colours, got {count}")
+
+
+def ranges_of(color: ColorClass) -> tuple[tuple[int, int], ...]:
+    return color.y, color.u, color.v

@@ -1,0 +1,256 @@
+"""The panel that trains colours: regions of the picture, classes, what they find in it."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any, ClassVar
+
+from PIL import Image
+
+from robsim._core import ColorClass, Frame, MarkerLayout, color_histograms
+from robsim.base.files import as_path
+from robsim.base.text import quoted
+from robsim.gui._beside import Beside
+from robsim.gui._link import Link
+from robsim.gui._messages import Messages
+from robsim.gui.tools.colors.found import found_in, painted
+from robsim.gui.tools.colors.messages import MESSAGES
+from robsim.gui.tools.colors.training import OPTIONS, ColorTraining, Region, ranges_of
+from robsim.gui.tools.pictures import Picture, Pictures
+from robsim.gui.tools.tool import Acts, T, ToolView
+from robsim.vision.markers.color_files import colors_of_text, colors_to_toml, save_colors
+from robsim.vision.markers.color_masks import paint_of
+from robsim.vision.markers.color_score import ColorScore, score_color
+from robsim.vision.robots.definition import RobotDefinition
+
+_ALPHA = 200  # of what a class takes, on the picture
+
+
+class ColorsView(ToolView):
+    """Trains colour classes on pictures.
+
+    Parameters
+    ----------
+    source : Pictures
+        The pictures.
+    colors : iterable of ColorClass
+        What is there already.
+    robot : RobotDefinition
+        The robot that is looked for.
+    file : path
+        The colour file that is written, unless another one is named.
+    """
+
+    kind: ClassVar[str] = "colors"
+    messages: ClassVar[Messages] = MESSAGES
+
+    def __init__(
+        self, source: Pictures, colors: Iterable[ColorClass], robot: RobotDefinition, file: Path
+    ) -> None:
+        self.training = ColorTraining(colors)
+        self.file = file
+        self._known = set(self.training.classes)  # that the file may have
+        self._markers = robot.marker_layout()
+        self._chosen = next(iter(self.training.classes), "red")
+        self._region: Region | None = None
+        self._tests = True
+        self._beside = Beside(self, "robsim colour score")
+        super().__init__(source)
+
+    def acts(self) -> Acts:
+        return {
+            "choose": lambda message: self.choose(message["name"]),
+            "region": lambda message: self._train(tuple(message["region"]), message["keep"]),
+            "ranges": lambda message: self._set_ranges(message["ranges"]),
+            "set": lambda message: self._set(message["name"], message["value"]),
+            "thresholds": lambda message: self._take_text(message["text"]),
+            "score": lambda _: self._score(),
+            "save": lambda message: self._save(message["file"]),
+        }
+
+    def changes(self) -> Acts:
+        return {"remove": lambda _: self.training.remove(self._chosen)}
+
+    def tell(self, link: Link) -> None:
+        super().tell(link)
+        self._tell_histograms()
+
+    def state(self) -> dict[str, Any]:
+        return {
+            "chosen": self._chosen,
+            "classes": [self._class_of(name) for name in self.training.classes],
+            "options": self.training.options(self._chosen),
+            "text": colors_to_toml(self.training.value) if self.training.classes else "",
+            "file": str(self.file),
+            "region": self._region and [*self._region],
+            "tests": self._tests,
+        }
+
+    def head(self, picture: Picture) -> tuple[dict[str, Any], list[bytes]]:
+        colors = self.training.value
+        if not (self._tests and colors):
+            return {"boxes": [], "found": None, "missed": None}, []
+        found = found_in(picture.frame, colors, self._markers)
+        return found, [_mask(picture.frame, colors, self._markers)]
+
+    def still(self) -> Callable[[], bytes]:
+        picture, title, state = self.picture, self.source.title, self._state()
+        colors, markers = self.training.value, self._markers
+
+        def draw() -> bytes:
+            from robsim.gui.tools.colors.still import colors_still  # matplotlib's fonts
+
+            return colors_still(picture, title, state, colors, markers)
+
+        return draw
+
+    def changed_picture(self) -> None:
+        if self.is_frozen or not self.source.is_live:
+            self._tell_histograms()
+
+    def changed_source(self) -> None:
+        self._region = None  # which was of the pictures before
+
+    def close(self, timeout: float = 5.0) -> bool:
+        has_ended = super().close(timeout)
+        self._beside.wait(timeout)
+        return has_ended
+
+    def _class_of(self, name: str) -> dict[str, Any]:
+        one = self.training.classes[name]
+        drift = [
+            {"picture": picture, "medians": medians.tolist(), "share": share}
+            for picture, medians, share in self.training.drift(name)
+        ]
+        number = list(self.training.classes).index(name)
+        return {
+            "name": name,
+            "css": "rgb({}, {}, {})".format(*paint_of(name, number)),
+            "ranges": [list(ends) for ends in ranges_of(one.color)],
+            "drift": drift,
+        }
+
+    # What changes the classes; TypeError, ValueError or OSError: nothing was changed.
+
+    def choose(self, name: str) -> None:
+        """Let a class, or a new one, be trained."""
+        ColorClass(name)  # refuses what is no name
+        if name != self._chosen:
+            self._chosen, self._region = name, None
+        self.tell_state()
+
+    def train(self, name: str, region: Region, *, more: bool = False) -> ColorClass:
+        """Make a class from a region of the picture."""
+        self.choose(name)
+        known = self.training.classes.get(name)
+        return self._train(region, len(known.samples) if known and more else 0)
+
+    def change(self, change: Callable[[], T]) -> T:
+        done = super().change(change)
+        self.show_again()
+        return done
+
+    def save(self, path: str | PathLike[str] | None = None) -> Path:
+        """Write the classes into a file, which is the panel's from now on."""
+        file = self.file if path is None else as_path(path)
+        if not self.training.value:
+            raise ValueError("there are no colours yet: mark a region of the picture")
+        names = {color.name for color in self.training.value}
+        save_colors(file, self.training.value, remove=self._known - names)
+        self.file, self._known = file, names
+        self.tell_state()
+        return file
+
+    def _train(self, region: Region, keep: int) -> ColorClass:
+        name, picture = self._chosen, self.shown
+        image = picture.frame.image
+        color_histograms(image, region)  # refuses what is no region of it
+        self._region = region
+        self._tell_histograms()
+        self.change(
+            lambda: self.training.train(name, image, region, picture=picture.name, keep=keep)
+        )
+        return self.training.classes[name].color
+
+    def _score(self) -> None:
+        """Tell how the class would do in other light and noise, once that is known."""
+        one = self.training.classes.get(self._chosen)
+        picture, region = self.picture, self._region
+        if one is None or picture is None or region is None:
+            raise ValueError("mark a region of the picture first: that is what is looked for")
+        if self._beside.is_busy:
+            raise ValueError("the one before is not ready yet")
+        image, color = picture.frame.image, one.color
+
+        def tell(score: ColorScore | None) -> None:
+            if score is not None:
+                self.send(_score_message(score))
+
+        self._beside.begin(lambda: score_color(image, color, [region], repeats=2), tell)
+
+    def _take_text(self, text: str) -> None:
+        try:
+            colors = colors_of_text(text)
+        except ValueError as error:
+            raise ValueError(f"thresholds: {error}") from None
+        self.change(lambda: self.training.replace(colors))
+
+    def _save(self, file: str) -> None:
+        self.note(f"written: {self.save(file or None)}", "info")
+
+    def _set_ranges(self, ranges: list[list[int]]) -> None:
+        y, u, v = ((low, high) for low, high in ranges)
+        self.change(lambda: self.training.put(ColorClass(self._chosen, y=y, u=u, v=v)))
+
+    def _set(self, name: str, value: Any) -> None:
+        if name == "tests" and isinstance(value, bool):
+            self._tests = value
+            self.change(lambda: None)
+            return
+        if name not in OPTIONS:
+            raise ValueError(f"there is no setting {quoted(name)}")
+        if name == "margin" and isinstance(value, float) and value.is_integer():
+            value = int(value)  # JSON knows no other numbers
+        self.change(lambda: self.training.adjust(self._chosen, **{name: value}))
+
+    def _tell_histograms(self) -> None:
+        """Tell those of the region that is marked, in the picture that is shown."""
+        if self.picture is None or self._region is None:
+            return
+        try:
+            counts = color_histograms(self.picture.frame.image, self._region)
+        except ValueError:  # of a picture of another size
+            return
+        head = {"type": "histograms", "region": [*self._region]}
+        self.send(head, counts.astype("<f4").tobytes())
+
+
+def _score_message(score: ColorScore) -> dict[str, Any]:
+    proposed = score.proposed
+    return {
+        "type": "score",
+        "name": score.color.name,
+        "rate": score.rate,
+        "widened_rate": score.widened_rate,
+        "margin": score.margin,
+        "ranges": [list(ends) for ends in ranges_of(proposed)],
+        "levels": [
+            {"name": sweep.name, "levels": list(sweep.levels), "rates": list(sweep.rates)}
+            for sweep in score.sweeps
+        ],
+    }
+
+
+def _mask(frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout) -> bytes:
+    """Return which pixel belongs to which class, as a picture to lay over it (PNG)."""
+    index, inks = painted(frame, colors, markers)
+    shown = Image.fromarray(index, "P")
+    shown.putpalette([0, 0, 0, *(part for ink in inks for part in ink)])
+    out = io.BytesIO()
+    alpha = bytes([0, *[_ALPHA] * len(inks)])
+    bits = next(bits for bits in (1, 2, 4, 8) if len(inks) < 1 << bits)  # few are quick
+    shown.save(out, "PNG", transparency=alpha, bits=bits, compress_level=1)
+    return out.getvalue()

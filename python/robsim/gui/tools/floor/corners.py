@@ -1,0 +1,124 @@
+"""The corner, or the middle of the dot, that is nearest to a point of a picture.
+
+Source: W. Förstner and E. Gülch, A fast operator for detection and precise location of distinct
+points, corners and centres of circular features, ISPRS Intercommission Workshop, 1987.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from robsim.base.checks import Floats
+from robsim.vision.imaging.images import Pixels
+
+_MOST_REACH = 40.0  # px
+_SIGMA = 0.25  # of the weights about the point, of the reach: wide joints want a wide window
+_LEAST_SIGMA, _MOST_SIGMA = 4.0, 6.0  # px
+_LEAST_CONTRAST = 1.5  # levels a px, across the weaker direction, on the mean
+_TURNS = 12
+_SETTLED = 0.005  # px
+_LUMA = np.array((0.299, 0.587, 0.114))
+
+
+def snapped(image: Pixels, at: tuple[float, float], reach: float) -> tuple[float, float] | None:
+    """Return where the nearest corner or dot of a picture is, to a tenth of a pixel.
+
+    Parameters
+    ----------
+    image : array (H, W, 3) of uint8
+        RGB.
+    at : tuple of float
+        About where it is: (u, v).
+    reach : float
+        Up to how far off (px).
+
+    Returns
+    -------
+    tuple of float or None
+        None if there is none.
+    """
+    reach = min(max(reach, 1.0), _MOST_REACH)
+    sigma = min(max(_SIGMA * reach, _LEAST_SIGMA), _MOST_SIGMA)
+    half = math.ceil(reach + 4 * sigma)
+    left, top = (max(round(one) - half, 0) for one in at)
+    bottom, right = (round(one) + half + 1 for one in (at[1], at[0]))
+    part = image[top:bottom, left:right] if min(bottom, right) > 0 else image[:0]
+    if min(part.shape[:2]) < 4 * sigma:
+        return None
+    down, across = np.gradient(_blurred(part @ _LUMA, 0.7))
+    # Weighed by the gradient, not its square: the stronger side of a joint counts for less.
+    scale = np.sqrt(np.hypot(across, down) + 1e-9)
+    down, across = down / scale, across / scale
+    begin = _strongest(across, down, (at[0] - left, at[1] - top), reach, sigma)
+    found = None if begin is None else _refined(across, down, begin, sigma)
+    if found is None or math.dist(found, (at[0] - left, at[1] - top)) > reach + 1:
+        return None
+    return found[0] + left, found[1] + top
+
+
+def _strongest(
+    across: Floats, down: Floats, at: tuple[float, float], reach: float, sigma: float
+) -> tuple[float, float] | None:
+    """Return the pixel around which gradients point in all directions the most, near a point."""
+    xx, xy, yy = (_blurred(one, sigma) for one in (across**2, across * down, down**2))
+    # the smaller eigenvalue of [[xx, xy], [xy, yy]]
+    weaker = (xx + yy) / 2 - np.hypot((xx - yy) / 2, xy)
+    v, u = np.indices(weaker.shape)
+    away = np.hypot(u - at[0], v - at[1]) / reach
+    score = np.where(away <= 1, weaker * (1 - 0.5 * away**2), 0.0)
+    best = np.unravel_index(int(score.argmax()), score.shape)
+    if weaker[best] < _LEAST_CONTRAST:
+        return None
+    return float(best[1]), float(best[0])
+
+
+def _refined(
+    across: Floats, down: Floats, begin: tuple[float, float], sigma: float
+) -> tuple[float, float] | None:
+    """Return where the lines along edges meet, or those across them: whichever fits better."""
+    fits = [_meeting(*lines, begin, sigma) for lines in ((across, down), (-down, across))]
+    found = [fit for fit in fits if fit is not None]
+    return min(found, key=lambda fit: fit[0])[1] if found else None
+
+
+def _meeting(
+    across: Floats, down: Floats, begin: tuple[float, float], sigma: float
+) -> tuple[float, tuple[float, float]] | None:
+    """Return the point that is nearest to the lines whose normals are given, and how near it is."""
+    v, u = np.indices(across.shape)
+    at = np.array(begin)
+    for _ in range(_TURNS):
+        weight = np.exp(-((u - at[0]) ** 2 + (v - at[1]) ** 2) / (2 * sigma**2))
+        normals = np.array(
+            [
+                ((weight * across**2).sum(), (weight * across * down).sum()),
+                ((weight * across * down).sum(), (weight * down**2).sum()),
+            ]
+        )
+        if np.linalg.cond(normals) > 100:
+            return None
+        off = weight * (across * (u - at[0]) + down * (v - at[1]))
+        step = np.linalg.solve(normals, np.array(((off * across).sum(), (off * down).sum())))
+        at = at + step
+        if np.linalg.norm(step) < _SETTLED:
+            break
+    if math.dist(at, begin) > 2 * sigma:
+        return None
+    left = (weight * (across * (u - at[0]) + down * (v - at[1])) ** 2).sum() / np.trace(normals)
+    return float(left), (float(at[0]), float(at[1]))
+
+
+def _blurred(levels: Any, sigma: float) -> Floats:
+    """Return an array blurred by a Gaussian; its edge pixels go on outside."""
+    half = math.ceil(2.5 * sigma)
+    taps = np.exp(-(np.arange(-half, half + 1) ** 2) / (2 * sigma**2))
+    taps /= taps.sum()
+    for axis in (0, 1):
+        padding = [(half, half) if one == axis else (0, 0) for one in (0, 1)]
+        padded = np.pad(levels, padding, mode="edge")
+        count = levels.shape[axis]
+        levels = sum(tap * np.take(padded, range(i, i + count), axis) for i, tap in enumerate(taps))
+    return np.asarray(levels, float)

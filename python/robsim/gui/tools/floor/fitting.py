@@ -1,0 +1,127 @@
+"""A floor as it is fitted, and what browsers are told of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from robsim.gui._frames import lens_of, numbers
+from robsim.gui.tools.floor.points import FEWEST, FloorDraft
+from robsim.lab.calibration.floor import calibrate_floor
+from robsim.lab.calibration.floor_report import FloorCalibration
+from robsim.lab.calibration.grid import grid_step
+from robsim.vision.imaging.calibration import Calibration
+from robsim.vision.imaging.images import Pixels
+
+Size = tuple[int, int]
+
+
+def fitted(
+    draft: FloorDraft, lens: Calibration | None, size: Size, picture: Pixels | None = None
+) -> FloorCalibration:
+    """Return the calibration by the points whose place is given.
+
+    Parameters
+    ----------
+    draft : FloorDraft
+        The points, and the work area.
+    lens : Calibration or None
+        The lens, if it is known.
+    size : tuple of int
+        Width and height of the picture (px).
+    picture : array (H, W, 3) of uint8, optional
+        The picture, if floor sheets in it are to be kept in mind; that takes longer.
+
+    Raises
+    ------
+    ImportError, TypeError, ValueError
+        As from `calibrate_floor`.
+    """
+    if len(draft.complete) < FEWEST:
+        raise ValueError("; ".join(draft.problems()))
+    return calibrate_floor(
+        draft.pixels,
+        draft.places,
+        names=[str(one.number) for one in draft.complete],
+        area=draft.area,
+        mm_per_px=draft.mm_per_px,
+        marker_height=draft.marker_height,
+        lens=lens,
+        size=size,
+        picture=picture,
+    )
+
+
+def on_work_area(calibration: Calibration, draft: FloorDraft) -> Calibration:
+    """Return a calibration with the work area and the height of a draft, of the same floor."""
+    floor, scale = calibration.floor, calibration.mm_per_px
+    if floor is None or scale is None:
+        return calibration
+    if (calibration.area, scale, calibration.marker_height) == (
+        draft.area,
+        draft.mm_per_px,
+        draft.marker_height,
+    ):
+        return calibration
+    ratio = scale / draft.mm_per_px
+    matrix = np.diag([ratio, ratio, 1]) @ floor.matrix
+    return replace(
+        calibration,
+        floor=type(floor)(matrix),
+        area=draft.area,
+        mm_per_px=draft.mm_per_px,
+        marker_height=draft.marker_height,
+    )
+
+
+def grid_of(calibration: Calibration) -> dict[str, Any] | None:
+    """Return what the grid is drawn by; None if there is no floor."""
+    floor, area = calibration.floor, calibration.area
+    if floor is None or area is None:
+        return None
+    scale = calibration.mm_per_px
+    step = grid_step(calibration)
+    high = calibration.plane_map.matrix if calibration.marker_height else None
+    return {
+        "size": [*calibration.size],
+        "area": [*area],
+        "scale": scale or 1.0,
+        "unit": "mm" if scale else "px",
+        "step": step,
+        "map": floor.matrix.ravel().tolist(),
+        "high": None if high is None else high.ravel().tolist(),
+        "intrinsics": lens_of(floor),
+    }
+
+
+def fit_of(report: FloorCalibration) -> dict[str, Any]:
+    """Return how well a calibration fits: figures, and each point with where the map has it."""
+    floor, scale = report.calibration.floor, report.calibration.mm_per_px
+    assert floor is not None
+    assert scale is not None
+    places = np.array([one.place for one in report.points])
+    mapped = floor.to_pixel(places / scale)
+    expected = numbers(report.expected_errors)
+    return {
+        "rms": report.rms,
+        "rms_mm": report.rms_mm,
+        "worst": report.worst.name,
+        "worst_px": report.worst.px,
+        "worst_mm": report.worst.mm,
+        "count": sum(one.is_used for one in report.points),
+        "expected": None if expected is None else max(expected),
+        "verdict": report.verdict,
+        "points": [
+            {
+                "name": one.name,
+                "at": [*one.pixel],
+                "to": numbers(to) or [*one.pixel],
+                "mm": one.mm,
+                "px": one.px,
+                "used": one.is_used,
+            }
+            for one, to in zip(report.points, mapped, strict=True)
+        ],
+    }

@@ -1,0 +1,371 @@
+"""The lens, by pictures of a board that are taken one after the other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from robsim.base.checks import check_bool, check_int
+from robsim.base.text import quoted
+from robsim.gui._beside import Beside
+from robsim.gui.tools.pictures import Picture, Pictures
+from robsim.gui.tools.tool import Acts
+from robsim.lab.calibration.lens import FEWEST, View, lens_of_views, why_missing
+from robsim.lab.calibration.lens_report import LensCalibration
+from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
+from robsim.lab.calibration.patterns.pattern import Corners
+from robsim.lab.calibration.taking import BoardTaker, empty_parts, is_resized, resized
+from robsim.vision.imaging.frames import frame_size
+from robsim.vision.imaging.opencv import load_opencv
+
+if TYPE_CHECKING:
+    from robsim.gui.tools.floor.view import FloorView
+
+_MOST = 60  # pictures
+_MOST_OF_A_FILM = 40  # neighbours in a video show the same
+
+Board = Chessboard | Charuco
+_PATTERNS: dict[str, type[Chessboard] | type[Charuco]] = {
+    "chessboard": Chessboard,
+    "charuco": Charuco,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class TakenBoard:
+    """A picture of the board.
+
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    size : tuple of int
+        Its width and height (px).
+    corners : Corners
+        What was found in it.
+    """
+
+    name: str
+    size: tuple[int, int]
+    corners: Corners = field(repr=False)
+
+
+class LensPictures:
+    """Takes pictures of a board out of those of a view, and calibrates the lens by them.
+
+    All but what takes long happens in the thread of the view.
+
+    Parameters
+    ----------
+    view : FloorView
+        Has the pictures, and is told of what has changed.
+    """
+
+    def __init__(self, view: FloorView) -> None:
+        self.board: Board = Chessboard()
+        self.taken: tuple[TakenBoard, ...] = ()
+        self.report: LensCalibration | None = None
+        self.watches = False
+        self._view = view
+        self._taker: BoardTaker | None = None
+        self._asked: Picture | None = None
+        self._film: Pictures | None = None
+        self._waiting: list[int] = []  # its pictures that are still to be looked at
+        self._fitted: tuple[TakenBoard, ...] = ()
+        self._wrong = ""
+        self._finding = Beside(view, "robsim board")
+        self._fitting = Beside(view, "robsim lens")
+
+    def acts(self) -> Acts:
+        """Return what is done with messages."""
+        return {
+            "board": lambda m: self.choose(m["pattern"], m["columns"], m["rows"], m["square"]),
+            "take": lambda _: self.take(),
+            "take_all": lambda _: self.take_all(),
+            "watch": lambda m: self.watch(m["on"]),
+            "drop": lambda m: self.drop(m["picture"]),
+            "use_lens": lambda _: self.use(),
+        }
+
+    def message(self) -> dict[str, Any]:
+        """Return what browsers are told."""
+        report = self.report
+        known = {} if report is None else {one.name: one for one in report.pictures}
+        return {
+            "type": "board",
+            "pattern": "charuco" if isinstance(self.board, Charuco) else "chessboard",
+            "columns": self.board.columns,
+            "rows": self.board.rows,
+            "square": self.board.square,
+            "watches": self.watches,
+            "busy": self.is_busy,
+            "pictures": [
+                {
+                    "name": one.name,
+                    "corners": len(one.corners.pixels),
+                    "rms": known[one.name].rms if one.name in known else None,
+                    "used": known[one.name].is_used if one.name in known else True,
+                }
+                for one in self.taken
+            ],
+            "pixels": [pixel for one in self.taken for pixel in one.corners.pixels.tolist()],
+            "empty": empty_parts([one.corners for one in self.taken], self._size),
+            "rms": None if report is None else report.rms,
+            "verdict": None if report is None else report.verdict,
+            "problems": self._problems(),
+        }
+
+    @property
+    def is_busy(self) -> bool:
+        return self._finding.is_busy or self._fitting.is_busy or bool(self._waiting)
+
+    def wait(self, timeout: float) -> None:
+        """Wait until nothing is computed."""
+        self._finding.wait(timeout)
+        self._fitting.wait(timeout)
+
+    @property
+    def _size(self) -> tuple[int, int]:
+        return self.taken[0].size if self.taken else (1, 1)
+
+    # What changes it.
+
+    def choose(self, pattern: str, columns: int, rows: int, square: float) -> None:
+        """Set what the board is, as `begin`."""
+        if pattern not in _PATTERNS:
+            raise ValueError(
+                f"pattern must be one of {', '.join(_PATTERNS)}, got {quoted(pattern)}"
+            )
+        try:
+            self.begin(_PATTERNS[pattern](columns, rows, square=square))
+        finally:
+            self._tell()  # what it is after all
+
+    def begin(self, board: Board) -> None:
+        """Set what the board is; ValueError if pictures show another one.
+
+        If only the side of its squares differs, the pictures that were taken count as before.
+        """
+        if is_resized(self.board, board):
+            self.taken = tuple(
+                replace(one, corners=resized(one.corners, self.board, board)) for one in self.taken
+            )
+        elif board != self.board:
+            if self.taken:
+                raise ValueError(
+                    f"the pictures that were taken show another board: {self._remove_first()}"
+                )
+            self._taker, self._waiting = None, []
+        self.board = board
+        self._changed()
+
+    def take_now(self) -> int:
+        """Take the picture that is shown, and wait for it; return how many corners it shows."""
+        picture = self._view.shown
+        self._refuse_more()
+        found = self.board.find(picture.frame.image)
+        if found is None:
+            raise ValueError(f"no board in {picture.name}: {why_missing(self.board)}")
+        self._keep(picture, found)
+        return len(found.pixels)
+
+    def fit_now(self) -> LensCalibration:
+        """Return the lens by the pictures that were taken, without waiting for other threads."""
+        if self.report is None or self._fitted != self.taken:
+            found = self._fit(self.taken)
+            self._fitted = self.taken
+            self.report = found if isinstance(found, LensCalibration) else None
+            self._wrong = found if isinstance(found, str) else ""
+            self._tell()
+        if self.report is None:
+            raise ValueError("; ".join(self._problems()))
+        return self.report
+
+    def take(self) -> None:
+        """Take the picture that is shown."""
+        picture = self._view.shown
+        self._refuse_more()
+        if self._finding.is_busy:
+            self._asked = picture  # it comes next
+        else:
+            self._look_at(picture)
+        self._tell()
+
+    def take_all(self) -> None:
+        """Take the pictures of a recording: all of a few, of many some that are evenly spread."""
+        count = self._view.source.count
+        if not count:
+            raise ValueError("these are not the pictures of a recording: take them one by one")
+        self._refuse_more()
+        self._film = self._view.source
+        self._waiting = [*range(0, count, math.ceil(count / _MOST_OF_A_FILM))]
+        self._next()
+        self._tell()
+
+    def watch(self, on: bool) -> None:
+        """Take live pictures by themselves, whenever the board stands still somewhere new."""
+        self.watches = False
+        try:
+            if check_bool("on", on):
+                self._refuse_more()
+            if on and not self._view.source.is_live:
+                raise ValueError("these pictures are not live: take them one by one")
+            self.watches = on
+        finally:
+            self._tell()
+
+    def drop(self, number: int | None) -> None:
+        """Forget a picture, by its place in the list, from 0; None = all."""
+        if number is None:
+            self.taken = ()
+        else:
+            number = check_int("picture", number, minimum=0, maximum=_MOST)
+            if number >= len(self.taken):
+                raise ValueError(f"there is no picture {number}")
+            self.taken = (*self.taken[:number], *self.taken[number + 1 :])
+        if not self.taken:
+            self._taker, self._waiting = None, []
+        self._changed()
+
+    def use(self) -> None:
+        """Let the floor be calibrated through this lens."""
+        if self.report is None or self._fitted != self.taken:
+            raise ValueError(self._wrong or "; ".join(self._problems()) or "it is not ready yet")
+        self._view.take(self.report.calibration)
+
+    def changed_picture(self) -> None:
+        """Look at a new picture, if boards are taken by themselves."""
+        picture = self._view.picture
+        is_watched = self.watches and not self._view.is_replaced
+        if is_watched and picture is not None and not self.is_busy:
+            self._look_at(picture, is_asked=False)
+
+    # How.
+
+    def _remove_first(self) -> str:
+        count = len(self.taken)
+        return "remove the picture first" if count == 1 else f"remove the {count} pictures first"
+
+    def _refuse_more(self) -> None:
+        if len(self.taken) >= _MOST:
+            raise ValueError(f"there are {_MOST} pictures already, which is enough")
+
+    def _look_at(self, picture: Picture, *, is_asked: bool = True) -> None:
+        board, image = self.board, picture.frame.image
+        if not is_asked:
+            self._taker = self._taker or BoardTaker(board, frame_size(image))
+            board = self._taker.board
+        look = board.find if is_asked or self._taker is None else self._taker.look
+
+        def find() -> Corners | str | None:
+            try:
+                return look(image)
+            except ImportError as error:
+                return str(error)
+
+        def take(found: Corners | str | None) -> None:
+            if is_resized(board, self.board) and isinstance(found, Corners):
+                found = resized(found, board, self.board)
+            if board == self.board or is_resized(board, self.board):
+                self._take(picture, found, is_asked=is_asked)
+            asked, self._asked = self._asked, None
+            if asked is not None:
+                self._look_at(asked)
+            elif self._waiting:
+                self._next()
+
+        self._finding.begin(find, take)
+
+    def _take(self, picture: Picture, found: Corners | str | None, *, is_asked: bool) -> None:
+        if isinstance(found, Corners):
+            try:
+                self._keep(picture, found)
+            except ValueError as error:
+                if is_asked:
+                    self._waiting = []
+                else:
+                    self.watches = False
+                self._view.note(str(error))
+                self._tell()
+            return
+        if isinstance(found, str):
+            self.watches = False
+            self._view.note(found)
+        elif is_asked:
+            self._view.note(f"no board in {picture.name}: {why_missing(self.board)}")
+        if is_asked or found is not None:
+            self._tell()
+
+    def _keep(self, picture: Picture, found: Corners) -> None:
+        """Take a picture with its corners; ValueError if it does not go with the others."""
+        self._refuse_more()
+        size = frame_size(picture.frame.image)
+        if self.taken and size != self._size:
+            (width, height), (other_width, other_height) = self._size, size
+            raise ValueError(
+                f"the pictures of the board are {width} x {height}; this one is {other_width} x "
+                f"{other_height}: {self._remove_first()}, or take others of that size"
+            )
+        self.taken = (*self.taken, TakenBoard(self._name_of(picture), size, found))
+        self._changed()
+
+    def _name_of(self, picture: Picture) -> str:
+        names = {one.name for one in self.taken}
+        candidates = (f"{picture.name} ({n})" for n in range(2, _MOST + 2))
+        return next(name for name in (picture.name, *candidates) if name not in names)
+
+    def _next(self) -> None:
+        if self._waiting and self._film is not None and not self._finding.is_busy:
+            k = self._waiting.pop(0)
+            try:
+                self._look_at(self._film.at(k))
+            except (OSError, ValueError, IndexError) as error:
+                self._waiting = []
+                self._view.note(str(error))
+
+    def _changed(self) -> None:
+        self._fit_soon()
+        self._tell()
+
+    def _fit_soon(self) -> None:
+        taken = self.taken
+        if self._fitting.is_busy or taken == self._fitted:
+            return
+        if len(taken) < FEWEST:
+            self.report, self._wrong, self._fitted = None, "", taken
+            return
+
+        def done(found: LensCalibration | str | None) -> None:
+            if self._fitted == self.taken:  # somebody did not want to wait for it
+                self._tell()
+                return
+            self._fitted = taken
+            self.report = found if isinstance(found, LensCalibration) else None
+            self._wrong = found if isinstance(found, str) else ""
+            self._changed()
+
+        self._fitting.begin(lambda: self._fit(taken), done)
+
+    def _fit(self, taken: tuple[TakenBoard, ...]) -> LensCalibration | str:
+        """Return the lens by pictures, or why there is none; any thread."""
+        if len(taken) < FEWEST:
+            return ""
+        views = [View(one.name, one.corners) for one in taken]
+        cv2 = load_opencv("calibrating a lens")
+        try:
+            return lens_of_views(cv2, taken[0].size, views, [])
+        except (ValueError, cv2.error) as error:
+            return f"the lens could not be calibrated by these pictures: {error}"
+
+    def _problems(self) -> list[str]:
+        missing = FEWEST - len(self.taken)
+        if missing > 0:
+            more = "a picture" if missing == 1 else f"{missing} pictures"
+            return [f"take {more} more of the board: {FEWEST} are needed, 10 to 20 are better"]
+        if self.report is None:
+            return [self._wrong] if self._wrong else []
+        return [one.sentence for one in self.report.problems]
+
+    def _tell(self) -> None:
+        self._view.send(self.message())

@@ -1,0 +1,466 @@
+"""What users hold of the panel that calibrates a floor: `floor_panel` opens it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from robsim.base.checks import check_float
+from robsim.base.files import as_path
+from robsim.base.text import quoted
+from robsim.gui.tools.floor.example import TITLE, tiled_floor
+from robsim.gui.tools.floor.points import FloorDraft
+from robsim.gui.tools.floor.view import FloorView
+from robsim.gui.tools.opening import Seen, pictures_of
+from robsim.gui.tools.panel import ToolPanel
+from robsim.gui.tools.pictures import OnePicture
+from robsim.lab.calibration.floor import checked_places
+from robsim.lab.calibration.floor_report import FloorCalibration
+from robsim.lab.calibration.lens_report import LensCalibration
+from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
+from robsim.vision.imaging.calibration import Calibration
+from robsim.vision.imaging.calibration_file import load_calibration
+from robsim.vision.robots.lookup import load_robot
+
+_FILE, _EXAMPLE_FILE = "camera.toml", "example.toml"
+_DRAFT = FloorDraft(area=(1200, 1200), mm_per_px=2.0)
+
+
+def floor_panel(
+    what: Seen | str | PathLike[str] | None = None,
+    *,
+    calibration: Calibration | str | PathLike[str] | None = None,
+    file: str | PathLike[str] | None = None,
+) -> FloorPanel:
+    """Open the panel that calibrates where a camera looks at the floor from.
+
+    Points are placed on the picture by the mouse, under a magnifying glass, and their places on the
+    floor typed in; or printed sheets are found. How well they fit shows at once.
+
+    Parameters
+    ----------
+    what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
+        Whose pictures. A path is that of a picture, of a folder of them, or of a video. Default: an
+        example, a floor of tiles.
+    calibration : Calibration or path, optional
+        What is known already: a lens, or a floor, too. Default: what is in `file`, if it is there.
+    file : path, optional
+        Where Save writes it, unless another file is named there. Default: that of `calibration`, or
+        ``camera.toml``; of the example ``example.toml``.
+
+    Returns
+    -------
+    FloorPanel
+        The panel; `FloorPanel.value` has the calibration.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    TypeError, ValueError
+        If an argument has the wrong type, or is no such file; the message names it.
+
+    Examples
+    --------
+    In a notebook, as the last lines of a cell, and when it fits well in the next one:
+
+    >>> tool = robsim.gui.floor_panel("floor.png", calibration="camera.toml")
+    >>> tool
+
+    >>> camera = robsim.Camera(0, calibration=tool.value)
+    """
+    given = None if file is None else as_path(file, "file")
+    if what is None and calibration is None and given is None:
+        given = Path(_EXAMPLE_FILE)  # yours stays as it is
+    known, path, is_read = _known(calibration, given)
+    example = OnePicture(tiled_floor(), TITLE) if what is None else None
+    source = example or pictures_of(what, load_robot())
+    return FloorPanel(FloorView(source, known, _draft_of(known), path, is_read=is_read))
+
+
+def _known(calibration: Any, file: Path | None) -> tuple[Calibration | None, Path, bool]:
+    """Return what is known already, the file to write, and whether that is where it is from."""
+    if isinstance(calibration, Calibration):
+        return calibration, file or Path(_FILE), False
+    if calibration is None:
+        path = file or Path(_FILE)
+        is_there = path.exists()
+        return (load_calibration(path) if is_there else None), path, is_there
+    if not isinstance(calibration, (str, PathLike)):
+        raise TypeError(f"calibration must be a Calibration or a path, got {quoted(calibration)}")
+    path = as_path(calibration, "calibration")
+    known = load_calibration(path)
+    return known, file or path, file is None or file.resolve() == path.resolve()
+
+
+def _draft_of(known: Calibration | None) -> FloorDraft:
+    if known is None or known.area is None or known.mm_per_px is None:
+        return _DRAFT
+    return FloorDraft(known.area, known.mm_per_px, known.marker_height)
+
+
+class FloorPanel(ToolPanel):
+    """The panel that calibrates a floor; `robsim.gui.floor_panel` makes it.
+
+    What its mouse does can be done by its methods, from any thread. A context closes it at its end;
+    what it looked at stays open.
+    """
+
+    _maker = "robsim.gui.floor_panel"
+    _view: FloorView
+
+    @property
+    def value(self) -> Calibration:
+        """The calibration as it is now; a ValueError says what is missing. It can be set.
+
+        Set, its lens and its work area are taken, and its floor until points are placed.
+        """
+        return self._view.ask(self._view.calibration)
+
+    @value.setter
+    def value(self, calibration: Calibration) -> None:
+        if not isinstance(calibration, Calibration):
+            raise TypeError(f"value must be a Calibration, got {quoted(calibration)}")
+
+        def take() -> None:
+            self._view.points.clear()
+            self._view.use("points")
+            self._view.take(calibration)
+
+        self._change(take)
+
+    @property
+    def report(self) -> FloorCalibration:
+        """How well each point fits; a ValueError says what is missing."""
+        return self._view.ask(self._view.fit_report)
+
+    # Points.
+
+    def add(
+        self,
+        pixel: tuple[float, float],
+        position: tuple[float, float] | None = None,
+        *,
+        reach: float = 0.0,
+    ) -> int:
+        """Add a point.
+
+        Parameters
+        ----------
+        pixel : tuple of float
+            Where it is in the picture: (u, v).
+        position : tuple of float, optional
+            Where it is on the floor, from the top left corner of the work area, x to the right and
+            y down as the camera sees it (mm). Default: not known yet; see `place`.
+        reach : float
+            If there is a corner, such as of a tile, or a dot within so many pixels, it is put
+            there, to a tenth of a pixel.
+
+        Returns
+        -------
+        int
+            Its number.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument has the wrong type; nothing is changed then.
+        """
+        reach = check_float("reach", reach, "px", minimum=0)
+        return self._change(lambda: self._view.add(pixel, position, reach))
+
+    def put(self, pixels: ArrayLike, positions: ArrayLike) -> None:
+        """Place points in place of all that there are.
+
+        Parameters
+        ----------
+        pixels : array (N, 2)
+            Where they are in the picture: (u, v).
+        positions : array (N, 2)
+            Where they are on the floor (mm), as in `add`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument has the wrong type or shape; nothing is changed then.
+        """
+
+        def put() -> None:
+            self._view.points.put(pixels, positions)
+            self._view.use("points")
+
+        self._change(put)
+
+    def move(self, point: int, pixel: tuple[float, float]) -> None:
+        """Move a point.
+
+        Parameters
+        ----------
+        point : int
+            Its number.
+        pixel : tuple of float
+            Where it is in the picture: (u, v).
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such point, or an argument has the wrong type.
+        """
+        self._change(lambda: self._view.points.move(point, pixel))
+
+    def snap(self, point: int, *, reach: float = 12.0) -> None:
+        """Move a point to the nearest corner, such as of a tile, or dot.
+
+        Parameters
+        ----------
+        point : int
+            Its number.
+        reach : float
+            Up to how far off it is looked for (px).
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such point, or no corner.
+        """
+        self._change(lambda: self._view.snap(point, reach))
+
+    def place(self, point: int, position: tuple[float, float] | None) -> None:
+        """Say where a point is on the floor.
+
+        Parameters
+        ----------
+        point : int
+            Its number.
+        position : tuple of float or None
+            x and y (mm), as in `add`; None = not known.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such point, or an argument has the wrong type.
+        """
+        self._change(lambda: self._view.points.place(point, position))
+
+    def remove(self, point: int) -> None:
+        """Remove a point.
+
+        Parameters
+        ----------
+        point : int
+            Its number.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such point.
+        """
+        self._change(lambda: self._view.points.remove(point))
+
+    def clear(self) -> None:
+        """Remove all points."""
+        self._change(self._view.points.clear)
+
+    def fill(self, step: float) -> int:
+        """Add the corners that the picture has where those of a regular grid are expected.
+
+        Parameters
+        ----------
+        step : float
+            Side of its squares, such as of tiles (mm); a corner is in the origin of the work area.
+
+        Returns
+        -------
+        int
+            How many were found.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there are too few points yet to tell where they are expected, or none was found.
+        """
+        return self._change(lambda: self._view.fill(step))
+
+    def adjust(
+        self,
+        *,
+        area: tuple[int, int] | None = None,
+        mm_per_px: float | None = None,
+        marker_height: float | None = None,
+    ) -> None:
+        """Set the work area, and how high the markers are; what is not given stays.
+
+        Parameters
+        ----------
+        area : tuple of int, optional
+            Width and height of the work area (px).
+        mm_per_px : float, optional
+            A px of the work area on the floor (mm).
+        marker_height : float, optional
+            How high above the floor the robot's markers are (mm); needs a lens.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument has the wrong type, or is out of range.
+        """
+        adjust = self._view.points.adjust
+        self._change(lambda: adjust(area=area, mm_per_px=mm_per_px, marker_height=marker_height))
+
+    def undo(self) -> None:
+        """Undo the last change of the points or the work area; nothing if there is none."""
+        self._change(self._view.points.undo)
+
+    def redo(self) -> None:
+        """Do again what was undone last; nothing if there is nothing."""
+        self._change(self._view.points.redo)
+
+    # Sheets.
+
+    def find_sheets(
+        self,
+        *,
+        mark: float | None = None,
+        places: Mapping[int, tuple[float, float]] | None = None,
+    ) -> FloorCalibration:
+        """Calibrate by the floor sheets that the picture shows.
+
+        Parameters
+        ----------
+        mark : float, optional
+            Side of a mark on the sheets, measured on the print (mm). Default: as it is; at first
+            80.
+        places : mapping of int to tuple of float, optional
+            Where the cross of a sheet lies (mm), by its number. Default: as
+            `robsim.lab.calibrate_floor_by_sheets` has it.
+
+        Returns
+        -------
+        FloorCalibration
+            How well each sheet fits.
+
+        Raises
+        ------
+        ImportError
+            If OpenCV is not installed.
+        TypeError, ValueError
+            If an argument has the wrong type, or there is no sheet.
+        """
+        where = checked_places(places)
+
+        def find() -> FloorCalibration:
+            sheets = self._view.sheets
+            if mark is not None:
+                sheets.adjust(mark)
+            self._view.find_sheets()
+            for number, (x, y) in where.items():
+                sheets.place(number, x, y)
+            return self._view.fit_report()
+
+        return self._change(find)
+
+    # The lens.
+
+    def take_board(self, board: Chessboard | Charuco | None = None) -> int:
+        """Take the picture that is shown for the calibration of the lens.
+
+        Parameters
+        ----------
+        board : Chessboard or Charuco, optional
+            What it shows. Default: as it is; at first the default chessboard. If only the side of
+            its squares is another one than before, the pictures that were taken count as before.
+
+        Returns
+        -------
+        int
+            How many corners it shows.
+
+        Raises
+        ------
+        ImportError
+            If OpenCV is not installed.
+        TypeError, ValueError
+            If an argument has the wrong type, there is no board in the picture, or those that were
+            taken have another size, or show another board: see `drop_boards`.
+        """
+        if not (board is None or isinstance(board, (Chessboard, Charuco))):
+            raise TypeError(f"board must be a Chessboard or a Charuco, got {quoted(board)}")
+        lens = self._view.lens
+
+        def take() -> int:
+            if board is not None:
+                lens.begin(board)
+            return lens.take_now()
+
+        return self._view.ask(take)
+
+    def drop_boards(self, picture: int | None = None) -> None:
+        """Forget pictures of the board.
+
+        Parameters
+        ----------
+        picture : int, optional
+            Which one, by its place among those that were taken, from 0. Default: all.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If there is no such picture.
+        """
+        self._view.ask(lambda: self._view.lens.drop(picture))
+
+    def calibrate_lens(self) -> LensCalibration:
+        """Calibrate the lens by the pictures that were taken, and the floor through it.
+
+        Returns
+        -------
+        LensCalibration
+            How well it fits each picture.
+
+        Raises
+        ------
+        ValueError
+            If fewer than four pictures were taken.
+        """
+        lens = self._view.lens
+
+        def fit() -> LensCalibration:
+            found = lens.fit_now()
+            self._view.take(found.calibration)
+            return found
+
+        return self._view.ask(fit)
+
+    # The picture.
+
+    def save(self, path: str | PathLike[str] | None = None) -> Path:
+        """Write the calibration into a file, as ``robsim calibrate`` does.
+
+        Parameters
+        ----------
+        path : path, optional
+            The file. Default: that of the panel.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        TypeError, ValueError
+            If `path` is no path, something is missing, or the file is there already, but is no
+            calibration, was neither read nor written by this panel, or has a lens that this floor
+            was not calibrated with.
+        """
+        return self._view.ask(lambda: self._view.save(path))
+
+    def __repr__(self) -> str:
+        count = len(self._view.points.draft.points)
+        return f"<robsim.gui.FloorPanel: {count} points>"

@@ -1,0 +1,466 @@
+"""The panel that calibrates a floor: points on its picture, sheets in it, how well they fit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from robsim._core import PlaneMap
+from robsim.base.checks import check_float
+from robsim.base.files import as_path
+from robsim.base.text import one_line
+from robsim.gui._beside import Beside
+from robsim.gui._link import Link
+from robsim.gui._messages import Messages
+from robsim.gui.tools.floor.corners import snapped
+from robsim.gui.tools.floor.file import refuse_device, replaced
+from robsim.gui.tools.floor.fitting import fit_of, fitted, grid_of, on_work_area
+from robsim.gui.tools.floor.lens import LensPictures
+from robsim.gui.tools.floor.messages import MESSAGES
+from robsim.gui.tools.floor.points import MOST, FloorDraft, FloorPoints, checked_pixel
+from robsim.gui.tools.floor.sheets import FloorSheets, SeenSheets
+from robsim.gui.tools.pictures import Pictures
+from robsim.gui.tools.tool import Acts, T, ToolView
+from robsim.lab.calibration.floor_report import FloorCalibration
+from robsim.vision.imaging.calibration import Calibration
+from robsim.vision.imaging.calibration_file import load_calibration, save_calibration
+from robsim.vision.imaging.frames import frame_size
+
+#: What is shown, and what a floor is fitted by: while it is a lens, by the points.
+WAYS = ("points", "sheets", "lens")
+_MOST_HALF = 100  # px of the picture to each side, of what a magnifying glass gets
+_FILL_REACH = 8.0  # px, of where a corner of a grid is expected
+
+Pixel = tuple[float, float]
+
+
+class FloorView(ToolView):
+    """Calibrates a floor, by points that are placed on its picture, or by sheets in it.
+
+    Parameters
+    ----------
+    source : Pictures
+        The pictures.
+    base : Calibration or None
+        What is known already: a lens, or a floor, too.
+    draft : FloorDraft
+        The work area, without points.
+    file : path
+        What is written, unless another file is named.
+    is_read : bool
+        Whether `base` is what that file has.
+    """
+
+    kind: ClassVar[str] = "floor"
+    messages: ClassVar[Messages] = MESSAGES
+
+    def __init__(
+        self,
+        source: Pictures,
+        base: Calibration | None,
+        draft: FloorDraft,
+        file: Path,
+        *,
+        is_read: bool,
+    ) -> None:
+        self.points = FloorPoints(draft)
+        self.sheets = FloorSheets()
+        self.base = base
+        self.file = file
+        self._files = {file.resolve()} if is_read else set()  # that were read or written
+        self.way = WAYS[0]
+        self._chosen: int | None = None
+        self._frames: tuple[int, int] | None = None
+        self._fit_report: FloorCalibration | None = None  # of what was fitted last
+        self._wrong = ""  # why nothing could be fitted
+        self._fitted: object = None  # what that was
+        self.lens = LensPictures(self)
+        self._fitting = Beside(self, "robsim floor fit")
+        self._finding = Beside(self, "robsim floor sheets")
+        super().__init__(source)
+
+    def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
+        return {**super().handlers(), "magnify": self._magnify}
+
+    def changes(self) -> Acts:
+        points = self.points
+        return {
+            "add": lambda m: self._add(m["at"], m["reach"]),
+            "move": lambda m: points.move(m["point"], m["at"], goes_on=m["goes_on"]),
+            "nudge": lambda m: points.nudge(m["point"], m["by"], goes_on=m["goes_on"]),
+            "snap": lambda m: self.snap(m["point"], m["reach"]),
+            "place": lambda m: points.place(m["point"], (m["x"], m["y"])),
+            "cut": lambda m: self._cut(m["point"]),
+            "clear": lambda _: points.clear(),
+            "fill": lambda m: self.fill(m["step"]),
+            "set": lambda m: self._set(m["name"], m["value"]),
+            "choose": lambda m: self._choose(m["point"]),
+            "sheet": lambda m: self.sheets.place(m["number"], m["x"], m["y"]),
+            "by": lambda m: self.use(m["name"]),
+            "undo": lambda _: points.undo(),
+            "redo": lambda _: points.redo(),
+        }
+
+    def acts(self) -> Acts:
+        return {
+            **self.lens.acts(),
+            "sheets": lambda _: self._find_sheets(),
+            "load": lambda m: self.load(m["file"]),
+            "forget": lambda _: self.take(None),
+            "save": lambda m: self._save(m["file"]),
+        }
+
+    def look(self, now: float) -> float:
+        self._fit_soon()
+        return super().look(now)
+
+    def tell(self, link: Link) -> None:
+        super().tell(link)
+        link.send(self.lens.message())
+
+    def state(self) -> dict[str, Any]:
+        draft = self.points.draft
+        report = self._fit_report
+        shown = self._shown_calibration()
+        return {
+            "points": [
+                {"number": one.number, "at": [*one.pixel], "place": [*one.place]}
+                for one in draft.points
+            ],
+            "chosen": self._chosen,
+            "by": self.way,
+            "sheets": self.sheets.state(),
+            "area": [*draft.area],
+            "mm_per_px": draft.mm_per_px,
+            "marker_height": draft.marker_height,
+            "grid": None if shown is None else grid_of(shown),
+            "fit": None if report is None else fit_of(report),
+            "problems": self._problems(),
+            "remarks": [] if report is None else list(report.remarks),
+            "pending": self._finding.is_busy or self._fitted != self._task(),
+            "lens": _lens_state(self.base),
+            "file": str(self.file),
+            "cannot_save": self._why_not_saved(),
+            "can_undo": self.points.can_undo,
+            "can_redo": self.points.can_redo,
+        }
+
+    def still(self) -> Callable[[], bytes]:
+        picture, title, state = self.picture, self.source.title, self._state()
+        shown = self._shown_calibration()
+
+        def draw() -> bytes:
+            from robsim.gui.tools.floor.still import floor_still  # matplotlib's fonts
+
+            return floor_still(picture, title, state, shown)
+
+        return draw
+
+    def changed_picture(self) -> None:
+        self._frames = frame_size(self.shown.frame.image)
+        self.lens.changed_picture()
+
+    def close(self, timeout: float = 5.0) -> bool:
+        has_ended = super().close(timeout)
+        self._fitting.wait(timeout)
+        self._finding.wait(timeout)
+        self.lens.wait(timeout)
+        return has_ended
+
+    # What changes it; TypeError, ValueError or OSError: nothing was changed.
+
+    def change(self, change: Callable[[], T]) -> T:
+        try:
+            return change()
+        finally:
+            numbers = [one.number for one in self.points.draft.points]
+            if self._chosen not in numbers:
+                self._chosen = None
+            self.tell_state()
+
+    def add(self, pixel: Any, place: Any, reach: float) -> int:
+        """Add a point, at the nearest corner or dot if there is one within reach (px)."""
+        at = checked_pixel(pixel)
+        found = self._snapped(at, reach) if reach > 0 else None
+        number = self.points.add(at if found is None else found, place)
+        self._chosen, self.way = number, WAYS[0]
+        return number
+
+    def snap(self, number: int, reach: float) -> None:
+        """Move a point to the nearest corner or dot."""
+        reach = check_float("reach", reach, "px", exclusive_minimum=0)
+        found = self._snapped(self.points.point(number).pixel, reach)
+        if found is None:
+            raise ValueError(f"there is no corner and no dot near point {number}")
+        self.points.move(number, found)
+
+    def fill(self, step: float) -> int:
+        """Add the corners that the picture has where those of a grid are expected."""
+        draft = self.points.draft
+        width, height = (side * draft.mm_per_px for side in draft.area)
+        step = check_float("step", step, "mm", minimum=max(width, height) / 100)
+        calibration = self.fit_report().calibration
+        floor = calibration.floor
+        assert floor is not None
+        expected = self._grid_places(floor, step)
+        if len(draft.points) + len(expected) > MOST:
+            raise ValueError(
+                f"step must be larger: it gives {len(expected)} places in the picture, and there "
+                f"may be {MOST} points"
+            )
+        found = [
+            (corner, place)
+            for pixel, place in expected
+            if (corner := self._snapped(pixel, _FILL_REACH))
+        ]
+        if not found:
+            raise ValueError(f"no other corner lies on a grid of {step:g} mm")
+        self.points.extend(found)
+        return len(found)
+
+    def _grid_places(self, floor: PlaneMap, step: float) -> list[tuple[Pixel, Pixel]]:
+        """Return where a grid (mm) is in the picture, and on the floor, without its points."""
+        draft = self.points.draft
+        width, height = frame_size(self.shown.frame.image)
+        columns, rows = (int(side * draft.mm_per_px / step) + 1 for side in draft.area)
+        places = [(column * step, row * step) for row in range(rows) for column in range(columns)]
+        pixels = floor.to_pixel(np.array(places) / draft.mm_per_px).tolist()
+        known = {one.place for one in draft.points}
+        return [
+            ((u, v), place)
+            for (u, v), place in zip(pixels, places, strict=True)
+            if place not in known and 0 <= u < width and 0 <= v < height
+        ]
+
+    def use(self, way: str) -> None:
+        """Let the floor be fitted by points, or by sheets; or show the lens."""
+        if way not in WAYS:
+            raise ValueError(f"by must be one of {', '.join(WAYS)}")
+        self.way = way
+
+    def load(self, file: str | PathLike[str]) -> None:
+        """Take lens and floor of a calibration in place of those that are known."""
+        path = as_path(file, "calibration")
+        refuse_device(path)
+        self.take(load_calibration(path))
+        self._note_file(path)
+
+    def take(self, calibration: Calibration | None) -> None:
+        """Take lens and floor of a calibration; None = nothing is known."""
+        self.base = calibration
+        if calibration is not None and calibration.area and calibration.mm_per_px:
+            self.points.adjust(
+                area=calibration.area,
+                mm_per_px=calibration.mm_per_px,
+                marker_height=calibration.marker_height,
+            )
+        self.tell_state()
+
+    def save(self, path: str | PathLike[str] | None = None) -> Path:
+        """Write the calibration into a file, which is the panel's from now on."""
+        file = self.file if path is None else as_path(path)
+        calibration = self.calibration()
+        there = replaced(file, calibration, is_known=file.resolve() in self._files)
+        save_calibration(file, calibration)
+        self._note_file(file)
+        if there is not None and there.floor is not None and calibration.floor is None:
+            self.note(
+                f"{one_line(file)} had a floor, by the lens that is replaced: calibrate it again",
+                "info",
+            )
+        return file
+
+    def _note_file(self, file: Path) -> None:
+        """Note the file that was read or written: it is the one to write from now on."""
+        self.file = file
+        self._files.add(file.resolve())
+        self.tell_state()
+
+    # What it is.
+
+    def fit_report(self) -> FloorCalibration:
+        """Return how well it fits now; ValueError if something is missing or wrong."""
+        task = self._task()
+        if self._fitted != task:
+            self._take_fit(task, self._fit(task))
+        if self._fit_report is None:
+            raise ValueError(self._wrong)
+        return self._fit_report
+
+    def calibration(self) -> Calibration:
+        """Return the calibration as it is now; ValueError if something is missing or wrong."""
+        draft = self.points.draft
+        if self.way == "sheets":
+            return self.fit_report().calibration
+        if not draft.points and self.base is not None:
+            return on_work_area(self.base, draft)
+        found = self.fit_report().calibration
+        image = self.shown.frame.image
+        try:
+            return fitted(draft, self.base, found.size, image).calibration
+        except ImportError:  # floor sheets are not kept in mind
+            return found
+
+    def _shown_calibration(self) -> Calibration | None:
+        """Return what the grid is drawn by."""
+        if self._fit_report is not None:
+            return self._fit_report.calibration
+        has_points = bool(self.points.draft.points) or self.way == "sheets"
+        if self.base is None or self.base.floor is None or has_points:
+            return None
+        try:
+            return on_work_area(self.base, self.points.draft)
+        except ValueError:  # such as a height above the camera
+            return None
+
+    def _problems(self) -> list[str]:
+        draft = self.points.draft
+        if self.way == "sheets":
+            said = [self._wrong] if self._wrong else []
+        elif not draft.points and self.base is not None and self.base.floor is not None:
+            said = []
+        else:
+            said = draft.problems() or ([self._wrong] if self._wrong else [])
+        if self._fit_report is not None:
+            said += [one.sentence for one in self._fit_report.problems]
+        return said
+
+    def _why_not_saved(self) -> str:
+        """Return what is to be done before it can be saved; empty if it can be."""
+        is_lens_alone = self.base is not None and self.base.floor is None
+        has_points = bool(self.points.draft.points) or self.way == "sheets"
+        if self._shown_calibration() is not None or (is_lens_alone and not has_points):
+            return ""
+        if self.way == "lens" and not has_points:
+            return "take pictures of the board, and press Use this lens when it fits"
+        return "; ".join(self._problems()) or "it is not ready yet"
+
+    # How it is fitted: in a thread of its own, always what is newest.
+
+    def _task(self) -> tuple[Any, ...]:
+        by = self.sheets.task() if self.way == "sheets" else None
+        return (self.way, self.points.draft, self.base, self._frames, by)
+
+    def _fit(self, task: tuple[Any, ...]) -> FloorCalibration | str:
+        """Return a fit, or why there is none; any thread."""
+        way, draft, base, size, by = task
+        try:
+            if size is None:
+                return "there is no picture yet"
+            if way == "sheets":
+                found: FloorCalibration = by.fitted(draft, base)
+                return found
+            return fitted(draft, base, size)
+        except (TypeError, ValueError, ImportError) as error:
+            return str(error)
+
+    def _fit_soon(self) -> None:
+        task = self._task()
+        if self._fitted == task or self._fitting.is_busy:
+            return
+        way, draft, *_ = task
+        if way != "sheets" and draft.problems() and len(draft.complete) < 4:
+            self._take_fit(task, "; ".join(draft.problems()))  # it is known without a fit
+            self.tell_state()
+            return
+
+        def take(found: FloorCalibration | str | None) -> None:
+            if self._fitted == self._task():
+                return  # somebody did not want to wait for it
+            self._take_fit(task, "it could not be fitted" if found is None else found)
+            self.tell_state()
+
+        self._fitting.begin(lambda: self._fit(task), take)
+
+    def _take_fit(self, task: tuple[Any, ...], found: FloorCalibration | str) -> None:
+        self._fitted = task
+        self._wrong = found if isinstance(found, str) else ""
+        self._fit_report = None if isinstance(found, str) else found
+
+    # Messages.
+
+    def _add(self, at: tuple[float, float], reach: float) -> None:
+        if self.picture is None:
+            raise ValueError("there is no picture yet")
+        self.add(at, None, reach)
+
+    def _cut(self, number: int) -> None:
+        points = [one.number for one in self.points.draft.points]
+        self.points.remove(number)
+        if self._chosen == number and len(points) > 1:
+            at = points.index(number)
+            self._chosen = points[at - 1] if at else points[1]
+
+    def _choose(self, number: int | None) -> None:
+        self._chosen = None if number is None else self.points.point(number).number
+
+    def _set(self, name: str, value: float) -> None:
+        draft = self.points.draft
+        if name in ("width", "height"):
+            at = ("width", "height").index(name)
+            area: list[float] = [*draft.area]
+            area[at] = int(value) if value.is_integer() else value
+            self.points.adjust(area=area)
+        elif name in ("mm_per_px", "marker_height"):
+            self.points.adjust(**{name: value})
+        elif name == "mark":
+            self.sheets.adjust(value)
+        else:
+            raise ValueError("there is no such setting")
+
+    def _find_sheets(self) -> None:
+        image = self.shown.frame.image
+        if self._finding.is_busy:
+            raise ValueError("the picture before is still looked at")
+
+        def take(found: SeenSheets | str | None) -> None:
+            self.way = "sheets"
+            if isinstance(found, str):
+                self.note(found)
+            elif found is not None:
+                self.sheets.take(found)
+            self.tell_state()
+
+        self._finding.begin(self.sheets.looking(image), take)
+        self.tell_state()
+
+    def find_sheets(self) -> None:
+        """Find the sheets in the picture, and let the floor be fitted by them."""
+        found = self.sheets.looking(self.shown.frame.image)()
+        if isinstance(found, str):
+            raise ValueError(found)
+        self.sheets.take(found)
+        self.way = "sheets"
+
+    def _save(self, file: str) -> None:
+        self.note(f"written: {one_line(self.save(file or None))}", "info")
+
+    def _magnify(self, link: Link, message: dict[str, Any]) -> None:
+        """Send the pixels around a point, as they are."""
+        if self.picture is None:
+            return
+        image = self.picture.frame.image
+        height, width = image.shape[:2]
+        u, v = (round(min(max(one, -1e6), 1e6)) for one in message["at"])
+        half = min(message["half"], _MOST_HALF)
+        left, right = (min(max(u + side, 0), width) for side in (-half, half + 1))
+        top, bottom = (min(max(v + side, 0), height) for side in (-half, half + 1))
+        part = image[top:bottom, left:right]
+        box = [left, top, right - left, bottom - top]
+        link.send({"type": "detail", "glass": message["glass"], "box": box}, [part.tobytes()])
+
+    def _snapped(self, at: tuple[float, float], reach: float) -> tuple[float, float] | None:
+        if self.picture is None:
+            return None
+        return snapped(self.picture.frame.image, at, reach)
+
+
+def _lens_state(base: Calibration | None) -> dict[str, Any] | None:
+    if base is None or base.intrinsics is None:
+        return None
+    residuals = base.lens_residuals
+    return {"rms": None if residuals is None else residuals.rms, "size": [*base.size]}

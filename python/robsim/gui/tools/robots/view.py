@@ -1,0 +1,309 @@
+"""The panel that defines a robot: its picture, its polygons, its heading, its size, its name."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import PurePath
+from typing import Any, ClassVar
+
+from robsim._core import ColorClass
+from robsim.base.checks import check_float
+from robsim.base.text import quoted
+from robsim.gui._css_colors import css_color
+from robsim.gui._messages import Messages
+from robsim.gui.tools.opening import over_floor
+from robsim.gui.tools.pictures import OnePicture, Picture, Pictures
+from robsim.gui.tools.robots.drawing import OUTLINE, RobotDrawing, Sketch
+from robsim.gui.tools.robots.messages import MESSAGES
+from robsim.gui.tools.robots.sketches import (
+    cut_out,
+    guessed,
+    is_cut_out,
+    sketch_of,
+    sketch_of_picture,
+)
+from robsim.gui.tools.tool import Acts, ToolView
+from robsim.vision.imaging.images import Pixels
+from robsim.vision.robots._default_robot import default_robot
+from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.lookup import load_robot, robot_names, set_default_robot, user_robots
+from robsim.vision.robots.user_robots import add_robot, check_new_name
+
+_SQUARE = 0.4  # of the shorter side of a picture
+_SMALLEST = 8.0  # px
+_NAME = "mine"
+_OUTLINE_INK = "#ffd500"
+_OTHER_INK = "#d6409f"  # of a marker whose colour is not known
+
+
+class RobotsView(ToolView):
+    """Defines a robot, of a picture that is captured, or of a robot that there is.
+
+    Parameters
+    ----------
+    source : Pictures or None
+        Where a picture is captured from; None = nowhere.
+    robot : RobotDefinition
+        What is drawn at first.
+    colors : iterable of ColorClass
+        Those of the markers, for first guesses.
+    begins_live : bool
+        Whether the pictures of the source are shown at first, not the robot.
+    """
+
+    kind: ClassVar[str] = "robots"
+    messages: ClassVar[Messages] = MESSAGES
+
+    def __init__(
+        self,
+        source: Pictures | None,
+        robot: RobotDefinition,
+        colors: Iterable[ColorClass],
+        *,
+        begins_live: bool = True,
+    ) -> None:
+        self._as_loaded = sketch_of(robot)
+        self._begun = self._as_loaded  # where Reset goes back to
+        self.drawing = RobotDrawing(self._as_loaded)
+        self.name = robot.name
+        self._of: str | None = robot.name  # the robot that is drawn on; None = of a picture
+        self._first = self._loaded = robot
+        self._colors = tuple(colors)
+        self._part = OUTLINE
+        self._square: tuple[float, float, float] | None = None  # centre and side (px)
+        self._has_pictures = source is not None
+        drawn = OnePicture(over_floor(robot.image), robot.name)
+        super().__init__(drawn if source is None else source)
+        self.is_frozen = not begins_live or source is None  # the drawing is shown, nothing newer
+        if self.is_frozen:
+            self.post(self._show_drawing)
+
+    def changes(self) -> Acts:
+        drawing = self.drawing
+        return {
+            "move": lambda m: drawing.move(self._part, m["corner"], m["at"], goes_on=m["goes_on"]),
+            "insert": lambda m: drawing.insert(self._part, m["corner"], m["at"]),
+            "cut": lambda m: drawing.remove(self._part, m["corner"]),
+            "clear": lambda _: drawing.put(self._part, []),
+            "guess": lambda _: self._guess(self._part),
+            "turn": lambda m: drawing.turn(m["degrees"]),
+            "face": lambda m: drawing.face(m["at"], goes_on=m["goes_on"]),
+            "resize": lambda m: drawing.resize(m["size"]),
+            "scale": lambda m: drawing.scale(m["one"], m["other"], m["distance"]),
+            "undo": lambda _: drawing.undo(),
+            "redo": lambda _: drawing.redo(),
+        }
+
+    def acts(self) -> Acts:
+        return {
+            "load": lambda m: self.load(_listed(m["name"])),
+            "square": lambda m: self._put_square(m["at"], m["side"]),
+            "capture": lambda _: self.capture(),
+            "capture_whole": lambda _: self.capture(whole=True),
+            "resume": lambda _: self._resume(),
+            "no_camera": lambda _: self._show_drawing(),
+            "reset": lambda _: self._reset(),
+            "part": lambda m: self._choose(m["name"]),
+            "save": lambda m: self._save(m["name"], m["overwrite"]),
+        }
+
+    def state(self) -> dict[str, Any]:
+        sketch = self.drawing.sketch
+        return {
+            "mode": "draw" if self.is_frozen else "capture",
+            "can_capture": self._can_capture,
+            "square": self._square and [*self._square],
+            "name": self.name,
+            "robots": robot_names(),
+            "part": self._part,
+            "parts": {part: corners.tolist() for part, corners in sketch.parts.items()},
+            "roles": sketch.roles,
+            "inks": self._inks(),
+            "centre": self.drawing.centre.tolist(),
+            "alignment": sketch.alignment,
+            "size": sketch.size,
+            "problems": self.drawing.problems(),
+            "can_undo": self.drawing.can_undo,
+            "can_redo": self.drawing.can_redo,
+        }
+
+    def still(self) -> Callable[[], bytes]:
+        picture, title, state = self.picture, self.source.title, self._state()
+
+        def draw() -> bytes:
+            from robsim.gui.tools.robots.still import robots_still  # matplotlib's fonts
+
+            return robots_still(picture, title, state)
+
+        return draw
+
+    def changed_source(self) -> None:
+        self._square = None  # which was of the pictures before
+
+    def changed_picture(self) -> None:
+        if self._square is None and self.picture is not None and not self.is_frozen:
+            height, width = self.picture.frame.image.shape[:2]
+            self._square = (width / 2, height / 2, _SQUARE * min(width, height))
+
+    # What changes it; TypeError, ValueError or OSError: nothing was changed.
+
+    def load(self, robot: RobotDefinition) -> None:
+        """Draw on a robot that there is."""
+        self._as_loaded = sketch_of(robot)
+        self._begun = self._as_loaded
+        self.drawing.begin(self._begun)
+        self.name = self._of = robot.name
+        self._loaded = robot
+        self._show_drawing()
+
+    def capture(self, *, whole: bool = False) -> None:
+        """Draw on the square of the live picture, or on all of it, with first guesses."""
+        if self.picture is None or self._square is None or self.is_frozen:
+            raise ValueError("there is no live picture to capture")
+        image = self.picture.frame.image
+        pixels = image if whole else cut_out(image, self._square)
+        self._draw_on(sketch_of_picture(pixels, self.drawing.sketch.size, self._colors))
+
+    def loading(self, pixels: Pixels, name: str) -> Callable[[], object]:
+        if not is_cut_out(pixels):
+            return super().loading(pixels, name)
+        sketch = sketch_of_picture(pixels, 1.0, self._colors)
+
+        stem = PurePath(name).stem
+        return lambda: self._draw_on(replace(sketch, size=self.drawing.sketch.size), stem)
+
+    def go_back(self) -> None:
+        if not self._has_pictures:
+            raise ValueError("there is no camera to go back to")
+        self._left = None, False  # not the drawing, which may have become another one
+        super().go_back()
+
+    @property
+    def back(self) -> str | None:
+        return super().back if self._has_pictures else None
+
+    def look_at(self, k: int) -> None:
+        if self.is_frozen:
+            raise ValueError("the robot is drawn now: Capture again shows the pictures")
+        super().look_at(k)
+
+    def freeze(self, on: bool) -> None:
+        raise ValueError("nothing is kept here: capture takes what the picture shows")
+
+    def definition(self) -> RobotDefinition:
+        """Return the robot as it is drawn; ValueError says what is missing."""
+        if self.drawing.sketch is self._as_loaded:
+            return self._loaded  # with what is not drawn
+        return self.drawing.definition(self.name)
+
+    def save(self, name: str, *, overwrite: bool = False) -> RobotDefinition:
+        """Add the robot to the user's, where it survives a restart."""
+        robot = add_robot(
+            name, self.drawing.definition(name), overwrite=overwrite, ignore_colors=True
+        )
+        self.name = self._of = robot.name
+        self._loaded = robot
+        self._begun = self._as_loaded = self.drawing.sketch
+        self.tell_state()
+        return robot
+
+    def named(self) -> RobotDefinition:
+        """Return the robot as it is drawn; one that was changed has a name that is free for it."""
+        if self.drawing.sketch is not self._as_loaded and not self._is_mine:
+            self.name = _free_name(self.name)
+        return self.definition()
+
+    def keep(self) -> str:
+        """Save what was changed, and let it be the default from now on; return what was done."""
+        done = []
+        if self.drawing.sketch is not self._as_loaded:
+            self.save(self.name, overwrite=self._is_mine)
+            done.append(f"saved as {self.name}")
+        elif self._loaded is self._first or not self._is_stored:
+            return ""
+        if self.name != default_robot():
+            set_default_robot(self.name)
+            done.append(f"{self.name} is the default robot from now on")
+        return "; ".join(done)
+
+    @property
+    def _is_stored(self) -> bool:
+        """Whether what is drawn on is a robot of the list, and not another one of its name."""
+        return self._of in robot_names() and load_robot(self._of) == self._loaded
+
+    @property
+    def _is_mine(self) -> bool:
+        return self._of in user_robots() and self._is_stored
+
+    @property
+    def _can_capture(self) -> bool:
+        return self._has_pictures or self.is_replaced
+
+    def _reset(self) -> None:
+        if self.drawing.sketch is not self._begun:
+            self.drawing.go_to(self._begun)
+        self._show_drawing()
+
+    def _draw_on(self, sketch: Sketch, name: str = _NAME) -> None:
+        self._begun = sketch
+        self.drawing.begin(sketch)
+        self.name, self._of = _free_name(name), None
+        self._part = OUTLINE
+        self._show_drawing()
+
+    def _choose(self, part: str) -> None:
+        self._part = self.drawing.checked(part)
+        self.tell_state()
+
+    def _inks(self) -> dict[str, str]:
+        """Return what each part is drawn with: a marker with its colour."""
+        known = {color.name: css_color(color) for color in self._colors}
+        colors = self.drawing.sketch.markers
+        return {OUTLINE: _OUTLINE_INK, **{name: known.get(name, _OTHER_INK) for name in colors}}
+
+    def _guess(self, part: str) -> None:
+        self.drawing.put(part, guessed(self.drawing.sketch, part, self._colors))
+
+    def _put_square(self, at: tuple[float, float], side: float) -> None:
+        height, width = self.shown.frame.image.shape[:2]
+        side = check_float("side", min(side, width, height), "px", minimum=_SMALLEST)
+        u = min(max(at[0], side / 2), width - side / 2)
+        v = min(max(at[1], side / 2), height - side / 2)
+        self._square = (u, v, side)
+        self.tell_state()
+
+    def _resume(self) -> None:
+        if not self._can_capture:
+            raise ValueError("there is no camera to go back to")
+        self.is_frozen = False
+        if self.is_replaced:
+            self.show(self.source.at(0))
+        self._show()
+        self.tell_state()
+
+    def _save(self, name: str, overwrite: bool) -> None:
+        self.note(f"saved as {self.save(name, overwrite=overwrite).name}", "info")
+
+    def _show_drawing(self) -> None:
+        self.is_frozen = True
+        self.show(Picture(over_floor(self.drawing.sketch.image), self.name))
+        self.tell_state()
+
+
+def _listed(name: str) -> RobotDefinition:
+    """Return a robot of the list: browsers name no folders."""
+    if name not in robot_names():
+        raise ValueError(f"there is no robot {quoted(name)}")
+    return load_robot(name)
+
+
+def _free_name(name: str) -> str:
+    """Return a name that no robot has: this one, or one that says that it is the user's."""
+    for one in itertools.chain([name, _NAME], (f"{_NAME}{n}" for n in itertools.count(2))):
+        with suppress(ValueError):
+            check_new_name(one, overwrite=False)
+            return one
+    raise AssertionError("numbers do not end")

@@ -1,0 +1,397 @@
+"""What all tools have in common: a picture, live or frozen, which the browsers are shown."""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from os import PathLike
+from typing import Any, TypeVar
+
+import numpy as np
+from PIL import Image
+
+from robsim._core import Frame, reduced
+from robsim.gui._beside import Beside
+from robsim.gui._frames import FrameClock, jpeg, small_png
+from robsim.gui._link import SLOW, Link
+from robsim.gui._messages import COMMON, Messages, Refused, switch, whole
+from robsim.gui._view import View
+from robsim.gui.tools.opening import given_picture, over_floor
+from robsim.gui.tools.pictures import OnePicture, Picture, Pictures
+from robsim.gui.tools.uploads import UPLOAD_MESSAGES, Uploads
+from robsim.vision.imaging.images import Pixels
+
+T = TypeVar("T")
+
+#: What messages of browsers do, by their types.
+Acts = Mapping[str, Callable[[dict[str, Any]], object]]
+
+_STILL_WIDTH = 480  # px, of what stays in a saved notebook
+_REST = 0.5  # s after a change, since whoever drags on and on is not to wait for pictures
+
+#: What every tool takes of a browser.
+TOOL_MESSAGES: Messages = {
+    **COMMON,
+    "look": {"k": whole},
+    "freeze": {"on": switch},
+    **UPLOAD_MESSAGES,
+    "back": {},
+}
+
+
+class ToolView(View):
+    """Shows the pictures of a source, live ones as they come, until they are frozen.
+
+    Parameters
+    ----------
+    source : Pictures
+        Where they come from.
+
+    Attributes
+    ----------
+    picture : Picture or None
+        What is shown; None until the first one has come.
+    is_frozen : bool
+        Whether it stays though newer ones come.
+    is_replaced : bool
+        Whether other pictures are shown than those that it began with.
+    """
+
+    def __init__(self, source: Pictures) -> None:
+        super().__init__()
+        self.source = source
+        self.picture: Picture | None = None
+        self.is_frozen = False
+        self._taken: Picture | None = None  # in any thread
+        self._is_told = False
+        self._clock = FrameClock()
+        self._stills = Beside(self, "robsim still")
+        self._still_due = math.inf
+        self._over = ""  # why no more pictures come
+        self._own = source  # that it began with; what follows is of that one
+        self._left: tuple[Picture | None, bool] = (None, False)  # when it was replaced
+        self._uploads = Uploads(self)
+        source.begin(self._take, self._note_end)
+
+    def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
+        return {
+            **super().handlers(),
+            "grant": self._grant,
+            "size": self._size,
+            "look": self._look_at,
+            "freeze": _in_place(lambda m: self.freeze(m["on"])),
+            "upload": self._uploads.take,
+            "give_up": self._give_up,
+            "back": _in_place(lambda _: self.go_back()),
+            **{name: _in_place(act) for name, act in self.acts().items()},
+            **{name: _in_place(self._changing(act)) for name, act in self.changes().items()},
+        }
+
+    def close(self, timeout: float = 5.0) -> bool:
+        """End it; the source, which is the user's, stays open."""
+        self._own.close()
+        has_ended = super().close(timeout)
+        self._uploads.wait(timeout)
+        self._stills.wait(timeout)
+        return has_ended
+
+    # What a tool adds.
+
+    @abstractmethod
+    def acts(self) -> Acts:
+        """Return what messages do, and tell what came of it."""
+
+    def changes(self) -> Acts:
+        """Return what messages change; what came of it is told by `change`."""
+        return {}
+
+    def head(self, picture: Picture) -> tuple[dict[str, Any], list[bytes]]:
+        """Return what is told with a picture, and its buffers."""
+        return {}, []
+
+    @abstractmethod
+    def state(self) -> dict[str, Any]:
+        """Return the fields of the message ``state``."""
+
+    def changed_picture(self) -> None:
+        """Do what is to be done when another picture is shown."""
+
+    def still(self) -> Callable[[], bytes]:
+        """Return what draws the still picture (PNG) of what is shown now, in any thread."""
+        frame = None if self.picture is None else self.picture.frame
+
+        def draw() -> bytes:
+            pixels = np.zeros((1, 1, 3), np.uint8) if frame is None else frame.image
+            return small_png(
+                Image.fromarray(pixels if frame is None else reduced(frame, _STILL_WIDTH))
+            )
+
+        return draw
+
+    def changed_source(self) -> None:
+        """Do what is to be done when pictures of something else follow."""
+
+    def loading(self, pixels: Pixels, name: str) -> Callable[[], object]:
+        """Prepare a picture (h, w, 3 or 4) that was loaded, in any thread.
+
+        Returns
+        -------
+        function
+            Takes it, in the thread of the view. It raises a ValueError, as does this, if it cannot
+            be used.
+        """
+        picture = OnePicture(over_floor(pixels), name)
+        return lambda: self.replace(picture)
+
+    def change(self, change: Callable[[], T]) -> T:
+        """Do what changes it, tell what came of it, and return what it returns."""
+        try:
+            return change()
+        finally:
+            self.tell_state()
+
+    # What is shown.
+
+    @property
+    def shown(self) -> Picture:
+        """The picture that is shown; ValueError if there is none yet."""
+        if self.picture is None:
+            raise ValueError("there is no picture yet")
+        return self.picture
+
+    @property
+    def is_replaced(self) -> bool:
+        return self.source is not self._own
+
+    def load_picture(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
+        """Take a picture as if it were loaded in a browser; any thread may call this."""
+        self.ask(self.loading(*given_picture(picture)))
+
+    def replace(self, source: Pictures) -> None:
+        """Show a picture in place of those that it began with, until `go_back`."""
+        if not self.is_replaced:
+            self._left = self.picture, self.is_frozen
+        self.source, self.is_frozen = source, False
+        self._changed_source()
+        self.show(source.at(0))
+
+    def go_back(self) -> None:
+        """Show again what it began with, as it was left."""
+        if not self.is_replaced:
+            raise ValueError("there is nothing to go back to: these are the pictures it began with")
+        self.source = self._own
+        self.picture, self.is_frozen = self._left
+        self._changed_source()
+        if self.is_frozen and self.picture is not None:
+            self.show(self.picture)
+        self._show()
+        self.tell_state()
+
+    @property
+    def back(self) -> str | None:
+        """What `go_back` shows: live, recording or picture; None = there is nothing."""
+        return self._own.kind if self.is_replaced else None
+
+    def _changed_source(self) -> None:
+        self.changed_source()
+        self.send(self._setup())
+
+    # In the thread of the view.
+
+    def tell(self, link: Link) -> None:
+        link.send(self._setup())
+        link.send(self._state())
+        link.shown = None
+
+    def tell_state(self) -> None:
+        """Tell all browsers the state."""
+        self.send(self._state())
+        self._still_due = time.monotonic() + _REST
+
+    def show_again(self) -> None:
+        """Send the picture again, with what is told with it."""
+        for link in self.links:
+            link.shown = None
+
+    def look(self, now: float) -> float:
+        due = min(self._look_at_links(now), self._look_at_still(now))
+        return min(due, self._uploads.look(now))
+
+    def _look_at_links(self, now: float) -> float:
+        lacking = [link for link in self.links if link.lacks(self.picture)]
+        if self.picture is None or not lacking:
+            return math.inf
+        if now < self._clock.due:
+            return self._clock.due
+        if ready := [link for link in lacking if link.has_room(now)]:
+            self._clock.sent(now)
+            self._send_picture(self.picture, ready, now)
+        return math.inf if len(ready) == len(lacking) else now + SLOW
+
+    def settle(self) -> None:
+        if not self.is_here:
+            self.source.settle()
+        super().settle()
+
+    def snapshot(self) -> bytes:
+        self.settle()
+        try:
+            draw = self.ask(self.still)
+        except RuntimeError:  # it is closed: nothing changes any more
+            draw = self.still()
+        return draw()
+
+    def _look_at_still(self, now: float) -> float:
+        """Draw anew what a saved notebook keeps, once nothing has changed for a while."""
+        links = [link for link in self.links if link.keeps_still]
+        if now >= self._still_due and links:
+            if self._stills.is_busy:
+                return now + _REST
+            self._stills.begin(self.still(), lambda picture: _keep(links, picture))
+        if now >= self._still_due or not links:
+            self._still_due = math.inf
+        return self._still_due
+
+    def ask(self, function: Callable[[], T]) -> T:
+        """Return what a function returns, or raise what it raises, in the thread of the view."""
+        return function() if self.is_here else self.later(function).result()
+
+    def later(self, function: Callable[[], T]) -> Future[T]:
+        """Call a function in the thread of the view; its result or exception comes later."""
+        answer: Future[T] = Future()
+
+        def do() -> None:
+            try:
+                answer.set_result(function())
+            except BaseException as error:
+                answer.set_exception(error)
+
+        if not self.post(do):
+            answer.set_exception(RuntimeError("the panel is closed"))
+        return answer
+
+    @property
+    def is_over(self) -> bool:
+        return self._is_over
+
+    def parted(self) -> None:
+        """Nobody looks: nothing is computed until somebody does."""
+
+    def _setup(self) -> dict[str, Any]:
+        source = self.source
+        about = {"title": source.title, "is_live": source.is_live, "count": source.count}
+        return {"type": "setup", **about, "back": self.back}
+
+    def _state(self) -> dict[str, Any]:
+        k = None if self.picture is None else self.picture.k
+        name = "" if self.picture is None else self.picture.name
+        over = "" if self.is_replaced else self._over
+        is_live = self.source.is_live and not (self.is_frozen or over)
+        mine = {"type": "state", "state": "running" if is_live else "paused", "k": k, "name": name}
+        return {**mine, "frozen": self.is_frozen, "over": over, **self.state()}
+
+    def _send_picture(self, picture: Picture, links: list[Link], now: float) -> None:
+        head, buffers = self.head(picture)
+        height, width = picture.frame.image.shape[:2]
+        about = {"type": "frame", "k": picture.k, "name": picture.name, "size": [width, height]}
+        pictures: dict[int, bytes] = {}
+        for link in links:
+            if link.width not in pictures:
+                pictures[link.width] = jpeg(reduced(picture.frame, link.width))
+            link.shown = picture
+            link.send_frame({**about, **head}, [pictures[link.width], *buffers], now)
+
+    def _take(self, picture: Picture) -> None:
+        """Note a new picture; any thread."""
+        self._taken = picture
+        if not self._is_told:
+            self._is_told = True
+            self.post(self._show)
+
+    def _note_end(self, why: str) -> None:
+        """Note that no more pictures come; any thread."""
+
+        def end() -> None:
+            self._over = why
+            self.tell_state()
+
+        self.post(end)
+
+    def _show(self) -> None:
+        self._is_told = False  # before it is looked at: what is taken after that is told again
+        if self.is_replaced:
+            return
+        if self._taken is not None and not (self.is_frozen and self.picture is not None):
+            self.show(self._taken)
+
+    def show(self, picture: Picture) -> None:
+        """Show a picture in place of the one before."""
+        is_first = self.picture is None
+        self.picture = picture
+        self.changed_picture()
+        if is_first or not self.source.is_live:
+            self.tell_state()
+
+    def look_at(self, k: int) -> None:
+        """Show a picture of a recording."""
+        self._taken = self.source.at(k)
+        self.show(self._taken)
+
+    def _look_at(self, link: Link, message: dict[str, Any]) -> None:
+        if not self.source.count or message["k"] >= self.source.count:
+            raise Refused(f"there is no picture {message['k']}")
+        try:
+            self.look_at(message["k"])
+        except (OSError, ValueError, IndexError) as error:
+            raise Refused(str(error)) from None
+
+    def freeze(self, on: bool) -> None:
+        """Let the picture stay, or newer ones come again."""
+        self.is_frozen = on
+        self._show()
+        self.tell_state()
+
+    def _changing(self, act: Callable[[dict[str, Any]], object]) -> Callable[[Any], object]:
+        return lambda message: self.change(lambda: act(message))
+
+    def _give_up(self, link: Link, message: dict[str, Any]) -> None:
+        self._uploads.drop(lambda one: one.link is link and one.key == message["key"])
+
+    def _bye(self, link: Link, message: dict[str, Any]) -> None:
+        self._uploads.drop(lambda one: one.link is link and one.view == message["id"])
+        super()._bye(link, message)
+
+    def _disconnect(self, link: Link) -> None:
+        self._uploads.drop(lambda one: one.link is link)
+        super()._disconnect(link)
+
+    def _grant(self, link: Link, message: dict[str, Any]) -> None:
+        is_back = not link.is_watched  # though it was taken to have gone
+        link.grant(message["id"], message["upto"], late=message["late"])
+        if is_back:
+            self.tell(link)
+
+    def _size(self, link: Link, message: dict[str, Any]) -> None:
+        link.resize(message["width"])
+        link.shown = None
+
+
+def _keep(links: list[Link], picture: bytes | None) -> None:
+    if picture is not None:
+        for link in links:
+            link.keep(picture)
+
+
+def _in_place(act: Callable[[dict[str, Any]], object]) -> Callable[[Link, dict[str, Any]], None]:
+    """Return a handler; what is wrong is told to the browser that asked for it."""
+
+    def handle(link: Link, message: dict[str, Any]) -> None:
+        try:
+            act(message)
+        except (TypeError, ValueError, OSError) as error:
+            raise Refused(str(error)) from None
+
+    return handle

@@ -1,0 +1,190 @@
+"""Pictures that come from browsers in parts: put together and decoded in memory."""
+
+from __future__ import annotations
+
+import io
+import math
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from robsim.base.text import cut
+from robsim.gui._beside import Beside
+from robsim.gui._link import Link
+from robsim.gui._messages import Messages, Refused, one_buffer, text, whole
+from robsim.vision.imaging.images import decoded
+
+if TYPE_CHECKING:
+    from robsim.gui.tools.tool import ToolView
+
+MOST_BYTES = 64_000_000  # of a file
+MOST_OF_A_PART = 1 << 19  # bytes
+_MOST_FILES = 4  # of all browsers, which are here in part or wait to be decoded
+PATIENCE = 60.0  # s for the next part
+
+#: What a tool takes of a browser for them.
+UPLOAD_MESSAGES: Messages = {
+    "upload": {
+        "key": text,
+        "name": text,
+        "size": whole,
+        "at": whole,
+        "buffers": one_buffer(MOST_OF_A_PART),
+    },
+    "give_up": {"key": text},
+}
+
+
+@dataclass(eq=False)
+class Upload:
+    """A file that comes.
+
+    Attributes
+    ----------
+    link : Link
+        Where it comes from.
+    view : str
+        The view there that sends it.
+    key : str
+        What that calls it.
+    name : str
+        The file's name, for people.
+    size : int
+        How many bytes it has.
+    content : bytearray
+        What has come.
+    heard : float
+        When that was, by the monotonic clock (s).
+    is_wanted : bool
+        False once it was given up.
+    """
+
+    link: Link
+    view: str
+    key: str
+    name: str
+    size: int
+    content: bytearray = field(default_factory=bytearray)
+    heard: float = 0.0
+    is_wanted: bool = True
+
+    @property
+    def is_complete(self) -> bool:
+        return len(self.content) == self.size
+
+    def add(self, message: dict[str, Any]) -> None:
+        """Add a part; `Refused` says why it does not fit."""
+        part, at = message["buffers"], message["at"]
+        if (cut(message["name"]), message["size"]) != (self.name, self.size):
+            raise Refused(f"{self.name} has become another file while it was sent")
+        if at != len(self.content):
+            raise Refused(f"{self.name} came in a wrong order: byte {at} after {len(self.content)}")
+        if not part or at + len(part) > self.size:
+            raise Refused(f"{self.name} has another size than the {self.size} bytes that were told")
+        self.content += part
+
+
+class Uploads:
+    """The pictures that come to a tool, in the thread of its view.
+
+    A part is answered before the browser sends the next one; what stalls, is given up, or whose
+    line goes is forgotten. One after another is decoded beside the thread.
+
+    Parameters
+    ----------
+    tool : ToolView
+        It takes them.
+    """
+
+    def __init__(self, tool: ToolView) -> None:
+        self._tool = tool
+        self._coming: dict[tuple[Link, str], Upload] = {}
+        self._complete: deque[Upload] = deque()  # the first one is being decoded
+        self._beside = Beside(tool, "robsim upload")
+
+    def take(self, link: Link, message: dict[str, Any]) -> None:
+        """Take a part, and answer it."""
+        key = message["key"]
+        try:
+            upload = self._coming.get((link, key)) or self._begun(link, message)
+            upload.add(message)
+        except Refused as error:
+            self._coming.pop((link, key), None)
+            self._answer(link, key, "refused", text=str(error))
+            return
+        if not upload.is_complete:
+            upload.heard = time.monotonic()
+            self._answer(link, key, "more", at=len(upload.content))
+            return
+        del self._coming[link, key]
+        self._complete.append(upload)
+        self._answer(link, key, "read", at=upload.size)
+        if len(self._complete) == 1:
+            self._read()
+
+    def drop(self, is_meant: Callable[[Upload], bool]) -> None:
+        """Forget some; what is being decoded is thrown away when it is ready."""
+        for upload in filter(is_meant, [*self._coming.values(), *self._complete]):
+            upload.is_wanted = False
+            self._coming.pop((upload.link, upload.key), None)
+
+    def look(self, now: float) -> float:
+        """Forget what has stalled; return when to look again."""
+        self.drop(lambda upload: not upload.is_complete and upload.heard <= now - PATIENCE)
+        return min((one.heard + PATIENCE for one in self._coming.values()), default=math.inf)
+
+    def wait(self, timeout: float) -> None:
+        """Wait until nothing is decoded; any thread may call this."""
+        self._beside.wait(timeout)
+
+    def _begun(self, link: Link, message: dict[str, Any]) -> Upload:
+        key, name, size = message["key"], cut(message["name"]), message["size"]
+        if message["at"] != 0:
+            raise Refused(f"{name} is not known here any more: load it again")
+        if size == 0:
+            raise Refused(f"{name} is empty")
+        if size > MOST_BYTES:
+            most = MOST_BYTES // 1_000_000
+            raise Refused(f"{name} has {size / 1e6:.1f} MB; at most {most} MB are taken")
+        if len(self._coming) + len(self._complete) >= _MOST_FILES:
+            raise Refused("too many pictures come at the same time: load it again in a moment")
+        upload = Upload(link, message["id"], key, name, size)
+        self._coming[link, key] = upload
+        return upload
+
+    def _read(self) -> None:
+        """Decode the first one that is complete."""
+        upload = self._complete[0]
+
+        def read() -> Callable[[], object] | str:
+            if not upload.is_wanted:
+                return ""
+            try:
+                pixels = decoded(io.BytesIO(upload.content), upload.name)
+                return self._tool.loading(pixels, upload.name)
+            except ValueError as error:
+                return str(error)
+
+        self._beside.begin(read, lambda made: self._finish(upload, made))
+
+    def _finish(self, upload: Upload, made: Callable[[], object] | str | None) -> None:
+        self._complete.popleft()
+        if self._complete:
+            self._read()
+        if not upload.is_wanted:
+            return
+        why = made if isinstance(made, str) else f"{upload.name} cannot be taken"
+        if callable(made):
+            try:
+                made()
+            except ValueError as error:
+                why = str(error)
+            else:
+                self._answer(upload.link, upload.key, "taken", at=upload.size)
+                return
+        self._answer(upload.link, upload.key, "refused", text=why)
+
+    def _answer(self, link: Link, key: str, state: str, *, at: int = 0, text: str = "") -> None:
+        link.send({"type": "uploaded", "key": key, "state": state, "at": at, "text": text})

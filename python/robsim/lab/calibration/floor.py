@@ -1,0 +1,463 @@
+"""`calibrate_floor` and `calibrate_floor_by_sheets`: where the camera looks from."""
+
+from __future__ import annotations
+
+import dataclasses
+import datetime
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim._core import Frame, PlaneMap
+from robsim.base.checks import (
+    Floats,
+    as_float_array,
+    check_float,
+    check_int,
+    check_mm_per_px,
+    check_size,
+)
+from robsim.base.text import listed, quoted
+from robsim.lab.calibration._pictures import checked_names, images_of, pixels_of
+from robsim.lab.calibration._plane_fit import PlaneFit, aligned, fit_plane, placed
+from robsim.lab.calibration.floor_report import FloorCalibration, FloorPoint
+from robsim.lab.calibration.patterns.floor_sheet import MOST_SHEETS, find_sheets
+from robsim.lab.calibration.patterns.pattern import Corners
+from robsim.lab.calibration.shifts import mark_middles, single_marks
+from robsim.vision.imaging.calibration import Calibration, Residuals
+from robsim.vision.imaging.frames import frame_size
+from robsim.vision.imaging.images import Pixels
+
+_FEWEST = 4
+_TRUSTED = 6  # points, of which one may be wrong
+_MOST_SUSPECTS = 8  # marks that are left out on trial
+_LEVEL = 1e-4  # at which one is called wrong
+_LEAST_WRONG = 1.0  # px
+_MOST_POINTS = 100_000
+
+
+def calibrate_floor(
+    pixels: ArrayLike,
+    positions: ArrayLike,
+    *,
+    area: tuple[int, int],
+    mm_per_px: float,
+    marker_height: float = 0.0,
+    lens: Calibration | None = None,
+    size: tuple[int, int] | None = None,
+    names: Sequence[str] | None = None,
+    picture: Pixels | Frame | None = None,
+) -> FloorCalibration:
+    """Calibrate where a camera looks from, by marks on the floor whose places were measured.
+
+    Parameters
+    ----------
+    pixels : array (N, 2)
+        Pixels (u, v) of four or more marks, well spread over the area.
+    positions : array (N, 2)
+        Their places on the floor from the top left corner of the work area, x to the right and y
+        down as the camera sees it (mm).
+    area : tuple of int
+        Width and height of the work area (px).
+    mm_per_px : float
+        A px of the work area on the floor (mm).
+    marker_height : float
+        How high above the floor the robot's markers are (mm); needs a lens.
+    lens : Calibration, optional
+        The result of `calibrate_lens`. Default: the lens does not distort.
+    size : tuple of int, optional
+        Width and height of the frames (px). Default: that of `picture` or `lens`.
+    names : sequence of str, optional
+        What the marks are called; those of one name are one, and averaged. Default: by their
+        number, from 1.
+    picture : Frame or array (H, W, 3) of uint8, optional
+        An RGB picture of the floor. Floor sheets in it are kept in mind: see `sheet_shifts`.
+
+    Returns
+    -------
+    FloorCalibration
+        The calibration, and how well each mark fits. Of six or more, one that fits far worse than
+        the others is left out, and named.
+
+    Raises
+    ------
+    ImportError
+        If there is a picture, and OpenCV is not installed.
+    TypeError, ValueError
+        If an argument has the wrong type or shape, too many marks lie on a line, or their order is
+        that of a mirrored floor.
+    """
+    area = check_size("area", area)
+    scale = check_mm_per_px(mm_per_px)
+    seen, places, called = _marks(pixels, positions, checked_names(names))
+    image = None if picture is None else pixels_of("picture", picture)
+    if image is not None:
+        found = frame_size(image)
+        if size is not None and check_size("size", size) != found:
+            raise ValueError(f"size must be that of picture, {found}, got {quoted(size)}")
+        size = found
+    lens, size = _lens_and_size(lens, size)
+    height = check_float("marker_height", marker_height, "mm", minimum=0)
+    matrix = None if lens.intrinsics is None else np.asarray(lens.intrinsics.matrix)
+    ideal = _ideal(lens, seen)
+    _refuse_mirrored(ideal, places)
+    wrong = None
+    fit = fit_plane([ideal], [places], matrix)
+    if len(seen) >= _TRUSTED:
+        wrong, fit = _without_wrong(ideal, places, matrix, fit)
+    marks = {} if image is None else single_marks(image)
+    calibration = _calibration(lens, fit.to_floor, area, scale, height, marks)
+    points = _points(calibration, called, seen, places, {wrong})
+    return _report(calibration, fit, points)
+
+
+def calibrate_floor_by_sheets(
+    pictures: Iterable[Pixels | Frame],
+    *,
+    area: tuple[int, int],
+    mm_per_px: float,
+    marker_height: float = 0.0,
+    lens: Calibration | None = None,
+    mark: float = 80.0,
+    places: Mapping[int, tuple[float, float]] | None = None,
+) -> FloorCalibration:
+    """Calibrate where a camera looks from, by printed sheets that lie on the floor.
+
+    The sheets may lie anywhere, turned by any angle; the more of the area they are spread over, the
+    better. Several pictures of the same floor are averaged.
+
+    Parameters
+    ----------
+    pictures : iterable of Frame or array (H, W, 3) of uint8
+        RGB pictures of the floor, of a camera that stands still.
+    area, mm_per_px, marker_height, lens
+        As for `calibrate_floor`.
+    mark : float
+        Side of a mark on the sheets, measured on the print (mm).
+    places : mapping of int to tuple of float, optional
+        Where the cross of a sheet lies from the top left corner of the work area, by the number of
+        the sheet (mm). Of two or more, the area's axes follow from them. Of one, they are those of
+        this sheet. Default: the sheet of the lowest number lies in the middle of the area, in its
+        axes.
+
+    Returns
+    -------
+    FloorCalibration
+        The calibration, and how well each sheet fits.
+
+    Raises
+    ------
+    ImportError
+        If OpenCV is not installed.
+    TypeError, ValueError
+        If an argument has the wrong type or is out of range, the pictures have different sizes, or
+        show no sheet, or not those that have a place.
+    """
+    mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
+    check_size("area", area)
+    check_mm_per_px(mm_per_px)
+    check_float("marker_height", marker_height, "mm", minimum=0)
+    _check_lens(lens)
+    checked_places(places)
+    size, sheets, moved, count = _seen_sheets(pictures, mark)
+    return calibrate_floor_by_corners(
+        sheets,
+        size,
+        area=area,
+        mm_per_px=mm_per_px,
+        marker_height=marker_height,
+        lens=lens,
+        mark=mark,
+        places=places,
+        count=count,
+        moved=moved,
+    )
+
+
+def calibrate_floor_by_corners(
+    sheets: Mapping[int, Corners],
+    size: tuple[int, int],
+    *,
+    area: tuple[int, int],
+    mm_per_px: float,
+    marker_height: float,
+    lens: Calibration | None,
+    mark: float,
+    places: Mapping[int, tuple[float, float]] | None,
+    count: int = 1,
+    moved: float = 0.0,
+) -> FloorCalibration:
+    """Calibrate by the corners of sheets that were found, by their numbers.
+
+    `size` is that of the pictures (px), `count` how many there were, and `moved` how far a corner
+    wandered from one to the next (px); all else is as for `calibrate_floor_by_sheets`.
+    """
+    area = check_size("area", area)
+    scale = check_mm_per_px(mm_per_px)
+    height = check_float("marker_height", marker_height, "mm", minimum=0)
+    where = checked_places(places)
+    lens, size = _lens_and_size(lens, size)
+    for number in where:
+        if number not in sheets:
+            raise ValueError(
+                f"places must be of sheets that are seen, got one of sheet {number}: seen are "
+                f"{listed(map(str, sheets))}"
+            )
+    numbers = sorted(sheets, key=lambda number: (number not in where, number))
+    if not where:
+        where = {numbers[0]: (area[0] / 2 * scale, area[1] / 2 * scale)}
+    matrix = None if lens.intrinsics is None else np.asarray(lens.intrinsics.matrix)
+    groups = [sheets[number] for number in numbers]
+    fit = fit_plane(
+        [_ideal(lens, group.pixels) for group in groups],
+        [group.positions for group in groups],
+        matrix,
+    )
+    angle, shift, ratio = _axes(fit, numbers, where)
+    turned = np.array(
+        [(np.cos(angle), -np.sin(angle), shift[0]), (np.sin(angle), np.cos(angle), shift[1])]
+    )
+    to_floor = np.vstack([turned, (0, 0, 1)]) @ fit.to_floor
+    calibration = _calibration(lens, to_floor, area, scale, height, mark_middles(sheets, mark))
+    points: list[FloorPoint] = []
+    for number, group, place in zip(numbers, groups, fit.places, strict=True):
+        floor = placed(placed(group.positions, place), (*shift, angle))
+        called = [f"sheet {number}"] * len(floor)
+        points += _points(calibration, called, group.pixels, floor, set())
+    centres = placed(fit.places[:, :2], (*shift, angle))
+    off = {
+        number: float(np.linalg.norm(centre - where[number]))
+        for number, centre in zip(numbers, centres, strict=True)
+        if number in where and len(where) > 1
+    }
+    return _report(
+        calibration,
+        fit,
+        points,
+        shift=(float(shift[0]), float(shift[1]), angle),
+        count=count,
+        places_off=off,
+        print_scale=ratio,
+        moved=moved,
+    )
+
+
+def _check_lens(lens: Any) -> None:
+    if not (lens is None or isinstance(lens, Calibration)):
+        raise TypeError(f"lens must be a Calibration or None, got {quoted(lens)}")
+
+
+def _lens_and_size(lens: Any, size: tuple[int, int] | None) -> tuple[Calibration, tuple[int, int]]:
+    """Return the lens, of frames of this size; without one, it is a lens that is not known."""
+    _check_lens(lens)
+    if lens is None:
+        if size is None:
+            raise ValueError("size or picture must be given without a lens")
+        lens = Calibration(size=size)
+    if size is not None:
+        lens.check_frames(size)
+    return lens, lens.size
+
+
+def _marks(pixels: Any, positions: Any, names: Any) -> tuple[Floats, Floats, list[str]]:
+    """Return pixels and positions of the marks, those of one name averaged, and the names."""
+    seen, places = as_float_array("pixels", pixels), as_float_array("positions", positions)
+    for name, array in (("pixels", seen), ("positions", places)):
+        if array.ndim != 2 or array.shape[1:] != (2,) or len(array) > _MOST_POINTS:
+            raise ValueError(f"{name} must have the shape (N, 2), got {array.shape}")
+        if not np.isfinite(array).all() or np.abs(array).max(initial=0) > 1e7:
+            raise ValueError(f"{name} must be finite, and at most 1e7")
+    if len(seen) != len(places):
+        raise ValueError(f"positions must be as many as pixels, got {len(places)} and {len(seen)}")
+    called = [str(n + 1) for n in range(len(seen))] if names is None else list(names)
+    if len(called) != len(seen):
+        raise ValueError(f"names must be as many as pixels, got {len(called)} and {len(seen)}")
+    groups = {name: [i for i, one in enumerate(called) if one == name] for name in called}
+    if len(groups) < _FEWEST:
+        raise ValueError(f"pixels must be of {_FEWEST} marks or more, got {len(groups)}")
+    for name, rows in groups.items():
+        if np.ptp(places[rows], axis=0).any():
+            raise ValueError(f"positions must be one for each mark, got several of {quoted(name)}")
+    return (
+        np.array([seen[rows].mean(axis=0) for rows in groups.values()]),
+        np.array([places[rows[0]] for rows in groups.values()]),
+        list(groups),
+    )
+
+
+def _ideal(lens: Calibration, pixels: Floats) -> Floats:
+    """Return the pixels at which an ideal lens would show this."""
+    if lens.intrinsics is None:
+        return pixels
+    ideal: Floats = np.asarray(lens.intrinsics.ideal(pixels))
+    if not np.isfinite(ideal).all():
+        raise ValueError("pixels must lie where the lens shows something")
+    return ideal
+
+
+def _without_wrong(
+    ideal: Floats, places: Floats, matrix: Floats | None, fit: PlaneFit
+) -> tuple[int | None, PlaneFit]:
+    """Return the mark that does not fit the others, if there is one, and the fit without it."""
+    fits = []
+    suspects = np.argsort(fit.gains())[::-1][:_MOST_SUSPECTS].tolist()
+    for index in suspects:
+        kept = np.arange(len(ideal)) != index
+        try:
+            fits.append(fit_plane([ideal[kept]], [places[kept]], matrix))
+        except ValueError:  # the others lie on a line
+            fits.append(fit)
+    first = int(np.argmin([one.squares for one in fits]))
+    best, without = suspects[first], fits[first]
+    if without is fit or without.free < 1:
+        return None, fit
+    # F = ((SSE - SSE') / 2) / (SSE' / n'), of a mark that is right F(2, n'), whose tail is
+    # P(F > f) = (1 + 2 f / n')^(-n' / 2)
+    noise = max(without.squares / without.free, 0.05**2)
+    ratio = (fit.squares - without.squares) / 2 / noise
+    is_wrong = (1 + 2 * ratio / without.free) ** (-without.free / 2) < _LEVEL / len(ideal)
+    is_large = np.sqrt((fit.residuals[0] ** 2).sum(axis=1).max()) > _LEAST_WRONG
+    return (best, without) if is_wrong and is_large else (None, fit)
+
+
+def _calibration(
+    lens: Calibration,
+    to_floor: Floats,
+    area: tuple[int, int],
+    scale: float,
+    marker_height: float,
+    marks: Mapping[int, tuple[float, float]],
+) -> Calibration:
+    """Return the calibration, without residuals as yet."""
+    return Calibration(
+        size=lens.size,
+        region=lens.region,
+        intrinsics=lens.intrinsics,
+        floor=PlaneMap(np.diag([1 / scale, 1 / scale, 1]) @ to_floor),
+        area=area,
+        mm_per_px=scale,
+        marker_height=marker_height,
+        lens_residuals=lens.lens_residuals,
+        date=datetime.datetime.now(datetime.UTC).replace(microsecond=0),
+        features=lens.features,
+        marks=marks,
+    )
+
+
+def _points(
+    calibration: Calibration,
+    names: Sequence[str],
+    pixels: Floats,
+    places: Floats,
+    wrong: set[int | None],
+) -> list[FloorPoint]:
+    floor, scale = calibration.floor, calibration.mm_per_px
+    assert floor is not None
+    assert scale is not None
+    on_floor = np.linalg.norm(scale * floor.to_world(pixels) - places, axis=1)
+    in_picture = np.linalg.norm(floor.to_pixel(places / scale) - pixels, axis=1)
+    return [
+        FloorPoint(name, tuple(pixel), tuple(place), float(mm), float(px), index not in wrong)
+        for index, (name, pixel, place, mm, px) in enumerate(
+            zip(names, pixels.tolist(), places.tolist(), on_floor, in_picture, strict=True)
+        )
+    ]
+
+
+def _report(
+    calibration: Calibration,
+    fit: PlaneFit,
+    points: list[FloorPoint],
+    *,
+    shift: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    count: int = 1,
+    **others: Any,
+) -> FloorCalibration:
+    """Return the report, and in it the calibration with its residuals."""
+    used = np.array([one.px for one in points if one.is_used])
+    residuals = Residuals(
+        rms=float(np.sqrt((used**2).mean())),
+        worst=float(used.max()),
+        points=len(used),
+        pictures=count,
+    )
+    width, height = np.array(calibration.area) * calibration.mm_per_px
+    corners = np.array([(0, 0), (width, 0), (width, height), (0, height)], float)
+    x, y, angle = shift  # back to the axes of the fit
+    there = placed(corners - (x, y), (0.0, 0.0, -angle))
+    return FloorCalibration(
+        calibration=dataclasses.replace(calibration, floor_residuals=residuals),
+        points=tuple(points),
+        expected_errors=fit.expected_errors(there) if fit.free > 0 else np.full(4, np.nan),
+        **others,
+    )
+
+
+def _refuse_mirrored(pixels: Floats, places: Floats) -> None:
+    """Raise ValueError if x, y on the floor turn the other way than in the picture."""
+    middle = pixels.mean(axis=0)
+    # places = A (pixels - middle) + b, but for perspective
+    known = np.column_stack([pixels - middle, np.ones(len(pixels))])
+    about, *_ = np.linalg.lstsq(known, places, rcond=None)
+    if np.linalg.det(about[:2]) < 0:
+        raise ValueError(
+            "positions must turn as in the picture, x to the right and y down, got those of a "
+            "mirrored floor: is y counted upwards, or is it another order than that of the pixels?"
+        )
+
+
+def _seen_sheets(
+    pictures: Iterable[Any], mark: float
+) -> tuple[tuple[int, int], dict[int, Corners], float, int]:
+    """Return size, corners of each sheet averaged over the pictures, their motion, the number."""
+    size, count = (0, 0), 0
+    pixels: dict[tuple[int, float, float], list[Floats]] = {}
+    for image in images_of(pictures):
+        size, count = frame_size(image), count + 1
+        found = find_sheets(image, mark)
+        for number, corners in found.items():
+            for (x, y), pixel in zip(corners.positions.tolist(), corners.pixels, strict=True):
+                pixels.setdefault((number, x, y), []).append(pixel)
+    if not pixels:
+        raise ValueError(
+            "pictures must show a floor sheet (robsim calibrate sheet --kind floor), got none in "
+            f"{count}: are its marks 15 px wide at least, sharp, and not hidden?"
+        )
+    moved = max(float(np.ptp(np.array(seen), axis=0).max()) for seen in pixels.values())
+    sheets = {}
+    for number in sorted({number for number, _, _ in pixels}):
+        keys = [key for key in pixels if key[0] == number]
+        sheets[number] = Corners(
+            np.array([key[1:] for key in keys]),
+            np.array([np.mean(pixels[key], axis=0) for key in keys]),
+        )
+    return size, sheets, moved, count
+
+
+def checked_places(places: Any) -> dict[int, tuple[float, float]]:
+    """Return places of sheets by their numbers (mm); none if there are none."""
+    if places is None:
+        return {}
+    if not isinstance(places, Mapping):
+        raise TypeError(f"places must be a mapping of numbers to (x, y), got {quoted(places)}")
+    checked = {}
+    for number, place in places.items():
+        sheet = check_int("places", number, minimum=1, maximum=MOST_SHEETS)
+        where = as_float_array(f"places[{quoted(number)}]", place)
+        if where.shape != (2,) or not np.isfinite(where).all():
+            raise ValueError(f"places[{quoted(number)}] must be (x, y) in mm, got {quoted(place)}")
+        checked[sheet] = (float(where[0]), float(where[1]))
+    return checked
+
+
+def _axes(
+    fit: PlaneFit, numbers: Sequence[int], where: Mapping[int, tuple[float, float]]
+) -> tuple[float, Floats, float]:
+    """Return angle and shift from the axes of the fit to those of the area, and the scale left."""
+    rows = [numbers.index(number) for number in where]
+    targets = np.array(list(where.values()))
+    if len(rows) > 1:
+        return aligned(fit.places[rows, :2], targets)
+    return 0.0, targets[0] - fit.places[rows[0], :2], 1.0

@@ -1,0 +1,239 @@
+"""What is known of a calibrated floor: a report with residuals, the worst one named."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robsim.base.checks import Floats
+from robsim.base.report import Column, Problem, Quantity, Report, Row, Table
+from robsim.base.text import listed
+from robsim.vision.imaging.calibration import Calibration
+
+_RMS = (1.0, 3.0)  # px of the frame: good, poor
+_FAR = (2.0, 5.0)  # expected error in the corners of the area, work-area px: good, poor
+_SCALE = 0.005  # of the print
+_PLACE = 10.0  # mm
+_STILL = 1.0  # px
+
+
+@dataclass(frozen=True)
+class FloorPoint:
+    """A point on the floor that a calibration was made from.
+
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    pixel : tuple of float
+        Where it is in the picture: (u, v).
+    place : tuple of float
+        Where it is on the floor, from the top left corner of the work area (mm).
+    mm, px : float
+        How far off the map is there, on the floor (mm) and in the picture (px).
+    is_used : bool
+        False: it does not fit the others, and was left out.
+    """
+
+    name: str
+    pixel: tuple[float, float]
+    place: tuple[float, float]
+    mm: float
+    px: float
+    is_used: bool = True
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FloorCalibration(Report):
+    """The result of `calibrate_floor` and `calibrate_floor_by_sheets`.
+
+    Attributes
+    ----------
+    calibration : Calibration
+        Lens and floor, as a value.
+    points : tuple of FloorPoint
+        What it was made from.
+    expected_errors : array (4,)
+        Standard deviation of the map in the corners of the work area, from the top left one
+        clockwise, as the residuals let expect it (mm); NaN = nothing is left to tell.
+    places_off : mapping of int to float
+        How far the cross of each sheet is from its measured place (mm), by number.
+    print_scale : float
+        By what the measured distances between sheets are larger than what the size of their marks
+        says.
+    moved : float
+        How far a corner wandered from picture to picture (px).
+    """
+
+    calibration: Calibration
+    points: tuple[FloorPoint, ...] = field(repr=False)
+    expected_errors: Floats = field(repr=False)
+    places_off: Mapping[int, float] = field(default_factory=dict)
+    print_scale: float = 1.0
+    moved: float = 0.0
+
+    @property
+    def title(self) -> str:
+        """What was calibrated."""
+        return "Calibration of the floor"
+
+    @property
+    def rms(self) -> float:
+        """Root mean square distance of the points from where the map has them (px)."""
+        residuals = self.calibration.floor_residuals
+        assert residuals is not None  # of `calibrate_floor`
+        return residuals.rms
+
+    @property
+    def rms_mm(self) -> float:
+        """The same on the floor (mm)."""
+        return math.sqrt(float(np.mean([one.mm**2 for one in self._used])))
+
+    @property
+    def worst(self) -> FloorPoint:
+        """The point that fits worst."""
+        return max(self.points, key=lambda one: one.px)
+
+    @property
+    def _used(self) -> list[FloorPoint]:
+        return [one for one in self.points if one.is_used]
+
+    @property
+    def verdict(self) -> str:
+        """``"good"``, ``"poor"`` or ``"bad"``."""
+        if self.rms > _RMS[1] or self._expected_px > _FAR[1]:
+            return "bad"
+        return "poor" if self.problems else "good"
+
+    @property
+    def _expected_px(self) -> float:
+        """Largest expected error in a corner of the area (work-area px); 0 = not known."""
+        scale = self.calibration.mm_per_px
+        assert scale is not None
+        found = float(np.max(self.expected_errors)) / scale
+        return 0.0 if math.isnan(found) else found
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Residuals, and what they let expect."""
+        residuals = self.calibration.floor_residuals
+        assert residuals is not None
+        height = self.calibration.marker_height
+        return (
+            Quantity("rms", "rms", self.rms, "px", ".2f"),
+            Quantity("rms_mm", "rms on the floor", self.rms_mm, "mm", ".1f"),
+            Quantity("worst", "worst", self.worst.name),
+            Quantity("worst_mm", "it is off by", self.worst.mm, "mm", ".1f"),
+            Quantity("n_points", "points used", residuals.points),
+            Quantity("n_pictures", "pictures", residuals.pictures),
+            Quantity(
+                "expected_error",
+                "expected error in the corners of the area, up to",
+                float(np.max(self.expected_errors)),
+                "mm",
+                ".1f",
+            ),
+            Quantity("marker_height", "height of the markers", height, "mm"),
+        )
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """The points, or the sheets with all of their corners together."""
+        columns = (
+            Column("points", "points", unit=""),
+            Column("mm", "off by", unit="mm", format=".1f"),
+            Column("px", "in the picture", unit="px", format=".2f"),
+            Column("used", "used", unit=""),
+        )
+        rows = []
+        for name in dict.fromkeys(one.name for one in self.points):
+            same = [one for one in self.points if one.name == name]
+            mm, px = np.sqrt(np.mean([(one.mm**2, one.px**2) for one in same], axis=0)).tolist()
+            rows.append(Row(name, (len(same), mm, px, "yes" if same[0].is_used else "no")))
+        return (Table(key="points", columns=columns, rows=rows, row_title="point"),)
+
+    @property
+    def problems(self) -> tuple[Problem, ...]:
+        """What is wrong, and what to do."""
+        return tuple(Problem(kind=kind, sentence=text) for kind, text in self._problems())
+
+    def _problems(self) -> Iterator[tuple[str, str]]:
+        for one in self.points:
+            if not one.is_used:
+                yield (
+                    "wrong point",
+                    f"point {one.name} is {one.mm:.0f} mm off and was left out: check its place "
+                    f"({one.place[0]:g}, {one.place[1]:g} mm) and its pixel",
+                )
+        worst = max(self._used, key=lambda one: one.px)
+        if self.rms > _RMS[0]:
+            point = "" if worst.name.startswith("sheet") else "point "
+            yield (
+                "rms",
+                f"rms {self.rms:.1f} px, expected is below {_RMS[0]:g}; {point}{worst.name} fits "
+                f"worst, {worst.mm:.0f} mm off: check its place" + self._lens_hint,
+            )
+        if self._expected_px > _FAR[0]:
+            yield (
+                "extrapolated",
+                f"in a corner of the area the map may be {np.max(self.expected_errors):.0f} mm "
+                "off: spread marks or sheets over the whole area",
+            )
+        yield from self._sheet_problems()
+
+    def _sheet_problems(self) -> Iterator[tuple[str, str]]:
+        if self.places_off:
+            number, off = max(self.places_off.items(), key=lambda item: item[1])
+            if off > _PLACE:
+                yield (
+                    "place",
+                    f"sheet {number} is {off:.0f} mm from its place: measure again where its cross "
+                    "is",
+                )
+        if abs(self.print_scale - 1) > _SCALE:
+            yield (
+                "print",
+                f"the sheets are {100 * abs(self.print_scale - 1):.1f} % farther "
+                f"{'apart' if self.print_scale > 1 else 'together'} than the size of their marks "
+                "says: were they printed at 100 %? Measure a mark, and give --mark",
+            )
+        if self.moved > _STILL:
+            yield (
+                "moved",
+                f"the marks wandered by {self.moved:.1f} px from picture to picture: the camera "
+                "must stand still",
+            )
+
+    @property
+    def _lens_hint(self) -> str:
+        if self.calibration.intrinsics is None:
+            return ", or does the lens distort? Then calibrate it first (robsim calibrate lens)"
+        return ""
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What could not be told."""
+        said = []
+        if np.isnan(self.expected_errors).any():
+            said.append("four points fit any map exactly: with more of them, a wrong one shows")
+        if self.calibration.intrinsics is None:
+            said.append(
+                "without a lens, the height of the markers cannot be accounted for, and distortion "
+                "is not"
+            )
+        missing = self._unseen_corners()
+        if missing:
+            said.append(f"the picture does not show the area's corner at the {listed(missing)}")
+        return tuple(said)
+
+    def _unseen_corners(self) -> list[str]:
+        width, height = self.calibration.area or (0, 0)
+        corners = np.array([(0, 0), (width, 0), (width, height), (0, height)], float) - 0.5
+        pixels = self.calibration.plane_map.to_pixel(corners)
+        size = np.array(self.calibration.size)
+        is_inside = (pixels >= -0.5) & (pixels <= size - 0.5)  # NaN is not
+        names = ("top left", "top right", "bottom right", "bottom left")
+        return [name for name, seen in zip(names, is_inside.tolist(), strict=True) if not all(seen)]

@@ -1,0 +1,181 @@
+"""`draw_grid`: a picture with the floor's grid drawn on it, to see whether a calibration fits."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from robsim._core import Frame, PlaneMap
+from robsim.base.checks import Floats, check_float
+from robsim.base.text import quoted
+from robsim.lab.calibration._pictures import pixels_of
+from robsim.vision.imaging.calibration import Calibration
+from robsim.vision.imaging.frames import frame_size
+from robsim.vision.imaging.images import Pixels
+
+_FLOOR, _HIGH = (255, 214, 10), (0, 229, 255)
+_LINES = 8  # about as many across the longer side of the area
+_ROUND = (1, 2, 2.5, 5, 10)
+_PIECES = 96  # of a line: it is curved by the lens
+_SMOOTH = 3  # drawn that much larger, and reduced
+
+
+def draw_grid(
+    image: Pixels | Frame, calibration: Calibration, *, step: float | None = None
+) -> Pixels:
+    """Return a picture with the grid of the work area drawn on it.
+
+    Yellow lies on the floor, with its numbers; blue, if the markers have a height, as high as they
+    are. On the floor, tiles and marks must lie on the yellow lines.
+
+    Parameters
+    ----------
+    image : Frame or array (H, W, 3) of uint8
+        RGB picture of the calibrated camera.
+    calibration : Calibration
+        With a floor.
+    step : float, optional
+        Distance of the lines (mm; px of the work area if its scale is not known). Default: a round
+        number that gives some eight lines.
+
+    Returns
+    -------
+    array (H, W, 3) of uint8
+        The picture.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type, the calibration has no floor, or is of frames of another
+        size.
+    """
+    pixels = pixels_of("image", image)
+    if not isinstance(calibration, Calibration):
+        raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
+    step = None if step is None else check_float("step", step, "mm", exclusive_minimum=0)
+    calibration.check_frames(frame_size(pixels))
+    above = calibration.plane_map  # refuses a calibration without a floor
+    floor, area = calibration.floor, calibration.area
+    assert floor is not None
+    assert area is not None
+    scale = calibration.mm_per_px or 1.0
+    extent = (area[0] * scale, area[1] * scale)
+    largest = max(extent)
+    step = grid_step(calibration) if step is None else step
+    step = check_float("step", step, "mm", minimum=largest / 200, maximum=largest)
+    drawing = _Drawing(pixels)
+    if calibration.marker_height:
+        drawing.grid(above, extent, step, scale, _HIGH, width=1)
+    drawing.grid(floor, extent, step, scale, _FLOOR, width=2)
+    drawing.numbers(floor, extent, step, scale)
+    drawing.legend(calibration, step)
+    return drawing.finished()
+
+
+def grid_step(calibration: Calibration) -> float:
+    """Return a round distance of lines that gives some eight across the area (mm, or px)."""
+    assert calibration.area is not None
+    return _round_step(max(calibration.area) * (calibration.mm_per_px or 1.0) / _LINES)
+
+
+def _round_step(about: float) -> float:
+    power = 10.0 ** math.floor(math.log10(about))
+    return min((power * one for one in _ROUND), key=lambda one: abs(math.log(one / about)))
+
+
+class _Drawing:
+    """Lines on a transparent sheet, laid over a darkened picture."""
+
+    def __init__(self, pixels: Pixels) -> None:
+        self._below = Image.fromarray((pixels * 0.8).astype(np.uint8))
+        self._size = self._below.size
+        self._sheet = Image.new("RGBA", (self._size[0] * _SMOOTH, self._size[1] * _SMOOTH))
+        self._draw = ImageDraw.Draw(self._sheet)
+        self._unit = max(max(self._size) / 640, 1.0)  # lines and letters of large pictures
+        self._font = ImageFont.load_default(12 * self._unit * _SMOOTH)
+        self._taken: list[tuple[float, float, float, float]] = []
+
+    def grid(
+        self,
+        plane_map: PlaneMap,
+        extent: tuple[float, float],
+        step: float,
+        scale: float,
+        color: tuple[int, int, int],
+        width: int,
+    ) -> None:
+        """Draw the lines at all multiples of `step`, and the border."""
+        right, bottom = extent
+        for axis, (long, across) in enumerate(((bottom, right), (right, bottom))):
+            stations = [*np.arange(0, across + 1e-6 * step, step), across]
+            for station in dict.fromkeys(stations):
+                along = np.linspace(0, long, _PIECES)
+                at = np.full(_PIECES, station)
+                line = np.column_stack([at, along] if axis == 0 else [along, at])
+                edge = station in (0, across)
+                self._line(plane_map.to_pixel(line / scale), color, width + edge)
+
+    def _line(self, pixels: Floats, color: tuple[int, int, int], width: int) -> None:
+        for start, end in _runs(pixels, self._size):
+            points = [tuple(one) for one in (_SMOOTH * (pixels[start:end] + 0.5)).tolist()]
+            self._draw.line(points, fill=(*color, 220), width=round(width * self._unit * _SMOOTH))
+
+    def numbers(
+        self, plane_map: PlaneMap, extent: tuple[float, float], step: float, scale: float
+    ) -> None:
+        """Write x along the top border, and y along the left one."""
+        right, bottom = extent
+        for x in np.arange(0, right + 1e-6 * step, step):
+            self._number(plane_map.to_pixel(np.array((x, 0.0)) / scale), f"{x:g}", (0, -1))
+        for y in np.arange(step, bottom + 1e-6 * step, step):
+            self._number(plane_map.to_pixel(np.array((0.0, y)) / scale), f"{y:g}", (-1, 0))
+
+    def _number(self, pixel: Floats, text: str, beside: tuple[int, int]) -> None:
+        if not np.isfinite(pixel).all():
+            return
+        self._words(pixel + 0.5, text, beside)
+
+    def _words(self, at: Any, text: str, beside: tuple[int, int]) -> None:
+        """Write a text on a dark box, inside the picture, beside a point."""
+        left, top, right, bottom = self._draw.textbbox((0, 0), text, font=self._font)
+        pad = 2 * self._unit * _SMOOTH
+        wide, tall = right - left + 2 * pad, bottom - top + 2 * pad
+        x = at[0] * _SMOOTH - wide / 2 + beside[0] * (wide / 2 + pad)
+        y = at[1] * _SMOOTH - tall / 2 + beside[1] * (tall / 2 + pad)
+        x = min(max(x, 0), self._sheet.width - wide)
+        y = min(max(y, 0), self._sheet.height - tall)
+        box = (x, y, x + wide, y + tall)
+        if any(_overlap(box, other) for other in self._taken):
+            return
+        self._taken.append(box)
+        self._draw.rectangle(box, fill=(0, 0, 0, 170))
+        self._draw.text((x + pad - left, y + pad - top), text, font=self._font, fill=(*_FLOOR, 255))
+
+    def legend(self, calibration: Calibration, step: float) -> None:
+        """Say what the lines are, at the bottom."""
+        unit = "mm" if calibration.mm_per_px else "px"
+        said = f"yellow: the floor, every {step:g} {unit}"
+        if calibration.marker_height:
+            said += f"; blue: {calibration.marker_height:g} mm above it, as high as the markers"
+        self._words((self._size[0] / 2, self._size[1]), said, (0, -1))
+
+    def finished(self) -> Pixels:
+        """Return the picture."""
+        sheet = self._sheet.resize(self._size, Image.Resampling.BOX)
+        below = self._below.convert("RGBA")
+        return np.array(Image.alpha_composite(below, sheet).convert("RGB"))
+
+
+def _overlap(one: Any, other: Any) -> bool:
+    return bool(one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3])
+
+
+def _runs(pixels: Floats, size: tuple[int, int]) -> list[tuple[int, int]]:
+    """Return where a line is in the picture, or near it: no lens shows what is far outside."""
+    margin = np.array(size) * 0.5
+    is_near = ((pixels > -margin) & (pixels < size + margin)).all(axis=1)  # NaN is not
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], is_near.astype(int), [0]))))
+    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2) if end - start > 1]

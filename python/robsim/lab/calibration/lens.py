@@ -1,0 +1,304 @@
+"""`calibrate_lens`: focal length, centre and distortion from pictures of a board."""
+
+from __future__ import annotations
+
+import datetime
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robsim._core import Frame, Intrinsics
+from robsim.base.checks import Floats
+from robsim.base.text import quoted
+from robsim.lab.calibration._pictures import checked_names, images_of
+from robsim.lab.calibration.lens_report import CELLS, BoardPicture, LensCalibration
+from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
+from robsim.lab.calibration.patterns.pattern import Corners
+from robsim.vision.imaging.calibration import Calibration, Residuals
+from robsim.vision.imaging.frames import frame_size
+from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging.opencv import load_opencv
+
+FEWEST = 4  # pictures with a board
+_FAR = 6.0  # of a robust standard deviation: a corner that was found in a wrong place
+_LEAST_FAR = 0.5  # px
+_OUTLIER = 3.0  # of the median rms: a picture that does not fit the others
+_LEAST_OUTLIER = 0.4  # px
+_BENT = 0.4  # of the variance that is left without it: a picture that bends all others
+_LEAST_BENT = 0.1  # px
+_SUSPECTS = 3  # pictures that fit worst
+_LEVEL = 1e-3  # at which a third coefficient is worth having
+_REACH = 0.75  # of the half diagonal, up to which corners must be for it
+
+
+def calibrate_lens(
+    pictures: Iterable[Pixels | Frame],
+    board: Chessboard | Charuco,
+    *,
+    names: Sequence[str] | None = None,
+) -> LensCalibration:
+    """Calibrate a lens by pictures of a board, held in different places and at different tilts.
+
+    Parameters
+    ----------
+    pictures : iterable of Frame or array (H, W, 3) of uint8
+        RGB pictures of one size: ten or more, in which the board is tilted by 20 to 45 degrees, and
+        comes into all corners of the picture.
+    board : Chessboard or Charuco
+        What they show.
+    names : sequence of str, optional
+        What the pictures are called. Default: by their number, from 1.
+
+    Returns
+    -------
+    LensCalibration
+        The lens, how well it fits each picture, and what is missing.
+
+    Raises
+    ------
+    ImportError
+        If OpenCV is not installed.
+    TypeError, ValueError
+        If an argument has the wrong type, the pictures have different sizes, or fewer than four
+        show the board.
+
+    Notes
+    -----
+    Source: Z. Zhang, A flexible new technique for camera calibration, IEEE Transactions on Pattern
+    Analysis and Machine Intelligence 22(11), 2000; by OpenCV, with two radial and two tangential
+    coefficients, and a third radial one where the pictures determine it.
+
+    Examples
+    --------
+    >>> pictures = [robsim.vision.load_image(file) for file in Path("board").glob("*.png")]
+    >>> lens = calibrate_lens(pictures, Chessboard(9, 6, square=25))
+    >>> robsim.vision.save_calibration("camera.toml", lens.calibration)
+    """
+    cv2 = load_opencv("calibrating a lens")
+    if not isinstance(board, (Chessboard, Charuco)):
+        raise TypeError(f"board must be a Chessboard or a Charuco, got {quoted(board)}")
+    size, views, missing = _views(pictures, board, checked_names(names))
+    if len(views) < FEWEST:
+        raise ValueError(
+            f"pictures must show the whole board in {FEWEST} at least, got {len(views)} of "
+            f"{len(views) + len(missing)}: "
+            + (why_missing(board) if missing else "take more, 10 to 20 of them")
+        )
+    return lens_of_views(cv2, size, views, missing)
+
+
+def why_missing(board: Chessboard | Charuco) -> str:
+    """Return what to look at where no board is found."""
+    unit = "squares" if isinstance(board, Charuco) else "inner corners"
+    return (
+        f"is it a board of {board.columns} x {board.rows} {unit}, sharp, evenly lit, with white "
+        "all around it?"
+    )
+
+
+@dataclass
+class View:
+    """A picture in which the board was found."""
+
+    name: str
+    corners: Corners
+    is_used: bool = True
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What OpenCV made of the views that are used."""
+
+    matrix: Floats
+    distortion: Floats
+    tilts: list[Floats]  # rotation vectors
+    deviations: Floats  # of fx, fy, cx, cy, k1, k2, p1, p2, k3
+    errors: list[Floats]  # (N, 2) of each view (px)
+
+    @property
+    def squares(self) -> float:
+        return float(sum((one**2).sum() for one in self.errors))
+
+    @property
+    def variance(self) -> float:
+        """Mean of the squared errors (px^2)."""
+        return self.squares / sum(map(len, self.errors))
+
+
+def _views(
+    pictures: Iterable[Any], board: Chessboard | Charuco, names: Sequence[str] | None
+) -> tuple[tuple[int, int], list[View], list[str]]:
+    """Return the size of the pictures, those with a board, and the names of the others."""
+    size = (0, 0)
+    views, missing = [], []
+    for number, image in enumerate(images_of(pictures, names)):
+        if names is not None and number >= len(names):
+            raise ValueError(f"names must be as many as pictures, got {len(names)}")
+        name = str(number + 1) if names is None else names[number]
+        size = frame_size(image)
+        corners = board.find(image)
+        if corners is None:
+            missing.append(name)
+        else:
+            views.append(View(name, corners))
+    return size, views, missing
+
+
+def lens_of_views(
+    cv2: Any, size: tuple[int, int], views: list[View], missing: list[str]
+) -> LensCalibration:
+    """Calibrate a lens by `FEWEST` views or more; the views are changed by it."""
+    fit = _fit(cv2, size, views)
+    if _drop_far_corners(views, fit):
+        fit = _fit(cv2, size, views)
+    used, fit = _without_outliers(cv2, size, views, fit)
+    fit, has_k3 = _with_k3(cv2, size, used, fit)
+    distances = [np.linalg.norm(errors, axis=1) for errors in fit.errors]
+    all_distances = np.concatenate(distances)
+    residuals = Residuals(
+        rms=float(np.sqrt((all_distances**2).mean())),
+        worst=float(all_distances.max()),
+        points=len(all_distances),
+        pictures=len(used),
+    )
+    calibration = Calibration(
+        size=size,
+        intrinsics=Intrinsics(fit.matrix, distortion=fit.distortion.tolist()),
+        lens_residuals=residuals,
+        date=datetime.datetime.now(datetime.UTC).replace(microsecond=0),
+    )
+    fitted = iter(zip(distances, fit.tilts, strict=True))
+    return LensCalibration(
+        calibration=calibration,
+        pictures=tuple(_picture(cv2, view, fit, fitted) for view in views),
+        missing=tuple(missing),
+        deviations=fit.deviations,
+        has_k3=has_k3,
+        coverage=_coverage(size, used),
+    )
+
+
+def _picture(cv2: Any, view: View, fit: Fit, fitted: Any) -> BoardPicture:
+    if view.is_used:
+        distances, tilt = next(fitted)
+    else:
+        distances, tilt = _seen_alone(cv2, view, fit)
+    normal = cv2.Rodrigues(tilt)[0][:, 2]
+    return BoardPicture(
+        name=view.name,
+        corners=len(view.corners.pixels),
+        rms=float(np.sqrt((distances**2).mean())),
+        worst=float(distances.max()),
+        tilt=math.acos(min(1.0, abs(float(normal[2])))),
+        is_used=view.is_used,
+    )
+
+
+def _seen_alone(cv2: Any, view: View, fit: Fit) -> tuple[Floats, Floats]:
+    """Return how far off (px) a picture is that was not used, and the rotation of its board."""
+    points = _in_space(view.corners)
+    _, rotation, place = cv2.solvePnP(points, view.corners.pixels, fit.matrix, fit.distortion)
+    seen, _ = cv2.projectPoints(points, rotation, place, fit.matrix, fit.distortion)
+    return np.linalg.norm(seen.reshape(-1, 2) - view.corners.pixels, axis=1), rotation
+
+
+def _in_space(corners: Corners) -> Any:
+    return np.column_stack([corners.positions, np.zeros(len(corners.positions))])
+
+
+def _fit(cv2: Any, size: tuple[int, int], views: list[View], *, with_k3: bool = False) -> Fit:
+    points = [_in_space(view.corners).astype(np.float32) for view in views]
+    pixels = [view.corners.pixels.astype(np.float32) for view in views]
+    flags = 0 if with_k3 else cv2.CALIB_FIX_K3
+    criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 100, 1e-10)
+    _, matrix, distortion, rotations, places, deviations, *_ = cv2.calibrateCameraExtended(
+        points, pixels, size, None, None, flags=flags, criteria=criteria
+    )
+    distortion = np.asarray(distortion, float).ravel()[:5]
+    errors = []
+    for view, rotation, place in zip(views, rotations, places, strict=True):
+        seen, _ = cv2.projectPoints(_in_space(view.corners), rotation, place, matrix, distortion)
+        errors.append(seen.reshape(-1, 2) - view.corners.pixels)
+    return Fit(
+        np.asarray(matrix, float),
+        distortion,
+        [np.asarray(rotation, float) for rotation in rotations],
+        np.asarray(deviations, float).ravel()[:9],
+        errors,
+    )
+
+
+def _drop_far_corners(views: list[View], fit: Fit) -> bool:
+    """Leave out corners that were found in a wrong place; return whether there were some."""
+    dropped = False
+    for view, errors in zip(views, fit.errors, strict=True):
+        distances = np.linalg.norm(errors, axis=1)
+        limit = max(_FAR * 1.2 * float(np.median(distances)), _LEAST_FAR)
+        is_near = distances <= limit
+        if not is_near.all() and is_near.sum() >= 6:
+            kept = view.corners
+            view.corners = Corners(kept.positions[is_near], kept.pixels[is_near])
+            dropped = True
+    return dropped
+
+
+def _without_outliers(
+    cv2: Any, size: tuple[int, int], views: list[View], fit: Fit
+) -> tuple[list[View], Fit]:
+    """Leave out pictures that do not fit the others, as long as enough others are left."""
+    used = views
+    while len(used) > FEWEST:
+        rms = np.array([np.sqrt((errors**2).sum(axis=1).mean()) for errors in fit.errors])
+        limit = max(_OUTLIER * float(np.median(rms)), _LEAST_OUTLIER)
+        suspects = np.argsort(rms)[::-1][:_SUSPECTS].tolist()
+        # One that bends the whole fit need not have the largest rms.
+        fits = [_fit(cv2, size, [*used[:one], *used[one + 1 :]]) for one in suspects]
+        best = min(range(len(fits)), key=lambda one: fits[one].variance)
+        bends = fit.variance > _LEAST_BENT**2 and fits[best].variance < _BENT * fit.variance
+        if not bends:
+            best = 0
+        if not (bends or rms[suspects[0]] > limit):
+            break
+        used[suspects[best]].is_used = False
+        used, fit = [view for view in used if view.is_used], fits[best]
+    return used, fit
+
+
+def _with_k3(cv2: Any, size: tuple[int, int], views: list[View], fit: Fit) -> tuple[Fit, bool]:
+    """Return the fit with a third radial coefficient where the pictures determine it."""
+    middle = (np.array(size) - 1) / 2
+    pixels = np.concatenate([view.corners.pixels for view in views])
+    reach = np.linalg.norm(pixels - middle, axis=1).max() / np.linalg.norm(middle)
+    if reach < _REACH:
+        return fit, False
+    more = _fit(cv2, size, views, with_k3=True)
+    free = 2 * len(pixels) - 9 - 6 * len(views)
+    if free < 1 or more.squares >= fit.squares:
+        return fit, False
+    from scipy.special import fdtri  # it costs a tenth of a second
+
+    # F = (SSE - SSE3) / (SSE3 / (n - p)): of a coefficient that is nothing, F(1, n - p)
+    gain = (fit.squares - more.squares) / (more.squares / free)
+    is_worth_it = gain > fdtri(1, free, 1 - _LEVEL) and _is_monotonic(more, size)
+    return (more, True) if is_worth_it else (fit, False)
+
+
+def _is_monotonic(fit: Fit, size: tuple[int, int]) -> bool:
+    """Return whether the lens folds nothing over up to the corners of the picture."""
+    corner = np.maximum(fit.matrix[:2, 2], np.array(size) - fit.matrix[:2, 2])
+    r = np.linspace(0, 1.2 * np.linalg.norm(corner / fit.matrix.diagonal()[:2]), 200)
+    k1, k2, _, _, k3 = fit.distortion
+    # d/dr of r (1 + k1 r^2 + k2 r^4 + k3 r^6)
+    return bool((1 + 3 * k1 * r**2 + 5 * k2 * r**4 + 7 * k3 * r**6 > 0.1).all())
+
+
+def _coverage(size: tuple[int, int], views: list[View]) -> Any:
+    """Return how many corners there are in each cell of the picture."""
+    pixels = np.concatenate([view.corners.pixels for view in views])
+    counts, _, _ = np.histogram2d(
+        pixels[:, 1] / size[1], pixels[:, 0] / size[0], bins=CELLS, range=[[0, 1], [0, 1]]
+    )
+    return counts.astype(int)

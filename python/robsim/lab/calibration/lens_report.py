@@ -1,0 +1,206 @@
+"""What is known of a calibrated lens: a report with residuals, coverage, and what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim.base.checks import Floats
+from robsim.base.report import Column, Problem, Quantity, Report, Row, Table
+from robsim.base.text import listed
+from robsim.vision.imaging.calibration import Calibration
+
+#: Rows and columns of the cells in which corners are counted.
+CELLS = 4, 4
+_WORDS = (
+    ("top left", "top", "top right"),
+    ("left", "centre", "right"),
+    ("bottom left", "bottom", "bottom right"),
+)
+_PICTURES = 8  # below it the lens is poorly determined
+_RMS = (0.5, 1.5)  # px: good, poor
+_TILT = np.radians(15)
+_TILTED = 3  # pictures
+_FOCAL = (0.005, 0.03)  # standard deviation, relative
+
+
+@dataclass(frozen=True)
+class BoardPicture:
+    """A picture in which the board was found.
+
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    corners : int
+        Number of corners found.
+    rms, worst : float
+        Root mean square and largest distance of the corners from where the lens has them (px).
+    tilt : float
+        Angle between the board and the picture (rad).
+    is_used : bool
+        False: it does not fit the others, and was left out.
+    """
+
+    name: str
+    corners: int
+    rms: float
+    worst: float
+    tilt: float
+    is_used: bool
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LensCalibration(Report):
+    """The result of `calibrate_lens`.
+
+    Attributes
+    ----------
+    calibration : Calibration
+        The lens, as a value; without a floor as yet.
+    pictures : tuple of BoardPicture
+        Those with a board.
+    missing : tuple of str
+        Names of the others.
+    deviations : array (9,)
+        Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3; 0 = it was not fitted.
+    has_k3 : bool
+        Whether the pictures determine a third radial coefficient.
+    coverage : array (4, 4) of int
+        Corners in each cell of the picture, row by row from the top left.
+    """
+
+    calibration: Calibration
+    pictures: tuple[BoardPicture, ...]
+    missing: tuple[str, ...] = ()
+    deviations: Floats = field(repr=False)
+    has_k3: bool = False
+    coverage: NDArray[np.int64] = field(repr=False)
+
+    @property
+    def title(self) -> str:
+        """What was calibrated."""
+        return "Calibration of the lens"
+
+    @property
+    def rms(self) -> float:
+        """Root mean square distance of the corners from where the lens has them (px)."""
+        residuals = self.calibration.lens_residuals
+        assert residuals is not None  # of `calibrate_lens`
+        return residuals.rms
+
+    @property
+    def empty_parts(self) -> tuple[str, ...]:
+        """Parts of the picture without corners: ``"top left"``, ... ``"bottom right"``."""
+        rows, columns = (_thirds(cells) for cells in CELLS)
+        return tuple(
+            _WORDS[i][j]
+            for i in range(3)
+            for j in range(3)
+            if not self.coverage[np.ix_(rows[i], columns[j])].any()
+        )
+
+    @property
+    def verdict(self) -> str:
+        """``"good"``, ``"poor"``: more pictures are needed; or ``"bad"``."""
+        if self.rms > _RMS[1] or self._focal_deviation > _FOCAL[1]:
+            return "bad"
+        return "poor" if self.problems else "good"
+
+    @property
+    def _focal_deviation(self) -> float:
+        """Standard deviation of the focal length, relative to it."""
+        assert self.calibration.intrinsics is not None
+        focal = np.diag(self.calibration.intrinsics.matrix)[:2]
+        return float((self.deviations[:2] / focal).max())
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Residuals and parameters."""
+        intrinsics = self.calibration.intrinsics
+        assert intrinsics is not None
+        matrix, lens = intrinsics.matrix, intrinsics.distortion
+        names = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
+        values = (matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2], *lens)
+        units = ("px",) * 4 + ("",) * 5
+        shown = [
+            Quantity(name, f"{name} (+- {deviation:.2g})", float(value), unit)
+            for name, value, unit, deviation in zip(
+                names, values, units, self.deviations, strict=True
+            )
+        ]
+        residuals = self.calibration.lens_residuals
+        assert residuals is not None
+        return (
+            Quantity("rms", "rms", residuals.rms, "px", ".2f"),
+            Quantity("worst", "worst corner", residuals.worst, "px", ".2f"),
+            Quantity("n_pictures", "pictures used", residuals.pictures),
+            *shown[: 9 if self.has_k3 else 8],
+        )
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """The pictures."""
+        columns = (
+            Column("corners", "corners", unit=""),
+            Column("rms", "rms", unit="px", format=".2f"),
+            Column("tilt", "tilt", unit="rad", format=".0f"),
+            Column("used", "used", unit=""),
+        )
+        rows = [
+            Row(one.name, (one.corners, one.rms, one.tilt, "yes" if one.is_used else "no"))
+            for one in self.pictures
+        ]
+        return (Table(key="pictures", columns=columns, rows=rows, row_title="picture"),)
+
+    @property
+    def problems(self) -> tuple[Problem, ...]:
+        """What is missing, and what to do."""
+        return tuple(Problem(kind=kind, sentence=text) for kind, text in self._problems())
+
+    def _problems(self) -> Iterator[tuple[str, str]]:
+        used = [one for one in self.pictures if one.is_used]
+        if self.rms > _RMS[0]:
+            yield (
+                "rms",
+                f"rms {self.rms:.2f} px, expected is below {_RMS[0]:g}: is the board flat, its "
+                "--square measured, the picture sharp, and the zoom locked?",
+            )
+        if len(used) < _PICTURES:
+            yield "pictures", f"{len(used)} pictures are few: take {_PICTURES} to 20"
+        if parts := self.empty_parts:
+            yield (
+                "coverage",
+                f"no corners at the {listed(parts)} of the picture: move the board there",
+            )
+        if sum(one.tilt > _TILT for one in used) < _TILTED:
+            yield (
+                "tilt",
+                "the board is nearly parallel to the picture in most of them: tilt it by 20 to 45 "
+                "degrees, in different directions, or the focal length is not determined",
+            )
+        elif self._focal_deviation > _FOCAL[0]:
+            yield (
+                "focal length",
+                f"the focal length is known to {100 * self._focal_deviation:.1f} % only: take more "
+                "pictures, closer and at larger tilts",
+            )
+        if outliers := [one.name for one in self.pictures if not one.is_used]:
+            yield (
+                "outlier",
+                f"{listed(outliers)} does not fit the others and was left out: was it blurred by "
+                "motion, or the zoom another one?",
+            )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Pictures without a board."""
+        return (f"no board was found in {listed(self.missing)}",) if self.missing else ()
+
+
+def _thirds(cells: int) -> Any:
+    return [0], list(range(1, cells - 1)), [cells - 1]

@@ -1,0 +1,68 @@
+"""What the printed patterns share: rectangles, marks, the corners that were found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim.base.checks import Floats
+from robsim.base.text import quoted
+from robsim.vision.imaging.opencv import load_opencv
+
+Rectangle = tuple[float, float, float, float]
+Pixels = NDArray[np.uint8]
+
+_LARGEST = 32_767  # px
+
+#: What OpenCV is needed for.
+PURPOSE = "finding a calibration pattern"
+
+
+@dataclass(frozen=True, eq=False)
+class Corners:
+    """What was found of a pattern in a picture.
+
+    Attributes
+    ----------
+    positions : array (N, 2)
+        Positions on the printed pattern, x to the right and y down (mm).
+    pixels : array (N, 2)
+        Where they are in the picture: (u, v), an integer is a pixel's centre.
+    """
+
+    positions: Floats
+    pixels: Floats
+
+
+def mark_rectangles(
+    bits: int, number: int, left: float, top: float, side: float
+) -> list[Rectangle]:
+    """Return the black cells of a mark, those beside each other in a row as one."""
+    aruco = load_opencv("drawing a sheet with marks").aruco
+    count = bits + 2  # with the border
+    cells = aruco.generateImageMarker(mark_dictionary(bits), number, count) == 0
+    cell = side / count
+    black = []
+    for row, line in enumerate(cells):
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], line.astype(int), [0]))))
+        for start, end in edges.reshape(-1, 2).tolist():
+            black.append((left + start * cell, top + row * cell, (end - start) * cell, cell))
+    return black
+
+
+def mark_dictionary(bits: int) -> Any:
+    aruco = load_opencv(PURPOSE).aruco
+    names = {4: aruco.DICT_4X4_100, 5: aruco.DICT_5X5_100}
+    return aruco.getPredefinedDictionary(names[bits])
+
+
+def gray_of(image: Any) -> Pixels:
+    if not (isinstance(image, np.ndarray) and image.dtype == np.uint8 and image.shape[2:] == (3,)):
+        raise TypeError(f"image must be a uint8 array of shape (H, W, 3), got {quoted(image)}")
+    if not 0 < min(image.shape) <= max(image.shape) <= _LARGEST:  # OpenCV ends the process
+        raise ValueError(f"image must have 1 to {_LARGEST} px a side, got shape {image.shape}")
+    gray: Pixels = load_opencv(PURPOSE).cvtColor(image, load_opencv(PURPOSE).COLOR_RGB2GRAY)
+    return gray

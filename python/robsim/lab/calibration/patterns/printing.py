@@ -1,0 +1,106 @@
+"""`save_sheet`: a pattern as a PDF page at true scale."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+from robsim.base.checks import check_choice
+from robsim.base.files import as_path, write_whole
+from robsim.base.text import one_line, quoted
+from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
+from robsim.lab.calibration.patterns.floor_sheet import FloorSheet
+from robsim.lab.calibration.patterns.pattern import Rectangle
+from robsim.lab.calibration.patterns.pdf import Text, pdf_page
+
+#: Width and height (mm), landscape.
+PAPERS = {
+    "A4": (297.0, 210.0),
+    "A3": (420.0, 297.0),
+    "A2": (594.0, 420.0),
+    "A1": (841.0, 594.0),
+    "A0": (1189.0, 841.0),
+    "letter": (279.4, 215.9),
+}
+_EDGE = 5.0  # mm that no printer prints on
+_RULER = 100.0  # mm
+_THIN = 0.4
+_LABELS = 11.0  # mm below the pattern, for ruler and text
+
+
+def save_sheet(
+    path: str | PathLike[str], pattern: Chessboard | Charuco | FloorSheet, *, paper: str = "A4"
+) -> None:
+    """Write a sheet to print: the pattern at true scale, and a line of 100 mm to check the print.
+
+    Parameters
+    ----------
+    path : path
+        The PDF file to write.
+    pattern : Chessboard, Charuco or FloorSheet
+        What it shows.
+    paper : str
+        ``"A4"``, ``"A3"``, ``"A2"``, ``"A1"``, ``"A0"`` or ``"letter"``; landscape.
+
+    Raises
+    ------
+    ImportError
+        If the pattern has marks, and OpenCV is not installed.
+    OSError
+        If the file cannot be written.
+    TypeError, ValueError
+        If an argument has another type, or the pattern does not fit on the paper.
+    """
+    file = as_path(path)
+    if file.suffix.lower() != ".pdf":
+        raise ValueError(f"{one_line(file)}: the name of a sheet must end in .pdf")
+    if not isinstance(pattern, (Chessboard, Charuco, FloorSheet)):
+        raise TypeError(
+            f"pattern must be a Chessboard, a Charuco or a FloorSheet, got {quoted(pattern)}"
+        )
+    page = PAPERS[check_choice("paper", paper, tuple(PAPERS))]
+    rectangles, texts = page_of(pattern, page, paper)
+    write_whole(file, pdf_page(page, rectangles, texts, f"robsim: {pattern.label}"))
+
+
+def page_of(
+    pattern: Chessboard | Charuco | FloorSheet, page: tuple[float, float], paper: str
+) -> tuple[list[Rectangle], list[Text]]:
+    """Return what is black on a page (mm from its top left corner), and its texts."""
+    (width, height), (wide, tall) = page, pattern.size
+    # White all around: without it, the outermost squares are not found.
+    if wide > width - 2 * _EDGE or tall > height - 2 * _EDGE - _LABELS:
+        raise ValueError(
+            f"pattern must fit on {paper}, at most {width - 2 * _EDGE:g} x "
+            f"{height - 2 * _EDGE - _LABELS:g} mm, got {wide:g} x {tall:g} mm: take fewer or "
+            "smaller squares, or a larger paper"
+        )
+    left, top = (width - wide) / 2, (height - _LABELS - tall) / 2
+    black = [(left + x, top + y, w, h) for x, y, w, h in pattern.rectangles]
+    line = height - _EDGE - 2.5  # of the ruler
+    black += _ruler(_EDGE + 5, line)
+    words = "this line is 100 mm long: print at 100 %, not 'fit to page', and measure it"
+    texts = [
+        Text(_EDGE + 5 + _RULER + 4, line + 1, words, 8),
+        Text(_EDGE + 5, line - 3.5, f"robsim, {pattern.label} (mm); glue it on something flat", 8),
+    ]
+    if isinstance(pattern, FloorSheet):
+        texts[1] = Text(
+            _EDGE + 5,
+            line - 3.5,
+            f"robsim, {pattern.label} (mm); tape it flat on the floor. x of the floor: to the "
+            "right; its place: the cross in the middle",
+            8,
+        )
+        black += _cross(left + wide / 2, top + tall / 2)
+    return black, texts
+
+
+def _ruler(left: float, y: float) -> list[Rectangle]:
+    """Return a line of 100 mm with ticks at each 10 mm; its ends are the outer edges."""
+    ticks = [(left + mark - _THIN / 2, y - 2, _THIN, 2.0) for mark in range(10, 100, 10)]
+    ends = [(left, y - 2.5, _THIN, 3.5), (left + _RULER - _THIN, y - 2.5, _THIN, 3.5)]
+    return [(left, y - _THIN / 2, _RULER, _THIN), *ticks, *ends]
+
+
+def _cross(x: float, y: float) -> list[Rectangle]:
+    return [(x - 4, y - 0.15, 8, 0.3), (x - 0.15, y - 4, 0.3, 8)]

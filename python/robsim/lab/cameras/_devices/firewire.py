@@ -1,0 +1,64 @@
+"""Cameras on FireWire: IIDC, by libdc1394."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from robsim.base.text import quoted
+from robsim.lab.cameras._devices.extensions import Extension, Sent
+from robsim.lab.cameras.features import CameraFeatures
+
+SCHEME, NAME = "firewire", "FireWire"
+CODINGS = ("yuv422", "rgb8", "yuv444", "raw8", "yuv411", "mono8", "mono16")
+
+EXTENSION = Extension(
+    module="robsim._firewire",
+    cameras=NAME,
+    library="libdc1394",
+    debian="libdc1394-25",
+    fedora="libdc1394",
+    development="libdc1394-dev",
+)
+
+
+def new_camera(
+    url: str,
+    *,
+    size: tuple[int, int] | None,
+    region: tuple[int, int, int, int] | None,
+    fps: float | None,
+    coding: str | None,
+    features: CameraFeatures | None,
+) -> Any:
+    """Return the device of an address such as ``"firewire://"``; it is not open yet.
+
+    Raises
+    ------
+    ValueError
+        If the address is none.
+    NoBackEndError
+        If FireWire cannot be read here.
+    """
+    choice = url.removeprefix(f"{SCHEME}://").lower()
+    if not re.fullmatch(r"|[0-9]{1,2}|[0-9a-f]{16}", choice):
+        raise ValueError(
+            "an address of FireWire must be firewire:// (the first camera), firewire://1 (the "
+            "second one, and so on), or firewire:// and the 16 digits of the camera's number, got "
+            f"{quoted(url)}"
+        )
+    wishes = (features or CameraFeatures())._wishes()
+    return EXTENSION.load().FireWireCamera(
+        choice, size=size, region=region, fps=fps, coding=coding or "", features=wishes
+    )
+
+
+def sent_by(device: Any) -> Sent:
+    """Return what an open device sends."""
+    video = device.video
+    return Sent(
+        name=f"the FireWire camera {device.guid}",
+        fps=video["fps"],
+        region=video["region"],
+        coding=video["coding"],
+    )

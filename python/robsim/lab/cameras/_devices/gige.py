@@ -1,0 +1,97 @@
+"""GigE Vision cameras, by Aravis."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import parse_qsl, urlsplit
+
+from robsim.base.text import quoted
+from robsim.lab.cameras._devices.extensions import Extension, Sent
+from robsim.lab.cameras.features import CameraFeatures
+
+if TYPE_CHECKING:
+    from robsim._gige import GigeCamera
+
+SCHEME, NAME = "gige", "GigE Vision"
+CODINGS = ("rgb8", "raw8", "yuv422", "mono8")
+
+EXTENSION = Extension(
+    module="robsim._gige",
+    cameras=NAME,
+    library="Aravis 0.8",
+    debian="libaravis-0.8-0",
+    fedora="aravis",
+    # Debian's aravis-0.8.pc asks for libusb-1.0, which its package does not bring.
+    development="libaravis-dev libusb-1.0-0-dev",
+)
+
+#: Bytes: where a socket gets less, packets of large frames are lost.
+ENOUGH_RECEIVE_BUFFER = 4 << 20
+
+
+def new_camera(
+    url: str,
+    *,
+    size: tuple[int, int] | None,
+    region: tuple[int, int, int, int] | None,
+    fps: float | None,
+    coding: str | None,
+    features: CameraFeatures | None,
+) -> GigeCamera:
+    """Return the device of an address such as ``"gige://192.168.1.20"``; it is not open yet.
+
+    After a question mark stands what is chosen seldom: ``format``, a pixel format of GenICam in
+    place of the coding, and ``packet_size`` (bytes).
+
+    Raises
+    ------
+    ValueError
+        If the address is none.
+    NoBackEndError
+        If GigE Vision cannot be read here.
+    """
+    parts = urlsplit(url)
+    if not parts.netloc or parts.path.strip("/"):
+        raise ValueError(
+            "an address of GigE Vision must be gige:// and the camera's IP address, serial number "
+            f"or name, got {quoted(url)}"
+        )
+    chosen = dict(parse_qsl(parts.query, keep_blank_values=True))
+    pixel_format, packet_size = chosen.pop("format", coding or ""), chosen.pop("packet_size", "0")
+    if chosen or not packet_size.isdecimal() or int(packet_size) > 65535:
+        raise ValueError(
+            "an address of GigE Vision may choose format and packet_size (bytes, at most 65535), "
+            f"as in gige://192.168.1.20?format=BayerRG8&packet_size=8000, got {quoted(url)}"
+        )
+    camera: GigeCamera = EXTENSION.load().GigeCamera(
+        parts.netloc,
+        size=size,
+        region=region,
+        fps=fps,
+        format=pixel_format,
+        features=(features or CameraFeatures())._wishes(),
+        packet_size=int(packet_size),
+    )
+    return camera
+
+
+def sent_by(device: GigeCamera) -> Sent:
+    """Return what an open device sends."""
+    info = device.info
+    assert info is not None  # it is open
+    return Sent(
+        name=f"the GigE camera {info['serial'] or info['address']}",
+        fps=info["fps"],
+        region=info["region"],
+        coding=info["coding"],
+        advice=info["advice"],
+    )
+
+
+def largest_receive_buffer() -> int | None:
+    """Return how many bytes a socket may keep; None = unknown."""
+    try:
+        return int(Path("/proc/sys/net/core/rmem_max").read_text())
+    except (OSError, ValueError):  # of Linux alone
+        return None

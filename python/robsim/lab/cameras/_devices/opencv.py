@@ -1,0 +1,215 @@
+"""What OpenCV opens: a camera by number, and streams."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from typing import Any
+from urllib.parse import urlsplit
+
+from robsim.base.text import cut, one_line
+from robsim.lab.cameras._devices.jpeg import decoded
+from robsim.lab.cameras.errors import (
+    CameraBusyError,
+    FrameTimeoutError,
+    NoBackEndError,
+    NoCameraError,
+    NoPermissionError,
+    UnpluggedError,
+)
+from robsim.vision.imaging.opencv import load_opencv, quiet
+
+OF_ADDRESSES = ("ffmpeg", "gstreamer")
+OF_INDICES = ("v4l2", "msmf", "dshow", "avfoundation", "gstreamer")
+_NUMBER = {
+    "ffmpeg": "CAP_FFMPEG",
+    "gstreamer": "CAP_GSTREAMER",
+    "v4l2": "CAP_V4L2",
+    "msmf": "CAP_MSMF",
+    "dshow": "CAP_DSHOW",
+    "avfoundation": "CAP_AVFOUNDATION",
+}
+
+# s: a stream that stalls for less goes on afterwards.
+_STALL = 5.0
+
+
+def back_end_of_system() -> str:
+    return {"win32": "msmf", "darwin": "avfoundation"}.get(sys.platform, "v4l2")
+
+
+def back_ends(cv2: Any) -> tuple[str, ...]:
+    """Return those of our back ends that OpenCV was built with."""
+    has = cv2.videoio_registry.hasBackend
+    return tuple(name for name, number in _NUMBER.items() if has(getattr(cv2, number)))
+
+
+class OpenCvCamera:
+    """The camera in Python of what OpenCV opens; its images are BGR.
+
+    Parameters
+    ----------
+    source : int or str
+        Number or address.
+    back_end : str
+        Name of one of OpenCV's.
+    size : tuple of int, optional
+        Width and height to ask of a camera by number (px).
+    fps : float, optional
+        Rate to ask of it (1/s).
+    open_timeout : float
+        Maximum wait for a stream to open (s).
+
+    Raises
+    ------
+    NoBackEndError
+        If OpenCV is not installed, or has no such back end.
+    """
+
+    def __init__(
+        self,
+        source: int | str,
+        back_end: str,
+        *,
+        size: tuple[int, int] | None = None,
+        fps: float | None = None,
+        open_timeout: float = 5.0,
+    ) -> None:
+        #: The arguments, to open it elsewhere.
+        self.options: dict[str, Any] = {
+            **{"source": source, "back_end": back_end, "size": size, "fps": fps},
+            "open_timeout": open_timeout,
+        }
+        self._source = source
+        self._node = f"/dev/video{source}" if back_end == "v4l2" else None
+        self.name = _without_login(source) if isinstance(source, str) else f"camera {source}"
+        try:
+            self._cv2 = load_opencv("reading this camera")
+        except ImportError as error:
+            raise NoBackEndError(str(error)) from error
+        there = back_ends(self._cv2)
+        if back_end not in there:
+            raise NoBackEndError(
+                f"the installed OpenCV has no back end {back_end!r}, only {', '.join(there)}: give "
+                "one of these, or install an OpenCV that has it"
+            )
+        self._back_end = getattr(self._cv2, _NUMBER[back_end])
+        self._wanted = {"CAP_PROP_FPS": fps}
+        if size is not None:
+            self._wanted |= {"CAP_PROP_FRAME_WIDTH": size[0], "CAP_PROP_FRAME_HEIGHT": size[1]}
+        self.open_timeout = open_timeout
+        self._has_timeouts = back_end == "ffmpeg"
+        self._capture: Any = None
+        self._is_raw = False
+
+    def check(self) -> None:
+        """Raise what can be known to be wrong without opening it."""
+        if self._node is not None:
+            _check_node(self._node)
+
+    def open(self) -> None:
+        """Open it, after `check`."""
+        self.close()
+        with quiet(self._cv2):
+            self._capture = self._cv2.VideoCapture(self._source, self._back_end, self._parameters())
+        if self._capture.isOpened():
+            self._is_raw = isinstance(self._source, str) and self._takes_packets()
+            return
+        self.close()
+        if isinstance(self._source, str):
+            self._check_host(self._source)
+            raise NoCameraError(
+                f"{self.name} is reached, but OpenCV opens no stream there: are path, user and "
+                "password right?"
+            )
+        if self._node is not None:
+            raise CameraBusyError(
+                f"{self._node} is there but does not open: another program has it (fuser "
+                f"{self._node} names it), or it is no camera (try the next number)"
+            )
+        raise NoCameraError(
+            f"{self.name} does not open: is it plugged in, and has another program got it?"
+        )
+
+    def _parameters(self) -> list[int]:
+        cv2 = self._cv2
+        parameters: list[int] = []
+        if isinstance(self._source, int):
+            for name, value in self._wanted.items():
+                if value is not None:
+                    parameters += [getattr(cv2, name), round(value)]
+        elif self._has_timeouts:
+            parameters += [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, round(1000 * self.open_timeout)]
+            parameters += [cv2.CAP_PROP_READ_TIMEOUT_MSEC, round(1000 * _STALL)]
+            parameters += [cv2.CAP_PROP_N_THREADS, 1]  # more hold back a frame each
+        return parameters
+
+    def _takes_packets(self) -> bool:
+        """Ask for the packets of MJPEG: FFmpeg would fill torn images up."""
+        code = int(self._capture.get(self._cv2.CAP_PROP_FOURCC))
+        is_mjpeg = self._has_timeouts and code.to_bytes(4, "little") == b"MJPG"
+        return is_mjpeg and bool(self._capture.set(self._cv2.CAP_PROP_FORMAT, -1))
+
+    def _check_host(self, url: str) -> None:
+        import socket  # not with robsim: it costs milliseconds
+
+        parts = urlsplit(url)
+        try:
+            port = parts.port or {"rtsp": 554, "http": 80, "https": 443}.get(parts.scheme)
+            if port is None or not parts.hostname:
+                return
+            socket.create_connection((parts.hostname, port), self.open_timeout).close()
+        except TimeoutError:
+            raise FrameTimeoutError(
+                f"{self.name} did not answer within {self.open_timeout:g} s: is it on, and does "
+                "the address lead to it?"
+            ) from None
+        except (OSError, ValueError) as error:
+            raise NoCameraError(
+                f"{self.name} cannot be reached ({cut(error)}): is the camera on, and are host "
+                "and port right?"
+            ) from error
+
+    def read(self) -> tuple[Any, bool, float]:
+        """Return the next image, whether it is BGR, and when it arrived; None if it was torn."""
+        begun = time.monotonic()
+        with quiet(self._cv2):
+            is_read = self._capture.grab()
+            arrived = time.monotonic()
+            if is_read:
+                is_read, pixels = self._capture.retrieve()
+        if is_read and self._is_raw:
+            return decoded(pixels.tobytes()), False, arrived
+        if is_read:
+            return pixels, True, arrived
+        if time.monotonic() - begun > 0.9 * _STALL:
+            raise FrameTimeoutError(f"{self.name} has sent nothing for {_STALL:g} s")
+        raise UnpluggedError(f"{self.name} delivers no more: was it switched off or unplugged?")
+
+    def close(self) -> None:
+        """Give it back."""
+        if self._capture is not None:
+            self._capture.release()
+        self._capture = None
+
+
+def _check_node(node: str) -> None:
+    if not os.path.exists(node):
+        raise NoCameraError(
+            f"there is no {node}: is the camera plugged in? `robsim cameras` lists what is there"
+        )
+    if not os.access(node, os.R_OK | os.W_OK):
+        raise NoPermissionError(no_permission(node))
+
+
+def no_permission(node: str) -> str:
+    return (
+        f"no permission to read {node}: add yourself to its group (sudo usermod -aG video $USER) "
+        "and log in again"
+    )
+
+
+def _without_login(url: str) -> str:
+    parts = urlsplit(url)
+    return one_line(parts._replace(netloc=parts.netloc.rpartition("@")[2]).geturl())

@@ -1,0 +1,74 @@
+"""A video file or a folder of images, played at its own rate."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from os import PathLike
+from typing import Any
+
+from robsim._core import Frame
+from robsim.base.text import one_line
+from robsim.lab.cameras.errors import CaptureError, EndOfStream
+from robsim.vision.imaging.recordings import Recording
+
+_LONGEST_WAIT = 0.1  # s in one call
+
+
+class Playback:
+    """The camera in Python of a file: each frame comes when its time has come.
+
+    Parameters
+    ----------
+    source : path
+        The file or folder.
+    fps : float, optional
+        Frames per second. Default: those of the file.
+
+    Raises
+    ------
+    ValueError
+        If it is a folder, and no rate is given.
+    """
+
+    def __init__(self, source: str | PathLike[str], fps: float | None) -> None:
+        self._recording = Recording(source, dt=None if fps is None else 1 / fps)
+        self.name = one_line(source)
+        if self._recording.dt is None:
+            raise ValueError(
+                f"fps must be given to play the folder {self.name}: its images have no times"
+            )
+        self.dt = self._recording.dt
+        self.headings = self._recording.headings
+        self._frames: Iterator[Frame] = iter(())
+        self._next: Frame | None = None
+        self._start: float | None = None
+
+    def open(self) -> None:
+        """Begin with the first frame."""
+        self._frames = iter(self._recording)
+        self._next = self._start = None
+
+    def read(self) -> tuple[Any, float] | None:
+        """Return the next frame and its time, or None if that has not come yet."""
+        if self._next is None:
+            try:
+                self._next = next(self._frames)
+            except StopIteration:
+                raise EndOfStream(f"{self.name} is over") from None
+            except ValueError as error:
+                raise CaptureError(str(error)) from error
+        if self._start is None:
+            self._start = time.monotonic()
+        due = self._start + self._next.index * self.dt
+        wait = due - time.monotonic()
+        time.sleep(min(max(wait, 0.0), _LONGEST_WAIT))
+        if wait > _LONGEST_WAIT:
+            return None
+        frame, self._next = self._next, None
+        return frame.image, due
+
+    def close(self) -> None:
+        """Close the file."""
+        self._frames = iter(())
+        self._next = None

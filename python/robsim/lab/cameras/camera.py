@@ -1,0 +1,348 @@
+"""The class `Camera`: the newest frame of a source that runs by itself."""
+
+from __future__ import annotations
+
+import atexit
+import weakref
+from collections.abc import Iterator
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any, Self
+
+from robsim import _core
+from robsim._core import Frame, PlaneMap
+from robsim.base.checks import (
+    check_bool,
+    check_float,
+    check_int,
+    check_region,
+    check_size,
+    check_text,
+)
+from robsim.base.text import one_line, quoted
+from robsim.lab.cameras.errors import CaptureError, EndOfStream, FrameTimeoutError
+from robsim.lab.cameras.features import CameraFeatures
+from robsim.lab.cameras.sources import Source, Wishes, source_of
+from robsim.vision.imaging.calibration import Calibration
+from robsim.vision.imaging.calibration_file import as_calibration
+
+_LONGEST = 3600.0  # s, of a time-out
+_LAST_PATIENCE = 6.0  # s at the end of the interpreter, longer than a stalled stream is read
+
+
+@dataclass(frozen=True)
+class CameraCounts:
+    """What has become of the frames of a camera.
+
+    Attributes
+    ----------
+    grabbed : int
+        Complete frames that came.
+    delivered : int
+        Those that a reader took.
+    dropped : int
+        Those that a newer one replaced before a reader took them.
+    torn : int
+        Torn or short ones, which no reader gets.
+    timeouts : int
+        Waits of `frame_timeout` in which none came.
+    reopened : int
+        Times that the camera was opened again.
+    """
+
+    grabbed: int = 0
+    delivered: int = 0
+    dropped: int = 0
+    torn: int = 0
+    timeouts: int = 0
+    reopened: int = 0
+
+
+class Camera:
+    """A live camera, as an iterable of frames: the newest one each time, and none twice.
+
+    A native thread reads the camera all the time and keeps its newest frame, so that a slow reader
+    sees what is there now, and not what was seconds ago. What nobody reads in time is dropped, and
+    counted. A file is played at its own rate in the same way: `Recording` gives all of its
+    frames, each when it is asked for.
+
+    Parameters
+    ----------
+    source : int, str or path
+        Number of a camera (of ``/dev/video0``: 0); an address such as
+        ``"http://camera.local/video.mjpg"``, ``"rtsp://camera.local/stream"``,
+        ``"gige://192.168.1.20"`` (or a serial number or name: a GigE Vision camera), or
+        ``"firewire://"`` (the first camera on FireWire; ``"firewire://1"`` is the second one, and
+        16 digits stand for a certain one); a video file or a folder of images; or an object of
+        robsim that is a camera.
+    back_end : str, optional
+        What reads it. An address: ``"http"``, which reads MJPEG and tells torn images from whole
+        ones, or ``"ffmpeg"`` or ``"gstreamer"`` of OpenCV. A number: ``"v4l2"``, ``"msmf"``,
+        ``"dshow"``, ``"avfoundation"`` or ``"gstreamer"``. Default: HTTP for ``http://``, FFmpeg
+        for other addresses, and for a number that of the operating system.
+    plane_map : PlaneMap, optional
+        Map from frame pixels to the work area. Default: the frames show exactly the whole area,
+        seen vertically from above.
+    area : tuple of int, optional
+        Width and height of the work area (px). Default: that of the calibration, or the size of the
+        frames.
+    size : tuple of int, optional
+        Width and height of the frames (px), asked of a camera by number, on FireWire or on GigE.
+        Frames of another size are an error. Default: that of the calibration, or the camera's own.
+    region : tuple of int, optional
+        Left, top, width and height of the part of the sensor that is sent (px): on FireWire, by
+        its format 7, and on GigE. Default: all of it; on GigE as the camera has it.
+    fps : float, optional
+        Frames per second: asked of a camera by number, on FireWire or on GigE; that of another
+        address, which tells none; the rate at which a folder is played. Default: that of the file;
+        on FireWire 30, or the next lower one that the camera, and the bus, can have; on GigE that
+        which the camera has; otherwise `dt` is unknown. Where FireWire or GigE sends another rate
+        than was asked for, a warning says so, and `dt` which.
+    coding : str, optional
+        How a camera on FireWire codes its pixels: ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
+        ``"raw8"`` (behind a Bayer filter), ``"yuv411"``, ``"mono8"`` or ``"mono16"``; on GigE
+        ``"rgb8"``, ``"raw8"``, ``"yuv422"`` or ``"mono8"``. Default: the first of these that it
+        has at that rate.
+    features : CameraFeatures, optional
+        Exposure, gain, white balance and the like, on FireWire and on GigE. Default: all as they
+        are, and none automatic.
+    every : int
+        Only each n-th frame is handed over.
+    open_timeout : float
+        Maximum wait for the first frame (s).
+    frame_timeout : float
+        Maximum wait for each other frame (s).
+    reopen : bool
+        Whether a camera that is unplugged, or from which nothing has come for three
+        `frame_timeout`, is opened again, with pauses of 0.5 s to 5 s; meanwhile reading it ends
+        in FrameTimeoutError.
+    calibration : Calibration or path, optional
+        That of the camera, in place of `plane_map`: see `robsim.vision.load_calibration`. Frames
+        of another size are refused.
+
+    Attributes
+    ----------
+    source : object
+        As given.
+    size : tuple of int
+        Width and height of the frames (px).
+    area : tuple of int
+        Width and height of the work area (px).
+    plane_map : PlaneMap
+        Map from frame pixels to the work area.
+    dt : float or None
+        Time between two frames that are handed over (s); None = unknown.
+    region : tuple of int or None
+        Left, top, width and height of the part of the sensor that is sent (px), if that can be
+        chosen.
+    coding : str or None
+        How the camera codes pixels, if that can be chosen.
+    calibration : Calibration or None
+        That of the camera.
+
+    Raises
+    ------
+    CaptureError
+        If it cannot be opened or read, of the kind that says why: NoBackEndError,
+        NoBusError, NoPermissionError, NoCameraError, NoBandwidthError, CameraBusyError,
+        FrameTimeoutError, UnpluggedError.
+    FileNotFoundError
+        If there is no such file or folder.
+    TypeError, ValueError
+        If an argument has the wrong type or is out of range, a file is no video, or no rate is
+        given for a folder.
+
+    Notes
+    -----
+    The times of the frames (s) start at the first one: ``t`` is that of the exposure, as far as the
+    camera lets it be known, ``t_arrival`` that of the arrival. A camera belongs to the process that
+    opened it. OpenCV reads in a process of its own, which ends with the camera: so a callback that
+    keeps the interpreter sees fresh frames all the same. On Windows it reads in this one.
+
+    Examples
+    --------
+    >>> with robsim.Camera("http://camera.local/video.mjpg") as camera:
+    ...     trace = robsim.Experiment(camera).run(300)
+    """
+
+    def __init__(
+        self,
+        source: int | str | PathLike[str] | Any,
+        *,
+        back_end: str | None = None,
+        plane_map: PlaneMap | None = None,
+        area: tuple[int, int] | None = None,
+        size: tuple[int, int] | None = None,
+        region: tuple[int, int, int, int] | None = None,
+        fps: float | None = None,
+        coding: str | None = None,
+        features: CameraFeatures | None = None,
+        every: int = 1,
+        open_timeout: float = 5.0,
+        frame_timeout: float = 1.0,
+        reopen: bool = False,
+        calibration: Calibration | str | PathLike[str] | None = None,
+    ) -> None:
+        if not (plane_map is None or isinstance(plane_map, PlaneMap)):
+            raise TypeError(f"plane_map must be a PlaneMap or None, got {quoted(plane_map)}")
+        every = check_int("every", every, minimum=1, maximum=10_000)
+        self._frame_timeout = _seconds("frame_timeout", frame_timeout)
+        open_timeout = _seconds("open_timeout", open_timeout)
+        reopen = check_bool("reopen", reopen)
+        area = None if area is None else check_size("area", area)
+        if not (features is None or isinstance(features, CameraFeatures)):
+            raise TypeError(f"features must be CameraFeatures or None, got {quoted(features)}")
+        if fps is not None:
+            fps = check_float("fps", fps, "1/s", exclusive_minimum=0, maximum=1000)
+        size = None if size is None else check_size("size", size)
+        self.calibration = as_calibration(calibration, plane_map)
+        if self.calibration is not None:
+            plane_map, area = self.calibration.plane_map, area or self.calibration.area
+        wishes = Wishes(
+            back_end=back_end,
+            size=self.calibration.size if size is None and self.calibration else size,
+            region=None if region is None else check_region("region", region),
+            fps=fps,
+            coding=None if coding is None else check_text("coding", coding),
+            features=features,
+        )
+        try:
+            opened = source_of(source, wishes, open_timeout=open_timeout)
+        except CaptureError as error:
+            # Those of other kinds say why there is no camera.
+            if type(error) is CaptureError and size is None and self.calibration is not None:
+                width, height = self.calibration.size
+                error.add_note(f"asked for were {width} x {height} px, those of calibration")
+            raise
+        self._device = opened.device
+        self.region, self.coding = opened.region, opened.coding
+        self.source = source
+        area = area or opened.area
+        self._grabber = _core.Grabber(
+            opened.device,
+            every=every,
+            frame_timeout=self._frame_timeout,
+            reopen=reopen,
+            interval=opened.dt,
+            plane_map=opened.plane_map if plane_map is None else plane_map,
+            area=area,
+            size=size,
+            headings=opened.headings,
+        )
+        _open_cameras.add(self)
+        self.size = self._first_size(opened, open_timeout)
+        self.area = self.size if area is None else area
+        given = opened.plane_map if plane_map is None else plane_map
+        self.plane_map = given or PlaneMap.scaled(resolution=self.size, area=self.area)
+        self.dt = None if opened.dt is None else opened.dt * every
+
+    def _first_size(self, opened: Source, timeout: float) -> tuple[int, int]:
+        try:
+            size = self._grabber.wait_for_size(timeout)
+            if size is None:
+                torn = self.counts.torn
+                raise FrameTimeoutError(
+                    f"{opened.name} gave no {'whole ' * bool(torn)}frame within open_timeout = "
+                    f"{timeout:g} s"
+                    + (
+                        f", and {torn} torn ones: {opened.advice or 'does the line lose data?'}"
+                        if torn
+                        else ": does it send, and does the address say where?"
+                    )
+                )
+            if self.calibration is not None:
+                self.calibration.check_frames(size, opened.region)
+        except BaseException:
+            self.close()
+            raise
+        return size
+
+    def read(self, timeout: float | None = None) -> Frame:
+        """Return the newest frame that nobody has read yet; wait for one if there is none.
+
+        Other Python threads run while it waits.
+
+        Parameters
+        ----------
+        timeout : float, optional
+            Maximum wait (s). Default: `frame_timeout`.
+
+        Raises
+        ------
+        FrameTimeoutError
+            If none comes in time. It can be tried again.
+        EndOfStream
+            If the file is over.
+        CaptureError
+            If the camera cannot be read any more.
+        ValueError
+            If it is closed.
+        """
+        limit = self._frame_timeout if timeout is None else _seconds("timeout", timeout)
+        frame = self._poll(limit)
+        if frame is None:
+            raise FrameTimeoutError(
+                f"no frame came from {one_line(self.source)} within {limit:g} s: it can be tried "
+                "again"
+            )
+        return frame
+
+    def __iter__(self) -> Iterator[Frame]:
+        while True:
+            try:
+                yield self.read()
+            except EndOfStream:
+                return
+
+    def _poll(self, timeout: float) -> Frame | None:
+        """Return the newest frame as `read`, or None if none comes within `timeout` (s)."""
+        return self._grabber.take(timeout)
+
+    @property
+    def features(self) -> CameraFeatures | None:
+        """CameraFeatures or None: how it is set now, as `Camera` takes it; None if it has no such.
+
+        Set it to change what is not None in it, also while frames come.
+        """
+        states = getattr(self._device, "features", None)
+        return None if states is None else CameraFeatures._of(states)
+
+    @features.setter
+    def features(self, features: CameraFeatures) -> None:
+        if not isinstance(features, CameraFeatures):
+            raise TypeError(f"features must be CameraFeatures, got {quoted(features)}")
+        if not hasattr(self._device, "set_features"):
+            raise ValueError(f"{one_line(self.source)} is no camera whose features can be set")
+        self._device.set_features(features._wishes())
+
+    @property
+    def counts(self) -> CameraCounts:
+        """CameraCounts: what has become of the frames so far."""
+        return CameraCounts(*self._grabber.counts)
+
+    def close(self) -> None:
+        """Give the camera back; a reader that waits gets a ValueError."""
+        self._grabber.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Camera {one_line(self.source)}: {self.size[0]} x {self.size[1]} px>"
+
+
+def _seconds(name: str, value: Any) -> float:
+    return check_float(name, value, "s", minimum=0, maximum=_LONGEST)
+
+
+_open_cameras: weakref.WeakSet[Camera] = weakref.WeakSet()
+
+
+@atexit.register
+def _close_all() -> None:
+    # A thread that still called Python after its end would crash.
+    for camera in list(_open_cameras):
+        camera._grabber.close(_LAST_PATIENCE)

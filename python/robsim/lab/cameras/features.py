@@ -1,0 +1,101 @@
+"""`CameraFeatures`: how a camera exposes, and what it does to colours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+from robsim.base.checks import check_float
+from robsim.base.text import quoted
+
+AUTOMATIC = "auto"
+_PAIRS = ("white_balance",)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CameraFeatures:
+    """How a camera exposes, and what it does to colours.
+
+    A number is the value of a feature; ``"auto"`` lets the camera choose, again and again, which
+    lets colours drift; None keeps the value that the camera has, and keeps it still. Which features
+    there are, and their limits, is the camera's affair: an error says them.
+
+    Parameters
+    ----------
+    shutter : float, "auto" or None
+        Exposure time (s). Short: a robot that moves is sharp.
+    gain : float, "auto" or None
+        Amplification (dB). High: noise.
+    white_balance : pair of float, "auto" or None
+        Gains of blue and red, as the camera counts them.
+    brightness, exposure, sharpness, hue, saturation, gamma : float, "auto" or None
+        As the camera counts them; `exposure` is the brightness that automatic ones aim at.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a value is none of these.
+
+    Examples
+    --------
+    >>> features = robsim.lab.CameraFeatures(shutter=0.005, gain=6)
+    >>> robsim.Camera("firewire://", features=features)
+    """
+
+    shutter: float | str | None = None
+    gain: float | str | None = None
+    white_balance: Sequence[float] | str | None = None
+    brightness: float | str | None = None
+    exposure: float | str | None = None
+    sharpness: float | str | None = None
+    hue: float | str | None = None
+    saturation: float | str | None = None
+    gamma: float | str | None = None
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is None or _is_automatic(value):
+                continue
+            object.__setattr__(self, field.name, _checked(field.name, value))
+
+    def _wishes(self) -> list[tuple[str, list[float] | None]]:
+        """Return what is asked, as cameras take it: None is automatic."""
+        wishes: list[tuple[str, list[float] | None]] = []
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if _is_automatic(value):
+                wishes.append((field.name, None))
+            elif value is not None:
+                wishes.append((field.name, list(value) if field.name in _PAIRS else [value]))
+        return wishes
+
+    @classmethod
+    def _of(cls, states: Sequence[tuple[Any, ...]]) -> Self:
+        """Return what a camera says: (name, whether it is automatic, values, ...)."""
+        values: dict[str, Any] = {}
+        for name, is_automatic, numbers, *_ in states:
+            if is_automatic:
+                values[name] = AUTOMATIC
+            else:
+                values[name] = tuple(numbers) if name in _PAIRS else numbers[0]
+        return cls(**values)
+
+
+def _is_automatic(value: Any) -> bool:
+    return isinstance(value, str) and value == AUTOMATIC
+
+
+def _checked(name: str, value: Any) -> float | tuple[float, ...]:
+    if name not in _PAIRS:
+        if isinstance(value, str):
+            raise ValueError(f"{name} must be a number, 'auto' or None, got {quoted(value)}")
+        return check_float(name, value)
+    try:
+        blue, red = value
+    except (TypeError, ValueError):
+        raise TypeError(
+            f"{name} must be two numbers (blue, red), 'auto' or None, got {quoted(value)}"
+        ) from None
+    return check_float(f"blue of {name}", blue), check_float(f"red of {name}", red)

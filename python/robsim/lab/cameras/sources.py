@@ -1,0 +1,190 @@
+"""Which device a source stands for."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+from urllib.parse import urlsplit
+
+from robsim._core import CaptureDevice, PlaneMap, PythonCamera, StreamedCamera
+from robsim.base.checks import check_choice, check_int, is_int
+from robsim.base.text import one_line, quoted
+from robsim.base.warn import warn_user
+from robsim.lab.cameras._devices import firewire, gige
+from robsim.lab.cameras._devices.opencv import (
+    OF_ADDRESSES,
+    OF_INDICES,
+    OpenCvCamera,
+    back_end_of_system,
+)
+from robsim.lab.cameras._devices.playback import Playback
+from robsim.lab.cameras.features import CameraFeatures
+
+_SAME_RATE = 0.01  # of the rate that was asked for
+
+
+@dataclass
+class Source:
+    """A device, and what is known of it before its first frame."""
+
+    name: str
+    device: CaptureDevice
+    dt: float | None = None
+    area: tuple[int, int] | None = None
+    plane_map: PlaneMap | None = None
+    headings: int | None = None  # that a simulated robot is drawn in
+    region: tuple[int, int, int, int] | None = None
+    coding: str | None = None
+    advice: str = ""  # where frames are torn
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What is asked of a camera, and of what reads it; each may be None."""
+
+    back_end: str | None
+    size: tuple[int, int] | None
+    region: tuple[int, int, int, int] | None
+    fps: float | None
+    coding: str | None
+    features: CameraFeatures | None
+
+    @property
+    def dt(self) -> float | None:
+        """Time between two frames (s)."""
+        return None if self.fps is None else 1 / self.fps
+
+    def refuse(self, source: str, *names: str) -> None:
+        for name in names:
+            value = getattr(self, name)
+            if value is not None:
+                raise ValueError(f"{name} must be None for {source}, got {quoted(value)}")
+
+
+def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
+    """Return the device of a source.
+
+    That of a bus is open: only then is known what it sends.
+    """
+    for bus in (firewire, gige):
+        if isinstance(source, str) and source.startswith(f"{bus.SCHEME}://"):
+            return _on_bus(bus, source, wishes)
+    wishes.refuse(_kind_of(source), "region", "coding", "features")
+    dt, back_end = wishes.dt, wishes.back_end
+    if hasattr(source, "_open_device"):
+        wishes.refuse("an object of robsim", "back_end")
+        return Source(
+            one_line(source),
+            source._open_device(),
+            dt=getattr(source, "dt", None) if dt is None else dt,
+            area=getattr(source, "area", None),
+            plane_map=getattr(source, "plane_map", None),
+            headings=getattr(source, "_headings", None),
+        )
+    if is_int(source):
+        index = check_int("source", source, minimum=0, maximum=99)
+        chosen = _choice(back_end, OF_INDICES) or back_end_of_system()
+        camera = OpenCvCamera(index, chosen, size=wishes.size, fps=wishes.fps)
+        return Source(camera.name, _device(camera), dt=dt)
+    if isinstance(source, str) and re.match(r"[a-z][a-z0-9+.-]+://", source):
+        return _address(source, back_end, dt, open_timeout)
+    if isinstance(source, (str, PathLike)):
+        _refuse_almost_an_address(source)
+        wishes.refuse("a file or folder", "back_end")
+        playback = Playback(source, wishes.fps)
+        return Source(
+            playback.name, PythonCamera(playback), dt=playback.dt, headings=playback.headings
+        )
+    raise TypeError(
+        "source must be the number of a camera, an address, a file, a folder or a camera of "
+        f"robsim, got {quoted(source)}"
+    )
+
+
+def _refuse_almost_an_address(source: str | PathLike[str]) -> None:
+    meant = meant_address(source) if isinstance(source, str) else None
+    if meant is not None and not Path(source).exists():
+        raise FileNotFoundError(
+            f"there is no file or folder {one_line(source)}; did you mean {meant!r}?"
+        )
+
+
+def meant_address(text: str) -> str | None:
+    """Return the address that a text resembles which is none, as firewire:0; None: it does not."""
+    if node := re.fullmatch(r"/dev/(video|fw)\d{1,2}", text):
+        return f"{firewire.SCHEME}://" if node[1] == "fw" else text.removeprefix("/dev/video")
+    if re.fullmatch(r"\d{1,3}(\.\d{1,3}){3}", text):
+        return f"{gige.SCHEME}://{text}"
+    bus = re.fullmatch(r"(fire[ -]?wire|gige|https?|rtsp)(?:[:/ ]+(.*))?", text.strip(), re.I)
+    if bus is None:
+        return None
+    scheme, rest = re.sub(r"[ -]", "", bus[1].lower()), bus[2] or ""
+    if not rest and scheme != firewire.SCHEME:
+        rest = "ADDRESS"
+    return f"{scheme}://{rest}"
+
+
+def _kind_of(source: Any) -> str:
+    if isinstance(source, str) and re.match(r"[a-z][a-z0-9+.-]+://", source):
+        return "an address such as this"
+    return "a camera by number" if is_int(source) else "a file, a folder or an object of robsim"
+
+
+def _on_bus(bus: ModuleType, url: str, wishes: Wishes) -> Source:
+    wishes.refuse(bus.NAME, "back_end")
+    if wishes.coding is not None:
+        check_choice("coding", wishes.coding, bus.CODINGS)
+    device = bus.new_camera(
+        url,
+        size=wishes.size,
+        region=wishes.region,
+        fps=wishes.fps,
+        coding=wishes.coding,
+        features=wishes.features,
+    )
+    device.open()
+    sent = bus.sent_by(device)
+    if sent.fps and wishes.fps is not None and abs(sent.fps / wishes.fps - 1) > _SAME_RATE:
+        warn_user(
+            f"{sent.name} sends {sent.fps:.4g} frames/s; asked for were {wishes.fps:g}: its mode, "
+            "its exposure or the bus allows no closer rate; a smaller size or region, a shorter "
+            "exposure or coding 'raw8' may"
+        )
+    return Source(
+        sent.name,
+        device,
+        dt=1 / sent.fps if sent.fps else wishes.dt,
+        region=sent.region,
+        coding=sent.coding,
+        advice=sent.advice,
+    )
+
+
+def _address(url: str, back_end: str | None, dt: float | None, open_timeout: float) -> Source:
+    is_http = urlsplit(url).scheme == "http"
+    chosen = _choice(back_end, ("http", *OF_ADDRESSES)) or ("http" if is_http else "ffmpeg")
+    if chosen == "http":
+        if not is_http:
+            raise ValueError(f"back_end 'http' reads http:// alone, got {quoted(url)}")
+        from robsim.lab.cameras._devices.http import HttpCamera  # what it needs costs milliseconds
+
+        http = HttpCamera(url, open_timeout)
+        return Source(http.name, PythonCamera(http), dt=dt)
+    stream = OpenCvCamera(url, chosen, open_timeout=open_timeout)
+    return Source(stream.name, _device(stream), dt=dt)
+
+
+def _device(camera: OpenCvCamera) -> CaptureDevice:
+    from robsim.lab.cameras._devices.opencv_process import OpenCvHere, OpenCvProcess, is_possible
+
+    if is_possible():
+        return StreamedCamera(OpenCvProcess(camera))
+    return PythonCamera(OpenCvHere(camera), bgr=True)
+
+
+def _choice(back_end: str | None, choices: tuple[str, ...]) -> str | None:
+    return None if back_end is None else check_choice("back_end", back_end, choices)

@@ -1,0 +1,130 @@
+"""What is seen in the frames of a camera, one by one, to judge it."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from robsim._core import (
+    Blob,
+    ColorClass,
+    Detection,
+    Frame,
+    MarkerLayout,
+    detect,
+    find_blobs,
+    frame_noise,
+)
+from robsim.base.checks import Floats
+from robsim.lab.rehearsal._calibration_findings import MarkerPair, marker_pair
+from robsim.lab.rehearsal._marker_light import MarkerLight, marker_light
+from robsim.vision.robots.definition import RobotDefinition
+
+_KEPT = 3  # frames, to look for floor sheets in when all have come
+_WHITE_LEVEL, _BLACK_LEVEL = 250, 3
+_GRID = 96  # pixels that are looked at for the light of the whole frame, in each direction
+
+
+class CameraLook:
+    """What is seen in the frames of a camera, one by one.
+
+    Parameters
+    ----------
+    robot : RobotDefinition
+        The robot that is looked for.
+    colors : sequence of ColorClass
+        The colours of its markers.
+    smoothing : int or None
+        As in `find_blobs`.
+    """
+
+    def __init__(
+        self, robot: RobotDefinition, colors: Sequence[ColorClass], smoothing: int | None
+    ) -> None:
+        self.markers: MarkerLayout = robot.marker_layout()
+        self._corners = {
+            color: robot.to_robot_frame(robot.markers[role])
+            for role, color in self.markers.colors.items()
+        }
+        self._colors = {color.name: color for color in colors}
+        self._smoothing = smoothing
+        self.detections: list[Detection] = []
+        self.times: list[tuple[int, float, float]] = []  # number, exposure, arrival (s)
+        self.last: deque[Frame] = deque(maxlen=_KEPT)
+        self.poses: list[Floats] = []
+        self.others: list[int] = []
+        self.light: list[tuple[float, float, float]] = []  # mean, shares of white and of black
+        self.noise: list[float] = []  # standard deviation of a channel (grey levels)
+        self.signal_to_noise: list[float] = []  # of the markers, where the robot was detected
+        self.pairs: list[MarkerPair] = []
+        self.marker_light: dict[str, list[MarkerLight]] = {name: [] for name in self._corners}
+
+    @property
+    def seen(self) -> int:
+        """Number of frames in which the robot was detected."""
+        return len(self.poses)
+
+    def at(self, frame: Frame) -> None:
+        """Look at a frame."""
+        colors = [*self._colors.values()]
+        blobs = find_blobs(frame, colors, markers=self.markers, smoothing=self._smoothing)
+        detection = detect(
+            blobs, self.markers, plane_map=frame.plane_map, image=frame, colors=colors
+        )
+        self.detections.append(detection)
+        self.last.append(frame)
+        self.times.append((frame.index, frame.t or 0.0, frame.t_arrival or frame.t or 0.0))
+        self.light.append(_light_of(frame))
+        self.noise.append(frame_noise(frame))
+        self.others.append(self._others(blobs, detection))
+        if pair := marker_pair(frame, blobs, detection, self.markers):
+            self.pairs.append(pair)
+        if detection.measurement is not None or not self.seen:
+            self.shown = frame, blobs, detection
+        if detection.measurement is None:
+            return
+        pose = detection.measurement.pose
+        self.poses.append(pose)
+        if detection.measurement.signal_to_noise is not None:
+            self.signal_to_noise.append(detection.measurement.signal_to_noise)
+        for name, blob in self._found(detection).items():
+            corners = frame.plane_map.to_pixel(_placed(self._corners[name], pose))
+            if light := marker_light(frame, corners, blob, self._colors[name]):
+                self.marker_light[name].append(light)
+
+    def _found(self, detection: Detection) -> dict[str, Blob]:
+        """Return the blobs of a robot that was detected, by colour."""
+        assert detection.pair is not None
+        return {blob.color: blob for blob in detection.pair.values()}
+
+    def _others(self, blobs: Mapping[str, Sequence[Blob]], detection: Detection) -> int:
+        """Return how many blobs there are as large as markers, besides the two."""
+        if detection.measurement is None:
+            return 0
+        found = self._found(detection)
+        tolerance = self.markers.area_tolerance
+        return sum(
+            1 / tolerance < blob.area / found[name].area < tolerance
+            for name in found
+            for blob in blobs.get(name, ())
+            if blob != found[name]
+        )
+
+
+def _placed(corners: Floats, pose: Floats) -> Floats:
+    """Return the positions (N, 2) of corners in the robot's own axes, forward and right."""
+    forward = np.array((math.cos(pose[2]), math.sin(pose[2])))
+    right = np.array((-forward[1], forward[0]))
+    placed: Floats = pose[:2] + corners[:, :1] * forward + corners[:, 1:] * right
+    return placed
+
+
+def _light_of(frame: Frame) -> tuple[float, float, float]:
+    height, width = frame.image.shape[:2]
+    some = frame.image[:: max(1, height // _GRID), :: max(1, width // _GRID)]
+    white = (some.min(axis=2) >= _WHITE_LEVEL).mean()
+    black = (some.max(axis=2) <= _BLACK_LEVEL).mean()
+    return float(some.mean()), float(white), float(black)

@@ -1,0 +1,224 @@
+"""`check_camera`: whether a camera is good enough for a robot, before it drives."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import Any
+
+from robsim._core import Blob, ColorClass, Frame, Measurement, MotorLink
+from robsim.base.checks import check_float
+from robsim.base.report import Column, Problem, Report, Row, Table
+from robsim.base.text import quoted
+from robsim.lab.cameras.camera import Camera
+from robsim.lab.cameras.errors import EndOfStream, FrameTimeoutError
+from robsim.lab.rehearsal._camera_look import CameraLook
+from robsim.lab.rehearsal.camera_findings import (
+    NOT_KNOWN,
+    VERDICTS,
+    CameraFinding,
+    findings_of,
+    rank,
+    three_digits,
+)
+from robsim.simulation.options import check_marker_colors, colors_value, smoothing_value
+from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.lookup import as_robot
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CameraCheck(Report):
+    """Whether a camera is good enough: the result of `check_camera`.
+
+    Attributes
+    ----------
+    findings : tuple of CameraFinding
+        What was looked at: ``check["frame rate"].value``.
+    frames, seen : int
+        Frames that came, and those in which the robot was detected.
+    frame : Frame
+        The last frame, or the last one in which the robot was detected.
+    blobs : dict of str to list of Blob
+        What was found in it.
+    measurement : Measurement or None
+        The measured pose in it.
+    robot : RobotDefinition
+        The robot that was looked for.
+    remarks : tuple of str
+        What could not be judged, and why.
+    """
+
+    findings: tuple[CameraFinding, ...]
+    frames: int
+    seen: int
+    frame: Frame = field(repr=False)
+    blobs: Mapping[str, Sequence[Blob]] = field(repr=False)
+    measurement: Measurement | None
+    robot: RobotDefinition = field(repr=False)
+    remarks: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> CameraFinding:
+        for finding in self.findings:
+            if finding.name == name:
+                return finding
+        known = ", ".join(finding.name for finding in self.findings)
+        raise KeyError(f"there is no finding {quoted(name)}: there are {known}")
+
+    @property
+    def title(self) -> str:
+        """What was checked."""
+        return "Check of the camera"
+
+    @property
+    def verdict(self) -> str:
+        """The worst verdict: ``"good"``, ``"poor"`` or ``"bad"``."""
+        return VERDICTS[max(rank(finding) for finding in self.findings)]
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is bad."""
+        return self.verdict != "bad"
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """All findings."""
+        rows = [Row(one.name, (one.value, one.verdict), one.unit) for one in self.findings]
+        columns = (
+            Column("value", "value", format=three_digits),
+            Column("verdict", "verdict", unit=""),
+        )
+        return (Table(key="findings", columns=columns, rows=rows, row_title="of the frames"),)
+
+    @property
+    def problems(self) -> tuple[Problem, ...]:
+        """What is not good, the worst first, and what to do."""
+        ranked = sorted(self.findings, key=rank, reverse=True)
+        return tuple(
+            Problem(kind=one.name, sentence=f"{one}: {one.remedy}") for one in ranked if rank(one)
+        )
+
+
+def check_camera(
+    camera: Camera,
+    *,
+    robot: str | PathLike[str] | RobotDefinition | None = None,
+    colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+    smoothing: int | None = None,
+    motors: MotorLink | None = None,
+    seconds: float = 3.0,
+) -> CameraCheck:
+    """Look at a camera for some seconds, and judge whether a robot can be driven by it.
+
+    The robot stands somewhere in the picture. Nothing drives it: `motors` are told to stop, and
+    nothing else.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera, or a file that is played.
+    robot, colors, smoothing
+        As in `robsim.Experiment`.
+    motors : UdpMotors or SerialMotors, optional
+        The line to the robot: how long its answers take.
+    seconds : float
+        For how long (s).
+
+    Returns
+    -------
+    CameraCheck
+        Rate, jitter and losses of the frames; exposure; size, contrast and colours of the markers;
+        noise (standard deviation of a channel in grey levels, as far as compression does not smooth
+        it), and the signal-to-noise figure of the markers that follows, see `Measurement`;
+        in how many frames the robot was detected, how much its pose is scattered; whether the
+        calibration fits the robot, and the floor sheets that it saw; latency. Each with a verdict
+        and a remedy.
+
+    Raises
+    ------
+    robsim.lab.CaptureError
+        If the camera fails, or gives no frame in this time.
+    robsim.lab.LineError
+        If the line to the robot fails.
+    TypeError, ValueError
+        If an argument has the wrong type or is out of range, or `colors` lack that of a marker.
+
+    Examples
+    --------
+    >>> with robsim.Camera(0) as camera:
+    ...     print(robsim.lab.check_camera(camera, robot="lab"))
+    """
+    if not isinstance(camera, Camera):
+        raise TypeError(f"camera must be a robsim.Camera, got {quoted(camera)}")
+    if not (motors is None or isinstance(motors, MotorLink)):
+        raise TypeError(f"motors must be UdpMotors or SerialMotors, got {quoted(motors)}")
+    seconds = check_float("seconds", seconds, "s", exclusive_minimum=0, maximum=3600)
+    smoothing = smoothing_value(smoothing)
+    definition = as_robot(robot)
+    classes = colors_value(colors, smoothing)
+    check_marker_colors(definition.marker_layout(), classes, "the check")
+    look = CameraLook(definition, classes, smoothing)
+    before = camera.counts
+    if motors is not None:
+        motors.stop()
+    for frame in _frames_of(camera, seconds):
+        look.at(frame)
+    if not look.detections:
+        raise FrameTimeoutError(f"no frame came within {seconds:g} s: there is nothing to check")
+    findings = tuple(findings_of(look, camera, before, motors))
+    frame, blobs, detection = look.shown
+    return CameraCheck(
+        findings=findings,
+        frames=len(look.detections),
+        seen=look.seen,
+        frame=frame,
+        blobs=blobs,
+        measurement=detection.measurement,
+        robot=definition,
+        remarks=tuple(_remarks(findings, motors, [*look.markers.colors.values()])),
+    )
+
+
+def _frames_of(camera: Camera, seconds: float) -> Iterator[Frame]:
+    """Yield the frames of some seconds, or until a file ends."""
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0:
+        try:
+            yield camera.read(left)
+        except EndOfStream:
+            return
+        except FrameTimeoutError:
+            continue
+
+
+def _remarks(
+    findings: Iterable[CameraFinding], motors: Any, colors: Iterable[str]
+) -> Iterator[str]:
+    names = [finding.name for finding in findings if finding.verdict == NOT_KNOWN]
+    if "exposure to arrival" in names:
+        yield "when the camera exposes is not known: its latency cannot be told"
+    if "round trip to the robot" in names:
+        yield "the robot answered nothing: is it on? Firmware need not answer, see PROTOCOL.md"
+    if all(f"margin of {color}" in names for color in colors):
+        yield "the markers cannot be judged where the robot is not detected"
+    yield from _remarks_on_calibration({finding.name for finding in findings}, names)
+    if motors is not None:
+        yield "the robot was only told to stop"
+
+
+def _remarks_on_calibration(looked_at: Container[str], not_known: Container[str]) -> Iterator[str]:
+    sheets, places = "shift of floor sheets", "markers' distance, by place"
+    if "work area in the picture" not in looked_at or places not in not_known:
+        return
+    said = (
+        "the calibration was tried in one place: a camera that was moved sideways, or tilted by "
+        "some degrees, may show only with the robot elsewhere"
+    )
+    if sheets not in looked_at:
+        yield f"{said}; a floor sheet that stays where it is from the calibration on would show it"
+    elif sheets in not_known:
+        yield (
+            f"{said}, as no floor sheet is in the picture that the calibration saw (or OpenCV is "
+            'not installed: pip install "robsim[camera]")'
+        )

@@ -1,0 +1,395 @@
+"""The judgements on what was seen of a camera: values, verdicts, remedies."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robsim._core import MotorLink, trusted_width
+from robsim.base.checks import Floats
+from robsim.base.report import Quantity
+from robsim.lab.calibration.shifts import SHIFTS, remedy_of_shifts
+from robsim.lab.cameras.camera import Camera, CameraCounts
+from robsim.lab.rehearsal import _calibration_findings as mapping
+from robsim.lab.rehearsal._camera_look import CameraLook
+from robsim.lab.rehearsal._marker_light import MarkerLight
+from robsim.vision.imaging.calibration import Calibration
+
+VERDICTS = ("good", "poor", "bad")
+_NOTHING = 5e-4
+NOT_KNOWN = "not known"
+
+# What counts as (good, poor); beyond it is bad.
+_RATE = (9.5, 4.5)  # frames/s; the robot of 2008 had 5
+_KEPT = 0.9  # of the rate that a camera promises
+_JITTER = (0.2, 0.5)  # of the interval
+_MOSTLY_LOST = 0.6  # of the median interval: it is that of two frames
+_WHOLE = 0.1  # of an interval, from a whole number of them
+_LOST = (0.02, 0.15)  # of the frames
+_ONE = 1.5  # frame: a single one is no fault
+_MEAN = (64, 25)  # levels; below the first, `detect` calls a picture dark
+_WHITE = (0.25, 0.5)  # of the pixels; above the second it is overexposed
+_MARKER_LEVEL = (70, 40)
+_BRIGHT = 235  # level
+_CLIPPED = (0.1, 1.0)  # of a marker's pixels
+_WIDTH = 9.0  # px of the frame; how small is too small, the noise tells
+_NOISE = (13.0, math.inf)  # levels: 5 %; whether it is too much, the markers tell
+_SIGNAL_TO_NOISE = (8.0, 4.0)  # below the second, a pose is not to be trusted
+_CONTRAST = (40.0, 20.0)  # levels
+_MARGIN = (20.0, 6.0)  # levels
+_FOUND = (0.7, 0.45)  # of a marker's area
+_SEEN = (0.98, 0.8)  # of the frames
+_OTHERS = (0.05, math.inf)  # a frame
+_POSITION = (0.02, 0.06)  # of the distance between the markers
+_HEADING = (math.radians(1), math.radians(3))
+_STILL = 2.0  # px
+_LATENCY = (0.05, 0.15)  # s
+_EXCESS = (0.025, 0.06)  # of the distance between the markers
+_VISIBLE = (0.9, 0.5)  # of the work area
+
+_REMEDIES = {
+    "no blobs": "train the colours in this light (robsim colors train), or is it another robot?",
+    "at the border": "move the robot away from the border of the picture",
+    "ambiguous": "leave only one robot, and nothing of its colours, in the picture",
+    "by chance": "take what has the markers' colours off the floor, or train narrower colours",
+    "dark": "give more light, or a longer exposure",
+    "overexposed": "give a shorter exposure, or less light",
+    "small markers": "bring the camera closer, take more pixels, or print larger markers",
+}
+
+
+def _remedy(reason: str | None, colors: Mapping[str, str]) -> str | None:
+    for role, color in colors.items():
+        if reason == f"no {color} blob":
+            return f"train the {role} marker's colour, {color}, in this light: robsim colors train"
+    return _REMEDIES.get(reason or "")
+
+
+@dataclass(frozen=True)
+class CameraFinding:
+    """One thing that a check of a camera looked at.
+
+    Attributes
+    ----------
+    name : str
+        What it is.
+    value : float
+        Its value; NaN = not known.
+    unit : str
+        Its unit.
+    verdict : str
+        ``"good"``, ``"poor"``, ``"bad"`` or ``"not known"``.
+    remedy : str
+        What to do if it is not good.
+    """
+
+    name: str
+    value: float
+    unit: str
+    verdict: str
+    remedy: str = ""
+
+    @property
+    def amount(self) -> str:
+        """Value and unit, as people read them; ``"-"`` if it is not known."""
+        if math.isnan(self.value):
+            return "-"
+        return Quantity(self.name, "", self.value, self.unit, three_digits).line.strip()
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.amount} ({self.verdict})"
+
+
+def three_digits(value: float) -> str:
+    return "0" if abs(value) < _NOTHING else f"{value:.3g}"
+
+
+def rank(finding: CameraFinding) -> int:
+    """Return how bad a finding is: 0 = good or not known."""
+    return VERDICTS.index(finding.verdict) if finding.verdict in VERDICTS else 0
+
+
+def _judged(
+    name: str, value: float, unit: str, limits: tuple[float, float], remedy: str
+) -> CameraFinding:
+    """Return a finding; the limits of good and poor say which direction is better."""
+    good, poor = limits
+    sign = 1 if good <= poor else -1
+    if math.isnan(value):
+        return CameraFinding(name, value, unit, NOT_KNOWN)
+    verdict = VERDICTS[sum(sign * value > sign * limit for limit in (good, poor))]
+    return CameraFinding(name, float(value), unit, verdict, remedy)
+
+
+def _percent_limits(limits: Sequence[float]) -> tuple[float, float]:
+    return 100 * limits[0], 100 * limits[1]
+
+
+def findings_of(
+    look: CameraLook, camera: Camera, before: CameraCounts, motors: MotorLink | None
+) -> Iterator[CameraFinding]:
+    """Yield all findings; `before` are the counts of the camera before the look."""
+    yield from _regularity(look, camera, before)
+    yield from _exposure(look)
+    yield from _markers(look)
+    yield from _noise(look)
+    yield from _detection(look)
+    yield from _scatter(look)
+    yield from _map(look, camera)
+    yield from _latency(look, motors)
+
+
+def _regularity(look: CameraLook, camera: Camera, before: CameraCounts) -> Iterator[CameraFinding]:
+    index, t, _ = np.array(look.times).T
+    intervals, numbers = np.diff(t), np.diff(index)
+    interval = _interval_of(intervals / numbers)
+    rate = 1 / interval
+    # Frames between two that were read: those of the camera's own interval that have no number.
+    missing = np.maximum(np.rint(intervals / interval) - numbers, 0) if len(t) > 1 else np.zeros(1)
+    came = (index[-1] - index[0]) + 1
+    torn = camera.counts.torn - before.torn
+    timeouts = camera.counts.timeouts - before.timeouts
+    lost = float(missing.sum()) if len(t) > 1 else math.nan
+    jitter = math.nan
+    if len(t) > 1:
+        jitter = float(np.std(intervals - interval * np.rint(intervals / interval)))
+    promised = 0.0 if camera.dt is None else 1 / camera.dt
+    wanted = f": it promised {promised:.3g} a second" if rate < _KEPT * promised else ""
+    yield _judged(
+        "frame rate",
+        rate,
+        "1/s",
+        (max(_RATE[0], _KEPT * promised), _RATE[1]),
+        f"shorten the exposure, give more light, or ask for smaller frames{wanted}",
+    )
+    yield _judged(
+        "jitter",
+        1e3 * jitter,
+        "ms",
+        (1e3 * _JITTER[0] * interval, 1e3 * _JITTER[1] * interval),
+        "the frames come irregularly: use a wired network, close other programs",
+    )
+    said = f", {torn} of them torn" if torn else ""
+    said += f"; {timeouts} times none came for long" if timeouts else ""
+    yield _judged(
+        "lost frames",
+        100 * lost / (came + lost),
+        "%",
+        _percent_limits([max(limit, _ONE / (came + lost)) for limit in _LOST]),
+        f"{lost:.0f} of {came + lost:.0f} never came{said}: use a shorter cable, another USB port "
+        "or a wired network, or ask for fewer frames",
+    )
+
+
+def _interval_of(each: Floats) -> float:
+    """Return the time between two exposures (s), where some of the frames are lost."""
+    if not len(each):
+        return math.nan
+    interval, shortest = float(np.median(each)), float(np.quantile(each, 0.1))
+    if shortest <= 0:
+        return interval
+    off = np.abs(each / shortest - np.rint(each / shortest))
+    is_multiple = np.median(off) < _WHOLE
+    return shortest if is_multiple and shortest < _MOSTLY_LOST * interval else interval
+
+
+def _exposure(look: CameraLook) -> Iterator[CameraFinding]:
+    mean, white, black = np.median(look.light, axis=0)
+    dark = "give more light, or a longer exposure, and switch the automatic off"
+    bright = "give a shorter exposure, or less light, and switch the automatic off"
+    # A dark floor is no fault, as long as the markers have light.
+    is_seen = any(look.marker_light.values())
+    yield _judged("mean level", mean, "", (_MEAN[1], 0) if is_seen else _MEAN, dark)
+    yield _judged("white pixels", 100 * white, "%", _percent_limits(_WHITE), bright)
+    yield CameraFinding("black pixels", 100 * black, "%", "good")
+    yield _judged(
+        "markers' level", _marker(look, "level", min), "", _MARKER_LEVEL, f"dark markers: {dark}"
+    )
+    is_bright = _marker(look, "level", max) > _BRIGHT
+    yield _judged(
+        "markers clipped",
+        100 * _marker(look, "clipped", max),
+        "%",
+        _percent_limits(_CLIPPED if is_bright else (1, 1)),  # noise clips pixels, too
+        f"the markers are too bright to keep their colour: {bright}",
+    )
+
+
+def _marker(look: CameraLook, name: str, worst: Callable[[list[float]], float]) -> float:
+    """Return the median of a value over the frames, of the worse marker."""
+    values = [
+        float(np.median([getattr(light, name) for light in lights]))
+        for lights in look.marker_light.values()
+        if lights
+    ]
+    return worst(values) if values else math.nan
+
+
+def _markers(look: CameraLook) -> Iterator[CameraFinding]:
+    wanted = trusted_width(float(np.median(look.noise)))
+    yield _judged(
+        "marker width",
+        look.markers.width_in(look.shown[0]),
+        "px",
+        (max(_WIDTH, 2 * wanted), wanted),
+        f"{_REMEDIES['small markers']}; with this noise poses can be trusted from {wanted:.2g} px "
+        "on, in good light",
+    )
+    lost, second = "a little less light, and it is lost", "it is found at the second chance only"
+    for name, lights in look.marker_light.items():
+        of = {key: _median_of(lights, key) for key in ("contrast", "margin", "found")}
+        train = f"train {name} in this light (robsim colors train), or change the light"
+        yield _judged(
+            f"contrast of {name}",
+            of["contrast"],
+            "levels",
+            _CONTRAST,
+            f"its surroundings have nearly its colour: put it on black or white paper, or {train}",
+        )
+        yield _judged(
+            f"margin of {name}",
+            of["margin"],
+            "levels",
+            _MARGIN,
+            f"{lost if of['margin'] >= 0 else second}: {train}",
+        )
+        yield _judged(f"{name} found", 100 * of["found"], "%", _percent_limits(_FOUND), train)
+
+
+def _noise(look: CameraLook) -> Iterator[CameraFinding]:
+    """Yield the camera's noise, and how far the markers stand out of it."""
+    less = "give more light, a longer exposure in place of gain"
+    yield _judged(
+        "noise",
+        float(np.median(look.noise)),
+        "levels",
+        _NOISE,
+        f"the pixels are noisy: {less}, or larger markers in the picture",
+    )
+    found = look.signal_to_noise
+    figure = float(np.median(found)) if found else math.nan
+    yield _judged(
+        "signal to noise of the markers",
+        figure,
+        "",
+        _SIGNAL_TO_NOISE,
+        f"poses can be trusted from {_SIGNAL_TO_NOISE[1]:g} on, and below 3 the robot counts as "
+        f"not seen: {less}, more pixels, or larger markers",
+    )
+
+
+def _median_of(lights: Sequence[MarkerLight], name: str) -> float:
+    return float(np.median([getattr(light, name) for light in lights])) if lights else math.nan
+
+
+def _detection(look: CameraLook) -> Iterator[CameraFinding]:
+    total = len(look.detections)
+    missed = Counter(one.reason for one in look.detections if one.measurement is None)
+    remedy = ""
+    if missed:
+        reason, times = missed.most_common(1)[0]
+        example = next(one for one in look.detections if one.reason == reason)
+        remedy = f"in {times} of {total} frames, {example.explanation}"
+        if known := _remedy(reason, look.markers.colors):
+            remedy += f"; {known}"
+    yield _judged("robot detected", 100 * look.seen / total, "%", _percent_limits(_SEEN), remedy)
+    others = float(np.mean(look.others)) if look.seen else math.nan
+    yield _judged(
+        "other blobs",
+        others,
+        "a frame",
+        _OTHERS,
+        "there are other things, as large as the markers and of their colours, in the picture: "
+        "take them away, or train narrower colours",
+    )
+
+
+def _scatter(look: CameraLook) -> Iterator[CameraFinding]:
+    position = heading = moved = math.nan
+    still = 0.0
+    if look.seen >= 6:
+        poses = np.array(look.poses)
+        poses[:, 2] = np.unwrap(poses[:, 2])
+        scatter = poses.std(axis=0)
+        first, last = np.array_split(poses[:, :2], 3)[::2]
+        moved = float(np.linalg.norm(last.mean(axis=0) - first.mean(axis=0)))
+        still = _STILL + float(np.hypot(*scatter[:2]))
+        if moved <= still:
+            position, heading = float(scatter[:2].max()), float(scatter[2])
+    distance = look.markers.distance
+    noisy = "give more light, a longer exposure in place of gain, or take larger markers"
+    yield _judged(
+        "motion",
+        moved,
+        "px",
+        (still, math.inf),
+        "the robot moved: let it stand, to see how noisy its pose is",
+    )
+    limits = (_POSITION[0] * distance, _POSITION[1] * distance)
+    yield _judged("scatter of the position", position, "px", limits, noisy)
+    yield _judged("scatter of the heading", heading, "rad", _HEADING, noisy)
+
+
+def _map(look: CameraLook, camera: Camera) -> Iterator[CameraFinding]:
+    """Yield whether the map from pixels to the floor fits the robot."""
+    excess = mapping.median_excess(look.pairs)
+    remedy = mapping.remedy(excess, look.pairs, camera.calibration, look.markers.distance)
+    off = _judged("markers' distance", 100 * abs(excess), "%", _percent_limits(_EXCESS), remedy)
+    yield dataclasses.replace(off, value=100 * excess)
+    yield _judged(
+        "markers' distance, by place",
+        100 * mapping.spread_over_places(look.pairs, camera.area),
+        "%",
+        _percent_limits(_EXCESS),
+        mapping.remedy_of_spread(camera.calibration),
+    )
+    if camera.calibration is not None:
+        yield from _sheets(look, camera.calibration)
+        yield _judged(
+            "work area in the picture",
+            100 * mapping.visible_share(camera.calibration),
+            "%",
+            _percent_limits(_VISIBLE),
+            "the picture does not show all of the work area: was the camera moved since its "
+            "calibration, or is --area too large?",
+        )
+
+
+def _sheets(look: CameraLook, calibration: Calibration) -> Iterator[CameraFinding]:
+    """Yield whether floor sheets lie where the calibration saw them, if it saw any."""
+    if calibration.marks:
+        shifts = mapping.shifts_of_sheets(look.last, calibration)
+        yield _judged(
+            "shift of floor sheets",
+            max(shifts.values(), default=math.nan),
+            "px",
+            SHIFTS,
+            remedy_of_shifts(shifts),
+        )
+
+
+def _latency(look: CameraLook, motors: MotorLink | None) -> Iterator[CameraFinding]:
+    _, t, t_arrival = np.array(look.times).T
+    late = float(np.median(t_arrival - t))
+    yield _judged(
+        "exposure to arrival",
+        1e3 * late if late > 0 else math.nan,
+        "ms",
+        (1e3 * _LATENCY[0], 1e3 * _LATENCY[1]),
+        "the robot is no longer where the frame shows it: take a camera by number or MJPEG, "
+        "smaller frames, no filter in the camera",
+    )
+    if motors is not None:
+        answers = motors.round_trip_times
+        yield _judged(
+            "round trip to the robot",
+            1e3 * float(np.median(answers)) if len(answers) else math.nan,
+            "ms",
+            (1e3 * _LATENCY[0], 1e3 * _LATENCY[1]),
+            "the line to the robot is slow: use a nearer access point, or a cable",
+        )

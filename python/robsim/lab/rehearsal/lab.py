@@ -1,0 +1,301 @@
+"""`SimulatedLab`: the simulated world in real time, with a camera and a motor line."""
+
+from __future__ import annotations
+
+import weakref
+from typing import Any, Self
+
+import numpy as np
+
+from robsim import _core
+from robsim._core import MotorReceiver, PlaneMap, RobotModel, RobotParameters
+from robsim.base.checks import check_float
+from robsim.base.seeds import seed_sequence, stream_number
+from robsim.base.text import quoted
+from robsim.lab.rehearsal.faults import CameraFaults
+from robsim.lab.rehearsal.lens import Lens
+from robsim.lab.rehearsal.truth import LabTruth, truth_of
+from robsim.simulation import Scenario
+from robsim.simulation.world import world_of_scenario as worlds
+from robsim.simulation.world.scene import draw_red_square
+from robsim.vision.imaging.noise import as_native_noise
+
+#: Most pixels of the scene for one work-area px, where an oblique camera comes close to the floor.
+_FINEST = 4.0
+
+_PARAMETERS = (
+    *("mass", "inertia", "linear_friction", "angular_friction", "wheel_radius", "wheel_base"),
+    *("motor_gain", "motor_offset"),
+)
+
+
+class SimulatedLab:
+    """The simulated world in real time: a camera and a robot for rehearsals.
+
+    ``robsim.Camera(lab)`` is its camera, which exposes `fps` times a second, and `address` is where
+    its robot hears commands, as a real one does. The world starts when the camera is first opened,
+    and goes on, whether a camera looks or not, until the lab is closed. Native threads do the work:
+    a callback that keeps the interpreter does not hold up the world.
+
+    Parameters
+    ----------
+    scenario : Scenario, optional
+        The world: robot, area, resolution of the frames, floor, start, noises, dropout, mismatch,
+        model and seed. What concerns the robot's software (such as `control` and `measure`) is left
+        to the `Experiment` that drives the robot. Default: ``Scenario()``.
+    fps : float
+        Frames per second (1/s); a step of the world takes 1 / fps.
+    faults : CameraFaults, optional
+        What goes wrong with the camera. Default: nothing.
+    lens : Lens, optional
+        Distortion of its lens. Default: none.
+    plane_map : PlaneMap, optional
+        From where it looks: the map of its frames, but for the distortion by `lens`, to the work
+        area, as `PlaneMap.from_points` gives it; one with intrinsics has a lens of its own. What is
+        not of the work area is grey. Default: from above, the whole area.
+    robot_height : float
+        How far above the floor the robot's top is, with its markers (work-area px); above 0,
+        `plane_map` must have intrinsics. The camera sees the top alone, not the robot's sides.
+    camera_delay : float
+        How long after its exposure a frame comes (s).
+    receiver : MotorReceiver, optional
+        The robot's end of a motor line; with the lab, it is closed. Default: one that listens to
+        UDP on this computer alone, at a port that the system chooses.
+
+    Attributes
+    ----------
+    area, size : tuple of int
+        Width and height of the work area, and of the frames (px).
+    dt : float
+        Time from frame to frame (s).
+    plane_map : PlaneMap
+        Pixels of the frames, but for the distortion by `lens`, <-> work area.
+    receiver : MotorReceiver
+        The robot's end of the motor line.
+    scenario : Scenario
+        The world, with the model and the seed that are used.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or is out of range; the message names it.
+
+    Notes
+    -----
+    The input of a step is the mean of what the robot acted on since the last one. Noise of the
+    camera comes after its optics, process noise with each step. A computer that is too slow for the
+    rate loses frames (`skipped_frames`), never time of the world.
+
+    Examples
+    --------
+    >>> with robsim.lab.SimulatedLab(robsim.Scenario(seed=1)) as lab:
+    ...     with robsim.Camera(lab) as camera, robsim.lab.UdpMotors(lab.address) as motors:
+    ...         trace = robsim.Experiment(camera, send=motors, control=control).run(300)
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario | None = None,
+        *,
+        fps: float = 30.0,
+        faults: CameraFaults | None = None,
+        lens: Lens | None = None,
+        plane_map: PlaneMap | None = None,
+        robot_height: float = 0.0,
+        camera_delay: float = 0.0,
+        receiver: MotorReceiver | None = None,
+    ) -> None:
+        self.dt = 1 / check_float("fps", fps, "1/s", minimum=0.1, maximum=1000)
+        self._delay = check_float("camera_delay", camera_delay, "s", minimum=0, maximum=3600)
+        self._faults = _checked("faults", faults, CameraFaults) or CameraFaults()
+        self._lens = _checked("lens", lens, Lens)
+        _checked("plane_map", plane_map, PlaneMap)
+        if plane_map is not None and plane_map.intrinsics and lens:
+            raise ValueError(
+                "lens must not be given, as plane_map has intrinsics, which are a lens"
+            )
+        _checked("receiver", receiver, MotorReceiver)
+        scenario = _real_time(_checked("scenario", scenario, Scenario) or Scenario(), self.dt)
+        self._seed = seed_sequence(scenario.seed)
+        self.scenario = scenario.replace(seed=self._seed)
+        self.area = scenario.area
+        self.size = worlds.frame_size(scenario)
+        self.plane_map = plane_map or PlaneMap.scaled(self.size, self.area)
+        self._top_map = _map_at(self.plane_map, robot_height)
+        is_from_above = plane_map is None and lens in (None, Lens())
+        self._world = _new_world(self.scenario, self._seed, None if is_from_above else self._scale)
+        self.receiver = MotorReceiver() if receiver is None else receiver
+        model = self.scenario._model
+        assert model is not None  # of `_real_time`
+        self._laboratory = _core.Laboratory(self._world, model, self.receiver)
+        self._warp = None if is_from_above else self._new_warp(self.plane_map)
+        self._top = None if self._top_map is None else self._new_warp(self._top_map)
+        self._end = weakref.finalize(self, _end, self._laboratory, self.receiver)
+
+    @property
+    def _scale(self) -> float:
+        """Pixels of a frame for one work-area px, where it has the most."""
+        width, height = self.size
+        grid = np.meshgrid(np.linspace(0, width - 1, 32), np.linspace(0, height - 1, 32))
+        pixels = np.stack(grid, axis=-1).reshape(-1, 2)
+        nearest = self._top_map or self.plane_map
+        here, right, below = (
+            nearest.to_world(pixels + shift) for shift in ((0, 0), (1, 0), (0, 1))
+        )
+        shortest = np.minimum(
+            np.linalg.norm(right - here, axis=1), np.linalg.norm(below - here, axis=1)
+        )
+        is_seen = ((here >= -0.5) & (here <= np.subtract(self.area, 0.5))).all(axis=1)
+        if not is_seen.any():
+            raise ValueError("plane_map must show some of the work area: with this one, none is")
+        return float(1 / shortest[is_seen].min())
+
+    def _new_warp(self, seen: PlaneMap) -> _core.Warp:
+        scene = self._world.scene
+        assert scene is not None  # the world has started
+        if self._lens is not None:
+            seen = PlaneMap(seen.matrix, self._lens._before(self.size))
+        return _core.view_warp(scene, self.size, seen)
+
+    def _open_device(self) -> _core.LaboratoryCamera:
+        """Return the camera for a grabber."""
+        scene = self._world.scene
+        assert scene is not None
+        return _core.LaboratoryCamera(
+            self._laboratory,
+            scene,
+            warp=self._warp,
+            top=self._top,
+            noise=as_native_noise(self.scenario.noise),
+            noise_seed=stream_number(self._seed, "noise"),
+            delay=self._delay,
+            faults=self._faults._native(stream_number(self._seed, "faults")),
+        )
+
+    @property
+    def _headings(self) -> int | None:
+        """Number of headings that the robot is drawn in, for the frames of a `robsim.Camera`."""
+        return self.scenario.headings
+
+    @property
+    def address(self) -> str:
+        """Where the robot hears inputs, as ``robsim.lab.UdpMotors`` takes it."""
+        return self.receiver.name.removeprefix("UDP ")
+
+    @property
+    def true_model(self) -> RobotModel:
+        """The model that the robot follows."""
+        model = self._world.model
+        assert model is not None
+        return model
+
+    @property
+    def truth(self) -> LabTruth:
+        """All ticks up to now; any thread may ask."""
+        return truth_of(self._laboratory.columns(), self.dt)
+
+    @property
+    def skipped_frames(self) -> int:
+        """Number of frames that the computer was too slow for."""
+        return self._laboratory.skipped
+
+    def stall(self, seconds: float) -> None:
+        """Let the camera be silent from now on for a while; any thread may call this.
+
+        Parameters
+        ----------
+        seconds : float
+            How long (s).
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `seconds` is not a number of at least 0.
+        """
+        self._laboratory.stall(check_float("seconds", seconds, "s", minimum=0))
+
+    def unplug(self) -> None:
+        """Unplug the camera; any thread may call this. The world goes on."""
+        self._laboratory.unplug()
+
+    def plug_in(self) -> None:
+        """Plug the camera in again; any thread may call this."""
+        self._laboratory.plug_in()
+
+    def close(self) -> None:
+        """End the world and the motor line for good; `truth` can still be read."""
+        self._end()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<SimulatedLab: {self.size[0]} x {self.size[1]} px, {1 / self.dt:g} frames/s>"
+
+
+def _end(laboratory: _core.Laboratory, receiver: MotorReceiver) -> None:
+    if laboratory.is_elsewhere:  # both belong to the parent
+        return
+    laboratory.close()
+    receiver.close()
+
+
+def _checked(name: str, value: Any, kind: type) -> Any:
+    if value is not None and not isinstance(value, kind):
+        raise TypeError(f"{name} must be a {kind.__name__}, got {quoted(value)}")
+    return value
+
+
+def _map_at(plane_map: PlaneMap, height: Any) -> PlaneMap | None:
+    """Return the map of a height above the floor; None for the floor itself."""
+    if not check_float("robot_height", height, "work-area px", minimum=0):
+        return None
+    try:
+        return plane_map.at_height(height)
+    except ValueError as error:
+        raise ValueError(f"robot_height: {error}") from error
+
+
+def _real_time(scenario: Scenario, dt: float) -> Scenario:
+    """Return a scenario with the model for steps of `dt`."""
+    for name, remedy in (
+        ("camera_delay", "give camera_delay in s to the lab"),
+        ("motor_delay", "the robot's end of the motor line has delays of its own"),
+    ):
+        if getattr(scenario, name):
+            raise ValueError(f"scenario must have {name}=0 in a lab in real time: {remedy}")
+    if scenario.boundary != "bounce":
+        raise ValueError(
+            "scenario must have boundary='bounce' in a lab: its camera stands still, and the view "
+            f"of boundary={quoted(scenario.boundary)} follows the robot"
+        )
+    worlds.check_bounces(scenario)
+    model = scenario.model or RobotParameters()
+    if isinstance(model, RobotParameters):
+        values = {name: getattr(model, name) for name in _PARAMETERS}
+        model = RobotModel(RobotParameters(**values, dt=dt))
+    elif not np.isclose(model.dt, dt, rtol=1e-9, atol=0):
+        raise ValueError(
+            f"scenario must have a model for steps of 1 / fps = {dt:g} s, got one of {model.dt:g} "
+            f"s: give RobotParameters, which hold for any, or fps={1 / model.dt:g}"
+        )
+    return scenario.replace(model=model)
+
+
+def _new_world(
+    scenario: Scenario, seed: np.random.SeedSequence, scale: float | None
+) -> _core.SimulatedWorld:
+    """Return the world; its scene has the size of the frames, or is drawn to a scale."""
+    if scale is not None:
+        width, height = (round(min(scale, _FINEST) * side) for side in scenario.area)
+        scenario = scenario.replace(resolution=(max(width, 16), max(height, 16)))
+    world = worlds.new_world(scenario)
+    worlds.apply_dropout(world, scenario)
+    worlds.apply_process_noise(world, scenario)
+    worlds.seed_world(world, scenario, seed)
+    worlds.set_scene(world, scenario, draw_red_square, makes_at_start=True)
+    world.set_evaluate_model(scenario.evaluate_model)
+    return world

@@ -1,0 +1,130 @@
+"""`play` and `annotated_frames`: a run as a clip in a notebook, or as frames for a video."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from robsim._core import Estimate, Frame, Measurement
+from robsim.base.checks import check_bool, check_int
+from robsim.plotting.arguments import check_kind
+from robsim.plotting.images.overlay import draw_overlay
+from robsim.simulation.runner import Runner
+from robsim.simulation.simulation import Simulation
+from robsim.trace import Trace
+from robsim.trace.units import length_format
+from robsim.vision.imaging.clip import Clip
+from robsim.vision.imaging.frames import check_iterable
+from robsim.vision.imaging.images import Pixels
+
+
+def annotated_frames(
+    frames: Iterable[Frame],
+    trace: Trace,
+    *,
+    simulation: Runner,
+) -> Iterator[Pixels]:
+    """Return the frames of a run with the measured and estimated poses drawn onto them.
+
+    Parameters
+    ----------
+    frames : iterable of Frame
+        The frames, one for each step of the trace.
+    trace : Trace
+        The run.
+    simulation : Simulation or Experiment
+        What has run: its robot's outline is drawn, and the blobs that it finds.
+
+    Returns
+    -------
+    iterator of array (H, W, 3) of uint8
+        RGB, drawn one by one.
+
+    Raises
+    ------
+    TypeError
+        If an argument, or one of the frames, has the wrong type.
+    """
+    check_iterable(frames)
+    check_kind("trace", trace, Trace)
+    check_kind("simulation", simulation, Runner)
+    return _annotated(frames, trace, simulation)
+
+
+def _annotated(frames: Iterable[Frame], trace: Trace, simulation: Runner) -> Iterator[Pixels]:
+    robot = simulation.robot
+    is_tracked = trace.is_tracked
+    outline = robot.to_robot_frame(robot.outline)
+    told, trace = trace, trace.in_unit("px")
+    measured, estimated, covariance = trace.pose_measured, trace.pose_estimated, trace.covariance
+    for i, frame in zip(range(len(trace)), frames, strict=False):
+        check_kind(f"frames[{i}]", frame, Frame)
+        is_estimated = np.isfinite(estimated[i]).all()
+        yield draw_overlay(
+            frame,
+            measurement=Measurement(measured[i]) if trace.seen[i] else None,
+            blobs=simulation.find_blobs(frame) if is_tracked else None,
+            outline=outline,
+            path=measured[: i + 1, :2],
+            estimate=Estimate(estimated[i], covariance[i]) if is_estimated else None,
+            text=_caption(told, i),
+        )
+
+
+def _caption(trace: Trace, i: int) -> str:
+    text = f"k {trace.k[i]}   t {trace.t[i]:.1f} s"
+    if trace.seen[i]:
+        (x, y, heading), unit = trace.pose_measured[i], trace.info.unit
+        spec = length_format(unit, 1)
+        text += f"   x {x:{spec}}  y {y:{spec}} {unit}   heading {np.rad2deg(heading):.1f} deg"
+    return text
+
+
+def play(
+    simulation: Simulation,
+    *,
+    start: int = 0,
+    stop: int | None = None,
+    overlay: bool = True,
+    width: int = 480,
+) -> Clip:
+    """Return a run as a clip that plays in a notebook, in real time.
+
+    The frame rate is limited to 0.1..60 frames per second: with a `dt` below 1/60 s the clip plays
+    slower, with a `dt` above 10 s faster.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        A simulation that has run; its frames are rendered again.
+    start, stop : int, optional
+        The steps start..stop - 1. Default: all of them.
+    overlay : bool
+        Draw the measured and estimated poses.
+    width : int
+        Width of the clip (px).
+
+    Returns
+    -------
+    robsim.vision.Clip
+        The clip.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type, or the run has no such steps.
+    """
+    check_kind("simulation", simulation, Simulation)
+    trace = simulation.trace
+    first = check_int("start", start, minimum=0, maximum=len(trace))
+    end = len(trace) if stop is None else check_int("stop", stop, minimum=0, maximum=len(trace))
+    trace = trace[first:end]
+    frames: Iterable[Frame | Pixels] = (simulation.render_step(int(k)) for k in trace.k)
+    if check_bool("overlay", overlay):
+        frames = annotated_frames(
+            frames,  # type: ignore[arg-type]
+            trace,
+            simulation=simulation,
+        )
+    return Clip(frames, fps=min(60.0, max(0.1, 1 / trace.info.dt)), width=width)

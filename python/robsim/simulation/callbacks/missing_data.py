@@ -1,0 +1,161 @@
+"""Why a step lacks what a callback has tried to use: the second note of its exception."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from robsim._core import Step
+from robsim.base.source_line import SourceLine
+from robsim.simulation.callbacks.errors import callback_of
+from robsim.simulation.slots import SLOTS
+
+
+@dataclass(frozen=True)
+class _Datum:
+    """What a step may lack.
+
+    Attributes
+    ----------
+    slot : str
+        The slot that gives it.
+    off : str
+        Why it is None where that slot is off.
+    absent : str
+        Why it is None though the slot is on.
+    """
+
+    slot: str
+    off: str
+    absent: str
+
+
+_NO_MEASUREMENT = "no measurement is on; give measure=True"
+
+_DATA = {
+    "measurement": _Datum("measure", _NO_MEASUREMENT, "the robot was not seen in this step"),
+    "detection": _Datum(
+        "measure", _NO_MEASUREMENT, "only the default measurement, measure=True, makes one"
+    ),
+    "estimate": _Datum(
+        "estimate_state",
+        "there is no state estimator; give estimate_state=...",
+        "there is no estimate in this step",
+    ),
+    "parameters": _Datum(
+        "estimate_parameters",
+        "no parameter estimator is on; give estimate_parameters=True",
+        "no parameters have been estimated yet",
+    ),
+}
+# What no slot gives.
+_OTHERS = {
+    "sample": "there is no sample at the start, after a bounce or lost frames, and where the robot "
+    "was not seen",
+    "frame": "no frame came in this step",
+}
+
+
+def note_missing_data(error: BaseException, step: Step, is_on: Callable[[str], bool]) -> None:
+    """Add a note to an exception of a callback that used what its step does not have.
+
+    Parameters
+    ----------
+    error : BaseException
+        The exception.
+    step : Step
+        The step.
+    is_on : callable
+        ``is_on(slot)``: whether a slot is filled.
+    """
+    failed = callback_of(error)
+    if failed is None or failed.k != step.k or not comes_of_none(error):
+        return
+    for name in names_in(error):
+        reason = _reason(name, step, failed.slot, is_on)
+        if reason is not None:
+            note = f"step.{name} is None: {reason}"
+            if note not in error.__notes__:
+                error.add_note(note)
+
+
+def _reason(name: str, step: Step, slot: str, is_on: Callable[[str], bool]) -> str | None:
+    """Return why a step lacks something; None if it has it."""
+    if _has(step, name):
+        return None
+    if name in _OTHERS:
+        return _OTHERS[name]
+    datum = _DATA[name]
+    if not is_on(datum.slot):
+        return datum.off
+    order = list(SLOTS)
+    if order.index(slot) < order.index(datum.slot):
+        return f"{datum.slot} comes after {slot} in a step"
+    if slot == datum.slot and name in ("measurement", "estimate"):
+        return "it is what this callback returns"
+    if name == "measurement" and step.detection is not None:
+        return f"{datum.absent}: {step.detection.explanation}"
+    return datum.absent
+
+
+def _has(step: Step, name: str) -> bool:
+    try:
+        return getattr(step, name) is not None
+    except RuntimeError:  # it is not given, and has said so itself
+        return True
+
+
+def unmet_needs(slot: str, callback: object, is_on: Callable[[str], bool]) -> str | None:
+    """Return what a callback needs and does not get, as a sentence; None = nothing.
+
+    Its attribute ``needs`` is ``"measurement"``, ``"estimate"`` or ``"parameters"``, or a tuple of
+    these, of which one is enough.
+
+    Parameters
+    ----------
+    slot : str
+        The slot.
+    callback : object
+        What is in it.
+    is_on : callable
+        ``is_on(slot)``: whether a slot is filled.
+    """
+    needs = getattr(callback, "needs", ())
+    wanted = [_DATA[name] for name in as_names(needs) if name in _DATA]
+    if not wanted or any(map(is_on, needed_slots(callback))):
+        return None
+    name = getattr(callback, "__name__", f"{type(callback).__name__}(...)")
+    return f"{slot}={name} needs step.{' or step.'.join(as_names(needs))}: {wanted[0].off}"
+
+
+def needed_slots(callback: object) -> tuple[str, ...]:
+    """Return the slots of which one must be filled for a callback; none = it needs nothing."""
+    needs = as_names(getattr(callback, "needs", ()))
+    return tuple(_DATA[name].slot for name in needs if name in _DATA)
+
+
+def as_names(needs: object) -> tuple[str, ...]:
+    """Return the names in an attribute ``needs``; none if it is something else."""
+    names = (needs,) if isinstance(needs, str) else needs
+    if isinstance(names, (tuple, list)):
+        return tuple(name for name in names if isinstance(name, str))
+    return ()
+
+
+def comes_of_none(error: BaseException) -> bool:
+    """Return whether an exception may come of a None that was used as if it were a value."""
+    if isinstance(error, AttributeError):
+        return error.name is not None and error.obj is None
+    # Python's TypeError has no attribute for the operand.
+    return isinstance(error, TypeError) and "NoneType" in str(error)
+
+
+def names_in(error: BaseException) -> list[str]:
+    """Return the names of a step's data that the user's code in a traceback reads."""
+    codes = [frame.f_code for frame, _ in traceback.walk_tb(error.__traceback__)]
+    users = [code for code in codes if SourceLine(code.co_filename, 0, code.co_name).is_users]
+    read = {name for code in users for name in code.co_names}
+    if isinstance(error, AttributeError):
+        read.discard(error.name or "")  # what was sought in None is not what is None
+    return [name for name in (*_DATA, *_OTHERS) if name in read]

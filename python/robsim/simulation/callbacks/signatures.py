@@ -1,0 +1,74 @@
+"""With how many arguments a callable can be called, as far as that can be known."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+
+from robsim.base.source_line import users_line_of_callable
+
+
+def accepts(function: Callable[..., object], count: int) -> bool:
+    """Return whether a callable can be called with so many positional arguments.
+
+    True for compiled callables that do not say what they take.
+    """
+    signature = signature_of(function)
+    if signature is None:
+        return True
+    try:
+        signature.bind(*[None] * count)
+    except TypeError:
+        return False
+    return True
+
+
+def signature_of(function: Callable[..., object]) -> inspect.Signature | None:
+    try:
+        return inspect.signature(function)
+    except (TypeError, ValueError):  # of compiled objects
+        return None
+
+
+def name_of(function: Callable[..., object]) -> str:
+    """Return what a callable is called: ``control``, ``lambda``, ``MyController.__call__``."""
+    function = _inner(function)
+    name = getattr(function, "__name__", None) or f"{type(function).__name__}.__call__"
+    return "lambda" if name == "<lambda>" else str(name)
+
+
+def forgets_self(function: Callable[..., object], count: int) -> bool:
+    """Return whether a method would take so many arguments if it did not get its object."""
+    plain = getattr(function, "__func__", None)
+    if plain is None and not hasattr(function, "__code__"):
+        plain = inspect.getattr_static(type(function), "__call__", None)
+    return inspect.isfunction(plain) and accepts(plain, count)
+
+
+def why_not_a_function(function: Callable[..., object]) -> str | None:
+    """Return why a call of a callable does not run its code, as ``an async function: ...``."""
+    function = _inner(function)
+    if not hasattr(function, "__code__"):
+        function = inspect.getattr_static(type(function), "__call__", function)
+    if inspect.iscoroutinefunction(function) or inspect.isasyncgenfunction(function):
+        return "an async function: write def in place of async def"
+    if inspect.isgeneratorfunction(function):
+        return "a generator function: write return in place of yield"
+    return None
+
+
+def _inner(function: Callable[..., object]) -> Callable[..., object]:
+    while isinstance(function, functools.partial):
+        function = function.func
+    return function
+
+
+def where_defined(function: Callable[..., object]) -> str:
+    return f"{signature_of(function) or '(...)'}{place_of(function)}"
+
+
+def place_of(function: Callable[..., object]) -> str:
+    """Return where the user has defined a callable, as `` (control.py:3)``; else ``""``."""
+    line = users_line_of_callable(function)
+    return "" if line is None else f" ({line.place})"

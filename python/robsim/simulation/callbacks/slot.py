@@ -1,0 +1,176 @@
+"""The class of a slot, row of the table and descriptor, and of the handle that reading it gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
+
+from robsim.base.text import quoted
+
+if TYPE_CHECKING:
+    from robsim.simulation.slotted import Slotted
+
+T = TypeVar("T")
+F = TypeVar("F", bound=Callable[..., object])
+
+_MISSING: Any = object()
+
+
+class SlotHandle(Generic[T]):
+    """A slot of a simulation: ``sim.control``.
+
+    It is the decorator that fills the slot, ``@sim.control``; `callback` is what the slot holds.
+    A handle equals its callback, and is false where the slot is empty or off.
+
+    Attributes
+    ----------
+    callback : callable, bool or None
+        What is in the slot: your callback or a ready component, as it was given; True = the default
+        of a stage that may be off; None = the default, or off.
+    """
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, runner: Slotted, slot: Slot[T]) -> None:
+        self._runner = runner
+        self._slot = slot
+        self.__doc__ = slot.__doc__
+
+    @property
+    def callback(self) -> T | None:
+        """What is in the slot."""
+        value: T | None = self._runner._callbacks[self._slot.name]
+        return value
+
+    def __call__(self, callback: F = _MISSING, /, *others: object, **named: object) -> F:
+        """Fill the slot with a callback and return it: the decorator.
+
+        Raises
+        ------
+        TypeError
+            If it is no callable, or cannot be called with the argument of the slot.
+        """
+        name = self._slot.name
+        if others or named:
+            raise TypeError(
+                f"sim.{name} takes one callback, got {1 + len(others) + len(named)} values: the "
+                f"decorator @sim.{name} fills the slot, sim.{name}.callback is what is in it"
+            )
+        if callback is _MISSING:
+            raise TypeError(f"use @sim.{name}, without brackets")
+        if not callable(callback):
+            raise TypeError(
+                f"{name} must be callable, got {quoted(callback)}: the decorator "
+                f"sim.{name} fills the slot, sim.{name}.callback is what is in it"
+            )
+        self._runner._set_slot(name, callback)
+        return callback
+
+    def __eq__(self, other: object) -> bool:
+        callback = self.callback
+        if isinstance(other, SlotHandle):
+            other = other.callback
+        return callback is other or bool(callback == other)
+
+    def __bool__(self) -> bool:
+        return self.callback is not None and self.callback is not False
+
+    def __repr__(self) -> str:
+        return f"<slot {self._slot.name}: {self.callback!r}>"
+
+
+class Slot(Generic[T]):
+    """A slot: a row of the table, and the descriptor ``sim.control``.
+
+    Parameters
+    ----------
+    half : str
+        `ROBOT` or `WORLD`.
+    when : str
+        `ONCE`, at the start, or `STEP`.
+    argument : str
+        Name of the callback's argument; empty = it has none.
+    result : str
+        Type of its result.
+    doc : str
+        What it does, for the documentation.
+    is_optional : bool
+        Whether it may stay empty: then the stage is off.
+    is_switch : bool
+        Whether True is the default stage.
+    native : tuple of type
+        Values that are taken as they are, and run without the interpreter.
+    result_types : tuple of type
+        Classes that may be the callback themselves, since they make the result.
+    other_names : tuple of str
+        What a file for the slot may be called by mistake, first in the program of 2008.
+    title : str
+        What it is called in a sentence.
+    default : str
+        Name of the code that fills the slot by default, or if it is switched on; empty = none.
+    """
+
+    name: str
+
+    def __init__(
+        self,
+        half: str,
+        when: str,
+        argument: str,
+        result: str,
+        doc: str,
+        *,
+        is_optional: bool = False,
+        is_switch: bool = False,
+        native: tuple[type, ...] = (),
+        result_types: tuple[type, ...] = (),
+        other_names: tuple[str, ...] = (),
+        title: str,
+        default: str = "",
+    ) -> None:
+        self.half = half
+        self.when = when
+        self.argument = argument
+        self.result = result
+        self.doc = doc
+        self.is_optional = is_optional
+        self.is_switch = is_switch
+        self.native = native
+        self.result_types = result_types
+        self.other_names = other_names
+        self.title = title
+        self.default = default
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+        self.__doc__ = f"{self.call}: {self.doc}"
+
+    @property
+    def call(self) -> str:
+        """How the callback is called, such as ``control(step) -> (u1, u2)``."""
+        return f"``{self.signature} -> {self.result}``"
+
+    @property
+    def signature(self) -> str:
+        """The callback with its argument, such as ``control(step)``."""
+        return f"{self.name}({self.argument})"
+
+    @property
+    def n_arguments(self) -> int:
+        return 1 if self.argument else 0
+
+    @property
+    def arguments(self) -> str:
+        return f"one argument, {self.argument}" if self.argument else "no argument"
+
+    @overload
+    def __get__(self, runner: None, owner: type) -> Slot[T]: ...
+
+    @overload
+    def __get__(self, runner: Slotted, owner: type) -> SlotHandle[T]: ...
+
+    def __get__(self, runner: Slotted | None, owner: type) -> Slot[T] | SlotHandle[T]:
+        return self if runner is None else SlotHandle(runner, self)
+
+    def __set__(self, runner: Slotted, value: T | str | None) -> None:
+        runner._set_slot(self.name, value)

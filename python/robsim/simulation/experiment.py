@@ -1,0 +1,499 @@
+"""The class `Experiment`: the loop with frames from outside, and inputs to a real robot."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from os import PathLike
+from threading import RLock
+from typing import TYPE_CHECKING, Any, Self, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim import _core
+from robsim._core import (
+    ColorClass,
+    Frame,
+    Limits,
+    MarkerLayout,
+    Observation,
+    RobotModel,
+    RobotParameters,
+)
+from robsim.base.checks import Floats, check_bool, check_choice
+from robsim.base.files import as_path
+from robsim.base.seeds import Seed, seed_sequence
+from robsim.base.text import quoted
+from robsim.base.warn import warn_user
+from robsim.simulation import slots as slots
+from robsim.simulation.options import (
+    UNLIMITED,
+    colors_value,
+    limits_value,
+    markers_value,
+    model_value,
+    smoothing_value,
+    step_count,
+    timeout_value,
+)
+from robsim.simulation.outside.frame_source import FrameSource
+from robsim.simulation.outside.mirrored import mirrored_remark
+from robsim.simulation.outside.motors import Motors, stop_input_value
+from robsim.simulation.runner import Runner
+from robsim.simulation.slots import RobotCallbacks
+from robsim.trace import Trace
+from robsim.trace.columns import POSES, RECORDED
+from robsim.vision.imaging.calibration import Calibration
+from robsim.vision.imaging.calibration_file import as_calibration
+from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.lookup import as_robot
+
+if TYPE_CHECKING:
+    from robsim.simulation.outside.recording import Recording
+
+# Where a robot drives.
+_FRAME_TIMEOUT = 1.0  # s, if the frames have no rate
+_FRAME_INTERVALS = 3  # if they have
+_LEAST_FRAME_TIMEOUT = 0.1  # s; no interpreter is punctual
+
+#: The robot is located, and nothing else is done.
+_DEFAULTS: RobotCallbacks = {"measure": True}
+
+
+class Experiment(Runner):
+    """A robot under a real camera, or its recording, driven by the callbacks of a simulation.
+
+    Each step runs these stages in order: a frame comes; the parameter estimator gets the newest
+    sample; the measurement evaluates the frame; the state estimator updates its estimate; the
+    controller returns an input, which is sent at once.
+
+    Whatever ends a run stops the robot: its last step, the end of the frames, an exception, Ctrl-C,
+    `stop`, a frame that does not come, and the end of a ``with`` block. After `step` it drives
+    until the next one, at most for `frame_timeout`.
+
+    Parameters
+    ----------
+    frames : iterable of Frame, Observation or None
+        One item for each step; it is asked for when the step before is over. None = no frame in
+        this step: nothing is measured. An `Observation` can bring more than a frame. The times
+        ``t`` of the frames (s) increase, or are all missing: then they are one sample time of the
+        model apart. Optional attributes ``area`` and ``dt`` of the iterable set the area and the
+        dt of the default model.
+    send : callable, optional
+        ``send(u)``: brings an input, array (2,) in V, to the robot. Motors of `robsim.lab` need
+        no interpreter for that: they stop the robot even if a callback never gives it back.
+    stop_input : sequence of 2 floats, or None
+        What stops the robot (V). None = nothing is sent at the end of a run.
+    frame_timeout : float, optional
+        How long after the arrival of a frame the next one must have been taken (s), ten times as
+        long for the first one; otherwise the robot is stopped and the run ends with a TimeoutError.
+        That covers a late frame, a callback that takes too long, and one that holds the
+        interpreter, if `send` needs none: a watchdog in a thread of its own stops the robot, after
+        `step`, too. Default: three times the ``dt`` of the frames, at least 0.1 s, or 1 s if they
+        have none; without `send` no limit (inf).
+    limits : robsim.lab.Limits, optional
+        What the inputs are held to before they are sent. ``step.u`` and the trace have them as
+        they were sent.
+    robot : str, path or RobotDefinition, optional
+        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
+        with ``robsim robots use``, initially ``"lab"``.
+    area : tuple of int, optional
+        Width and height of the work area (px). Default: ``frames.area`` if there is one, or
+        1200 x 1200.
+    seed : int, SeedSequence, Generator or None
+        Seed of the random numbers of controllers and of `rng`. None = unpredictable.
+    record : path, optional
+        Folder of a session, in which frames, times, inputs and set-up are recorded step by step:
+        see `robsim.trace.Session`. It must not have one yet; it is complete when the ``with``
+        block ends, and readable whenever the program does. Needs OpenCV.
+    lossless : bool
+        Whether the frames are recorded without loss.
+    calibration : Calibration or path, optional
+        That of the camera: its map and its area take the place of those of the frames. Frames of
+        another size are refused.
+    colors, markers, smoothing, time_limit
+        As in `Simulation`.
+    identify_from : str
+        Source of the poses in the samples: ``"measurement"`` or ``"estimate"``; ``"truth"``: the
+        samples that the observations bring.
+    model : RobotModel or RobotParameters, optional
+        The model of the robot, in place of `define_model`. Default: that of ``RobotParameters()``,
+        with the ``dt`` of the frames, if they have one.
+    SLOTS
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape, or is out of range; the message names it.
+
+    Examples
+    --------
+    >>> with robsim.Experiment(camera, send=motors.write) as experiment:
+    ...     experiment.control = robsim.GoToPoint(600, 300)
+    ...     trace = experiment.run(100)
+    """
+
+    _GROUPS = RECORDED
+    _AGAIN = "robsim.Experiment(frames, ...)"
+
+    @slots.shows_slots(RobotCallbacks, _DEFAULTS)
+    def __init__(
+        self,
+        frames: Iterable[Frame | Observation | None],
+        *,
+        send: Callable[[Floats], Any] | None = None,
+        stop_input: Sequence[float] | None = (0.0, 0.0),
+        frame_timeout: float | None = None,
+        limits: Limits | None = None,
+        robot: str | PathLike[str] | RobotDefinition | None = None,
+        area: tuple[int, int] | None = None,
+        seed: Seed = None,
+        colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+        markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None = None,
+        smoothing: int | None = None,
+        identify_from: str = "measurement",
+        model: RobotModel | RobotParameters | None = None,
+        time_limit: float | None = None,
+        record: str | PathLike[str] | None = None,
+        lossless: bool = False,
+        calibration: Calibration | str | PathLike[str] | None = None,
+        **callbacks: Unpack[RobotCallbacks],
+    ) -> None:
+        self._check_names(callbacks)
+        definition = as_robot(robot)
+        check_bool("lossless", lossless)
+        self._recording = None if record is None else _recording_in(record, lossless=lossless)
+        timeout = timeout_value(frame_timeout, _default_timeout(frames, send))
+        self._source = FrameSource(
+            frames,
+            timeout,
+            area=area,
+            is_polled=send is not None,
+            calibration=as_calibration(calibration),
+        )
+        self._model = model_value(model)
+        self._given_markers = markers_value(markers)
+        self._next_look = 1  # at the frames, by the number of steps
+        stops = stop_input_value(stop_input)
+        self._motors = None if send is None else Motors(send, stops)
+        self._stopping = RLock()
+        self._n_stops = 0  # how often `stop_robot` was called
+        self._sent = {"stop_input": stops, "send": None if send is None else quoted(send)}
+        super().__init__(
+            self._new_world(math.inf if stops is None else timeout, limits),
+            robot=definition,
+            area=self._source.area,
+            boundary="recorded",
+            seed=seed_sequence(seed),
+            colors=colors_value(colors, smoothing_value(smoothing)),
+            markers=self._given_markers or definition.marker_layout(),
+            smoothing=smoothing_value(smoothing),
+            identify_from=check_choice("identify_from", identify_from, tuple(POSES)),
+            time_limit=time_limit,
+        )
+        self._fill_slots(_DEFAULTS | callbacks)
+        if self._recording is not None:
+            self._core.set_observer(self._recording.add)
+
+    def _new_world(self, timeout: float, limits: Limits | None) -> _core.World:
+        """Return the world half: where the frames come from, and the inputs go to."""
+        motors = self._motors
+        world = _core.ExternalWorld(
+            take=self._source.take,
+            send=motors and (motors.native or motors.send),
+            stop=motors and motors.stop,
+        )
+        if motors is not None and not math.isinf(timeout):
+            world.set_watchdog(timeout, motors.native or motors.stop_late)
+        if limits is not None:
+            world.set_limits(limits_value(limits))
+        return world
+
+    def _change_vision(self, **changes: Any) -> None:
+        self._core.check_thread()
+        if self._recording is not None and self._recording.has_begun:
+            (name,) = changes
+            raise RuntimeError(
+                f"{name} cannot be changed while a session is recorded, which has one: make a new "
+                "Experiment with another folder for record"
+            )
+        robot = changes.get("robot", self.robot)
+        markers = self._given_markers or robot.marker_layout()
+        self._look_for(robot, changes.get("colors", self.colors), markers)
+        self._note_change(changes)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if self.stop():  # a run in another thread: it stops the robot itself
+            while self.is_running:
+                time.sleep(0.01)
+        try:
+            self._stop_robot(error)
+        finally:
+            if self._recording is not None:
+                self._recording.close(self.trace)
+
+    def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
+        """Run some steps, or all; a run continues where the last one ended.
+
+        Parameters
+        ----------
+        steps : int, optional
+            Number of steps. Default: until the frames end.
+        progress : bool or str
+            Show a progress bar; a str is its label.
+
+        Returns
+        -------
+        Trace
+            All steps since the start.
+
+        Raises
+        ------
+        Exception
+            Any exception of a callback, of `frames` or of `send`, with a note that names it and the
+            step, and the attribute ``callback``, a `robsim.simulation.FailedCallback`. The steps
+            before it are kept in `trace`. The next run repeats the stage that failed, in the same
+            step; what comes before it in the step is not done again. With a live camera, the next
+            run begins with a new frame: the step is kept as far as it came, without an input.
+        EOFError
+            If `steps` is given and there are no more frames.
+        TimeoutError
+            If a frame does not come, or is not answered, within `frame_timeout`.
+        RuntimeError
+            If it is already running.
+
+        Warns
+        -----
+        UserWarning
+            If the frames end before `steps` steps are done, or there are none; if the first one has
+            another size than the area and no plane map, or they seem to be in OpenCV's order, BGR.
+        robsim.vision.SmallMarkersWarning
+            If the default measurement looks at markers that are too small for the noise in the
+            frames.
+        """
+        before = self.n_steps
+        wanted = UNLIMITED if steps is None else step_count(steps)
+        is_at_end = self._run(wanted, progress, steps)
+        done = self.n_steps - before
+        if is_at_end and steps is None and not self.n_steps:
+            warn_user("frames gave no frame: there was nothing to run")
+        if is_at_end and steps is not None and done < steps:
+            if done == 0:
+                raise EOFError("there are no more frames")
+            warn_user(f"the frames ended after {done} of {steps} steps")
+        if self.n_steps >= self._next_look:
+            self._next_look = 2 * self.n_steps  # seldom, as it costs as much as some steps
+            if remark := mirrored_remark(self):
+                warn_user(remark)
+        return self.trace
+
+    @contextmanager
+    def _guarded(self) -> Iterator[None]:
+        try:
+            with ExitStack() as stack:
+                with self._stopping:
+                    stack.enter_context(super()._guarded())
+                    if self._motors is not None and not self.is_running:
+                        self._motors.begin()
+                if self._pulse is not None:  # it may have been stopped before it could be
+                    self._pulse(0)
+                stack.enter_context(self._source.reading())
+                yield
+        except BaseException as error:
+            self._tell_stop_error(error)
+            raise
+        self._tell_stop_error(None)
+
+    def _run_guarded(self, steps: int, progress: bool | str, total: int | None) -> bool:
+        try:
+            return super()._run_guarded(steps, progress, total)
+        finally:
+            if self._recording is not None:
+                self._recording.flush()
+
+    def _prepare(self) -> None:
+        try:
+            super()._prepare()
+            if self._recording is not None and not self.is_running:
+                setup = self._source.described() | self._sent
+                self._recording.begin(self, self.model, setup, is_live=self._source.is_live)
+        except BaseException as error:
+            if not self.is_running:  # step may have left the robot driving
+                self._stop_robot(error)
+            raise
+
+    @contextmanager
+    def _looking_up(self, pulse: Callable[[int], None]) -> Iterator[None]:
+        self._source.pulse = pulse
+        try:
+            with super()._looking_up(pulse):
+                yield
+        finally:
+            self._source.pulse = None
+
+    @property
+    def is_live(self) -> bool:
+        """Whether the frames come at their own pace, as from a camera.
+
+        False for a recording, a session and frames of your own: these wait until they are asked
+        for.
+        """
+        return self._source.is_live
+
+    def stop_robot(self) -> None:
+        """Stop the robot at once, whatever a callback is doing; any thread may call this.
+
+        A run under way sends nothing more to the robot, and ends after its step. If a callback
+        still decides on an input then, the run raises a `robsim.lab.HaltedError`. The next
+        `run` or `step` drives the robot again.
+
+        Raises
+        ------
+        Exception
+            What `send` raises, if nothing is running; otherwise the run raises it.
+
+        See Also
+        --------
+        stop : Ends a run after its step, which stops the robot, too, but not before.
+
+        Notes
+        -----
+        A `send` of your own is called in the thread that calls this, maybe while it is at work in
+        that of the run. The motors of `robsim.lab` need no interpreter to stop.
+
+        Examples
+        --------
+        >>> frames = [robsim.Frame(np.zeros((64, 64, 3), np.uint8))] * 3
+        >>> sent = []
+        >>> experiment = robsim.Experiment(
+        ...     frames, send=sent.append, control=lambda step: (0.5, 0.5), area=(64, 64)
+        ... )
+        >>> step = experiment.step()  # leaves the robot driving
+        >>> experiment.stop_robot()
+        >>> sent[-1]
+        array([0., 0.])
+        """
+        self._n_stops += 1
+        with self._stopping:  # no run begins meanwhile
+            if not self._guarding.locked():
+                self._stop_robot(None)
+                return
+        self._halt()
+
+    def _halt(self) -> None:
+        """Stop the robot in the middle of a run, and end that after its step."""
+        if self._motors is not None:
+            self._motors.halt()
+        self.stop()
+
+    def _stop_robot(self, error: BaseException | None) -> None:
+        self._core.stop_robot()
+        self._tell_stop_error(error)
+
+    def _tell_stop_error(self, error: BaseException | None) -> None:
+        """Raise what went wrong when the robot was stopped, or add it to another exception."""
+        if self._motors is None or self._motors.error is None:
+            return
+        trouble, self._motors.error = self._motors.error, None
+        if error is None:
+            trouble.add_note("in send, when the robot was to be stopped")
+            raise trouble
+        if self._motors.has_moved:
+            error.add_note(f"the robot could not be stopped: {type(trouble).__name__}: {trouble}")
+
+    def reset(self, *, seed: Seed = None) -> None:
+        """Stop the robot and return to the start; the next run begins with the first frame.
+
+        Parameters
+        ----------
+        seed : int, SeedSequence or Generator, optional
+            Seed of the next run. Default: the same again.
+
+        Raises
+        ------
+        RuntimeError
+            If `frames` can be read only once, and some have been read.
+        """
+        self._stop_robot(None)
+        if self._recording is not None and self._recording.has_begun:
+            raise RuntimeError(
+                "a session that is recorded cannot begin again: make a new Experiment"
+            )
+        if self._source.is_spent:
+            raise RuntimeError(
+                "the frames can be read only once: give a list or a Recording to be able to reset"
+            )
+        super().reset(seed=seed)
+        self._source.restart()
+        self._tell_stop_error(None)
+
+    def _stage(self, slot: str, callback: Any) -> Any:
+        if slot == "define_model" and callable(callback):
+            return self._source.checked(callback)
+        return super()._stage(slot, callback)
+
+    def _default(self, slot: str) -> Any:
+        if slot != "define_model":
+            return None
+        model = self._model
+        if model is None:
+            return self._source.model()
+        given = RobotModel(model) if isinstance(model, RobotParameters) else model
+        return self._source.checked(lambda: given)()
+
+    def _check_source(self) -> None:
+        if self.identify_from == "estimate":
+            super()._check_source()  # measurements and samples may come with the frames
+        if not self._is_on("control"):
+            raise ValueError(
+                "estimate_parameters needs the inputs of the robot: give control=..., or "
+                "control=robsim.Replay(u) for inputs that were recorded with the frames"
+            )
+
+    def _lacks(self, problem: str) -> None:
+        # An Observation may bring it.
+        self._source.lacks = problem
+
+    def _check_stages(self) -> None:
+        self._source.lacks = None
+        super()._check_stages()
+        if self._motors is not None and not self._is_on("control"):
+            warn_user(
+                "send was given, but there is no controller: nothing is sent; give control=...",
+            )
+
+    def _mm_per_px(self) -> float | None:
+        return self._source.mm_per_px
+
+    def _headings(self) -> int | None:
+        return self._source.headings
+
+    def _theta_true(self) -> ArrayLike:
+        return np.full((3, 5), np.nan)
+
+
+def _recording_in(folder: str | PathLike[str], *, lossless: bool) -> Recording:
+    """Return what records a session; only who records loads it."""
+    from robsim.simulation.outside.recording import Recording
+
+    return Recording(as_path(folder, "record"), lossless=lossless)
+
+
+def _default_timeout(frames: object, send: object) -> float:
+    """Return the option ``frame_timeout`` if it is not given (s)."""
+    if send is None:
+        return math.inf
+    dt = getattr(frames, "dt", None)
+    return _FRAME_TIMEOUT if dt is None else max(_FRAME_INTERVALS * dt, _LEAST_FRAME_TIMEOUT)
+
+
+Experiment.__doc__ = inspect.cleandoc(Experiment.__doc__ or "").replace(
+    "SLOTS\n", slots.documented(Experiment.SLOTS)
+)

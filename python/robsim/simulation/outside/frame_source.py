@@ -1,0 +1,385 @@
+"""Frames from outside, such as a recording or a camera, one for each step of an `Experiment`."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import inspect
+import math
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from robsim._core import Arrival, Frame, Observation, PlaneMap, RobotModel, RobotParameters
+from robsim.base.checks import check_size
+from robsim.base.text import quoted
+from robsim.base.warn import warn_user
+from robsim.simulation.scenario import Scenario
+from robsim.vision.imaging.calibration import Calibration
+from robsim.vision.imaging.calibration_file import calibration_text
+from robsim.vision.imaging.frames import frame_size
+
+DT_TOLERANCE = 2e-3  # relative; video files round their frame rate
+
+_POLL = 0.05  # s, after which the loop looks whether it was stopped
+
+
+class FrameSource:
+    """An iterable of frames, read one per step by the loop, with a limit on the wait for each.
+
+    Parameters
+    ----------
+    frames : iterable of Frame, Observation or None
+        The frames. The optional attributes ``area`` and ``dt`` are the size of the work area (px)
+        and the time between two frames (s).
+    timeout : float
+        Maximum wait for a frame (s); inf = none.
+    area : tuple of int, optional
+        Width and height of the work area (px). Default: that of `frames`, or 1200 x 1200.
+    is_polled : bool
+        Whether a run can be stopped while it waits for a frame, though there is no maximum.
+    calibration : Calibration, optional
+        That of the camera: its map takes the place of that of the frames.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `frames` is not iterable, or `area` is no size.
+    """
+
+    def __init__(
+        self,
+        frames: Iterable[Frame | Observation | None],
+        timeout: float = math.inf,
+        *,
+        area: tuple[int, int] | None = None,
+        is_polled: bool = False,
+        calibration: Calibration | None = None,
+    ) -> None:
+        if isinstance(frames, (str, PathLike)):
+            raise TypeError(
+                f"frames must be an iterable of Frame objects, got {quoted(frames)}: for a video "
+                f"or a folder of images, give robsim.Recording({quoted(str(frames))})"
+            )
+        if not isinstance(frames, Iterable) or isinstance(frames, (bytes, Mapping, np.ndarray)):
+            raise TypeError(
+                f"frames must be an iterable of Frame objects, got {_described(frames)}"
+            )
+        if calibration is not None and getattr(frames, "calibration", None) is not None:
+            raise ValueError("calibration must be None: the frames have one of their own")
+        self._calibration = calibration
+        if calibration is not None and area is None:
+            area = calibration.area
+        given = getattr(frames, "area", None) if area is None else area
+        self.area = check_size("area", Scenario.area if given is None else given)
+        self.dt: float | None = getattr(frames, "dt", None)
+        self._frames = frames
+        # A camera gives its newest frame, or None after a while without one.
+        self._poll: Callable[[float], Frame | None] | None = getattr(frames, "_poll", None)
+        self._iterator = iter(frames)
+        self._timeout = timeout
+        self._is_polled = self._poll is None and (is_polled or not math.isinf(timeout))
+        self._since: float | None = None  # when this run first asked the camera for a frame
+        self._reader: _Reader | None = None
+        self._reading = threading.Lock()
+        self._has_begun = False
+        self._is_seen = False  # a frame, as yet
+        self._drawn: set[int | None] = set()  # headings that the frames tell
+        self._failed_at: int | None = None
+        #: Called before each look for a frame.
+        self.pulse: Callable[[int], None] | None = None
+        #: What the frames have to bring, as the message of an error; None = frames are enough.
+        self.lacks: str | None = None
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether the frames can be read only once, and some have been."""
+        return self._has_begun and self._iterator is self._frames
+
+    @property
+    def is_live(self) -> bool:
+        """Whether the frames come by themselves, and do not wait to be asked for."""
+        return self._poll is not None
+
+    @property
+    def counts(self) -> Any:
+        """The `CameraCounts` of a live camera; None if they are of something else."""
+        return getattr(self._frames, "counts", None) if self.is_live else None
+
+    @property
+    def mm_per_px(self) -> float | None:
+        """Length of a px of the work area on the floor (mm), as calibrated; None = not known."""
+        return getattr(self._known_calibration or self._frames, "mm_per_px", None)
+
+    @property
+    def headings(self) -> int | None:
+        """Number of headings that the robot is drawn in, in all frames taken; None = not known."""
+        drawn = tuple(self._drawn)
+        return drawn[0] if len(drawn) == 1 else None
+
+    @property
+    def _known_calibration(self) -> Calibration | None:
+        found = self._calibration or getattr(self._frames, "calibration", None)
+        return found if isinstance(found, Calibration) else None
+
+    def described(self) -> dict[str, Any]:
+        """Return what the set-up of a session says of the frames."""
+        said = {
+            "frames": quoted(self._frames),
+            "plane_map": getattr(self._frames, "plane_map", None),
+            "mm_per_px": self.mm_per_px,
+            "camera": _camera_of(self._frames),
+        }
+        if (calibration := self._known_calibration) is not None:
+            said["plane_map"] = calibration.plane_map
+            said["calibration"] = calibration_text(calibration)
+        return said
+
+    def restart(self) -> None:
+        """Start again with the first frame."""
+        self._iterator = iter(self._frames)
+        self._drawn = set()
+        self._has_begun = False
+        self._reader = self._failed_at = None
+
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """Read inside the context, in a thread of its own if the loop must not wait for a frame."""
+        # A second run beside the first one, which the loop refuses, must not touch its thread.
+        if not self._reading.acquire(blocking=False):
+            yield
+            return
+        try:
+            self._since = None
+            if not self._is_polled:
+                yield
+                return
+            if self._reader is None:
+                self._reader = _Reader(self._iterator)
+            with self._reader.running():
+                yield
+        finally:
+            self._reading.release()
+
+    def take(self, k: int) -> Frame | Observation | Arrival | None:
+        """Return the frame of step k; `Arrival.END` after the last one."""
+        self._has_begun = True
+        if self.pulse is not None:
+            self.pulse(k)
+        try:
+            # A camera may have to warm up, and the robot stands as yet.
+            timeout = self._timeout * (10 if k == 0 else 1)
+            taken: Frame | Observation | Arrival | None
+            if self._poll is not None:
+                taken = self._polled(self._poll, timeout)
+            elif self._reader is None:
+                taken = next(self._iterator, Arrival.END)
+            else:
+                taken = self._reader.take(timeout)
+        except BaseException:
+            if self._reader is None or not self._reader.is_waiting:
+                self._failed_at = k
+            raise
+        if taken is Arrival.END and self._failed_at is not None:
+            raise EOFError(
+                f"there are no more frames since the exception at step {self._failed_at}: a "
+                "generator that has raised one cannot go on"
+            )
+        if self.lacks is not None and isinstance(taken, Frame):
+            raise ValueError(f"{self.lacks}, or frames that are Observation objects with it")
+        if self._calibration is not None:
+            taken = _mapped(taken, self._calibration)
+        if taken is not Arrival.NOTHING_YET:
+            self._failed_at = None
+        frame = taken.frame if isinstance(taken, Observation) else taken
+        if isinstance(frame, Frame):
+            self._look_at(frame)
+        return taken
+
+    @property
+    def can_read_again(self) -> bool:
+        """Whether the frames can be read more than once, each by its number."""
+        return self._read is not None
+
+    def again(self, k: int) -> Frame | None:
+        """Return the frame of step k, read again; any thread that no other one disturbs.
+
+        Raises
+        ------
+        LookupError
+            If the frames can be read only once, or there are fewer.
+        """
+        if (read := self._read) is None:
+            raise LookupError("the frames can be read only once")
+        taken = read(k)
+        if self._calibration is not None:
+            taken = _mapped(taken, self._calibration)
+        return taken.frame if isinstance(taken, Observation) else taken
+
+    @property
+    def _read(self) -> Any:
+        return getattr(self._frames, "_at", getattr(self._frames, "__getitem__", None))
+
+    def _polled(self, poll: Callable[[float], Frame | None], timeout: float) -> Frame | Arrival:
+        if self._since is None:
+            self._since = time.monotonic()
+        try:
+            frame = poll(min(timeout, _POLL))
+        except EOFError:
+            return Arrival.END
+        if frame is not None:
+            self._since = None
+            return frame
+        if time.monotonic() - self._since < timeout:
+            return Arrival.NOTHING_YET
+        self._since = None
+        raise _too_late(timeout)
+
+    def _look_at(self, frame: Frame) -> None:
+        """Note what a frame tells, and warn if the first cannot be of the work area as it is."""
+        self._drawn.add(frame.headings)
+        if self._is_seen:
+            return
+        self._is_seen = True
+        size = frame_size(frame.image)
+        is_mapped = frame.plane_map != PlaneMap()
+        if size != self.area and not is_mapped:
+            warn_user(
+                f"the frames have {size[0]} x {size[1]} px and no plane map, but the area has "
+                f"{self.area[0]} x {self.area[1]} px: a pixel counts as a px of the area. Give "
+                f"each Frame plane_map=robsim.vision.PlaneMap.scaled({size}, {self.area}), or "
+                f"Experiment area={size}",
+            )
+
+    def model(self) -> RobotModel:
+        return RobotModel(RobotParameters() if self.dt is None else RobotParameters(dt=self.dt))
+
+    def checked(self, define_model: Callable[[], Any]) -> Callable[[], Any]:
+        """Return a define_model that raises if the model has another dt than the frames."""
+        dt = self.dt
+
+        @functools.wraps(define_model)
+        def check() -> Any:
+            model = define_model()
+            if dt is None or not isinstance(model, RobotModel):
+                return model
+            if not math.isclose(model.dt, dt, rel_tol=DT_TOLERANCE):
+                raise ValueError(
+                    f"the model's dt is {model.dt:g} s, but that of the frames is {dt:g} s: set "
+                    "the dt of the model or of the recording"
+                )
+            return model
+
+        return check
+
+
+def _mapped(taken: Any, calibration: Calibration) -> Any:
+    """Return a frame, or an observation of one, with the map of a calibration."""
+    if isinstance(taken, Observation):
+        if taken.frame is None:
+            return taken
+        return Observation(
+            _mapped(taken.frame, calibration),
+            t=taken.t,
+            last_u=taken.last_u,
+            measurement=taken.measurement,
+            sample=taken.sample,
+            interrupted=taken.interrupted,
+        )
+    if not isinstance(taken, Frame):
+        return taken
+    calibration.check_frames(frame_size(taken.image))
+    return Frame(
+        taken.image,
+        copy=False,
+        t=taken.t,
+        t_arrival=taken.t_arrival,
+        epoch=taken.epoch,
+        index=taken.index,
+        plane_map=calibration.plane_map,
+        headings=taken.headings,
+    )
+
+
+def _described(frames: object) -> str:
+    """Return what came in place of frames, with a remedy where there is one."""
+    if isinstance(frames, Frame):
+        return "a single Frame: give a list of it, [frame]"
+    if isinstance(frames, np.ndarray):
+        return f"an array of shape {frames.shape}: give a list of robsim.Frame(image, t=...)"
+    if inspect.isfunction(frames) or inspect.ismethod(frames):
+        return f"the function {frames.__name__}: call it, frames={frames.__name__}()"
+    return quoted(frames)
+
+
+def _too_late(timeout: float) -> TimeoutError:
+    return TimeoutError(f"no frame came within frame_timeout = {timeout:g} s")
+
+
+class _Reader:
+    """Reads an iterator in a thread of its own, an item only when it is asked for one."""
+
+    def __init__(self, iterator: Iterator[Any]) -> None:
+        self._iterator = iterator
+        self._taken: queue.SimpleQueue[tuple[Any, BaseException | None]] = queue.SimpleQueue()
+        self._wanted: queue.SimpleQueue[bool] = queue.SimpleQueue()
+        self._since: float | None = None  # when the item was asked for that has not come yet
+
+    @property
+    def is_waiting(self) -> bool:
+        return self._since is not None
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Keep the thread inside the context. One that hangs in the iterator ends with its item."""
+        self._wanted = queue.SimpleQueue()
+        thread = threading.Thread(
+            target=self._read, args=(self._wanted,), name="robsim frames", daemon=True
+        )
+        thread.start()
+        if self._since is not None:
+            self._since = time.monotonic()
+        try:
+            yield
+        finally:
+            self._wanted.put(False)
+            if self._since is None:
+                thread.join()
+
+    def take(self, timeout: float) -> Any:
+        """Return the next item, or `Arrival.NOTHING_YET` after a short while."""
+        if self._since is None:
+            self._since = time.monotonic()
+            self._wanted.put(True)
+        try:
+            item, error = self._taken.get(timeout=min(timeout, _POLL))
+        except queue.Empty:
+            if time.monotonic() - self._since < timeout:
+                return Arrival.NOTHING_YET
+            raise _too_late(timeout) from None
+        self._since = None
+        if error is not None:
+            raise error
+        return item
+
+    def _read(self, wanted: queue.SimpleQueue[bool]) -> None:
+        while wanted.get():
+            try:
+                self._taken.put((next(self._iterator, Arrival.END), None))
+            except BaseException as error:
+                self._taken.put((None, error))
+
+
+def _camera_of(frames: Any) -> dict[str, Any] | None:
+    """Return how a camera is set that can be: what a later recording must have again."""
+    features = getattr(frames, "features", None)
+    if not dataclasses.is_dataclass(features) or isinstance(features, type):
+        return None
+    chosen = {name: getattr(frames, name) for name in ("size", "region", "coding")}
+    return {**chosen, "features": dataclasses.asdict(features)}

@@ -1,0 +1,408 @@
+"""`Scenario`: all that describes a simulated world and its run, as one value."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from robsim._core import (
+    ColorClass,
+    DriveAround,
+    MarkerLayout,
+    Replay,
+    RobotModel,
+    RobotParameters,
+    Spin,
+    Unicycle,
+)
+from robsim.base.checks import check_choice, check_size
+from robsim.base.files import as_path, read_text, write_whole
+from robsim.base.seeds import Seed, seed_value
+from robsim.base.spelling import check_names
+from robsim.base.warn import warn_user
+from robsim.simulation import options as options
+from robsim.simulation.slots import SLOTS
+from robsim.simulation.world.disturbances import (
+    ParameterMismatch,
+    PoseNoise,
+    WheelNoise,
+    check_mismatch,
+    check_process_noise,
+)
+from robsim.simulation.world.dropout import Dropout, as_dropout
+from robsim.simulation.world.scene import HEADINGS, Floor
+from robsim.trace import NotRecordedError, Trace
+from robsim.trace.columns import POSES
+from robsim.trace.trace import check_trace
+from robsim.vision.imaging.noise import Noise, as_native_noise
+from robsim.vision.markers.color_files import as_colors
+from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.lookup import as_robot
+
+_CONTROL = Spin()
+_SWITCHES = tuple(name for name, slot in SLOTS.items() if slot.is_switch)
+
+BOUNDARIES = ("bounce", "unlimited")
+SOURCES = tuple(POSES)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Scenario:
+    """All that describes a simulated world and its run: the options of `Simulation` that are data.
+
+    A value: scenarios with the same content are equal, whatever they were made from. What is given
+    as a name or a file is read at once, so that a scenario holds all it needs.
+
+    Parameters
+    ----------
+    robot : str, path or RobotDefinition, optional
+        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
+        with ``robsim robots use``, initially ``"lab"``.
+    area : tuple of int
+        Width and height of the work area (px).
+    resolution : tuple of int, optional
+        Width and height of the frames (px). Default: the same as the area.
+    boundary : str
+        ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and the
+        view follows the robot.
+    headings : int or None
+        Number of headings that the robot is drawn in: the nearest one, at integer pixels. None:
+        drawn at its exact position and heading.
+    noise : GaussianNoise, UniformNoise or None
+        Camera noise.
+    dropout : Dropout or None
+        Random occlusion of the robot.
+    process_noise : PoseNoise, WheelNoise or None
+        Random disturbance of the robot's motion in every step.
+    mismatch : ParameterMismatch or None
+        How far the parameters of the world differ from those of `model`.
+    camera_delay : int
+        How many steps late a frame reaches the robot's software, 0..1000. The robot moves on
+        meanwhile, and the software does not know when the frame was taken but from the frame.
+    motor_delay : float
+        How many steps late an input reaches the motors, 0..1000. With a fraction the robot gets
+        in each step the mean of the two inputs that act in it; see Notes.
+    background : array (H, W, 3) of uint8, or path, optional
+        The floor, scaled to the area. Default: the floor that ships with robsim.
+    start : array (3,) or "random", optional
+        The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.
+    seed : int, SeedSequence, Generator or None
+        Seed of all random numbers of the run. None = unpredictable: another one in each run.
+    colors : path or iterable of ColorClass, optional
+        Colour file, or classes, to detect. Default: red and blue as shipped with robsim.
+    markers : MarkerLayout, RobotDefinition, str or path, optional
+        Geometry of the markers for the default measurement, or the robot that has them. Default:
+        `robot`.
+    smoothing : int, optional
+        Width of the averaging window applied before a pixel's colour is classified (px of the
+        frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. 1 =
+        off. Default: 0.28 of the width of the smaller marker, 3 to 7; below a marker of 7 px, 3 in
+        frames with noise and 1 in others.
+    identify_from : str
+        Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.
+    model : RobotModel or RobotParameters, optional
+        The model of the world, but for `mismatch`, and what the robot's software believes, unless
+        ``define_model`` says otherwise. Default: what ``define_model`` returns, or that of
+        ``RobotParameters()``.
+    evaluate_model : Unicycle, optional
+        How the robot moves. Default: by the model's own equations.
+    estimate_parameters : bool
+        Whether recursive least squares estimate the parameters.
+    measure : bool
+        Whether the robot is located by its markers.
+    control : Spin, DriveAround or Replay
+        The controller.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape, or is out of range; the message names it.
+
+    Notes
+    -----
+    With ``motor_delay = n + f``, n whole and 0 <= f < 1, what acts from step k to step k + 1 is
+    (1 - f) u(k - n) + f u(k - n - 1), the mean over that time; before step 0 inputs are 0. For a
+    constant input, and for what depends on the mean input alone, this is exact; that an input in
+    the second part of a step has less time to move the robot is neglected.
+
+    The latency of a live loop, from the exposure of a frame until the input that was computed from
+    it acts, is one delay: as live frames are numbered and timed by their exposure, all of it,
+    camera, vision, transmission, motors, is a `motor_delay`. `Trace.timing` measures it,
+    `robsim.estimation.reference` compensates it, and `robsim.batch_estimate` takes it as
+    ``input_delay``.
+
+    Examples
+    --------
+    >>> scenario = robsim.Scenario(measure=True, noise=robsim.GaussianNoise(10), seed=1)
+    >>> scenario.save("noisy.toml")
+    >>> robsim.Scenario.load("noisy.toml") == scenario
+    True
+    >>> others = [scenario.replace(seed=seed) for seed in range(10)]
+    """
+
+    robot: str | PathLike[str] | RobotDefinition | None = None
+    area: tuple[int, int] = (1200, 1200)
+    resolution: tuple[int, int] | None = None
+    boundary: str = "bounce"
+    headings: int | None = HEADINGS
+    noise: Noise | None = None
+    dropout: Dropout | None = None
+    process_noise: PoseNoise | WheelNoise | None = None
+    mismatch: ParameterMismatch | None = None
+    camera_delay: int = 0
+    motor_delay: float = 0
+    background: options.Background = None
+    start: ArrayLike | None = None
+    seed: Seed = None
+    colors: options.Colors = None
+    markers: options.Markers = None
+    smoothing: int | None = None
+    identify_from: str = "truth"
+    model: RobotModel | RobotParameters | None = None
+    evaluate_model: Unicycle | None = None
+    estimate_parameters: bool = False
+    measure: bool = False
+    control: Spin | DriveAround | Replay | None = _CONTROL
+
+    def __post_init__(self) -> None:
+        for name, value in self._normal_forms().items():
+            object.__setattr__(self, name, value)
+        for name in options.KINDS:
+            options.check_is_data(name, getattr(self, name))
+
+    def _normal_forms(self) -> dict[str, Any]:
+        """Return what is kept in another form than it may be given; raise for what is wrong."""
+        area = check_size("area", self.area)
+        is_bounded = check_choice("boundary", self.boundary, BOUNDARIES) == "bounce"
+        check_choice("identify_from", self.identify_from, SOURCES)
+        as_native_noise(self.noise)
+        as_dropout(self.dropout)
+        check_process_noise(self.process_noise)
+        check_mismatch(self.mismatch)
+        options.model_value(self.model)
+        smoothing = options.smoothing_value(self.smoothing)
+        robot = as_robot(self.robot)
+        resolution = options.resolution_value(self.resolution)
+        options.check_images(area, resolution, robot)
+        return {
+            "robot": robot,
+            "area": area,
+            "resolution": resolution,
+            "headings": options.headings_value(self.headings),
+            "camera_delay": options.camera_delay_value(self.camera_delay),
+            "motor_delay": options.motor_delay_value(self.motor_delay),
+            "background": options.background_value(self.background),
+            "start": options.start_value(self.start, area if is_bounded else None),
+            "seed": seed_value(self.seed),
+            "colors": options.colors_value(self.colors, smoothing),
+            "markers": options.markers_value(self.markers),
+            "smoothing": smoothing,
+            **{name: options.switch_value(name, getattr(self, name)) for name in _SWITCHES},
+            "control": _CONTROL if self.control is None else self.control,
+        }
+
+    @property
+    def _robot_definition(self) -> RobotDefinition:
+        """The robot, as read."""
+        assert isinstance(self.robot, RobotDefinition)
+        return self.robot
+
+    @property
+    def _model(self) -> RobotModel | None:
+        """The model; None = that of the default parameters, unless a callback says otherwise."""
+        return RobotModel(self.model) if isinstance(self.model, RobotParameters) else self.model
+
+    @property
+    def _color_classes(self) -> tuple[ColorClass, ...]:
+        """The colours to detect, as read."""
+        assert isinstance(self.colors, tuple)
+        return self.colors
+
+    @property
+    def _marker_layout(self) -> MarkerLayout:
+        """Geometry of the markers for the default measurement."""
+        assert self.markers is None or isinstance(self.markers, MarkerLayout)
+        return self.markers or self._robot_definition.marker_layout()
+
+    @property
+    def _floor(self) -> Floor | None:
+        """The floor in its own size; None = the one that ships with robsim."""
+        assert self.background is None or isinstance(self.background, Floor)
+        return self.background
+
+    @classmethod
+    def of(cls, trace: Trace) -> Scenario:
+        """Return the scenario of a recorded run, which gives the same run again.
+
+        Parameters
+        ----------
+        trace : Trace
+            A run of a `Simulation`, from its first step on.
+
+        Returns
+        -------
+        Scenario
+            With the seed of the run. In place of a controller in Python it has the recorded inputs,
+            as a `Replay`.
+
+        Raises
+        ------
+        NotRecordedError
+            If the trace has no scenario.
+        TypeError, ValueError
+            If `trace` is not a Trace, or begins later.
+
+        Warns
+        -----
+        UserWarning
+            If other slots had callbacks in Python, which are not part of it, or if options were
+            changed in the middle of the run.
+        """
+        check_trace(trace)
+        scenario = trace.info.scenario
+        if scenario is None:
+            raise NotRecordedError(("scenario",), "it is not of a Simulation")
+        if isinstance(scenario, str):
+            scenario = cls.from_toml(scenario)
+        callbacks = set(trace.info.callbacks)
+        if "control" in callbacks:
+            if len(trace) and trace.k[0] != 0:
+                raise ValueError(f"trace must begin with step 0, got step {trace.k[0]}")
+            scenario = scenario.replace(control=Replay(trace.u))
+        if trace.info.changed:
+            warn_user(
+                f"{', '.join(trace.info.changed)} changed in the run: the scenario has what came "
+                "last",
+            )
+        if missing := sorted(callbacks - {"control"}):
+            warn_user(
+                f"the run had callbacks in Python for {', '.join(missing)}: give them to "
+                "Simulation(scenario, ...) again",
+            )
+        assert isinstance(scenario, cls)
+        return scenario
+
+    def replace(self, **changes: Any) -> Scenario:
+        """Return the scenario with some options changed.
+
+        Parameters
+        ----------
+        **changes
+            Options, as of `Scenario`.
+
+        Returns
+        -------
+        Scenario
+            A new one.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As of `Scenario`; for an option that there is not, with the one that was meant.
+        """
+        check_names("a scenario has no option", changes, OPTIONS, TypeError)
+        return dataclasses.replace(self, **changes)
+
+    def changes(self) -> dict[str, Any]:
+        """Return the options that are not at their defaults, in their order.
+
+        Returns
+        -------
+        dict
+            Name to value. `robot` is always there: its default is each user's own.
+        """
+        defaults = {field.name: field.default for field in dataclasses.fields(self)}
+        defaults |= {"robot": None, "colors": as_colors(None)}
+        values = {name: getattr(self, name) for name in defaults}
+        return {name: value for name, value in values.items() if value != defaults[name]}
+
+    def to_toml(self) -> str:
+        """Return the scenario as the text of a TOML file, from which `from_toml` makes it again.
+
+        Only what differs from the defaults is written, and the robot: by name if it ships with
+        robsim. Images and recorded inputs are part of the text, so that it is complete.
+
+        Raises
+        ------
+        ValueError
+            If an image, or the record of inputs, is too large for a file.
+        """
+        from robsim.simulation.scenario_file import to_toml
+
+        return to_toml(self.changes())
+
+    @classmethod
+    def from_toml(cls, text: str) -> Scenario:
+        """Return the scenario of a TOML text.
+
+        Parameters
+        ----------
+        text : str
+            As `to_toml` writes it, or written by hand.
+
+        Raises
+        ------
+        TypeError
+            If `text` is not a str.
+        ValueError
+            If it is not TOML, is too large, or an option is unknown or wrong; the message names it.
+        """
+        from robsim.simulation.scenario_file import from_toml
+
+        return from_toml(cls, text, "scenario")
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the scenario to a file, as `to_toml` has it.
+
+        Parameters
+        ----------
+        path : path
+            The file, such as ``run.toml``; one of that name is replaced.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        ValueError
+            If an image, or the record of inputs, is too large for a file.
+        """
+        write_whole(as_path(path), self.to_toml().encode())
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Scenario:
+        """Read a scenario from a file.
+
+        The file is data: nothing in it is run, and no other file is read but those of a robot that
+        it names.
+
+        Parameters
+        ----------
+        path : path
+            The file, as `save` writes it, or written by hand.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If it is not TOML, is too large, or an option is unknown or wrong; the message names
+            the file and the option.
+        """
+        from robsim.simulation.scenario_file import MOST_BYTES, from_toml
+
+        return from_toml(cls, read_text(as_path(path), MOST_BYTES), f"scenario file {path}")
+
+    def __repr__(self) -> str:
+        shown = {name: repr(value) for name, value in self.changes().items()}
+        assert isinstance(self.robot, RobotDefinition)
+        shown["robot"] = repr(self.robot.name)
+        if isinstance(self.background, Floor):
+            shown["background"] = f"<array of shape {self.background.pixels.shape}>"
+        return f"Scenario({', '.join(f'{name}={text}' for name, text in shown.items())})"
+
+
+OPTIONS = tuple(field.name for field in dataclasses.fields(Scenario))

@@ -1,0 +1,294 @@
+"""Disturbances of the world as values: process noise, and parameters other than the model's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import count, islice
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim._core import RobotModel, cos, random_normal, sin
+from robsim.base.checks import Floats, as_float_array, check_float
+from robsim.base.text import quoted
+
+_Row = tuple[float, float, float]
+
+_MAXIMUM_SIGMA = 1e6  # px or rad: its square is a number, too
+
+# Columns of theta.
+_A1, _A2, _B1, _B2, _D1 = range(5)
+
+
+@dataclass(frozen=True)
+class PoseNoise:
+    """Process noise added to the true pose in every step, Gaussian, independent of the other steps.
+
+    Parameters
+    ----------
+    covariance : array (3, 3)
+        Covariance of x, y, heading in a step (px^2, px rad, rad^2), symmetric and positive
+        semi-definite. It is stored as nested tuples; `Q` is the array.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `covariance` is not a covariance.
+
+    Examples
+    --------
+    >>> noise = robsim.PoseNoise.from_sigma(0.5, 0.5, 0.01)
+    >>> noise.Q  # what a filter's Q can be set to
+    """
+
+    covariance: tuple[_Row, _Row, _Row] | ArrayLike
+
+    def __post_init__(self) -> None:
+        matrix = as_float_array("covariance", self.covariance)
+        if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+            raise ValueError(
+                f"covariance must be an array of shape (3, 3), all finite, "
+                f"got {quoted(self.covariance)}"
+            )
+        if not np.array_equal(matrix, matrix.T):
+            raise ValueError(f"covariance must be symmetric, got {quoted(self.covariance)}")
+        if not _is_semidefinite(matrix):
+            raise ValueError(
+                f"covariance must be positive semi-definite: no direction has a negative variance, "
+                f"got {quoted(self.covariance)}"
+            )
+        object.__setattr__(self, "covariance", tuple(map(tuple, matrix.tolist())))
+
+    @classmethod
+    def from_sigma(cls, x: float, y: float, heading: float) -> PoseNoise:
+        """Return independent noises of these standard deviations.
+
+        Parameters
+        ----------
+        x, y : float
+            Of the position in a step (px).
+        heading : float
+            Of the heading in a step (rad).
+
+        Raises
+        ------
+        TypeError, ValueError
+            If one is not a number within 0..1e6.
+        """
+        sigma = (
+            check_float("x", x, "px", minimum=0, maximum=_MAXIMUM_SIGMA),
+            check_float("y", y, "px", minimum=0, maximum=_MAXIMUM_SIGMA),
+            check_float("heading", heading, "rad", minimum=0, maximum=_MAXIMUM_SIGMA),
+        )
+        return cls(np.diag(np.square(sigma)))
+
+    @property
+    def Q(self) -> Floats:
+        """Array (3, 3): the covariance in a step (px^2, px rad, rad^2); set a filter's Q to it."""
+        return np.array(self.covariance)
+
+    @property
+    def factor(self) -> Floats:
+        """Array (3, 3): the lower triangular L with L L' = Q."""
+        Q, L = self.Q, np.zeros((3, 3))
+        for j in range(3):
+            # L(j, j)^2 = Q(j, j) - sum_m L(j, m)^2;  a column of zeros where nothing is left
+            rest = Q[j:, j] - (L[j:, :j] * L[j, :j]).sum(axis=1)
+            if rest[0] > 1e-12 * Q[j, j]:
+                L[j:, j] = rest / np.sqrt(rest[0])
+        return L
+
+    @property
+    def sigma(self) -> Floats:
+        """Array (3,): standard deviations of x, y (px) and the heading (rad) in a step."""
+        return np.sqrt(np.diag(self.Q))
+
+
+def _is_semidefinite(matrix: Floats) -> bool:
+    """Return whether no eigenvalue is negative beyond rounding, in units of its own diagonal."""
+    variances = np.diag(matrix)
+    if (variances < 0).any():
+        return False
+    scale = np.sqrt(variances)
+    unit = np.where(scale > 0, scale, 1.0)
+    correlations = matrix / unit / unit[:, np.newaxis]
+    return bool(np.linalg.eigvalsh(correlations).min() >= -1e-9)
+
+
+@dataclass(frozen=True)
+class WheelNoise:
+    """Process noise on the voltages of the motors, Gaussian, independent of each other.
+
+    Parameters
+    ----------
+    sigma : float, or tuple of two floats
+        Standard deviation in every step (V): of both motors, or of the left and the right one.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `sigma` is not one or two numbers of at least 0.
+
+    Examples
+    --------
+    >>> noise = robsim.WheelNoise(0.02)
+    >>> noise.Q(robsim.RobotModel(), heading=0.0)
+    """
+
+    sigma: float | Sequence[float]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.sigma, (tuple, list, np.ndarray)):
+            check_float("sigma", self.sigma, "V", minimum=0)
+            pair = (self.sigma, self.sigma)
+        elif np.shape(self.sigma) == (2,):
+            pair = tuple(self.sigma)
+        else:
+            raise ValueError(f"sigma must be one or two numbers (V), got {quoted(self.sigma)}")
+        both = tuple(check_float("sigma", value, "V", minimum=0) for value in pair)
+        object.__setattr__(self, "sigma", both)
+
+    def Q(self, model: RobotModel, heading: float) -> Floats:
+        """Return the covariance of the pose that the noise causes in a step.
+
+        Parameters
+        ----------
+        model : RobotModel
+            The model of the robot.
+        heading : float
+            Heading of the robot before the step (rad).
+
+        Returns
+        -------
+        array (3, 3)
+            Covariance of x, y, heading (px^2, px rad, rad^2); set a filter's Q to it.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `model` is not a RobotModel, or `heading` not a number.
+        """
+        b = _theta_of(model)[:, [_B1, _B2]]
+        angle = check_float("heading", heading, "rad")
+        # The noise w enters x as (b1X w1 + b2X w2) cos heading, y with sin, the heading as it is:
+        # Q = G diag(sigma1^2, sigma2^2) G'
+        G = b * np.array([[cos(angle)], [sin(angle)], [1.0]])
+        scaled = G * np.asarray(self.sigma)
+        # Row by row, so that Q is symmetric to the last bit.
+        return np.array([[(row * other).sum() for other in scaled] for row in scaled])
+
+
+@dataclass(frozen=True)
+class ParameterMismatch:
+    """The parameters of the world differ from those that the robot's software believes in.
+
+    Parameters
+    ----------
+    sigma : float
+        Relative standard deviation of the gains of the two motors and of the friction, 0..0.3.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `sigma` is not a number within 0..0.3.
+
+    Notes
+    -----
+    Four numbers n are drawn, Gaussian with standard deviation 1, each again until it lies within
+    +-3: for the gains alpha of the two motors, for the friction of the position Fv and for that of
+    the heading Fw. Each value becomes 1 + sigma n times what it was; mass, geometry and the torques
+    at 0 V stay. In the model's parameters, with rho = F T/m (of the heading: Fw T/I) from
+    a1 - 1 = 1/(1 + rho), per axis::
+
+        rho' = (1 + sigma n) rho
+        a1' = a1 + delta,  a2' = a2 - delta,  delta = 1/(1 + rho') - 1/(1 + rho)
+        bi' = (1 + sigma ni) bi (1 + rho)/(1 + rho'),  d1' = d1 (1 + rho)/(1 + rho')
+
+    The axes X and Y share their draws.
+
+    Examples
+    --------
+    >>> world = robsim.ParameterMismatch(0.05).draw(robsim.RobotModel(), np.random.default_rng(1))
+    """
+
+    sigma: float
+
+    def __post_init__(self) -> None:
+        sigma = check_float("sigma", self.sigma, minimum=0, maximum=0.3)
+        object.__setattr__(self, "sigma", sigma)
+
+    def draw(self, model: RobotModel, rng: np.random.Generator) -> RobotModel:
+        """Return the model of a world that differs from a model at random.
+
+        Parameters
+        ----------
+        model : RobotModel
+            What the robot's software believes; its a1 must be above 1.
+        rng : numpy.random.Generator
+            The seed of the numbers is drawn from it.
+
+        Returns
+        -------
+        RobotModel
+            The world's.
+
+        Raises
+        ------
+        TypeError
+            If an argument has another type.
+        ValueError
+            If an a1 is not above 1: friction has no meaning then.
+        """
+        theta = np.array(_theta_of(model))
+        if not isinstance(rng, np.random.Generator):
+            raise TypeError(f"rng must be a numpy.random.Generator, got {quoted(rng)}")
+        if not (theta[:, _A1] > 1).all():
+            raise ValueError(f"model must have each a1 between 1 and 2, got {theta[:, _A1]}")
+        numbers = islice(_within_3(rng.bit_generator.random_raw()), 4)
+        left, right, linear, angular = (1 + self.sigma * number for number in numbers)
+        # a1 - 1 = 1/(1 + rho)
+        rho = 1 / (theta[:, _A1] - 1) - 1
+        changed = rho * (linear, linear, angular)
+        delta = 1 / (1 + changed) - 1 / (1 + rho)
+        theta[:, _A1] += delta
+        theta[:, _A2] -= delta
+        theta[:, _B1] *= left
+        theta[:, _B2] *= right
+        theta[:, [_B1, _B2, _D1]] *= ((1 + rho) / (1 + changed))[:, np.newaxis]
+        return RobotModel.from_theta(theta, dt=model.dt)
+
+
+def _within_3(seed: int) -> Iterator[float]:
+    """Yield standard normal numbers within +-3: the core's, since numpy may change its own."""
+    for i in count():
+        if abs(number := random_normal(seed, i)) <= 3:
+            yield number
+
+
+def _theta_of(model: RobotModel) -> Floats:
+    if not isinstance(model, RobotModel):
+        raise TypeError(f"model must be a RobotModel, got {quoted(model)}")
+    return model.theta
+
+
+def check_process_noise(noise: PoseNoise | WheelNoise | None) -> PoseNoise | WheelNoise | None:
+    """Return the option ``process_noise``; raise TypeError if it has another type."""
+    if noise is not None and not isinstance(noise, (PoseNoise, WheelNoise)):
+        raise TypeError(
+            f"process_noise must be a PoseNoise, a WheelNoise or None, "
+            f"got {quoted(noise)}: write, for "
+            "example, process_noise=robsim.PoseNoise.from_sigma(0.5, 0.5, 0.01)"
+        )
+    return noise
+
+
+def check_mismatch(mismatch: ParameterMismatch | None) -> ParameterMismatch | None:
+    """Return the option ``mismatch``; raise TypeError if it has another type."""
+    if mismatch is not None and not isinstance(mismatch, ParameterMismatch):
+        raise TypeError(
+            f"mismatch must be a ParameterMismatch or None, "
+            f"got {quoted(mismatch)}: write, for example, "
+            "mismatch=robsim.ParameterMismatch(0.05)"
+        )
+    return mismatch

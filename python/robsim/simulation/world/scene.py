@@ -1,0 +1,273 @@
+"""The scene under the camera, composed of floor, shadow and robot image; made once, then shared."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from functools import cache, cached_property, lru_cache
+
+import numpy as np
+
+from robsim._core import Scene
+from robsim.base.shipped import ASSETS
+from robsim.base.text import quoted
+from robsim.base.values import digest, frozen
+from robsim.simulation.callbacks.errors import failed, refused
+from robsim.simulation.world.scene_cache import SceneCache
+from robsim.vision.imaging.images import Pixels, load_image, resized
+from robsim.vision.imaging.shading import SHADOW, darkened, lightened
+from robsim.vision.robots.definition import RobotDefinition
+
+#: Number of headings that the robot is drawn in, as in the program of 2008.
+HEADINGS = 36
+
+# The square on the default background: left, top, side (work-area px), RGB.
+_SQUARE = (572, 64, 56, (198, 36, 40))
+
+_cache = SceneCache(maximum_size=64 * 2**20)
+if hasattr(os, "register_at_fork"):
+    # A thread of the parent's may have been about to change it, or a heading in a scene.
+    os.register_at_fork(after_in_child=_cache.forget)
+
+
+def draw_red_square(background: Pixels) -> Pixels:
+    """Draw a red square near the top: the default of the slot ``adjust_background``.
+
+    It is larger than the robot's red marker; vision must not mistake it for the marker.
+
+    Parameters
+    ----------
+    background : array (H, W, 3) of uint8
+        The work area, RGB, one pixel per work-area px; it is changed in place.
+
+    Returns
+    -------
+    array (H, W, 3) of uint8
+        The same array.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it has the wrong type or shape.
+    """
+    _check_pixels(background)
+    left, top, side, color = _SQUARE
+    background[top : top + side, left : left + side] = color
+    return background
+
+
+class Floor:
+    """A user's floor, of the size of the work area: a value.
+
+    Parameters
+    ----------
+    pixels : array (H, W, 3) of uint8
+        The floor; it is copied.
+    """
+
+    def __init__(self, pixels: Pixels) -> None:
+        self.pixels: Pixels = frozen(pixels)
+
+    @cached_property
+    def _content(self) -> bytes:
+        return digest(self.pixels)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Floor):
+            return NotImplemented
+        return self is other or self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+
+def make_scene(
+    *,
+    robot: RobotDefinition,
+    area: tuple[int, int],
+    resolution: tuple[int, int],
+    headings: int,
+    background: Floor | None,
+    adjust_background: Callable[[Pixels], Pixels],
+) -> Scene:
+    """Return a scene: the one that was made of the same before, if it is still there.
+
+    Parameters
+    ----------
+    robot : RobotDefinition
+        The robot.
+    area, resolution : tuple of int
+        Width and height of the work area (px) and of the frame (px).
+    headings : int
+        Number of headings the robot is drawn in; 0 = continuous.
+    background : Floor or None
+        The floor, of the size of the area. None = the one that ships with robsim.
+    adjust_background : callable
+        Gets the image of the work area with its shadow; returns the changed image. Any other than
+        `draw_red_square` is called each time.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `adjust_background` returns a value of the wrong type or shape.
+    """
+
+    def make() -> Scene:
+        return _composed(robot, area, resolution, headings, background, adjust_background)
+
+    if adjust_background is not draw_red_square:
+        return make()
+    return _cache.get((robot, area, resolution, headings, background), make)
+
+
+def _composed(
+    robot: RobotDefinition,
+    area: tuple[int, int],
+    resolution: tuple[int, int],
+    headings: int,
+    background: Floor | None,
+    adjust_background: Callable[[Pixels], Pixels],
+) -> Scene:
+    floor = _shipped_floor(area) if background is None else background.pixels
+    shadowed_floor = darkened(floor)
+    home, shadowed_home = _home(floor, shadowed_floor, adjust_background)
+    sprite, centre, unit = robot_sprite(
+        robot, max(resolution[0] / area[0], resolution[1] / area[1])
+    )
+    return Scene(
+        floor=(resized(floor, *resolution), resized(shadowed_floor, *resolution)),
+        home=(resized(home, *resolution), resized(shadowed_home, *resolution)),
+        shadow_left=_shadow_left(resolution[0]),
+        shadow_factor=SHADOW,
+        sprite=sprite,
+        centre=centre,
+        unit=unit,
+        alignment=np.deg2rad(robot.alignment),
+        headings=headings,
+        area=area,
+    )
+
+
+def _shadow_left(width: int) -> int:
+    return round(width * 2 / 3)
+
+
+def _home(
+    floor: Pixels, shadowed_floor: Pixels, adjust_background: Callable[[Pixels], Pixels]
+) -> tuple[Pixels, Pixels]:
+    """Return the work area after the callback, lit and in the shadow."""
+    left = _shadow_left(floor.shape[1])
+    shown = np.concatenate((floor[:, :left], shadowed_floor[:, left:]), axis=1)
+    adjusted = _adjusted(adjust_background, shown)
+    home, shadowed_home = floor.copy(), shadowed_floor.copy()
+    rows = np.flatnonzero((adjusted != shown).reshape(len(floor), -1).any(axis=1))
+    # What was drawn in the light is darkened for the shadow, and vice versa.
+    home[rows, :left] = adjusted[rows, :left]
+    shadowed_home[rows, :left] = darkened(adjusted[rows, :left])
+    shadowed_home[rows, left:] = adjusted[rows, left:]
+    # Only what was drawn: lightened(darkened(floor)) is not exact.
+    in_shadow = adjusted[rows, left:]
+    drawn = (in_shadow != shown[rows, left:]).any(axis=2, keepdims=True)
+    home[rows, left:] = np.where(drawn, lightened(in_shadow), floor[rows, left:])
+    return home, shadowed_home
+
+
+def as_floor(pixels: Pixels) -> Floor:
+    """Return a user's floor, in its own size.
+
+    Parameters
+    ----------
+    pixels : array (H, W, 3) of uint8
+        The option ``background``, which the messages name.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it has the wrong type or shape.
+    """
+    _check_pixels(pixels, " or a file")
+    return Floor(pixels)
+
+
+def _check_pixels(background: Pixels, alternative: str = "") -> None:
+    if not isinstance(background, np.ndarray) or background.dtype != np.uint8:
+        raise TypeError(
+            f"background must be a uint8 array{alternative}, got {_described(background)}"
+        )
+    if background.ndim != 3 or background.shape[2] != 3 or not background.size:
+        raise ValueError(f"background must have the shape (H, W, 3), got {background.shape}")
+
+
+def _described(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        return f"a {value.dtype} array of shape {value.shape}"
+    return quoted(value)
+
+
+@lru_cache(maxsize=2)
+def scaled_floor(floor: Floor | None, area: tuple[int, int]) -> Floor | None:
+    """Return a floor scaled to the work area; None stays None."""
+    if floor is None or floor.pixels.shape[1::-1] == area:
+        return floor
+    return Floor(resized(floor.pixels, *area))
+
+
+def _shipped_floor(area: tuple[int, int]) -> Pixels:
+    """Return the shipped floor, tiled and cropped to the size of the work area."""
+    width, height = area
+    tile = _floor_tile()
+    across, down = -(-width // tile.shape[1]), -(-height // tile.shape[0])
+    return np.ascontiguousarray(np.tile(tile, (down, across, 1))[:height, :width])
+
+
+@cache
+def _floor_tile() -> Pixels:
+    return load_image(ASSETS / "floor.jpg")
+
+
+def _adjusted(adjust_background: Callable[[Pixels], Pixels], shown: Pixels) -> Pixels:
+    """Return the image that the callback returns, checked."""
+    place = ("adjust_background", "the callback adjust_background", -1, adjust_background)
+    try:
+        adjusted = adjust_background(shown.copy())
+    except BaseException as error:
+        failed(error, *place)
+        raise
+    expected = f"the result must be a uint8 array of shape {shown.shape}"
+    if not isinstance(adjusted, np.ndarray):
+        raise refused(TypeError(f"{expected}, got {quoted(adjusted)}"), *place)
+    if adjusted.dtype != np.uint8 or adjusted.shape != shown.shape:
+        came = f"{adjusted.dtype} of shape {adjusted.shape}"
+        raise refused(ValueError(f"{expected}, got {came}"), *place)
+    return adjusted
+
+
+def robot_sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[float, float], float]:
+    """Return the robot's image at the scale of the camera, its centre, and the width of a pixel.
+
+    Parameters
+    ----------
+    robot : RobotDefinition
+        The robot.
+    scale : float
+        Camera pixels per work-area px.
+
+    Returns
+    -------
+    sprite : array (h, w, 4) of uint8
+        RGBA.
+    centre : tuple of float
+        u, v of the robot's centre in the sprite (px).
+    unit : float
+        Width of a sprite pixel on the work area (px).
+    """
+    height, width = robot.image.shape[:2]
+    small_width = max(1, round(robot.size * scale))
+    small_height = max(1, round(robot.size * scale * height / width))
+    sprite = resized(robot.image, small_width, small_height)
+    assert robot.centre is not None
+    centre = (
+        (robot.centre[0] + 0.5) * small_width / width - 0.5,
+        (robot.centre[1] + 0.5) * small_height / height - 0.5,
+    )
+    return sprite, centre, robot.size / small_width

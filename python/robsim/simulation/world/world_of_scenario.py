@@ -1,0 +1,130 @@
+"""The native world of a scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim import _core
+from robsim._core import RobotModel
+from robsim.base.seeds import as_uniform, random_bits, stream, stream_number
+from robsim.simulation.world.disturbances import PoseNoise, WheelNoise, check_process_noise
+from robsim.simulation.world.dropout import as_dropout
+from robsim.simulation.world.scene import make_scene, scaled_floor
+from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging.noise import as_native_noise
+
+if TYPE_CHECKING:
+    from robsim.simulation.scenario import Scenario
+
+
+def frame_size(scenario: Scenario) -> tuple[int, int]:
+    return scenario.resolution or scenario.area
+
+
+def new_world(scenario: Scenario) -> _core.SimulatedWorld:
+    """Return a world without seeds, scene and noises."""
+    return _core.SimulatedWorld(
+        area=scenario.area,
+        resolution=frame_size(scenario),
+        boundary=scenario.boundary,
+        robot_radius=scenario._robot_definition.radius,
+        camera_delay=scenario.camera_delay,
+        motor_delay=scenario.motor_delay,
+    )
+
+
+def apply_noise(world: _core.SimulatedWorld, scenario: Scenario) -> None:
+    world.set_noise(as_native_noise(scenario.noise))
+
+
+def apply_dropout(world: _core.SimulatedWorld, scenario: Scenario) -> None:
+    """Give a world the dropout of a scenario."""
+    dropout = as_dropout(scenario.dropout)
+    world.set_dropout(dropout.probability, dropout.steps)
+
+
+def apply_process_noise(world: _core.SimulatedWorld, scenario: Scenario) -> None:
+    """Give a world the process noise of a scenario."""
+    noise = check_process_noise(scenario.process_noise)
+    factor = noise.factor if isinstance(noise, PoseNoise) else np.zeros((3, 3))
+    sigma = noise.sigma if isinstance(noise, WheelNoise) else 0.0
+    world.set_disturbance(factor, np.broadcast_to(sigma, 2).tolist())
+
+
+def seed_world(
+    world: _core.SimulatedWorld, scenario: Scenario, seed: np.random.SeedSequence
+) -> None:
+    """Give a world its random streams, and what depends on the seed: its start and its model."""
+    world.set_seeds(
+        noise=stream_number(seed, "noise"),
+        dropout=stream_number(seed, "dropout"),
+        disturbance=stream_number(seed, "disturbance"),
+    )
+    world.set_start(_start_pose(scenario, seed))
+    world.set_true_model(partial(_true_model, scenario, seed))
+
+
+def set_scene(
+    world: _core.SimulatedWorld,
+    scenario: Scenario,
+    adjust_background: Callable[[Pixels], Pixels],
+    *,
+    makes_at_start: bool,
+) -> None:
+    """Let a world make its scene when somebody looks, or at the start."""
+    make = partial(_scene_of, scenario, adjust_background)
+    world.set_make_scene(make, makes_at_start=makes_at_start)
+
+
+def check_bounces(scenario: Scenario) -> None:
+    """Raise ValueError if the robot has no room to bounce in."""
+    radius = scenario._robot_definition.radius
+    if scenario.boundary == "bounce" and min(scenario.area) <= 2 * radius + 1:
+        raise ValueError(
+            f"area must be wider than the robot, {2 * radius:.0f} px, to bounce in it, got "
+            f"{scenario.area}"
+        )
+
+
+def _start_pose(scenario: Scenario, seed: np.random.SeedSequence) -> ArrayLike:
+    width, height = scenario.area
+    start = scenario.start
+    if start is None:
+        return (width / 2, height / 2, 0.0)
+    if not isinstance(start, str):
+        return start
+    margin = min(scenario._robot_definition.radius, width / 2, height / 2)
+    lows, highs = (margin, margin, -np.pi), (width - 1 - margin, height - 1 - margin, np.pi)
+    bits = random_bits(stream(seed, "start"))
+    return [
+        low + (high - low) * as_uniform(next(bits)) for low, high in zip(lows, highs, strict=True)
+    ]
+
+
+def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.Scene:
+    return make_scene(
+        robot=scenario._robot_definition,
+        area=scenario.area,
+        resolution=frame_size(scenario),
+        headings=scenario.headings or 0,
+        background=scaled_floor(scenario._floor, scenario.area),
+        adjust_background=adjust,
+    )
+
+
+def _true_model(scenario: Scenario, seed: np.random.SeedSequence, belief: RobotModel) -> RobotModel:
+    """Return the model of the world: that of the scenario, or what the robot half believes in."""
+    model = scenario._model or belief
+    if model.dt != belief.dt:
+        raise ValueError(
+            f"define_model must give a model with the dt of the world, {model.dt:g} s, got "
+            f"{belief.dt:g}"
+        )
+    if scenario.mismatch is None:
+        return model
+    return scenario.mismatch.draw(model, np.random.default_rng(stream(seed, "mismatch")))

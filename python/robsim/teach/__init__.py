@@ -1,0 +1,15 @@
+"""What is asked of students, and what they get for it: tasks, checks, grading, assignments."""
+
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+
+from robsim.base.late import late_names as _late_names
+
+if _TYPE_CHECKING:
+    from robsim.teach.assignments import *
+    from robsim.teach.doctor import *
+    from robsim.teach.grading import *
+    from robsim.teach.tasks import *
+
+__getattr__, __dir__ = _late_names(
+    __name__, ("tasks", "doctor", "grading", "assignments"), apart=("gym",)
+)

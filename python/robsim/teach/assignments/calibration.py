@@ -1,0 +1,129 @@
+"""`calibrate_assignment`: limits for the tests of an assignment, and what they rest on."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Executor
+from os import PathLike
+from pathlib import Path
+
+from robsim.base.checks import check_bool
+from robsim.base.files import write_whole
+from robsim.base.text import one_line
+from robsim.campaigns.engines.executors import DaskClient
+from robsim.teach.assignments._reading import limits_file
+from robsim.teach.assignments._reading.assignment_file import SOLUTIONS, solutions_for
+from robsim.teach.assignments.assignment import Assignment, TaskTest
+from robsim.teach.assignments.grading.seeds import key_for
+from robsim.teach.errors import AssignmentError
+from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.marks.calibrate import calibrate, calibration_seconds, check_solutions
+from robsim.teach.tasks.marks.calibration import TaskCalibration, solutions_digest, task_digest
+from robsim.teach.tasks.solutions import Solution
+
+#: Runs of a calibration that was ended, in the folder of the assignment.
+KEPT = ".calibrating"
+
+
+def calibrate_assignment(
+    folder: str | PathLike[str],
+    *,
+    false_fail: float = 0.01,
+    confidence: float = 0.95,
+    executor: int | str | Executor | DaskClient | None = None,
+    progress: bool = True,
+) -> dict[str, TaskCalibration]:
+    """Calibrate the limits of an assignment by its solutions, and write its ``limits.json``.
+
+    Runs are kept until all is done: the same call goes on where one was ended.
+
+    Parameters
+    ----------
+    folder : path
+        The folder of the assignment. The seeds of the runs come from its key.
+    false_fail, confidence, executor, progress
+        As for `robsim.teach.calibrate`.
+
+    Returns
+    -------
+    dict of str to TaskCalibration
+        That of each test by a task; tests with the same task have one together.
+
+    Raises
+    ------
+    AssignmentError
+        If the assignment cannot be read, has no key, or its solutions are not such as it takes.
+    OSError
+        If the limits cannot be written.
+    TypeError, ValueError
+        If an argument is wrong.
+    """
+    assignment = Assignment.load(folder)
+    check_bool("progress", progress)
+    kept = assignment.folder / KEPT
+    found: dict[str, TaskCalibration] = {}
+    for test, names in _by_task(assignment):
+        solutions = _usable(assignment, test.task)
+        digest = f"{task_digest(test.task)}-{solutions_digest(solutions)}"
+        made = calibrate(
+            test.task,
+            solutions,
+            false_fail=false_fail,
+            confidence=confidence,
+            seed=key_for(assignment, public=False).world_seed("", f"calibration {test.name}", 0),
+            executor=executor,
+            store=kept / digest,
+            progress=progress,
+        )
+        found |= dict.fromkeys(names, made)
+    _write(assignment.folder, {test.name: found[test.name] for test in assignment.tests})
+    shutil.rmtree(kept, ignore_errors=True)
+    return found
+
+
+def seconds_to_calibrate(
+    assignment: Assignment, *, false_fail: float, confidence: float, processes: int
+) -> float:
+    """Return about how long `calibrate_assignment` will take (s)."""
+    return sum(
+        calibration_seconds(
+            test.task,
+            _usable(assignment, test.task),
+            false_fail=false_fail,
+            confidence=confidence,
+            processes=processes,
+        )
+        for test, _ in _by_task(assignment)
+    )
+
+
+def _usable(assignment: Assignment, task: Task) -> tuple[Solution, ...]:
+    """Return the solutions; raise AssignmentError if they are not such as calibration takes."""
+    place = f"{SOLUTIONS}/{task.name}"
+    found = solutions_for(assignment.folder, task)
+    try:
+        check_solutions(found)
+    except ValueError as error:
+        raise AssignmentError(f"{place}: {error}", file=place) from None
+    return found
+
+
+def _by_task(assignment: Assignment) -> Iterator[tuple[TaskTest, list[str]]]:
+    """Yield the first test of each task, and the names of all that have it."""
+    if not assignment.tests:
+        raise AssignmentError(f"{one_line(assignment.folder)} has no test by a task")
+    tests: dict[str, list[TaskTest]] = {}
+    for test in assignment.tests:
+        tests.setdefault(task_digest(test.task), []).append(test)
+    for same in tests.values():
+        yield same[0], [test.name for test in same]
+
+
+def _write(folder: Path, calibrations: Mapping[str, TaskCalibration]) -> None:
+    records = {name: one.as_record() for name, one in calibrations.items()}
+    tests = {name: {"limits": one["limits"], "calibration": one} for name, one in records.items()}
+    content = {"format": limits_file.FORMAT, "tests": tests}
+    text = json.dumps(content, indent=1, allow_nan=False)
+    write_whole(folder / limits_file.FILE, f"{text}\n".encode())

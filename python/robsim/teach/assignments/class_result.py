@@ -1,0 +1,107 @@
+"""`ClassResult`: what came of a class."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robsim.base.report import Column, Quantity, Report, Row, Table
+from robsim.teach.assignments.results import ERROR, NOT_RUN, SubmissionResult, TestResult
+
+_MOST_LISTED = 5
+_WIDEST = 24  # characters of the heading of a column
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClassResult(Report):
+    """The results of a class.
+
+    Attributes
+    ----------
+    name : str
+        The name of the assignment.
+    results : tuple of SubmissionResult
+        Those of the submissions, by the names of the students.
+    """
+
+    name: str
+    results: tuple[SubmissionResult, ...]
+
+    @property
+    def title(self) -> str:
+        """What was graded."""
+        return f"{self.name}: {len(self.results)} submission{'s' * (len(self.results) != 1)}"
+
+    @property
+    def quantities(self) -> Sequence[Quantity]:
+        """Mean and median of the points, and how many have all of them."""
+        points = [result.points for result in self.results]
+        most = max((result.most for result in self.results), default=0.0)
+        full = sum(result.points >= result.most for result in self.results)
+        return (
+            Quantity("mean", "mean", float(np.mean(points)), "", ".2f"),
+            Quantity("median", "median", float(np.median(points)), "", ".2f"),
+            Quantity("most", "of", most),
+            Quantity("full", "with all points", full),
+        )
+
+    @property
+    def tables(self) -> Sequence[Table]:
+        """The points of each student in each test."""
+        names = list(dict.fromkeys(test.name for one in self.results for test in one.tests))
+        tests = [Column(name, _heading(name), "", ".2f") for name in names]
+        columns = [Column("points", "points", "", ".2f"), *tests]
+        rows = [Row(one.student, _row(one, names)) for one in self.results]
+        return (Table(key="students", columns=columns, rows=rows, row_title="student"),)
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """Which submissions could not be graded, or read."""
+        return tuple(self._remarks())
+
+    def _remarks(self) -> Iterator[str]:
+        broken = [one.student for one in self.results if one.has_errors]
+        if broken:
+            yield (
+                f"not all could be graded, which is no fault of theirs: {_listed(broken)}; the "
+                "same call tries them again"
+            )
+        unread = [one.student for one in self.results if one.is_unread]
+        if unread:
+            yield f"could not be read, which gives no points, as their pages say: {_listed(unread)}"
+        left = [one.student for one in self.results if not one.is_done and not one.has_errors]
+        if left:
+            yield f"some tests were not asked for: {_listed(left)}"
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether a test could not be graded, by a fault of the assignment or the grader."""
+        return any(one.has_errors for one in self.results)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether all have all points."""
+        return all(one.is_done and one.points >= one.most for one in self.results)
+
+
+def _heading(name: str) -> str:
+    """Return the name of a test, short enough for a column: functions of pytest have long ones."""
+    name = name.removeprefix("test_")
+    return name if len(name) <= _WIDEST else f"{name[: _WIDEST - 3]}..."
+
+
+def _row(result: SubmissionResult, names: Sequence[str]) -> list[float | None]:
+    points = {test.name: test.points for test in result.tests if _has_points(test)}
+    return [result.points, *(points.get(name) for name in names)]
+
+
+def _has_points(test: TestResult) -> bool:
+    is_asked_for = test.status != NOT_RUN or bool(test.digest)
+    return test.status != ERROR and is_asked_for
+
+
+def _listed(students: Sequence[str]) -> str:
+    more = len(students) - _MOST_LISTED
+    return ", ".join(students[:_MOST_LISTED]) + (f" and {more} more" if more > 0 else "")

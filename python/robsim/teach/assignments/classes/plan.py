@@ -1,0 +1,120 @@
+"""What is to be graded, proved to be usable before any submission is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from robsim.base.checks import check_bool
+from robsim.base.spelling import check_names
+from robsim.base.text import quoted
+from robsim.teach.assignments._own_tests.listing import OwnTest
+from robsim.teach.assignments._own_tests.running import list_own_tests
+from robsim.teach.assignments._reading.limits_file import FILE as LIMITS
+from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
+from robsim.teach.assignments.grading import digests
+from robsim.teach.assignments.grading.marking import limit_of
+from robsim.teach.assignments.grading.references import References
+from robsim.teach.assignments.grading.seeds import key_for
+from robsim.teach.assignments.grading.work import GradingWork, Unit
+from robsim.teach.errors import AssignmentError
+from robsim.teach.isolation.check import check_isolation
+from robsim.teach.isolation.start import IsolationError
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is graded.
+
+    Attributes
+    ----------
+    work : GradingWork
+        The assignment with all tests that there are results of.
+    wanted : frozenset of str
+        The names of those that are run.
+    digest : str
+        Of what the points rest on.
+    """
+
+    work: GradingWork
+    wanted: frozenset[str]
+    digest: str
+
+    @property
+    def assignment(self) -> Assignment:
+        return self.work.assignment
+
+
+def plan_of(
+    assignment: Assignment, *, only: Iterable[str] | None = None, public: bool = False
+) -> Plan:
+    """Return what is to be graded.
+
+    Parameters
+    ----------
+    assignment : Assignment
+        The assignment.
+    only : sequence of str, optional
+        The names of the tests that are to be run. Default: all.
+    public : bool
+        Only those that students have, too.
+
+    Raises
+    ------
+    AssignmentError
+        If a limit, the key, a reference or a file of tests is missing, or broken.
+    ValueError
+        If there is no test of a name, or none at all.
+    """
+    check_bool("public", public)
+    asked = None if only is None else _names(only)
+    tests = [t for t in assignment.all_tests if t.public or not public]
+    if not tests:
+        raise ValueError(f"{assignment.name} has no tests that are public")
+    if (
+        assignment.isolation == "strict"
+        and not (report := check_isolation(isolation="strict")).strict
+    ):
+        raise IsolationError(str(report))
+    references = References(assignment)
+    for test in tests:
+        key_for(assignment, public=test.public)
+        if isinstance(test, TaskTest):
+            _check_usable(test, references)
+    units = tuple(
+        Unit(test, _own(assignment, test), digests.of_test(assignment, test)) for test in tests
+    )
+    names = [name for unit in units for name in unit.names]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise AssignmentError(f"two tests have the name {quoted(twice[0])}: rename one")
+    wanted = names if asked is None else asked
+    check_names(f"{assignment.name} has no test", wanted, names, ValueError)
+    work = GradingWork(assignment, units)
+    return Plan(work, frozenset(wanted), digests.of_assignment(assignment))
+
+
+def _names(only: Iterable[str] | str) -> list[str]:
+    names = [only] if isinstance(only, str) else only
+    if not isinstance(names, Sequence) or not all(isinstance(one, str) for one in names):
+        raise TypeError(f"only must be names of tests, got {quoted(only)}")
+    return list(names)
+
+
+def _check_usable(test: TaskTest, references: References) -> None:
+    """Raise AssignmentError unless a test has limits, and its reference runs."""
+    if test.stale:
+        raise AssignmentError(f"the limits of the test {test.name}: {test.stale}", file=LIMITS)
+    for score in test.task.scores:
+        limit_of(test, score)
+        known = test.reference_values.get(score.name)
+        if known is not None and len(known) != test.task.runs:
+            raise AssignmentError(
+                f"limits.json has {len(known)} numbers of the reference of {test.name}, which has "
+                f"{test.task.runs} runs",
+                file=LIMITS,
+            )
+    references.numbers(test, "", 0)
+
+
+def _own(assignment: Assignment, test: TaskTest | FileTests) -> tuple[OwnTest, ...]:
+    return () if isinstance(test, TaskTest) else list_own_tests(assignment, test)

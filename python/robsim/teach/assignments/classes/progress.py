@@ -1,0 +1,165 @@
+"""How far a submission has come: results that are kept, tests that are still to be run."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+import robsim
+from robsim.teach.assignments.assignment import TaskTest
+from robsim.teach.assignments.classes.plan import Plan
+from robsim.teach.assignments.classes.submissions import Handed
+from robsim.teach.assignments.grading import digests
+from robsim.teach.assignments.grading.marking import marked
+from robsim.teach.assignments.grading.work import Job, Row, Unit
+from robsim.teach.assignments.results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult
+from robsim.teach.errors import SubmissionError
+from robsim.teach.submissions import read_submission
+from robsim.teach.texts import clean_text
+
+_WAITING = "Not run yet."
+_OUT_OF_TIME = "Not run: the tests before it took all the time that there is."
+_LEAST = 1.0  # s that a test must have left
+
+
+class Progress:
+    """A submission that is graded.
+
+    Parameters
+    ----------
+    index : int
+        Its number in the class.
+    handed : Handed
+        The submission.
+    plan : Plan
+        What is graded.
+    old : SubmissionResult or None
+        What came of it before.
+    """
+
+    def __init__(
+        self, index: int, handed: Handed, plan: Plan, old: SubmissionResult | None
+    ) -> None:
+        self.handed = handed
+        self.changed = ""
+        self._index, self._plan = index, plan
+        self._assignment, self._units = plan.assignment, plan.work.units
+        self._isolation = ""
+        self._read()
+        kept = self._kept(old)
+        self._results: dict[str, TestResult] = {}
+        self._left: list[int] = []
+        for number, unit in enumerate(self._units):
+            self._begin(number, unit, kept, not plan.wanted.isdisjoint(unit.names))
+
+    def _read(self) -> None:
+        """Read the submission; note why it cannot be."""
+        self._refused, self._digest = "", ""
+        self._notes: tuple[str, ...] = ()
+        try:
+            files = read_submission(
+                self.handed.path, self._assignment._rules(), self._assignment.files_of_all
+            )
+        except SubmissionError as error:
+            self._refused = clean_text(str(error))
+            self._notes = (self._refused,)
+        else:
+            self._notes = tuple(map(clean_text, files.notes))
+            self._digest = digests.of_submission(files)
+
+    def _kept(self, old: SubmissionResult | None) -> dict[str, TestResult]:
+        """Return the results that still hold, by test; say why none does."""
+        if old is None or self._refused:
+            return {}
+        if old.submission_digest != self._digest:
+            self.changed = "it has changed since it was graded"
+            return {}
+        if dict(old.versions) != versions():
+            self.changed = "it was graded with other versions"
+            return {}
+        self._isolation = old.isolation
+        return {test.name: test for test in old.tests if test.digest and test.status != ERROR}
+
+    def _begin(self, number: int, unit: Unit, kept: dict[str, TestResult], is_wanted: bool) -> None:
+        if self._refused:
+            self._take(unit.unmarked(FAILED, self._refused, SubmissionError.whose))
+            return
+        found = [kept[name] for name in unit.names if name in kept]
+        if len(found) == len(unit.names) and all(one.digest == unit.digest for one in found):
+            self._take(again(unit, one) for one in found)
+            return
+        if found and not self.changed:
+            self.changed = "the assignment has changed since it was graded"
+        waiting = unit.unmarked(NOT_RUN, _WAITING, None)
+        self._take(replace(one, digest="") for one in waiting)
+        if is_wanted:
+            self._left.append(number)
+
+    def _take(self, results: Iterable[TestResult]) -> None:
+        self._results |= {one.name: one for one in results}
+
+    def next(self) -> Job | None:
+        """Return the next test to be run, if there is one; what has no time left is not run."""
+        while self._left:
+            number = self._left[0]
+            seconds = self._assignment.seconds - self._seconds
+            if seconds >= _LEAST:
+                return Job(self._index, number, self.handed.student, self.handed.path, seconds)
+            self._take(self._units[number].unmarked(NOT_RUN, _OUT_OF_TIME, SubmissionError.whose))
+            del self._left[0]
+        return None
+
+    def take(self, row: Row) -> None:
+        """Take what came of a test."""
+        self._take(row.results)
+        self._isolation = row.isolation or self._isolation
+        self._left.remove(row.job.unit)
+
+    @property
+    def _seconds(self) -> float:
+        return sum(test.seconds for test in self._results.values())
+
+    @property
+    def result(self) -> SubmissionResult:
+        """What came of it so far."""
+        tests = tuple(self._results.values())
+        return SubmissionResult(
+            assignment=self._assignment.name,
+            title=self._assignment.title,
+            student=self.handed.student,
+            tests=tests,
+            notes=self._notes,
+            isolation=self._isolation,
+            submission_digest=self._digest,
+            assignment_digest=self._plan.digest,
+            versions=versions(),
+            is_done=all(test.digest and test.status != ERROR for test in tests),
+            seconds=self._seconds,
+        )
+
+
+def again(unit: Unit, result: TestResult) -> TestResult:
+    """Return a result with the points and sentences of today."""
+    if isinstance(unit.test, TaskTest):
+        return marked(unit.test, result) if result.scores else _renamed(unit.test, result)
+    (own,) = (one for one in unit.own if one.name == result.name)
+    points = own.points if result.points > 0 else 0.0
+    return replace(result, points=points, most=own.points, title=own.title, public=own.public)
+
+
+def _renamed(test: TaskTest, result: TestResult) -> TestResult:
+    """Return a result without runs: it has no points whatever the limits are."""
+    return replace(
+        result, title=test.title, number=test.number, public=test.public, most=test.points
+    )
+
+
+def versions() -> dict[str, str]:
+    return {
+        "robsim": robsim.__version__,
+        "numpy": np.__version__,
+        "python": platform.python_version(),
+    }

@@ -1,0 +1,120 @@
+"""What there is to grade: a class of submissions, or a single one."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+from robsim.base.files import as_path
+from robsim.base.text import listed, one_line
+from robsim.simulation.slots import SLOTS
+from robsim.teach.assignments.assignment import Assignment
+from robsim.teach.errors import AssignmentError, SubmissionError
+from robsim.teach.submissions import read_submission
+from robsim.teach.tasks.solutions import MODULE
+
+_FORMS = (".zip", ".py", ".ipynb")
+
+
+@dataclass(frozen=True)
+class Handed:
+    """What a student has handed in: the name, which is that of its folder or file, and its path."""
+
+    student: str
+    path: str
+
+
+def one_submission(path: str | PathLike[str], name: str = "submission") -> Handed:
+    """Return a submission by its path, which may end in the student's name in place of a file's.
+
+    Messages call the argument `name`.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is none.
+    """
+    place = Path(os.path.abspath(as_path(path, name)))
+    if not os.path.lexists(place):
+        found = [file for form in _FORMS if (file := Path(f"{place}{form}")).is_file()]
+        if len(found) != 1:
+            raise FileNotFoundError(2, "there is no such submission", str(path))
+        (place,) = found
+    return Handed(_student_of(place), str(place))
+
+
+def check_is_one(handed: Handed, assignment: Assignment) -> None:
+    """Raise ValueError for a folder that is no submission, but has those of a class."""
+    try:
+        found = submissions_in(handed.path, assignment)
+    except FileNotFoundError:  # it is empty
+        return
+    if len(found) == 1:
+        return
+    is_read = [_can_be_read(one, assignment) for one in found]
+    if sum(is_read) > 1 or not _can_be_read(handed, assignment):
+        folder = Path(handed.path).name
+        raise ValueError(
+            f"{one_line(folder)} is no submission, but has {len(found)}: name one of them, such as "
+            f"{one_line(folder)}/{one_line(Path(found[0].path).name)}"
+        )
+
+
+def _can_be_read(handed: Handed, assignment: Assignment) -> bool:
+    try:
+        read_submission(handed.path, assignment._rules(), assignment.files_of_all)
+    except SubmissionError:
+        return False
+    return True
+
+
+def submissions_in(path: str | PathLike[str], assignment: Assignment) -> list[Handed]:
+    """Return all submissions of a folder by name; of a path that is one submission, that one.
+
+    A folder is one submission if there is a file of a slot in it, or one that is given to all.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is nothing.
+    AssignmentError
+        If two are of one student.
+    """
+    first = one_submission(path, "submissions")
+    place = Path(first.path)
+    if not place.is_dir() or _is_one(place, assignment):
+        return [first]
+    # Hidden files are those of tools.
+    names = [name for name in sorted(os.listdir(place)) if not name.startswith((".", "__"))]
+    if not names:
+        raise FileNotFoundError(2, "there are no submissions in this folder", str(path))
+    return sorted(_each_once(_handed(place / name) for name in names), key=lambda h: h.student)
+
+
+def _is_one(folder: Path, assignment: Assignment) -> bool:
+    given = {*assignment.given_files, f"{MODULE}.py", *(f"{slot}.py" for slot in SLOTS)}
+    return any((folder / name).is_file() for name in given)
+
+
+def _handed(path: Path) -> Handed:
+    return Handed(_student_of(path), str(path))
+
+
+def _student_of(path: Path) -> str:
+    is_packed = path.suffix.lower() in _FORMS and not path.is_dir()
+    return one_line(path.stem if is_packed else path.name)
+
+
+def _each_once(found: Iterable[Handed]) -> Iterable[Handed]:
+    seen: dict[str, Handed] = {}
+    for handed in found:
+        if handed.student in seen:
+            names = [Path(one.path).name for one in (seen[handed.student], handed)]
+            raise AssignmentError(
+                f"two submissions of {handed.student}, {listed(names)}: keep the one that counts"
+            )
+        seen[handed.student] = handed
+        yield handed

@@ -1,0 +1,129 @@
+"""A run of a test again, for an appeal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+
+from robsim.base.checks import check_int, check_text
+from robsim.base.report import Column, Report, Row, Table
+from robsim.base.spelling import check_names
+from robsim.teach.assignments.assignment import Assignment, TaskTest
+from robsim.teach.assignments.classes.submissions import check_is_one, one_submission
+from robsim.teach.assignments.grading.pictures import picture_of
+from robsim.teach.assignments.grading.references import References, numbers_of
+from robsim.teach.assignments.grading.seeds import seeds_of
+from robsim.teach.assignments.grading.task_runs import graded_task
+from robsim.teach.errors import SubmissionError
+from robsim.teach.grading.graded_run import graded_run
+from robsim.teach.texts import clean_text
+from robsim.trace import Trace
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlayedRun(Report):
+    """A run of a test, done again: the same as in grading, from the key.
+
+    Attributes
+    ----------
+    test : TaskTest
+        The test.
+    student : str
+        The student.
+    run : int
+        Its number.
+    trace : Trace
+        The run, with the truth.
+    numbers : mapping of str to float
+        Its scores; none of one that failed.
+    failed : str
+        Why the submission failed in it, as it did in grading; "" = it did not.
+    reference : Trace or None
+        The run of the reference in the same world; None = there is none here.
+    reference_numbers : mapping of str to float
+        Its scores.
+    output : str
+        What the submission printed.
+    """
+
+    test: TaskTest
+    student: str
+    run: int
+    trace: Trace
+    numbers: Mapping[str, float]
+    reference: Trace | None
+    reference_numbers: Mapping[str, float]
+    output: str
+    failed: str = ""
+
+    @property
+    def title(self) -> str:
+        """Whose run of what it is."""
+        return f"{self.student}, {self.test.name}, run {self.run}"
+
+    @property
+    def tables(self) -> Sequence[Table]:
+        """Its scores beside those of the reference, if it came through."""
+        if self.failed:
+            return ()
+        columns = (
+            Column("value", "this run"),
+            Column("reference", "reference"),
+            Column("ratio", "ratio", "", ".3g"),
+        )
+        rows = [
+            Row(score.title, (value, other, value / other if other else None), unit=score.unit)
+            for score in self.test.task.scores
+            for value, other in [(self.numbers[score.name], self.reference_numbers[score.name])]
+        ]
+        return (Table(key="scores", columns=columns, rows=rows, row_title="score"),)
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """Why it failed, if it did."""
+        return (f"the run ended early: {self.failed}",) if self.failed else ()
+
+    def picture(self) -> bytes:
+        """Return the run beside that of the reference, as PNG."""
+        return picture_of(self.test, self.trace, self.reference)[0]
+
+
+def play(
+    assignment: Assignment,
+    submission: str | PathLike[str],
+    test: str,
+    run: int,
+    student: str | None = None,
+) -> PlayedRun:
+    """Do a run of a test again; see `Assignment.play`."""
+    tests = {one.name: one for one in assignment.tests}
+    handed = one_submission(submission)
+    check_is_one(handed, assignment)
+    name = handed.student if student is None else check_text("student", student)
+    named = [check_text("test", test)]
+    check_names(f"{assignment.name} has no test by a task", named, tests, ValueError)
+    one = tests[test]
+    check_int("run", run, minimum=0, maximum=one.task.runs - 1)
+    task, seeds = graded_task(assignment, one, handed.path), seeds_of(assignment, one, name, run)
+    failed, numbers = "", {}
+    try:
+        graded = graded_run(task, one.task.scenario, one.task.steps, seeds)
+        trace, output = graded.result, graded.output
+        numbers = dict(numbers_of(one, trace))
+    except SubmissionError as error:
+        if error.trace is None:  # there is nothing to be seen of it
+            raise
+        trace, output, failed = error.trace, error.output, clean_text(str(error))
+    references = References(assignment)
+    return PlayedRun(
+        test=one,
+        student=name,
+        run=run,
+        trace=trace,
+        numbers=numbers,
+        reference=None if one.reference is None else references.trace(one, name, run),
+        reference_numbers=references.numbers(one, name, run),
+        output=output,
+        failed=failed,
+    )

@@ -1,0 +1,83 @@
+"""What students are told of a test by a task, in a sentence or two."""
+
+from __future__ import annotations
+
+import re
+
+from robsim.teach.assignments.results import PASSED, ScoreResult, TestResult
+from robsim.teach.texts import clean_line
+
+_MOST_REASON = 300  # characters
+
+# What the grader says of a submission that does not answer. A submission could say it, too.
+_TOO_LONG = re.compile(r"[\w ]+ took longer than \S+ s( at step \d+)?")
+_ENDED = re.compile(r"[\w ]+: its process (ended by itself|was ended|has closed) .*")
+
+
+def of(result: TestResult) -> str:
+    """Return what to say of a test: of one that is not public no number of its runs."""
+    parts = [_of_failed(result), _of_scores(result)]
+    return " ".join(part for part in parts if part)
+
+
+def _of_failed(result: TestResult) -> str:
+    if not result.failed:
+        return ""
+    first = result.failed[0]
+    if not result.public:  # the text of an error may tell what was in the run
+        by = first.slot if first.slot is not None else "the submission"
+        which = "All" if len(result.failed) == result.runs else "Some"
+        return f"{which} runs ended early: {by} {_how(first.reason)}."
+    reason = clean_line(first.reason.rstrip("."), _MOST_REASON)
+    if len(result.failed) == result.runs:
+        return f"No run came through. Run {first.run}: {reason}."
+    return f"{len(result.failed)} of {result.runs} runs ended early. Run {first.run}: {reason}."
+
+
+def _how(reason: str) -> str:
+    """Return how a run was ended, in words that tell nothing of it."""
+    if _TOO_LONG.fullmatch(reason):
+        return "took too long"
+    return "ended its process" if _ENDED.fullmatch(reason) else "failed"
+
+
+def _of_scores(result: TestResult) -> str:
+    through = result.runs - len(result.failed)
+    if not through:
+        return ""
+    if all(score.fraction >= 1 for score in result.scores):
+        if result.status == PASSED:
+            return "All is as good as it must be."
+        return "The others were as good as they must be."
+    lost = [score for score in result.scores if score.fraction < 1]
+    lost.sort(key=lambda score: (1 - score.fraction) * score.share, reverse=True)
+    if result.public:
+        return _told(lost[0], through)
+    told: dict[str, list[str]] = {}
+    for score in lost:
+        told.setdefault(_direction(score), []).append(f"the {score.title}")
+    return " ".join(_are(titles, direction) for direction, titles in told.items())
+
+
+def _are(titles: list[str], direction: str) -> str:
+    *others, last = titles
+    text = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+    return f"{text[0].upper()}{text[1:]} {direction}."
+
+
+def _direction(score: ScoreResult) -> str:
+    return "too small" if score.low is not None and score.statistic < score.low else "too large"
+
+
+def _told(score: ScoreResult, runs: int) -> str:
+    over = f"in the geometric mean of {runs} runs" if runs > 1 else "in the only run"
+    if score.low is not None:
+        return (
+            f"The {score.title} is {_direction(score)}: {score.statistic:.3g} {over}, where 1 is "
+            f"right and {score.low:.3g} to {score.limit:.3g} has all points."
+        )
+    return (
+        f"The {score.title} is too large: {score.statistic:.3g} times that of the reference "
+        f"{over}, where up to {score.limit:.3g} times has all points and {score.zero:.3g} times "
+        "none."
+    )

@@ -1,0 +1,103 @@
+"""`pack_gradescope`: the zip that Gradescope makes an autograder of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib.metadata import version
+from os import PathLike
+from pathlib import Path
+
+from robsim.base.files import as_path
+from robsim.base.text import one_line, quoted
+from robsim.teach.assignments._reading import limits_file
+from robsim.teach.assignments._reading.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
+from robsim.teach.assignments.assignment import Assignment
+from robsim.teach.assignments.classes.plan import plan_of
+from robsim.teach.assignments.packing.archive import write_zip
+from robsim.teach.assignments.packing.public_part import check_assignment_value, limits_alone
+from robsim.teach.tasks.solutions import REFERENCE
+
+#: The folder of the assignment, in that of the autograder.
+ASSIGNMENT = "assignment"
+
+_FILES = Path(__file__).parents[1] / "templates/gradescope"
+_MODES = {"run_autograder": 0o755, "setup.sh": 0o755, f"{ASSIGNMENT}/{KEY}": 0o600}
+
+
+def pack_gradescope(
+    assignment: Assignment,
+    path: str | PathLike[str],
+    *,
+    install: str | PathLike[str] | None = None,
+) -> Path:
+    """Write the autograder of an assignment for Gradescope, with its key and hidden tests.
+
+    Parameters
+    ----------
+    assignment : Assignment
+        The assignment.
+    path : path
+        The zip; an old one is replaced.
+    install : path or str, optional
+        What is installed there: a wheel, which goes into the zip, or what pip takes, such as
+        ``"robsim==1.2"``. Default: this version, from where pip finds it.
+
+    Returns
+    -------
+    Path
+        The zip.
+
+    Raises
+    ------
+    AssignmentError
+        If a test has no limits, or there is no key.
+    OSError
+        If it cannot be written, or the wheel cannot be read.
+    TypeError, ValueError
+        If an argument is wrong.
+
+    Notes
+    -----
+    After https://gradescope-autograders.readthedocs.io/en/latest/specs: ``setup.sh`` is run once,
+    when the image is built; ``run_autograder`` for each submission, which lies in
+    ``/autograder/submission``, and it writes ``/autograder/results/results.json``.
+    """
+    check_assignment_value(assignment)
+    file = as_path(path)
+    if file.suffix != ".zip":
+        raise ValueError(f"path must be that of a zip, got {quoted(str(file))}")
+    wheel, line = _installed(install)
+    plan_of(assignment)  # all that it takes is there
+    files = dict(_assignment_files(assignment))
+    for name in ("setup.sh", "run_autograder"):
+        files[name] = (_FILES / name).read_bytes()
+    if wheel is not None:
+        files[wheel.name] = wheel.read_bytes()
+    files["requirements.txt"] = f"{line}\npytest\n".encode()
+    write_zip(file, files, modes=_MODES)
+    return file
+
+
+def _assignment_files(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
+    """Yield what grading needs, and no more."""
+    folder = assignment.folder
+    yield f"{ASSIGNMENT}/{limits_file.FILE}", limits_alone(assignment).encode()
+    needed = [folder / FILE, folder / KEY]
+    needed += sorted(folder.glob("*.py"))
+    needed += [file.path for file in assignment.files]
+    needed += sorted((folder / GIVEN).glob("*"))
+    for test in assignment.tests:
+        needed += sorted((folder / SOLUTIONS / test.task.name / "right" / REFERENCE).glob("*.py"))
+    for file in dict.fromkeys(needed):
+        if file.is_file():
+            yield f"{ASSIGNMENT}/{file.relative_to(folder).as_posix()}", file.read_bytes()
+
+
+def _installed(install: str | PathLike[str] | None) -> tuple[Path | None, str]:
+    """Return the wheel that goes along, if there is one, and the line of requirements.txt."""
+    if install is None:
+        return None, f"robsim=={version('robsim')}"
+    if isinstance(install, str) and not install.endswith(".whl"):
+        return None, one_line(install)
+    wheel = as_path(install, "install")
+    return wheel, f"./{wheel.name}"

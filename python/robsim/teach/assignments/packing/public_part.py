@@ -1,0 +1,145 @@
+"""What students get of an assignment: all that is public, and nothing else."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from robsim.base.files import read_toml
+from robsim.base.text import one_line, quoted
+from robsim.teach.assignments._own_tests.running import list_own_tests
+from robsim.teach.assignments._reading import limits_file
+from robsim.teach.assignments._reading.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
+from robsim.teach.assignments.assignment import Assignment, TaskTest
+from robsim.teach.assignments.grading.marking import limit_of
+from robsim.teach.assignments.grading.references import References
+from robsim.teach.assignments.making.folder import SHEET, START
+from robsim.teach.errors import AssignmentError
+from robsim.teach.tasks.solutions import NAIVE
+
+_SHORTEST = 12  # bytes of a solution; fewer may stand anywhere
+
+
+def check_assignment_value(assignment: object) -> None:
+    if not isinstance(assignment, Assignment):
+        raise TypeError(f"assignment must be an Assignment, got {quoted(assignment)}")
+
+
+def public_part(assignment: Assignment) -> dict[str, bytes]:
+    """Return the files that students get, by their paths in the folder.
+
+    Raises
+    ------
+    AssignmentError
+        If there is no public test, its limits are not calibrated, there is no sheet, or something
+        hidden would be among them.
+    """
+    files = dict(_files(assignment))
+    if found := leaks(assignment, files):
+        raise AssignmentError(f"students would get what is hidden: {found[0]}")
+    return files
+
+
+def _files(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
+    if not any(test.public for test in assignment.all_tests):
+        raise AssignmentError(f"{FILE}: no test is public: students could try nothing", file=FILE)
+    sheet = assignment.folder / SHEET
+    if not sheet.is_file():
+        raise AssignmentError(f"{one_line(assignment.folder)} has no {SHEET}", file=SHEET)
+    yield SHEET, sheet.read_bytes()
+    yield FILE, _public_toml(assignment).encode()
+    yield limits_file.FILE, _public_limits(assignment).encode()
+    for file in assignment.files:
+        if file.public:
+            yield str(file.path.relative_to(assignment.folder).as_posix()), file.path.read_bytes()
+    for name in (START, GIVEN):
+        yield from _below(assignment.folder, name)
+
+
+def _public_toml(assignment: Assignment) -> str:
+    import tomlkit
+
+    values = read_toml(assignment.folder / FILE)
+    for key in ("tests", "files"):
+        values[key] = [one for one in values.get(key, []) if one["public"]]
+    values = {"points": _all_points(assignment)} | {k: v for k, v in values.items() if v != []}
+    return f"# Try it: robsim grade . mine --public\n{tomlkit.dumps(values)}"
+
+
+def _all_points(assignment: Assignment) -> float:
+    """Return how many points there are, hidden tests counted."""
+    own = (list_own_tests(assignment, file) for file in assignment.files)
+    points = [test.points for test in assignment.tests]
+    return sum(points) + sum(one.points for tests in own for one in tests)
+
+
+def _public_limits(assignment: Assignment) -> str:
+    """Return limits and the numbers of the reference: students do not have its code."""
+    references = References(assignment)
+    tests = {
+        test.name: {
+            **_limits(test),
+            "reference": _columns(
+                [references.numbers(test, "", run) for run in range(test.task.runs)]
+            ),
+        }
+        for test in assignment.tests
+        if test.public
+    }
+    return json.dumps({"format": limits_file.FORMAT, "tests": tests}, indent=1)
+
+
+def limits_alone(assignment: Assignment) -> str:
+    """Return the limits without what they rest on: not all solutions go along."""
+    tests = {test.name: _limits(test) for test in assignment.tests}
+    return json.dumps({"format": limits_file.FORMAT, "tests": tests}, indent=1)
+
+
+def _limits(test: TaskTest) -> dict[str, Any]:
+    return {"limits": {s.name: asdict(limit_of(test, s)) for s in test.task.scores}}
+
+
+def _columns(runs: list[Mapping[str, float]]) -> dict[str, list[float | None]]:
+    return {
+        name: [None if math.isnan(run[name]) else run[name] for run in runs] for name in runs[0]
+    }
+
+
+def _below(folder: Path, name: str) -> Iterator[tuple[str, bytes]]:
+    for file in sorted((folder / name).rglob("*")):
+        path = file.relative_to(folder)
+        is_hidden = any(part.startswith((".", "__")) for part in path.parts)
+        if file.is_file() and not is_hidden:
+            yield path.as_posix(), file.read_bytes()
+
+
+def leaks(assignment: Assignment, files: dict[str, bytes]) -> list[str]:
+    """Return what of the hidden part is in files, a sentence each."""
+    everything = b"\n".join(files.values())
+    return [
+        f"{name} has {what}"
+        for what, secret in _secrets(assignment)
+        if secret in everything
+        for name, content in files.items()
+        if secret in content
+    ]
+
+
+def _secrets(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
+    """Yield what must not be there, with its name."""
+    key = assignment.folder / KEY
+    if key.is_file():
+        yield "the key", key.read_bytes().split()[-1]
+    for file in assignment.files:
+        if not file.public:
+            yield f"the hidden {file.path.name}", file.path.read_bytes()
+    for solution in sorted((assignment.folder / SOLUTIONS).rglob("*.py")):
+        content = solution.read_bytes().strip()
+        is_start = solution.parent.name == NAIVE  # what students begin with is made of it
+        if len(content) > _SHORTEST and not is_start:
+            path = solution.relative_to(assignment.folder).as_posix()
+            yield f"the solution {path}", content

@@ -1,0 +1,256 @@
+"""What came of the grading of a submission: points, sentences, numbers, as a file."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from robsim.base.checks import check_text
+from robsim.teach.assignments.points import in_hundredths
+
+if TYPE_CHECKING:
+    from robsim.teach.assignments._submission_report import SubmissionReport
+
+#: What a test can come to.
+PASSED, PARTIAL, FAILED, ERROR, NOT_RUN = "passed", "partial", "failed", "error", "not run"
+FORMAT = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScoreResult:
+    """A score in a test: the statistic of its runs, and what that gives.
+
+    Attributes
+    ----------
+    name, title, unit : str
+        As of the `Score`.
+    values, reference : tuple of float
+        The numbers of the runs that came through, and those of the reference in the same runs.
+    statistic : float
+        What they come to; NaN = no run came through.
+    limit, zero, low, low_zero : float or None
+        As of the `Limit`.
+    fraction, share : float
+        The part of its points that it gives, 0 to 1, and its share of those of the test.
+    """
+
+    name: str
+    title: str
+    unit: str = ""
+    values: tuple[float, ...] = ()
+    reference: tuple[float, ...] = ()
+    statistic: float
+    limit: float
+    zero: float
+    low: float | None = None
+    low_zero: float | None = None
+    fraction: float
+    share: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class FailedRun:
+    """A run that did not come through: its number and what the submission did."""
+
+    run: int
+    reason: str
+    slot: str | None = None
+    step: int | None = None
+    file: str | None = None
+    line: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class TestResult:
+    """A test of an assignment, graded.
+
+    All texts are clean: nothing in them is an escape, a control character or longer than a page.
+
+    Attributes
+    ----------
+    name, title : str
+        Its name in the assignment, and for people.
+    number : str
+        Its number, such as "3.1"; "" = none.
+    public : bool
+        Whether students have it, too. Of others nothing but points and `sentence` is theirs to see.
+    points, most : float
+        What it got, in hundredths, of how many: only all are all, and only none are none.
+    status : str
+        ``"passed"`` (all points), ``"partial"``, ``"failed"`` (none), ``"error"`` (the assignment
+        or the grader failed: no points are lost or won), ``"not run"``.
+    sentence : str
+        What to tell the student, in a sentence or two.
+    whose : str or None
+        Whose fault it is that runs failed: ``"submission"``, ``"assignment"``, ``"grader"``.
+    scores : tuple of ScoreResult
+        Empty for a test of the teacher's own.
+    runs : int
+        How many runs; 0 for a test of the teacher's own.
+    failed : tuple of FailedRun
+        Those that did not come through: each takes its part of the points.
+    worst : int or None
+        The number of the run that is shown: the worst one, or one that failed.
+    picture : str or None
+        The file of its picture, beside this one.
+    caption : str
+        What the picture shows, in a sentence, for those who cannot see it, too.
+    finding : str
+        What the doctor found; "" = nothing.
+    output : str
+        What the submission printed, cut.
+    seconds : float
+        How long it took.
+    digest : str
+        SHA-256 of all that its numbers rest on, points and limits left out; "" = it is still to
+        be run.
+    """
+
+    __test__ = False  # it is no test of pytest's
+
+    name: str
+    title: str
+    number: str = ""
+    public: bool = True
+    points: float
+    most: float
+    status: str
+    sentence: str = ""
+    whose: str | None = None
+    scores: tuple[ScoreResult, ...] = ()
+    runs: int = 0
+    failed: tuple[FailedRun, ...] = ()
+    worst: int | None = None
+    picture: str | None = None
+    caption: str = ""
+    finding: str = ""
+    output: str = ""
+    seconds: float = 0.0
+    digest: str = ""
+
+    def __post_init__(self) -> None:
+        # Here, so that points are the same wherever they are read, and add up there.
+        object.__setattr__(self, "points", in_hundredths(self.points, self.most))
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SubmissionResult:
+    """All tests of a submission.
+
+    Attributes
+    ----------
+    assignment, title : str
+        Name and title of the assignment.
+    student : str
+        The name of the submission.
+    tests : tuple of TestResult
+        In the order of the assignment; while it is graded those so far, then "not run".
+    notes : tuple of str
+        What was left out when it was read, or why it could not be.
+    isolation : str
+        What has shut it in, in a line.
+    submission_digest, assignment_digest : str
+        SHA-256 of what was handed in, and of what the points rest on.
+    versions : mapping of str to str
+        robsim, numpy, python.
+    is_done : bool
+        Whether all tests were run.
+    seconds : float
+        How long it took.
+    """
+
+    assignment: str
+    title: str
+    student: str
+    tests: tuple[TestResult, ...] = ()
+    notes: tuple[str, ...] = ()
+    isolation: str = ""
+    submission_digest: str = ""
+    assignment_digest: str = ""
+    versions: Mapping[str, str] = field(default_factory=dict)
+    is_done: bool = False
+    seconds: float = 0.0
+
+    @property
+    def points(self) -> float:
+        """What it got in all."""
+        return round(sum(test.points for test in self.tests), 2)
+
+    @property
+    def most(self) -> float:
+        """How many points there are."""
+        return round(sum(test.most for test in self.tests), 2)
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether a test could not be graded, by a fault of the assignment or the grader."""
+        return any(test.status == ERROR for test in self.tests)
+
+    @property
+    def is_unread(self) -> bool:
+        """Whether it could not be read, so that nothing of it was run: `notes` say why."""
+        return self.is_done and not self.submission_digest and bool(self.notes)
+
+    @property
+    def report(self) -> SubmissionReport:
+        """The tests in a table, as a `Report`."""
+        from robsim.teach.assignments._submission_report import SubmissionReport
+
+        return SubmissionReport(of=self)
+
+    def __str__(self) -> str:
+        return str(self.report)
+
+    def __repr__(self) -> str:
+        return f"<SubmissionResult: {self.report.line}>"
+
+    def _repr_html_(self) -> str:
+        return self.report._repr_html_()
+
+    def replace(self, **changes: Any) -> SubmissionResult:
+        """Return one that differs in some attributes."""
+        return replace(self, **changes)
+
+    def to_json(self) -> str:
+        """Return it as JSON; numbers that are not finite are null."""
+        return json.dumps(_finite({"format": FORMAT} | asdict(self)), indent=1, allow_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> SubmissionResult:
+        """Return what `to_json` wrote; raise ValueError if it is something else."""
+        data = json.loads(check_text("text", text))
+        if not isinstance(data, dict) or data.pop("format", None) != FORMAT:
+            raise ValueError(f"no result of a submission of format {FORMAT}")
+        try:
+            tests = tuple(_test(one) for one in data.pop("tests"))
+            return cls(tests=tests, **data | {"notes": tuple(data["notes"])})
+        except (KeyError, TypeError, AttributeError) as error:
+            raise ValueError(f"no result of a submission: {error}") from None
+
+
+def _test(data: Mapping[str, Any]) -> TestResult:
+    scores = tuple(_score(one) for one in data["scores"])
+    failed = tuple(FailedRun(**one) for one in data["failed"])
+    return TestResult(**{**data, "scores": scores, "failed": failed})
+
+
+def _score(data: Mapping[str, Any]) -> ScoreResult:
+    statistic = math.nan if data["statistic"] is None else data["statistic"]
+    runs = {name: tuple(_number(x) for x in data[name]) for name in ("values", "reference")}
+    return ScoreResult(**{**data, **runs, "statistic": statistic})
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _finite(value: Any) -> Any:
+    """Return data with None in place of numbers that JSON does not have."""
+    if isinstance(value, dict):
+        return {key: _finite(one) for key, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

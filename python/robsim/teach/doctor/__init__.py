@@ -1,0 +1,31 @@
+"""The doctor: checks that say what is wrong with a callback, and in which line."""
+
+from robsim.base.check_report import CheckReport, Problem
+from robsim.base.public import present as _present
+from robsim.base.source_line import SourceLine
+from robsim.teach.doctor.callbacks.backgrounds import check_background
+from robsim.teach.doctor.callbacks.controllers import check_controller
+from robsim.teach.doctor.callbacks.folder import FolderReport, check_folder
+from robsim.teach.doctor.callbacks.measurements import check_measurement
+from robsim.teach.doctor.callbacks.models import check_model, check_motion
+from robsim.teach.doctor.parameter_estimators import check_parameter_estimator
+from robsim.teach.doctor.state_estimators import check_estimator
+from robsim.teach.doctor.tasks.report import TaskReport
+
+__all__ = [
+    "CheckReport",
+    "FolderReport",
+    "Problem",
+    "SourceLine",
+    "TaskReport",
+    "check_background",
+    "check_controller",
+    "check_estimator",
+    "check_folder",
+    "check_measurement",
+    "check_model",
+    "check_motion",
+    "check_parameter_estimator",
+]
+
+_present(globals())

@@ -1,0 +1,103 @@
+"""Exceptions in an estimator under test, explained as problems of the report."""
+
+from __future__ import annotations
+
+import inspect
+from traceback import TracebackException
+
+from robsim._core import Estimate
+from robsim.base.check_report import Problem
+from robsim.base.source_line import called_in, line_of_error
+from robsim.base.spelling import with_article
+from robsim.simulation.callbacks.missing_data import comes_of_none, names_in
+from robsim.simulation.callbacks.signatures import accepts, where_defined
+from robsim.teach.doctor._trial import TIME_LIMIT, BadResult, EstimatorUnderTest, Trial
+
+_READ_ONLY = "read-only"  # numpy has no type for it
+_NO_SAMPLE = "step.sample is None at the start, after a bounce and where the robot is not seen"
+_NEVER_SEEN = "step.measurement is None before the robot is seen for the first time"
+_NOT_SEEN = "step.measurement is None where the robot is not seen"
+
+
+def problem_of(estimator: EstimatorUnderTest, trial: Trial) -> Problem:
+    """Return the error that ended a trial, as a problem."""
+    assert trial.error is not None
+    kind, sentence = explained(trial.error)
+    missing = _missing(trial)
+    if missing is not None and kind != "too slow":
+        kind, reason = missing
+        sentence = f"{reason}: then {sentence}"
+    elif kind == "exception":
+        sentence = "; ".join([sentence, *_hints(trial.error)])
+    return Problem(
+        kind=kind,
+        sentence=sentence,
+        situation=trial.situation.name,
+        k=trial.failed_at,
+        line=line_of_error(trial.error) or estimator.line,
+    )
+
+
+def problem_of_make(estimator: EstimatorUnderTest, error: BaseException) -> Problem:
+    """Return the error that kept make() from returning an estimator, as a problem."""
+    kind, sentence = explained(error)
+    if not accepts(estimator.make, 0):
+        kind, sentence = "make fails", _not_a_maker(estimator)
+    elif not isinstance(error, BadResult):
+        kind, sentence = "make fails", f"make() returns no {estimator.slot.noun}: {sentence}"
+    return Problem(kind=kind, sentence=sentence, line=line_of_error(error) or estimator.line)
+
+
+def _not_a_maker(estimator: EstimatorUnderTest) -> str:
+    """Say that make needs arguments, and what to give in its place."""
+    make, name, noun = estimator.make, estimator.name, estimator.slot.noun
+    expected = f"make takes no argument and returns a fresh {noun}, got {name}{where_defined(make)}"
+    if isinstance(make, type):
+        return f"{expected}: write lambda: {name}(...)"
+    if inspect.isfunction(make):
+        return f"{expected}: if that is the {noun} itself, write lambda: {name}"
+    return f"{expected}: it is {with_article(noun)} already; give its class, or lambda: {name}(...)"
+
+
+def explained(error: BaseException) -> tuple[str, str]:
+    """Return kind and sentence of an error.
+
+    Parameters
+    ----------
+    error : BaseException
+        The error.
+    """
+    text = str(error)
+    if isinstance(error, BadResult):
+        return error.kind, text
+    if isinstance(error, TimeoutError):
+        return "too slow", f"a call takes longer than {TIME_LIMIT:g} s, or never ends"
+    if isinstance(error, ValueError) and _READ_ONLY in text:
+        return (
+            "writes into step",
+            "it writes into an array of the step, which is read-only: work on a copy, such as "
+            "np.array(...), and beware of +=, -= and [...] =",
+        )
+    if isinstance(error, (TypeError, ValueError)) and called_in(error) == Estimate.__name__:
+        return "wrong Estimate", f"its Estimate has a value that it cannot have: {text}"
+    name = type(error).__name__
+    if isinstance(error, (AttributeError, NameError)):
+        text = str(TracebackException.from_exception(error))  # with "Did you mean ...?"
+    return "exception", f"it raises {name}: {text}" if text else f"it raises {name}"
+
+
+def _hints(error: BaseException) -> list[str]:
+    """Return the notes that say why, without those that say where."""
+    notes = getattr(error, "__notes__", ())
+    return [note for note in notes if not note.startswith(("in the callback", "while loading"))]
+
+
+def _missing(trial: Trial) -> tuple[str, str] | None:
+    """Return kind and sentence if the step had no data, which may have caused the error."""
+    assert trial.error is not None
+    seen, k = trial.situation.measurements, trial.failed_at
+    if not seen and comes_of_none(trial.error) and "sample" in names_in(trial.error):
+        return "missing sample", _NO_SAMPLE
+    if k >= len(seen) or seen[k] is not None:
+        return None
+    return ("missing measurement", _NOT_SEEN) if any(seen[:k]) else ("not seen yet", _NEVER_SEEN)

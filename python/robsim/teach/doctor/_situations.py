@@ -1,0 +1,166 @@
+"""Simulated drives, with inputs and measurements, that the doctor tries estimators in."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from robsim._core import Measurement, RobotModel, RobotParameters, wrap_angle
+from robsim.base.checks import Floats
+
+DT = 0.2
+START = (300.0, 700.0)  # px; x and y differ by far, so that swapping them shows
+MEASUREMENT_SIGMA = (0.5, 0.5, 0.01)  # px, px, rad
+PROCESS_SIGMA = (0.1, 0.1, 0.005)  # px, px, rad
+UNSEEN = range(100, 120)  # steps
+STANDS = range(400, 1400)  # steps
+
+_NOISE_AT_REST = 0.1
+_STEPS = 160
+_SPEED = 3.0  # px per step
+WAY = 10 * _SPEED  # px
+_SEED = 5
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Situation:
+    """A drive of the robot: its true poses, inputs and measurements.
+
+    Attributes
+    ----------
+    name : str
+        What the robot does, as the report says it.
+    dt : float
+        Time between two steps (s).
+    poses : array (N, 3)
+        The true poses: x, y (px), heading (rad). The estimators do not get them.
+    u : array (N, 2)
+        Inputs (V).
+    measurements : tuple of N Measurements; None = not seen
+        Empty = the robot is not tracked.
+    """
+
+    name: str
+    dt: float
+    poses: Floats
+    u: Floats
+    measurements: tuple[Measurement | None, ...] = ()
+
+    def first(self, steps: int) -> Situation:
+        return replace(
+            self,
+            poses=self.poses[:steps],
+            u=self.u[:steps],
+            measurements=self.measurements[:steps],
+        )
+
+    def unseen(self, name: str, steps: Collection[int]) -> Situation:
+        """Return the situation with steps at which the robot is not seen."""
+        seen = (None if k in steps else m for k, m in enumerate(self.measurements))
+        return replace(self, name=name, measurements=tuple(seen))
+
+    def displaced(self, offset: Floats, start: int) -> Situation:
+        """Return the situation with an offset of the measurements (px, px, rad) from a step on."""
+        shifted = (
+            Measurement(m.pose + offset, covariance=m.covariance) if m and k >= start else m
+            for k, m in enumerate(self.measurements)
+        )
+        return replace(self, measurements=tuple(shifted))
+
+    def with_noise(self, factor: float) -> Situation:
+        """Return the situation with its measurement noise multiplied by a factor."""
+
+        def scaled(m: Measurement, pose: Floats) -> Measurement:
+            P = None if m.covariance is None else factor**2 * m.covariance
+            return Measurement(pose + factor * pose_difference(m.pose, pose), covariance=P)
+
+        pairs = zip(self.measurements, self.poses, strict=True)
+        return replace(self, measurements=tuple(m and scaled(m, pose) for m, pose in pairs))
+
+
+def pose_difference(poses: Floats, others: Floats) -> Floats:
+    """Return poses minus others, (3,) or (N, 3), with wrapped headings."""
+    difference = np.array(poses - others)
+    difference[..., 2] = wrap_angle(difference[..., 2])
+    return difference
+
+
+@cache
+def weaving(dt: float) -> Situation:
+    """Return a drive in gentle curves, in which the heading stays far from +-pi."""
+    heading: Floats = np.sin(2 * np.pi * np.arange(_STEPS) / 60)
+    return _measured("robot weaves", heading, dt)
+
+
+def blinking(dt: float) -> Situation:
+    """Return the drive in gentle curves, out of sight for three of every 20 steps."""
+    hidden = [k for k in range(10, _STEPS) if k % 20 in (10, 11, 12)]
+    return weaving(dt).unseen("robot weaves and is hidden now and then", hidden)
+
+
+@cache
+def turning(dt: float) -> Situation:
+    """Return a drive in circles, out of sight after the first step beyond each turn of +-pi."""
+    situation = _measured("robot turns round and round", np.linspace(0.0, 17.5, _STEPS), dt)
+    headings = [m.pose[2] for m in situation.measurements if m is not None]
+    crossings = np.flatnonzero(np.diff(headings) < -np.pi) + 1
+    return situation.unseen(situation.name, {int(k) + i for k in crossings for i in (1, 2, 3)})
+
+
+def _measured(name: str, heading: Floats, dt: float) -> Situation:
+    model = RobotModel(RobotParameters(dt=dt))
+    a1, a2, b1, b2, d1 = model.theta[2]
+    # heading(k) = a1 heading(k-1) + a2 heading(k-2) + b1 u1(k-1) + b2 u2(k-1) + d1, solved for
+    # u = (forward + turn, forward - turn)
+    turn = np.zeros(len(heading))
+    turn[1:-1] = (heading[2:] - a1 * heading[1:-1] - a2 * heading[:-2] - d1) / (b1 - b2)
+    a1, _, b1, b2, _ = model.theta[0]
+    # in steady state: speed = (a1 - 1) speed + (b1 + b2) forward
+    forward = _SPEED * (2 - a1) / (b1 + b2)
+    u = np.column_stack((forward + turn, forward - turn))
+    poses = _driven(model, u, heading[:2], np.zeros((len(u), 3)))
+    noise = np.random.default_rng(_SEED).normal(0.0, MEASUREMENT_SIGMA, poses.shape)
+    covariance = np.diag(np.square(MEASUREMENT_SIGMA))
+    seen = tuple(Measurement(pose, covariance=covariance) for pose in poses + noise)
+    return Situation(name=name, dt=dt, poses=poses, u=u, measurements=seen)
+
+
+@cache
+def excited(dt: float, steps: int, noise: float = 1.0) -> Situation:
+    """Return a drive with random voltages, each held for ten steps; noise: share of the usual."""
+    u = _held_voltages(steps)
+    return _disturbed("robot drives around", u, dt, np.full(len(u), noise))
+
+
+@cache
+def resting(dt: float) -> Situation:
+    """Return a drive in which the robot stands still for 1000 steps, then drives on."""
+    u = _held_voltages(STANDS.stop + 400)
+    u[STANDS.start : STANDS.stop] = 0.0
+    # Standing, it is at rest, but not exactly: an exact 0 hides windup.
+    noise = np.where(u.any(axis=1), 1.0, _NOISE_AT_REST)
+    return _disturbed("robot stands, then drives on", u, dt, noise)
+
+
+def _held_voltages(steps: int) -> Floats:
+    random = np.random.default_rng(_SEED)
+    return np.repeat(random.uniform(-0.5, 1.0, (-(-steps // 10), 2)), 10, axis=0)[:steps]
+
+
+def _disturbed(name: str, u: Floats, dt: float, share: Floats) -> Situation:
+    noise = np.random.default_rng(_SEED + 1).normal(0.0, PROCESS_SIGMA, (len(u), 3))
+    noise *= share[:, np.newaxis]
+    poses = _driven(RobotModel(RobotParameters(dt=dt)), u, np.zeros(2), noise)
+    return Situation(name=name, dt=dt, poses=poses, u=u)
+
+
+def _driven(model: RobotModel, u: Floats, heading: Floats, noise: Floats) -> Floats:
+    """Return the poses (N, 3) that the model drives from two initial headings."""
+    poses = np.empty((len(u), 3))
+    poses[:2, :2], poses[:2, 2] = START, heading
+    for k in range(2, len(u)):
+        poses[k] = model.predict(poses[k - 1], poses[k - 2], u[k - 1]) + noise[k]
+    return poses

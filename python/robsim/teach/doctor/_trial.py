@@ -1,0 +1,312 @@
+"""Trials of an estimator under test in a situation, with its output, errors and timing."""
+
+from __future__ import annotations
+
+import io
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, redirect_stdout
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robsim._core import Step
+from robsim.base.checks import Floats
+from robsim.base.source_line import SourceLine, line_of_frame, users_line_of_callable
+from robsim.simulation.callbacks.slot import SlotHandle
+from robsim.simulation.runner import Runner
+from robsim.simulation.time_limit import TimeLimit
+from robsim.teach.doctor._situations import Situation
+from robsim.trace import Trace
+
+TIME_LIMIT = 5.0  # s per call; after that it counts as an endless loop
+_TIMED_CALLS = 20
+_PROBE = 0.03  # s
+_KEPT_CHARACTERS = 200  # of stdout
+
+
+class BadResult(Exception):
+    """An estimator returned what its slot cannot use."""
+
+    def __init__(self, kind: str, sentence: str) -> None:
+        super().__init__(sentence)
+        self.kind = kind
+
+
+class NoEstimator(Exception):
+    """make() returned no estimator; `reason` is the error."""
+
+    def __init__(self, reason: BaseException) -> None:
+        super().__init__(str(reason))
+        self.reason = reason
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slot:
+    """The interface of one kind of estimator.
+
+    Attributes
+    ----------
+    entry : callable
+        ``entry(estimator) -> function``: its function that is called; raises BadResult if it has
+        none.
+    read : callable
+        ``read(result, previous) -> array``: a result as numbers, given those of the last step or
+        None; raises BadResult.
+    simulate : callable
+        ``simulate(situation, callback) -> Simulation or Experiment``.
+    file : str
+        The slot whose file in a callback folder has the estimator.
+    callback : callable
+        ``callback(estimator) -> (step) -> result``: the callback for the simulation.
+    from_file : callable
+        ``from_file(callback) -> estimator``: what that file gives.
+    noun : str
+        What a report calls it.
+    may_print : bool
+        Whether what it prints is worth a remark only.
+    """
+
+    entry: Callable[[Any], Callable[..., Any]]
+    read: Callable[[Any, Floats | None], Floats]
+    simulate: Callable[[Situation, Callable[[Step], Any]], Runner]
+    file: str
+    callback: Callable[[Any], Callable[[Step], Any]] = lambda estimator: estimator
+    from_file: Callable[[Any], Any] = lambda callback: callback
+    noun: str = "estimator"
+    may_print: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trial:
+    """The outcome of an estimator in a situation.
+
+    Attributes
+    ----------
+    situation : Situation
+        The situation.
+    outputs : array (n, width)
+        The results of the steps before the error, or of all steps.
+    trace : Trace
+        What the simulation recorded.
+    error : BaseException or None
+        The error that ended the trial, at step n.
+    """
+
+    situation: Situation
+    outputs: Floats
+    trace: Trace
+    error: BaseException | None = None
+
+    @property
+    def failed_at(self) -> int:
+        return len(self.outputs)
+
+
+class CallClock:
+    """The duration of calls, whatever else the machine has to do meanwhile."""
+
+    def __init__(self) -> None:
+        self._times: list[tuple[float, float, float]] = []
+
+    def __len__(self) -> int:
+        return len(self._times)
+
+    @property
+    def last(self) -> float:
+        """Duration of the last call (s)."""
+        return self._times[-1][0]
+
+    @contextmanager
+    def timed(self) -> Iterator[None]:
+        """Measure the call inside the context."""
+        before = _clocks()
+        yield
+        passed, thread, process = (now - then for now, then in zip(_clocks(), before, strict=True))
+        self._times.append((passed, thread, process))
+
+    def check(self, budget: float) -> None:
+        """Raise BadResult if a call takes longer than the budget (s).
+
+        It takes what it works and what it waits, such as in a sleep, without the time in which
+        other programs have the processor.
+        """
+        if not self._times:
+            return
+        passed, thread, process = np.array(self._times).T
+        seconds, work = np.quantile(passed, 0.25), np.median(thread)
+        if seconds > budget:
+            waits = seconds - _slowdown() * np.median(process)
+            seconds = min(seconds, work + max(0.0, waits))
+        seconds = max(seconds, work)
+        if seconds > budget:
+            raise BadResult(
+                "too slow",
+                f"a call takes {1000 * seconds:.3g} ms, the median of {len(self)}, more than the "
+                f"budget of {1000 * budget:.3g} ms",
+            )
+
+
+def _clocks() -> tuple[float, float, float]:
+    """Return the time (s), and what this thread and this process have used of the processor."""
+    return time.perf_counter(), time.thread_time(), time.process_time()
+
+
+def _slowdown() -> float:
+    """Return how much longer than it works a program takes now, since others run, too."""
+    then, before, _ = _clocks()
+    while time.thread_time() - before < _PROBE:
+        pass
+    now, after, _ = _clocks()
+    return (now - then) / (after - before)
+
+
+class StdoutCapture(io.TextIOBase):
+    """A stdout that keeps the first line printed and the source line that printed it."""
+
+    def __init__(self) -> None:
+        self._text = ""
+        self.line: SourceLine | None = None
+
+    @property
+    def text(self) -> str:
+        """The first line; empty if nothing was printed."""
+        return self._text.lstrip().partition("\n")[0]
+
+    def write(self, text: str) -> int:
+        """Keep the first characters that are printed."""
+        if self.line is None:
+            self.line = line_of_frame(sys._getframe(1))
+        if len(self._text) < _KEPT_CHARACTERS:
+            self._text += text
+        return len(text)
+
+
+class EstimatorUnderTest:
+    """The estimator to be checked: makes fresh ones and runs trials with them.
+
+    Parameters
+    ----------
+    make : callable
+        Returns a fresh estimator.
+    slot : Slot
+        The slot of the simulation that it is for.
+    budget : float
+        Maximum of the median time per call (s).
+    """
+
+    def __init__(self, make: Callable[[], Any], slot: Slot, budget: float) -> None:
+        self.slot = slot
+        self.budget = budget
+        self.make = make
+        self.stdout = StdoutCapture()
+        self.name = getattr(make, "__name__", type(make).__name__)
+        self.line = users_line_of_callable(make)
+        self.made: Any = None  # the last one
+
+    def fresh(self) -> Callable[[Step], Any]:
+        """Return the callback of a fresh estimator."""
+        try:
+            limit = TimeLimit(TIME_LIMIT)
+            with self.observed(), limit.watching():
+                estimator = limit.limited(lambda: self.make())()
+                if isinstance(estimator, SlotHandle):  # sim.estimate_state
+                    estimator = estimator.callback
+            function = self.slot.entry(estimator)
+        except (Exception, SystemExit) as error:
+            raise NoEstimator(error) from error
+        self.made = estimator
+        self.name = getattr(estimator, "__name__", type(estimator).__name__)
+        self.line = users_line_of_callable(function) or self.line
+        return self.slot.callback(estimator)
+
+    def try_in(
+        self, situation: Situation, watch: Callable[[int, Any], None] | None = None
+    ) -> Trial:
+        """Run a fresh estimator in a situation, alone; ``watch(k, estimator)`` after each step."""
+        trial_run = _TrialRun(self, situation, watch)
+        with self.observed():
+            return trial_run.run()
+
+    def try_together(self, situation: Situation, other: Situation) -> Trial:
+        """Run one in a situation, alternating step by step with a second one in another."""
+        first, second = _TrialRun(self, situation), _TrialRun(self, other)
+        with self.observed(), first.watched(), second.watched():
+            for _ in range(min(len(situation.u), len(other.u))):
+                if first.step() or second.step():
+                    break
+            return first.trial()
+
+    @contextmanager
+    def observed(self) -> Iterator[None]:
+        with redirect_stdout(self.stdout), warnings.catch_warnings():
+            # Numpy's warnings precede an error that says more, or are harmless.
+            warnings.simplefilter("ignore")
+            yield
+
+
+class _TrialRun:
+    """A running trial: a fresh estimator and the simulation that calls it."""
+
+    def __init__(
+        self,
+        estimator: EstimatorUnderTest,
+        situation: Situation,
+        watch: Callable[[int, Any], None] | None = None,
+    ) -> None:
+        self._situation = situation
+        self._watch = watch
+        self._callback = estimator.fresh()
+        self._made = estimator.made
+        self._estimator = estimator
+        self._outputs: list[Floats] = []
+        self._clock = CallClock()
+        self._error: BaseException | None = None
+        self._simulation = estimator.slot.simulate(situation, self._estimate)
+
+    def _estimate(self, step: Step) -> Any:
+        with self._clock.timed():
+            result = self._callback(step)
+        before = self._outputs[-1] if self._outputs else None
+        self._outputs.append(self._estimator.slot.read(result, before))
+        self._check_speed()
+        if self._watch is not None:
+            self._watch(step.k, self._made)
+        return result
+
+    def _check_speed(self) -> None:
+        count = len(self._clock)
+        # After a few very slow calls the others would only cost time.
+        if count == _TIMED_CALLS or (count >= 3 and self._clock.last > TIME_LIMIT / 5):
+            self._clock.check(self._estimator.budget)
+
+    def run(self) -> Trial:
+        """Run all steps."""
+        try:
+            self._simulation.run(len(self._situation.u))
+        except (Exception, SystemExit) as error:
+            self._error = error
+        return self.trial()
+
+    def watched(self) -> AbstractContextManager[None]:
+        """Enforce the time limit on all steps in the context: to begin anew in each takes long."""
+        return self._simulation._watched()
+
+    def step(self) -> bool:
+        """Run one step; return whether it failed."""
+        try:
+            self._simulation.step()
+        except (Exception, SystemExit) as error:
+            self._error = error
+        return self._error is not None
+
+    def trial(self) -> Trial:
+        return Trial(
+            situation=self._situation,
+            outputs=np.array(self._outputs),
+            trace=self._simulation.trace,
+            error=self._error,
+        )

@@ -1,0 +1,111 @@
+"""`check_background`: the checks of adjust_background."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cache
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from robsim.base.check_report import CheckReport, Problem
+from robsim.simulation import Simulation
+from robsim.simulation.slots import WorldSlots
+from robsim.teach.doctor.callbacks.pose_mistakes import are_right
+from robsim.teach.doctor.callbacks.scenes import AREA
+from robsim.teach.doctor.callbacks.single_calls import CallbackCalls, check_calls
+from robsim.vision.imaging.images import Pixels
+
+_BUDGET = 5.0  # s, once in a run
+_PLACES = [(x, y) for x in (150.0, 600.0, 1050.0) for y in (150.0, 600.0, 1050.0)]  # px
+
+
+def check_background(make: Callable[[], Any] | str | PathLike[str]) -> CheckReport:
+    """Check ``adjust_background``, what lies on the floor, and report what is wrong with it.
+
+    Parameters
+    ----------
+    make : callable or path
+        ``make() -> adjust_background``; for a plain function, ``lambda: adjust_background``. Or a
+        file ``adjust_background.py``, or the callback folder that has it.
+
+    Returns
+    -------
+    CheckReport
+        True if all checks pass.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `make` is not callable.
+    """
+    return check_calls(make, WorldSlots.adjust_background, _checks, _BUDGET)
+
+
+def _checks(calls: CallbackCalls) -> Iterator[Problem | str]:
+    size = f"area of {AREA[0]} x {AREA[1]} px"
+    image = calls.call(size, _floor(AREA).copy())
+    fault = _fault(image)
+    if fault is not None:
+        yield calls.problem(*fault, size)
+        return
+    if not np.array_equal(image, calls.call(size, _floor(AREA).copy())):
+        yield (
+            "a second call gives another image: for random marks that repeat, use "
+            "numpy.random.default_rng(1)"
+        )
+    yield from _sight(image)
+
+
+@cache
+def _floor(area: tuple[int, int]) -> Pixels:
+    """Return the floor as the callback gets it."""
+    seen: list[Pixels] = []
+
+    def keep(background: Pixels) -> Pixels:
+        seen.append(background.copy())
+        return background
+
+    Simulation(area=area, adjust_background=keep, seed=1).run(1)
+    return seen[0]
+
+
+def _fault(image: Any) -> tuple[str, str] | None:
+    if image is None:
+        return "output type", "it returns None: end with return background, the changed image"
+    if not isinstance(image, np.ndarray):
+        return "output type", f"it returns {type(image).__name__}, not the image, an array"
+    height, width = AREA[1], AREA[0]
+    if image.shape != (height, width, 3):
+        return (
+            "output shape",
+            f"it returns an array of shape {image.shape}, not {(height, width, 3)}: the image must "
+            "keep its size and its three colours",
+        )
+    if image.dtype != np.uint8:
+        hint = ": multiply by 255 and round" if image.max() <= 1 else ""
+        return "output type", f"it returns {image.dtype}, not uint8{hint}; see .astype(numpy.uint8)"
+    return None
+
+
+def _sight(image: Pixels) -> Iterator[str]:
+    """Yield where robsim's own measurement does not find the robot on the floor."""
+    poses = np.array([(*place, 0.5 + k) for k, place in enumerate(_PLACES)])
+    poses[:, 2] = np.angle(np.exp(1j * poses[:, 2]))
+    simulation = Simulation(
+        measure=True,
+        adjust_background=lambda _: image.copy(),
+        evaluate_model=lambda world: poses[world.k],
+        start=poses[0],
+        control=lambda step: (0, 0),
+        seed=1,
+    )
+    measured = simulation.run(len(poses)).pose_measured
+    is_right = are_right(measured, poses)
+    if not is_right.all():
+        x, y = _PLACES[int(is_right.argmin())]
+        yield (
+            f"robsim's own measurement finds the robot at {is_right.sum()} of {len(_PLACES)} "
+            f"places on this floor, and not at ({x:.0f}, {y:.0f})"
+        )

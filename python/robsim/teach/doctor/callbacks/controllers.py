@@ -1,0 +1,242 @@
+"""`check_controller`: the checks of a controller in simulated worlds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from robsim._core import Step
+from robsim.base.check_report import CheckReport, Problem
+from robsim.base.checks import Floats, check_bool
+from robsim.base.text import quoted
+from robsim.simulation import Simulation
+from robsim.simulation.slots import RobotSlots
+from robsim.teach.doctor._errors import problem_of
+from robsim.teach.doctor._reproducibility import replay_problem, together_problem
+from robsim.teach.doctor._run_checks import BUDGET, run_checks
+from robsim.teach.doctor._situations import Situation
+from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial
+from robsim.teach.doctor.callbacks.scenes import (
+    CENTRE,
+    LastPose,
+    Scene,
+    Setting,
+    model_parameters,
+    simulate,
+)
+from robsim.teach.doctor.callbacks.slot_entry import under_test
+from robsim.teach.doctor.callbacks.steering import steering_findings
+
+MAXIMUM_VOLTAGE = 24.0  # V: no small robot has a battery of more
+_LONG = 800  # steps
+_STARTS = {  # px, px, rad
+    "robot starts at the top left, facing left": (150.0, 200.0, 3.1),
+    "robot starts at the bottom left, facing left": (200.0, 1000.0, -3.1),
+    "robot starts at the bottom right, facing down": (1050.0, 1000.0, 1.6),
+    "robot starts at the wall, facing it": (1145.0, 300.0, 0.0),
+}
+_HIDDEN = range(30, 50)
+_CHATTERING = 0.2  # V
+_LAST = 200  # steps, in which chattering counts
+
+
+def check_controller(
+    make: Callable[[], Any] | str | PathLike[str],
+    *,
+    has_estimate: bool = True,
+    has_parameters: bool = True,
+    budget: float = BUDGET,
+) -> CheckReport:
+    """Check a controller in several situations and report what is wrong with it.
+
+    It drives the default robot in a simulated world, where its pose is measured: from several
+    places and headings, at the wall, for a long time, hidden now and then and not seen at first.
+    What it aims at is not known to the check. Where all its steering points to one place, the check
+    says so, and whether it turns and drives there or away from it; otherwise a remark says that
+    this cannot be told.
+
+    Parameters
+    ----------
+    make : callable or path
+        ``make() -> control``: returns a fresh controller, ``control(step) -> (u1, u2)``. For
+        example a class with ``__call__``, or ``lambda: robsim.GoToPoint(900, 300)``. Or a file
+        ``control.py``, or the callback folder that has it.
+    has_estimate, has_parameters : bool
+        Whether it gets ``step.estimate`` and ``step.parameters``.
+    budget : float
+        Maximum of the median time per call (s).
+
+    Returns
+    -------
+    CheckReport
+        True if all checks pass. In a test, call its ``raise_for_problems()``: that shows every
+        problem.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `make` is not callable, or a number is out of range.
+
+    Examples
+    --------
+    >>> print(robsim.teach.check_controller(MyController))
+    """
+    check_bool("has_estimate", has_estimate)
+    check_bool("has_parameters", has_parameters)
+    return controller_report(
+        make,
+        Setting.usual(),
+        has_estimate=has_estimate,
+        has_parameters=has_parameters,
+        budget=budget,
+    )
+
+
+def controller_report(
+    make: Callable[[], Any] | str | PathLike[str],
+    setting: Setting,
+    *,
+    has_estimate: bool,
+    has_parameters: bool,
+    budget: float = BUDGET,
+) -> CheckReport:
+    """Check a controller in a setting; the other arguments are those of `check_controller`."""
+    simulated = partial(_simulate, has_estimate=has_estimate, has_parameters=has_parameters)
+    slot = under_test(RobotSlots.control, "controller", read_input, simulated)
+    return run_checks(make, slot, budget, partial(_checks, setting=setting))
+
+
+def _simulate(
+    scene: Situation, callback: Callable[[Step], Any], *, has_estimate: bool, has_parameters: bool
+) -> Simulation:
+    return simulate(
+        scene,
+        callback,
+        RobotSlots.control.name,
+        measure=True,
+        estimate_state=LastPose() if has_estimate else None,
+        estimate_parameters=model_parameters if has_parameters else None,
+    )
+
+
+def read_input(result: Any, before: Floats | None) -> Floats:
+    """Return the voltages that a controller returned; raises BadResult."""
+    if result is None:
+        raise BadResult(
+            "no input",
+            "it returns None, not the two voltages: every way through it must end with "
+            "return u1, u2",
+        )
+    try:
+        u = np.array(result, dtype=float)
+    except (TypeError, ValueError):
+        u = np.empty(0)
+    if u.shape != (2,) or any(isinstance(one, (str, bytes)) for one in result):  # "0.5"
+        raise BadResult(
+            "output shape",
+            f"it returns {quoted(result)}, not (u1, u2), the voltages of the left and "
+            "the right motor",
+        )
+    if not np.isfinite(u).all():
+        raise BadResult(
+            "not finite",
+            f"it returns ({u[0]:g}, {u[1]:g}) V: look for a division by 0, or a square root or "
+            "arccos out of its range",
+        )
+    return u
+
+
+def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Problem | str]:
+    usual = controller.try_in(
+        setting.driven("robot starts in the middle, facing right", CENTRE, _LONG)
+    )
+    if not len(usual.outputs):
+        yield problem_of(controller, usual)
+        return
+    trials = [usual, *(controller.try_in(scene) for scene in _short_scenes(setting))]
+    yield from _distinct(_fault(controller, trial) for trial in trials)
+    # What a controller does again says something only if it does it again.
+    other = setting.driven("robot starts elsewhere", next(iter(_STARTS.values())), 60)
+    cause = replay_problem(controller, usual) or together_problem(controller, usual, other)
+    if usual.error is not None:
+        return
+    if cause is not None:
+        yield cause
+        return
+    yield from _remarks(usual)
+    if all(_is_same(usual, trial) for trial in trials[1:]):
+        yield "it is open loop: its voltages are the same wherever the robot is, seen or not"
+    else:
+        yield from steering_findings(controller, usual, setting)
+
+
+def _short_scenes(setting: Setting) -> list[Scene]:
+    return [
+        setting.driven("robot not seen at first", CENTRE, 40, hidden=range(10)),
+        setting.driven("robot out of sight for a while", CENTRE, 80, hidden=_HIDDEN),
+        *(setting.driven(name, start, 60) for name, start in _STARTS.items()),
+    ]
+
+
+def _distinct(problems: Iterator[Problem | None]) -> Iterator[Problem]:
+    """Yield each fault once, the first time that it occurs."""
+    known = set()
+    for problem in problems:
+        if problem is None:
+            continue
+        kind = "missing measurement" if problem.kind == "not seen yet" else problem.kind
+        if (kind, problem.line) not in known:
+            known.add((kind, problem.line))
+            yield problem
+
+
+def _fault(controller: EstimatorUnderTest, trial: Trial) -> Problem | None:
+    """Return the error that ended a trial, or voltages that no robot has."""
+    size = abs(trial.outputs).max(axis=1) if len(trial.outputs) else np.zeros(1)
+    if size.max() > MAXIMUM_VOLTAGE:
+        k = int((size > MAXIMUM_VOLTAGE).argmax())
+        return Problem(
+            kind="input too large",
+            sentence=f"it returns ({trial.outputs[k, 0]:g}, {trial.outputs[k, 1]:g}), which are "
+            f"volts: {_what_is_large(trial.outputs)}",
+            situation=trial.situation.name,
+            k=k,
+            line=controller.line,
+        )
+    return None if trial.error is None else problem_of(controller, trial)
+
+
+def _what_is_large(u: Floats) -> str:
+    used = abs(u[np.isfinite(u)])
+    largest = used.max()
+    is_whole = bool((used == used.round()).all())
+    if is_whole and largest <= 255:
+        return "robsim takes no 8-bit or percent values; 0.5 to 1.5 V drive the robot"
+    if np.median(used) > 100:
+        return "if these are millivolts, divide by 1000; 0.5 to 1.5 V drive the robot"
+    return "limit them, such as numpy.clip(u, -1, 1)"
+
+
+def _is_same(one: Trial, other: Trial) -> bool:
+    """Return whether the voltages of two trials are the same, as far as both go."""
+    steps = min(len(one.outputs), len(other.outputs))
+    return bool(steps) and np.array_equal(one.outputs[:steps], other.outputs[:steps])
+
+
+def _remarks(usual: Trial) -> Iterator[str]:
+    if not usual.outputs.any():
+        yield "it never drives: its voltages are (0, 0)"
+    turn = np.diff(usual.outputs[-_LAST:, 0] - usual.outputs[-_LAST:, 1])
+    # Each step turns it back by what the one before has turned it.
+    alternates = (turn[1:] * turn[:-1] < 0) & (
+        np.minimum(abs(turn[1:]), abs(turn[:-1])) > _CHATTERING
+    )
+    if alternates.mean() > 0.5:
+        yield (
+            f"it chatters: in {alternates.mean():.0%} of the last {_LAST} steps u1 - u2 jumps by "
+            f"more than {_CHATTERING} V and back at the next"
+        )

@@ -1,0 +1,451 @@
+"""`check_measurement`: the checks of a measurement in frames of a simulated camera."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from robsim._core import Measurement, PlaneMap, Step
+from robsim.base.check_report import CheckReport, Problem
+from robsim.base.checks import Floats
+from robsim.base.report import Column, Row, Table
+from robsim.base.text import quoted
+from robsim.simulation import Simulation
+from robsim.simulation.slots import RobotSlots
+from robsim.teach.doctor._errors import problem_of
+from robsim.teach.doctor._reproducibility import replay_problem, together_problem
+from robsim.teach.doctor._run_checks import run_checks
+from robsim.teach.doctor._situations import DT, Situation
+from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial
+from robsim.teach.doctor.callbacks.own_covariance import covariance_findings
+from robsim.teach.doctor.callbacks.pose_mistakes import are_right, errors, mistakes
+from robsim.teach.doctor.callbacks.scenes import Scene, Setting, scripted, simulate
+from robsim.teach.doctor.callbacks.slot_entry import under_test
+from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging.noise import GaussianNoise
+from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.lookup import as_robot
+
+_SLOT = RobotSlots.measure.name
+_PLACES = {  # px
+    "robot turns in the middle": (600.0, 600.0),
+    "robot turns at the top left": (90.0, 90.0),
+    "robot turns at the top right": (1110.0, 95.0),
+    "robot turns at the bottom left": (95.0, 1105.0),
+    "robot turns at the bottom right": (1105.0, 1110.0),
+}
+_TURN = np.radians(np.arange(-180, 180, 15))  # both +-pi and the axes, and all between
+_HIDDEN = (20, 21, 22, 23, 24, 40, 41)
+_SMALL_CAMERA = 2 / 3  # of the pixels of each side
+
+# Shares of the frames.
+_FALSE = 0.03
+_FALSE_IN_NOISE = 0.2
+_SEEN = 0.5
+_MOSTLY_SEEN = 0.95
+
+_IMPRECISE = (3.0, 1.0)  # times the error of robsim's own, px: worth a remark
+
+Background = Callable[[Pixels], Pixels]
+
+
+def check_measurement(
+    make: Callable[[], Any] | str | PathLike[str],
+    *,
+    robot: str | PathLike[str] | RobotDefinition | None = None,
+    background: Callable[[Pixels], Pixels] | None = None,
+    budget: float = DT,
+) -> CheckReport:
+    """Check a measurement of the pose in frames of a simulated camera, and report what is wrong.
+
+    The robot is turned in the middle and in the corners, drives through the area, is hidden, and is
+    not there at all; with camera noise, with a red square on the floor, and before a camera that
+    has fewer pixels than the work area. The report has a table of the errors beside those of
+    robsim's own measurement in the same frames; and one of the covariances, if the measurements
+    have any: their mean NEES before a noisy camera, where 3 is expected, and the verdict
+    ``"optimistic"``, ``"consistent"`` or ``"conservative"``.
+
+    Parameters
+    ----------
+    make : callable or path
+        ``make() -> measure``: returns a fresh measurement, ``measure(step) -> Measurement or
+        None``; for a plain function, ``lambda: measure``. Or a file ``measure.py``, or the callback
+        folder that has it.
+    robot : str, path or RobotDefinition, optional
+        The robot. Default: the one chosen with ``robsim robots use``.
+    background : callable, optional
+        ``adjust_background`` of the world. Default: a plain floor, and one with a red square.
+    budget : float
+        Maximum of the median time per call (s). Default: the time between two steps.
+
+    Returns
+    -------
+    CheckReport
+        True if all checks pass; `tables` has the errors. In a test, call its
+        ``raise_for_problems()``: that shows every problem.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `make` is not callable, or another argument is wrong.
+
+    Examples
+    --------
+    >>> print(robsim.teach.check_measurement(lambda: measure))
+    """
+    if background is not None and not callable(background):
+        raise TypeError(f"background must be a function of the image, got {quoted(background)}")
+    usual = Setting.usual() if robot is None else Setting(robot=as_robot(robot))
+    return measurement_report(make, usual, background=background, budget=budget)
+
+
+def measurement_report(
+    make: Callable[[], Any] | str | PathLike[str],
+    setting: Setting,
+    *,
+    background: Background | None,
+    budget: float = DT,
+) -> CheckReport:
+    """Check a measurement in a setting; the other arguments are those of `check_measurement`."""
+    slot = under_test(RobotSlots.measure, "measurement", read_pose, _simulate)
+    checks = partial(_checks, setting=setting, background=background)
+    return run_checks(make, slot, budget, checks)
+
+
+def _simulate(scene: Situation, callback: Callable[[Step], Any]) -> Simulation:
+    return simulate(scene, callback, _SLOT)
+
+
+def read_pose(result: Any, before: Floats | None) -> Floats:
+    """Return the pose that a measurement returned, NaN where it returned None."""
+    if result is None:
+        return np.full(3, np.nan)
+    if isinstance(result, Measurement):
+        return np.array(result.pose)
+    try:
+        pose = np.array(result, dtype=float)
+    except (TypeError, ValueError):
+        pose = np.empty(0)
+    if pose.shape != (3,):
+        raise BadResult(
+            "output shape",
+            f"it returns {_described(result)}, not a pose: end with return "
+            "robsim.Measurement((x, y, heading)), or None where the robot is not seen",
+        )
+    if not np.isfinite(pose).all():
+        raise BadResult(
+            "not finite",
+            f"it returns ({', '.join(f'{value:g}' for value in pose)}): return None where the "
+            "robot is not seen",
+        )
+    return np.array(Measurement(pose).pose)
+
+
+def _described(result: Any) -> str:
+    if isinstance(result, np.ndarray):
+        return f"an array of shape {result.shape}"
+    text = repr(result)
+    return text if len(text) <= 40 else f"a {type(result).__name__}"
+
+
+def _plain(background: Pixels) -> Pixels:
+    return background
+
+
+def _checks(
+    measurement: EstimatorUnderTest, setting: Setting, background: Background | None
+) -> Iterator[Problem | str | Table]:
+    floor: dict[str, Any] = {"background": background or _plain}
+    tour = []
+    for name, place in _PLACES.items():
+        tour.append(measurement.try_in(setting.turned(name, place, _TURN, **floor)))
+        if tour[-1].error is not None:
+            yield problem_of(measurement, tour[-1])
+            return
+    drive = scripted("robot drives through the area", _through(setting), **setting.options, **floor)
+    alone = measurement.try_in(drive)
+    cause = None
+    if alone.error is None:
+        cause = replay_problem(measurement, alone) or together_problem(
+            measurement, alone, tour[0].situation
+        )
+    if cause is not None:
+        yield cause
+        return
+    wrong = list(_pose_problems(measurement, [*tour, alone], setting))
+    yield from wrong
+    yield from _hidden_problems(measurement, drive, is_square=background is None)
+    before_noise = _part(drive, "robot drives before a noisy camera", noise=setting.noise)
+    noisy = measurement.try_in(before_noise)
+    trials = {"turned": tour, "driven": [alone], "noise": [noisy]}
+    if background is None:
+        red = _part(drive, "robot drives on a floor with a red square", background=None)
+        trials["red square"] = [measurement.try_in(red)]
+        if not wrong:
+            yield from _square_problems(measurement, trials["red square"][0])
+    width, height = (round(_SMALL_CAMERA * side) for side in setting.resolution)
+    small = _part(tour[0].situation, "camera has fewer pixels", resolution=(width, height))
+    if not wrong:
+        yield from _noise_problems(measurement, noisy, setting.noise)
+        yield from _camera_problems(measurement, small)
+        yield from _precision(tour)
+        if noisy.error is None:
+            yield from covariance_findings(measurement, noisy)
+    yield _table(trials)
+
+
+def _through(setting: Setting) -> Floats:
+    """Return a drive from the bottom left to the top right, in a gentle curve."""
+    t = np.linspace(0.0, 1.0, 60)
+    path = np.column_stack((150 + 900 * t, 1000 - 850 * t + 80 * np.sin(2 * np.pi * t)))
+    x, y = setting.places(path).T
+    return np.column_stack((x, y, np.arctan2(np.gradient(y), np.gradient(x))))
+
+
+def _part(scene: Any, name: str, **changes: Any) -> Scene:
+    part: Scene = replace(scene.first(30), name=name, **changes)
+    return part
+
+
+def _poses(trials: list[Trial]) -> tuple[Floats, Floats]:
+    """Return the measured poses of trials, NaN = not seen, and the true ones."""
+    measured = np.concatenate([trial.outputs.reshape(-1, 3) for trial in trials])
+    true = np.concatenate([trial.situation.poses[: len(trial.outputs)] for trial in trials])
+    return measured, true
+
+
+def _pose_problems(
+    measurement: EstimatorUnderTest, trials: list[Trial], setting: Setting
+) -> Iterator[Problem | str]:
+    """Yield what is wrong with the poses in clean frames in which the robot is."""
+    if trials[-1].error is not None:
+        yield problem_of(measurement, trials[-1])
+    measured, true = _poses(trials)
+    is_seen = np.isfinite(measured[:, 0])
+    if is_seen.mean() < _MOSTLY_SEEN:
+        yield from _not_seen(measurement, trials, float(is_seen.mean()))
+    is_false = is_seen & ~are_right(measured, true)
+    if is_false.sum() <= _FALSE * is_seen.sum():
+        return
+    markers = setting.robot.marker_layout()
+    found = list(mistakes(measured[is_seen], true[is_seen], markers, setting.area))
+    worst = max(trials, key=lambda trial: _count_false(trial))
+    for kind, sentence in found or [("false poses", _how_wrong(trials))]:
+        yield Problem(
+            kind=kind,
+            sentence=sentence,
+            situation=worst.situation.name,
+            k=_first_false(worst),
+            line=measurement.line,
+        )
+
+
+def _not_seen(
+    measurement: EstimatorUnderTest, trials: list[Trial], share: float
+) -> Iterator[Problem | str]:
+    missed = [int(np.isnan(trial.outputs[:, 0]).sum()) for trial in trials]
+    most = trials[int(np.argmax(missed))]
+    sentence = (
+        f"it returns None in {1 - share:.0%} of the clean frames in which the robot is: "
+        f"in {max(missed)} of {len(most.outputs)} where the {most.situation.name}"
+    )
+    if share >= _SEEN:
+        yield sentence
+        return
+    k = int(np.isnan(most.outputs[:, 0]).argmax())
+    yield Problem(
+        kind="not seen",
+        sentence=sentence,
+        situation=most.situation.name,
+        k=k,
+        line=measurement.line,
+    )
+
+
+def _count_false(trial: Trial) -> int:
+    measured, true = _poses([trial])
+    return int((np.isfinite(measured[:, 0]) & ~are_right(measured, true)).sum())
+
+
+def _first_false(trial: Trial) -> int:
+    measured, true = _poses([trial])
+    return int((np.isfinite(measured[:, 0]) & ~are_right(measured, true)).argmax())
+
+
+def _how_wrong(trials: list[Trial]) -> str:
+    measured, true = _poses(trials)
+    measured, true = measured[np.isfinite(measured[:, 0])], true[np.isfinite(measured[:, 0])]
+    distance, angle = errors(measured, true)
+    count = int((~are_right(measured, true)).sum())
+    return (
+        f"{count} of {len(measured)} poses are false, up to {distance.max():.0f} px and "
+        f"{np.degrees(angle.max()):.0f} degrees off"
+    )
+
+
+def _hidden_problems(
+    measurement: EstimatorUnderTest, drive: Scene, *, is_square: bool
+) -> Iterator[Problem]:
+    """Yield what is wrong where the robot is not in the frame."""
+    scenes: list[Any] = [
+        drive.unseen("robot drives and is hidden now and then", _HIDDEN),
+        drive.first(6).unseen("robot is not there", range(6)),
+    ]
+    if is_square:
+        empty = replace(scenes[-1], name="only a red square is there", background=None)
+        scenes.append(empty)
+    for scene in scenes:
+        problem = _hidden_problem(measurement, measurement.try_in(scene), scene)
+        if problem is not None:
+            yield problem
+            return
+
+
+def _hidden_problem(measurement: EstimatorUnderTest, trial: Trial, scene: Any) -> Problem | None:
+    if trial.error is not None:
+        problem = problem_of(measurement, trial)
+        if not scene.is_hidden[trial.failed_at]:
+            return problem
+        # Not what the controller is told: no measurement is missing, this is it.
+        sentence = problem.sentence.partition(": then ")[2] or problem.sentence
+        return replace(
+            problem,
+            kind="fails unseen",
+            sentence=f"where the robot is not in the frame {sentence}; it has to return None there",
+        )
+    is_invented = np.isfinite(trial.outputs[:, 0]) & np.array(scene.is_hidden)
+    if not is_invented.any():
+        return None
+    k = int(is_invented.argmax())
+    pose = trial.outputs[k]
+    is_last = k > 0 and bool((pose == trial.outputs[k - 1]).all())
+    sentence = f"it returns ({pose[0]:.0f}, {pose[1]:.0f}) where the robot is not in the frame"
+    if is_last:
+        sentence = "it returns the last pose again where the robot is not in the frame"
+    return Problem(
+        kind="last pose" if is_last else "sees what is not there",
+        sentence=f"{sentence}: return None there; the state estimator bridges the gap",
+        situation=scene.name,
+        k=k,
+        line=measurement.line,
+    )
+
+
+def _noise_problems(
+    measurement: EstimatorUnderTest, trial: Trial, noise: GaussianNoise
+) -> Iterator[Problem | str]:
+    if trial.error is not None:
+        yield problem_of(measurement, trial)
+        return
+    camera = f"with a camera noise of {noise.percent:g} %"
+    seen = int(np.isfinite(trial.outputs[:, 0]).sum())
+    if seen < _SEEN * len(trial.outputs):
+        yield f"{camera} it sees the robot in {seen} of {len(trial.outputs)} frames"
+    if (count := _count_false(trial)) > _FALSE_IN_NOISE * seen:
+        yield f"{camera} {count} of its {seen} poses are false"
+
+
+def _square_problems(measurement: EstimatorUnderTest, trial: Trial) -> Iterator[Problem | str]:
+    if trial.error is not None:
+        yield problem_of(measurement, trial)
+        return
+    seen = int(np.isfinite(trial.outputs[:, 0]).sum())
+    if seen < _SEEN * len(trial.outputs):
+        yield (
+            "on the default floor, with a red square, it sees the robot in "
+            f"{seen} of {len(trial.outputs)} frames"
+        )
+    if _count_false(trial) > _FALSE * len(trial.outputs):
+        yield Problem(
+            kind="red square",
+            sentence="it takes the red square on the default floor for the red marker: of all "
+            "pairs of blobs, take the one whose distance is step.markers.distance",
+            situation=trial.situation.name,
+            k=_first_false(trial),
+            line=measurement.line,
+        )
+
+
+def _camera_problems(measurement: EstimatorUnderTest, scene: Scene) -> Iterator[Problem | str]:
+    trial = measurement.try_in(scene)
+    width, height = scene.resolution
+    if trial.error is not None:
+        yield problem_of(measurement, trial)
+        return
+    measured, true = _poses([trial])
+    is_seen = np.isfinite(measured[:, 0])
+    if is_seen.mean() < _SEEN:
+        yield (
+            f"before a camera of {width} x {height} px it sees the robot in {is_seen.sum()} of "
+            f"{len(measured)} frames: are its sizes and distances in pixels of the frame? "
+            "robsim.locate without image=step.frame needs plane_map=step.frame.plane_map"
+        )
+        return
+    pixels = PlaneMap.scaled(scene.resolution, scene.area).to_pixel(true[:, :2])
+    distance = np.linalg.norm(measured[:, :2] - pixels, axis=1)[is_seen]
+    if np.median(distance) < 25 and np.median(errors(measured, true)[0][is_seen]) > 50:
+        yield Problem(
+            kind="pixels of the frame",
+            sentence=f"before a camera of {width} x {height} px it returns pixels of the frame, "
+            f"not px of the work area: convert them, step.frame.plane_map.to_world((u, v))",
+            situation=scene.name,
+            k=int(is_seen.argmax()),
+            line=measurement.line,
+        )
+
+
+def _table(trials: dict[str, list[Trial]]) -> Table:
+    """Return the errors beside those of robsim's own measurement."""
+    columns = (
+        Column("frames", "frames", ""),
+        Column("seen", "seen", ""),
+        Column("distance", "rms", "px", ".2f"),
+        Column("angle", "rms", "rad", ".2f"),
+        Column("own_distance", "robsim", "px", ".2f"),
+        Column("own_angle", "robsim", "rad", ".2f"),
+    )
+    rows = [
+        Row(
+            title,
+            (sum(len(trial.outputs) for trial in group), *_row(group), *_row(_own(group))[1:]),
+        )
+        for title, group in trials.items()
+        if all(len(trial.outputs) for trial in group)
+    ]
+    return Table(key="errors", columns=columns, rows=rows, row_title="robot")
+
+
+def _row(trials: list[Trial]) -> tuple[int, float, float]:
+    measured, true = _poses(trials)
+    is_seen = np.isfinite(measured[:, 0])
+    if not is_seen.any():
+        return 0, np.nan, np.nan
+    distance, angle = errors(measured[is_seen], true[is_seen])
+    rms = (float(np.sqrt(np.mean(values**2))) for values in (distance, angle))
+    return (int(is_seen.sum()), *rms)  # type: ignore[return-value]
+
+
+def _own(trials: list[Trial]) -> list[Trial]:
+    """Return what robsim's own measurement makes of the same frames."""
+    own = []
+    for trial in trials:
+        scene: Any = trial.situation
+        simulation = simulate(scene, lambda step: (0, 0), "control", measure=True)
+        own.append(replace(trial, outputs=simulation.run(len(trial.outputs)).pose_measured))
+    return own
+
+
+def _precision(tour: list[Trial]) -> Iterator[str]:
+    _, distance, _ = _row(tour)
+    _, own, _ = _row(_own(tour))
+    factor, least = _IMPRECISE
+    if np.isfinite(distance) and least + factor * own < distance:
+        yield (
+            f"its position has an error of {distance:.1f} px, root mean square, in clean frames, "
+            f"that of robsim's own measurement one of {own:.2f} px"
+        )

@@ -1,0 +1,201 @@
+"""Simulated worlds, with frames, that the doctor tries controllers and measurements in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim._core import Estimate, Measurement, RobotModel, Step, WorldState, wrap_angle
+from robsim.base.checks import Floats
+from robsim.simulation import Dropout, Scenario, Simulation
+from robsim.simulation.world.world_of_scenario import frame_size
+from robsim.teach.doctor._situations import DT, Situation
+from robsim.teach.doctor._trial import TIME_LIMIT
+from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging.noise import GaussianNoise, Noise
+from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.lookup import load_robot
+
+AREA = (1200, 1200)  # px
+CENTRE = (600.0, 600.0, 0.0)  # px, px, rad
+
+Place = tuple[float, float]
+_SEED = 1
+_HIDDEN = Dropout(1.0)
+_NOISE = GaussianNoise(5.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scene(Situation):
+    """A robot in a simulated world with a camera.
+
+    It is hidden where its measurement is None. The poses are those of the robot, or where it
+    starts.
+
+    Attributes
+    ----------
+    is_driven : bool
+        Whether the inputs move the robot.
+    noise : Noise or None
+        Noise of the camera.
+    resolution : tuple of int
+        Size of the frames (px).
+    background : callable or None
+        ``adjust_background`` of the world; None = the default, with a red square.
+    robot : RobotDefinition
+        The robot.
+    area : tuple of int
+        Width and height of the work area (px).
+    """
+
+    is_driven: bool = False
+    noise: Noise | None = None
+    resolution: tuple[int, int] = AREA
+    background: Callable[[Pixels], Pixels] | None = None
+    robot: RobotDefinition
+    area: tuple[int, int] = AREA
+
+    @property
+    def is_hidden(self) -> list[bool]:
+        """Whether the robot is hidden, step by step."""
+        return [measurement is None for measurement in self.measurements]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """The robot, the work area and the camera of scenes, whose places are told for `AREA`.
+
+    Attributes
+    ----------
+    robot : RobotDefinition
+        The robot.
+    area, resolution : tuple of int
+        The size of the work area (px), and that of the frames (px).
+    noise : GaussianNoise
+        That of the camera, in scenes with noise.
+    """
+
+    robot: RobotDefinition
+    area: tuple[int, int] = AREA
+    resolution: tuple[int, int] = AREA
+    noise: GaussianNoise = _NOISE
+
+    @classmethod
+    def usual(cls) -> Setting:
+        """Return that of the robot that the user has chosen, with a frame pixel for each px."""
+        return cls(robot=default_robot())
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Setting:
+        """Return that of a scenario."""
+        noise = scenario.noise if isinstance(scenario.noise, GaussianNoise) else cls.noise
+        robot, size = scenario._robot_definition, frame_size(scenario)
+        return cls(robot=robot, area=scenario.area, resolution=size, noise=noise)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of `scripted` that make a scene one of it."""
+        return {"robot": self.robot, "area": self.area, "resolution": self.resolution}
+
+    def place(self, place: Place) -> Place:
+        """Return where a place of `AREA` lies here."""
+        x, y = self.places(np.array(place))
+        return float(x), float(y)
+
+    def places(self, places: Floats) -> Floats:
+        """Return where places of `AREA`, (2,) or (N, 2), lie here."""
+        return np.asarray(places * self.area / AREA)
+
+    def driven(
+        self,
+        name: str,
+        start: tuple[float, float, float],
+        steps: int,
+        *,
+        hidden: Collection[int] = (),
+    ) -> Scene:
+        """Return a scene in which the inputs drive the robot from a pose of `AREA`."""
+        poses = np.tile((*self.place(start[:2]), start[2]), (steps, 1))
+        return scripted(name, poses, hidden=hidden, is_driven=True, **self.options)
+
+    def turned(self, name: str, place: Place, headings: ArrayLike, **options: Any) -> Scene:
+        """Return a scene in which the robot is turned at a place of `AREA`."""
+        turns = np.asarray(headings, dtype=float)
+        poses = np.column_stack((np.tile(self.place(place), (len(turns), 1)), turns))
+        return scripted(name, poses, **self.options, **options)
+
+
+@cache
+def default_robot() -> RobotDefinition:
+    """Return the robot that the user has chosen."""
+    return load_robot()
+
+
+def scripted(name: str, poses: ArrayLike, *, hidden: Collection[int] = (), **options: Any) -> Scene:
+    """Return a scene in which the robot stands at given poses, whatever the inputs are."""
+    path = np.array(poses, dtype=float)
+    path[:, 2] = [wrap_angle(heading) for heading in path[:, 2]]
+    seen = tuple(None if k in hidden else Measurement(pose) for k, pose in enumerate(path))
+    given: dict[str, Any] = {"robot": default_robot(), "dt": DT, "u": np.zeros((len(path), 2))}
+    return Scene(name=name, poses=path, measurements=seen, **given | options)
+
+
+def simulate(
+    scene: Situation, callback: Callable[[Step], Any], slot: str, **slots: Any
+) -> Simulation:
+    """Return the simulation of a scene, with the callback under test in its slot."""
+    assert isinstance(scene, Scene)
+    hidden = scene.is_hidden
+
+    def evaluate_model(world: WorldState) -> Floats:
+        if scene.is_driven:
+            return world.model.predict(world.pose_1, world.pose_2, world.last_u)
+        return np.asarray(scene.poses[world.k])
+
+    def call(step: Step) -> Any:
+        result = callback(step)
+        if step.k + 1 < len(hidden) and hidden[step.k + 1] != hidden[step.k]:
+            simulation.dropout = _HIDDEN if hidden[step.k + 1] else None
+        return result
+
+    simulation = Simulation(
+        **{
+            "robot": scene.robot,
+            "area": scene.area,
+            "resolution": scene.resolution,
+            "headings": None,
+            "noise": scene.noise,
+            "dropout": _HIDDEN if hidden[0] else None,
+            "start": scene.poses[0],
+            "adjust_background": scene.background,
+            "evaluate_model": evaluate_model,
+            "seed": _SEED,
+            "time_limit": TIME_LIMIT,
+            **slots,
+            slot: call,
+        }
+    )
+    return simulation
+
+
+class LastPose:
+    """A state estimator to go with a controller under test: the last measured pose."""
+
+    def __init__(self) -> None:
+        self._pose: Floats = np.array(CENTRE)
+
+    def __call__(self, step: Step) -> Estimate:
+        """Return the estimate of a step."""
+        if step.measurement is not None:
+            self._pose = step.measurement.pose
+        return Estimate(self._pose, np.eye(3))
+
+
+def model_parameters(step: Step) -> Floats:
+    """Return the parameters of the default model: the estimate of them for a controller."""
+    return RobotModel().theta

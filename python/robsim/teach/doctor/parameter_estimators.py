@@ -1,0 +1,214 @@
+"""`check_parameter_estimator`: the checks of a parameter estimator in recorded situations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from robsim._core import regression
+from robsim.base.check_report import CheckReport, Problem
+from robsim.base.checks import Floats, check_int
+from robsim.teach.doctor._errors import problem_of
+from robsim.teach.doctor._parameter.influence import Influence
+from robsim.teach.doctor._parameter.learning import learning_items, mismatch_problem
+from robsim.teach.doctor._parameter.windup import MAXIMUM_GROWTH, largest_square, line_of_matrix
+from robsim.teach.doctor._reproducibility import replay_problem, together_problem
+from robsim.teach.doctor._run_checks import BUDGET, run_checks
+from robsim.teach.doctor._situations import DT, STANDS, Situation, excited, resting
+from robsim.teach.doctor._slots import PARAMETERS
+from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial
+
+_SHORT = 400  # steps
+_QUIET = 0.1  # of the usual disturbances, so that the verdict does not hang on them
+_WORSE = 3.0  # times the largest error before the rest
+_REPEATED = 6  # samples
+_DIVERGED = 10.0  # prediction error relative to the rms displacement per step
+_RECOVERY = 100  # steps after a rest within which the parameters must be good again
+
+
+def check_parameter_estimator(
+    make: Callable[[], Any] | str | PathLike[str], *, updates: int = 10_000, budget: float = BUDGET
+) -> CheckReport:
+    """Check a parameter estimator in several situations and report what is wrong with it.
+
+    Its results have to be of the right shape and finite, to depend on its own past samples alone,
+    to predict better than ``2 x(k-1) - x(k-2)``, the robot that goes on as before, and to stay good
+    in a long run and after 1000 steps at rest. Where they do not, poses and inputs are displaced
+    one by one, and the step and the axis of the first change say why: phi and y of different
+    steps, axes that are mixed, samples that are forgotten. Consequences of a problem are not
+    reported.
+
+    Parameters
+    ----------
+    make : callable or path
+        ``make() -> estimator``: returns a fresh estimator, as ``init_parameter_estimator`` does:
+        an object with ``update(phi, y)``. Or a fresh callback as for ``estimate_parameters``,
+        ``estimate(step) -> (3, 5) or None``. Or a file ``init_parameter_estimator.py``, or the
+        callback folder that has it.
+    updates : int
+        Length of the longest run. Least squares with forgetting diverges if P is not kept
+        symmetric: after about 1 000 updates for lambda = 0.95, 2 700 for 0.99, 20 000 for 0.999.
+    budget : float
+        Maximum of the median time per call (s).
+
+    Returns
+    -------
+    CheckReport
+        True if all checks pass. In a test, call its ``raise_for_problems()``: that shows every
+        problem.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `make` is not callable, or a number is out of range.
+
+    Notes
+    -----
+    What cannot be told: least squares whose P is never reduced from normalised least mean squares
+    (NLMS) with step 1, which is the same equation; a gain that is too small from a gradient method,
+    which is right, but slow: both get a remark. Windup is looked for in the square matrices that an
+    estimator keeps; where it hides them, only in its parameters.
+
+    Sources: Goodwin and Sin, Adaptive Filtering, Prediction and Control, 1984, chapter 3
+    (projection, least squares, covariance resetting); Astrom and Wittenmark, Adaptive Control,
+    1995, chapter 11 (estimator windup); Bierman, Factorization Methods for Discrete Sequential
+    Estimation, 1977, chapter V (rounding in P).
+
+    Examples
+    --------
+    >>> print(robsim.check_parameter_estimator(MyLeastSquares))
+    """
+    updates = check_int("updates", updates, minimum=1000, maximum=10_000_000)
+    return run_checks(make, PARAMETERS, budget, partial(_checks, updates=updates))
+
+
+def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem | str]:
+    alone = estimator.try_in(excited(DT, _SHORT, _QUIET))
+    if alone.error is not None:
+        yield problem_of(estimator, alone)
+        return
+    rests = resting(DT)
+    # If one of these fails, the others are meaningless.
+    cause = (
+        _no_adaptation(estimator, alone)
+        or replay_problem(estimator, alone)
+        or together_problem(estimator, alone, rests)
+    )
+    if cause is not None:
+        yield cause
+        return
+    influence = Influence(estimator, alone)
+    mismatch = mismatch_problem(estimator, alone, influence)
+    found = [mismatch] if mismatch else list(learning_items(estimator, alone, influence))
+    yield from found
+    if any(isinstance(one, Problem) for one in found):
+        return
+    diverges = _divergence(estimator, excited(DT, updates))
+    yield from filter(None, (diverges,))
+    if diverges is None:
+        yield from _rest_problems(estimator, rests)
+
+
+def _no_adaptation(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
+    """Return whether the parameters never change."""
+    thetas = alone.outputs[np.isfinite(alone.outputs).all(axis=1)]
+    if len(thetas) == 0:
+        sentence = "it returns None at every step: return the parameters, an array of shape (3, 5)"
+    elif (thetas == thetas[0]).all():
+        sentence = "its parameters never change: phi and y have no effect"
+    else:
+        return None
+    return Problem(
+        kind="no adaptation", sentence=sentence, situation=alone.situation.name, line=estimator.line
+    )
+
+
+def _relative_errors(trial: Trial) -> Floats:
+    """Return the one-step prediction errors relative to the rms displacement, the worst axis."""
+    situation = trial.situation
+    phi, y = regression(situation.poses, situation.u)
+    phi, y = (part[: len(trial.outputs) - 2] for part in (phi, y))
+    # The sample of step k and the estimate of step k - 1.
+    theta = trial.outputs[1:-1].reshape(-1, 3, 5)
+    # e = y - phi theta
+    e = y - np.sum(phi * theta, axis=2)
+    displacement = y - phi[:, :, 0]
+    relative = np.asarray(abs(e) / np.sqrt(np.mean(displacement**2, axis=0)))
+    return np.concatenate((np.full(2, np.nan), relative.max(axis=1)))
+
+
+def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | None:
+    """Return whether good parameters diverge later."""
+    trial = estimator.try_in(drive)
+    is_off = _relative_errors(trial) > _DIVERGED
+    is_off[:_SHORT] = False
+    # Once or twice is the transient of a covariance reset.
+    if trial.error is None and np.sum(is_off) < _REPEATED:
+        return None
+    if trial.error is not None and not _is_numerical(trial.error):
+        return problem_of(estimator, trial)
+    k = int(is_off.argmax()) if is_off.any() else trial.failed_at
+    return Problem(
+        kind="diverges",
+        sentence="its parameters are good at first and diverge later: with forgetting (lambda < 1) "
+        "in P = (P - outer(K, phi @ P)) / lambda, rounding errors make P asymmetric and grow; add "
+        "P = (P + P.T) / 2 after it. Where that is done, lambda is too small: its memory, "
+        "1 / (1 - lambda) samples, must be several times the 5 parameters",
+        situation="robot drives around for a long time",
+        k=k,
+        line=line_of_matrix(estimator),
+    )
+
+
+def _is_numerical(error: BaseException) -> bool:
+    """Return whether an error may come from numbers that grow without bound."""
+    if isinstance(error, BadResult):
+        return error.kind == "not finite"
+    return isinstance(error, (ArithmeticError, np.linalg.LinAlgError))
+
+
+def _rest_problems(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[Problem]:
+    """Yield the problems after a long rest without excitation."""
+    sizes = {}
+
+    def watch(k: int, made: Any) -> None:
+        if k in (STANDS.start, STANDS.stop - 1):
+            sizes[k] = largest_square(made)
+
+    trial = estimator.try_in(rests, watch)
+    after = trial.outputs[STANDS.stop :]
+    has_overflowed = trial.error is not None and _is_numerical(trial.error)
+    if trial.error is not None and not has_overflowed:
+        yield problem_of(estimator, trial)
+        return
+    if not has_overflowed and (after == after[0]).all():
+        yield Problem(
+            kind="adaptation stops",
+            sentence=f"after {len(STANDS)} steps of constant input its parameters never change "
+            "again: its gain or its P has become 0",
+            situation=rests.name,
+            k=STANDS.stop,
+            line=estimator.line,
+        )
+        return
+    growth = sizes.get(STANDS.stop - 1, 0.0) / max(sizes.get(STANDS.start, 0.0), 1e-300)
+    is_large = bool(sizes.get(STANDS.start)) and growth > MAXIMUM_GROWTH
+    errors = _relative_errors(trial)
+    # One that learns slowly is no better before the rest.
+    usual = float(np.nanmax(errors[STANDS.start // 2 : STANDS.start]))
+    is_off = errors[STANDS.stop + _RECOVERY :] > max(_DIVERGED, _WORSE * usual)
+    if has_overflowed or is_large or is_off.any():
+        reason = f": its P grows {growth:.0e}-fold in the rest" if is_large else ""
+        yield Problem(
+            kind="windup",
+            sentence=f"a long constant input makes its parameters wrong{reason}; with forgetting, "
+            "P grows by 1 / lambda at every sample that brings nothing new, and must not grow "
+            "without bound: limit its trace, or forget only while there is excitation",
+            situation=rests.name,
+            k=trial.failed_at if has_overflowed else STANDS.stop,
+            line=line_of_matrix(estimator),
+        )

@@ -1,0 +1,140 @@
+"""The check of callback files for a task: their trial, what that shows, and the usual checks."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import redirect_stdout
+from dataclasses import fields
+from os import PathLike
+
+from robsim.base.check_report import Problem
+from robsim.base.text import quoted
+from robsim.simulation.slots import RobotSlots
+from robsim.teach.doctor._trial import TIME_LIMIT, StdoutCapture
+from robsim.teach.doctor.callbacks.folder import FolderReport, Surroundings, report_of
+from robsim.teach.doctor.callbacks.scenes import Setting
+from robsim.teach.doctor.tasks.drives import drive_findings
+from robsim.teach.doctor.tasks.estimated import state_findings
+from robsim.teach.doctor.tasks.identified import parameter_findings
+from robsim.teach.doctor.tasks.measured import measured_findings
+from robsim.teach.doctor.tasks.report import TaskReport
+from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.by_name import task as named_task
+from robsim.teach.tasks.solutions import MODULE, Solution, module_source
+from robsim.teach.tasks.trial import TaskTrial
+
+#: Kinds of problems of which no run goes wrong.
+_NO_CAUSE = ("prints", "too slow")
+
+
+def check_task(
+    path: str | PathLike[str], slots: str | Iterable[str] | None, task: str | Task
+) -> TaskReport:
+    """Check callback files for a task; the arguments are those of `check_folder`."""
+    if not isinstance(task, (str, Task)):
+        raise TypeError(f"task must be a Task, or its name, got {quoted(task)}")
+    chosen = named_task(task) if isinstance(task, str) else task
+    solution = Solution.read(path, chosen.slots, is_right=False)
+    report = report_of(path, slots, _surroundings(chosen))
+    is_loaded = all(problem.kind != "not loaded" for problem in report.problems)
+    trial = _trial(chosen, path) if is_loaded else None
+    is_known = any(problem.kind not in _NO_CAUSE for problem in report.problems)
+    findings = () if trial is None else tuple(_findings(trial, solution, is_known=is_known))
+    remarks = tuple(_remarks(report, chosen, solution))
+    return _joined(report, chosen, trial, findings, remarks)
+
+
+def _surroundings(task: Task) -> Surroundings:
+    simulation = task.simulation()
+    on = {slot for slot in simulation.SLOTS if simulation._is_on(slot)}
+    return Surroundings(
+        setting=Setting.of(task.scenario),
+        slots=task.slots,
+        on=frozenset(on.union(task.slots)),
+        given={MODULE: module_source(task)},
+        dt=simulation.model.dt,
+    )
+
+
+def _trial(task: Task, path: str | PathLike[str]) -> TaskTrial:
+    with redirect_stdout(StdoutCapture()), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the usual checks tell of them
+        return task.try_out(path, time_limit=TIME_LIMIT, progress=False)
+
+
+def _findings(trial: TaskTrial, solution: Solution, *, is_known: bool) -> Iterator[Problem]:
+    """Yield what the runs show, where points are missing.
+
+    Where the checks of the files have found a cause, what the worst run shows comes of it.
+    """
+    if trial.is_solved:
+        return
+    for run, text in list(trial.failed.items())[:1]:
+        yield Problem(
+            kind="run fails",
+            sentence=f"{len(trial.failed)} of {trial.runs} runs end with an error: {text}",
+            situation=f"run {run} of the task",
+        )
+    if is_known and trial.rule is None:
+        return
+    with redirect_stdout(StdoutCapture()), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        if RobotSlots.control.name in trial.task.slots:
+            yield from drive_findings(trial, solution)
+        if RobotSlots.measure.name in trial.task.slots:
+            yield from measured_findings(trial)
+        if RobotSlots.estimate_state.name in trial.task.slots:
+            yield from state_findings(trial)
+        if RobotSlots.estimate_parameters.name in trial.task.slots:
+            yield from parameter_findings(trial)
+
+
+def _remarks(report: FolderReport, task: Task, solution: Solution) -> Iterator[str]:
+    """Yield what the task does not ask for, or not allow where it is graded."""
+    unused = [f"{slot}.py" for slot, verdict in report.verdicts.items() if verdict == "not used"]
+    if unused:
+        asked = ", ".join(f"{slot}.py" for slot in task.slots)
+        is_are = "is" if len(unused) == 1 else "are"
+        yield f"{', '.join(unused)} {is_are} not used: the task {task.name} asks for {asked}"
+    for slot in task.slots:
+        if slot in solution.files and isinstance(report.checks.get(slot), str):
+            yield f"{slot}.py is switched off: set ENABLED = True in it"
+    for name, source in solution.files.items():
+        for masked in task.masked:
+            if masked.encode() in source:
+                yield f"{name}.py has {masked}, which cannot be had where the task is graded"
+
+
+def _once(problems: Iterable[Problem]) -> Iterator[Problem]:
+    """Yield problems without those of an estimator that the file of its update has again."""
+    known = set()
+    for problem in problems:
+        told = problem.kind, problem.sentence.partition(": ")[2]
+        if told not in known:
+            known.add(told)
+            yield problem
+
+
+def _joined(
+    report: FolderReport,
+    task: Task,
+    trial: TaskTrial | None,
+    findings: tuple[Problem, ...],
+    remarks: tuple[str, ...],
+) -> TaskReport:
+    """Return the report of the files with what comes of the task."""
+    known = {field.name: getattr(report, field.name) for field in fields(report)}
+    kinds = {problem.kind for problem in report.problems}
+    findings = tuple(one for one in findings if one.kind not in kinds)
+    return TaskReport(
+        **known
+        | {
+            "problems": (*_once(report.problems), *findings),
+            "remarks": (*remarks, *report.remarks),
+            "tables": (*(() if trial is None else trial.tables), *report.tables),
+        },
+        task=task,
+        trial=trial,
+        findings=findings,
+    )

@@ -1,0 +1,257 @@
+"""What the worst drive of a controller shows: where it goes wrong on the way to its goal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from robsim._core import wrap_angle
+from robsim.base.check_report import Problem
+from robsim.base.checks import Floats
+from robsim.base.report import percent
+from robsim.teach.doctor.tasks.seen_run import SeenRun
+from robsim.teach.doctor.tasks.what_if import limited, mistakes_undone
+from robsim.teach.tasks.solutions import Solution
+from robsim.teach.tasks.trial import TaskTrial
+
+_AT_REST = 0.5  # px per step
+_MOVES = 1.0  # px per step
+_LAST = 0.2  # of a run
+_LOST = 100.0  # px from the goal, at the end
+_FARTHER = 1.4  # times the way of the reference
+_SLOWER = 0.7  # times the speed of the reference
+_HELD = 0.8  # of the steps in which nobody sees it
+_NO_VOLTAGE = 1e-9  # V
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """A drive to a goal, or along waypoints, beside that of the reference.
+
+    Attributes
+    ----------
+    run : SeenRun
+        The run.
+    goals : array (3,), (2,) or (N, 2)
+        The goal, or the waypoints.
+    """
+
+    run: SeenRun
+    goals: Floats
+
+    @property
+    def poses(self) -> Floats:
+        return self.run.trace.pose_true
+
+    @property
+    def waypoints(self) -> Floats:
+        """The waypoints, or the goal alone, (N, 2)."""
+        return np.atleast_2d(self.goals)[:, :2]
+
+    @property
+    def distances(self) -> Floats:
+        """The distance from the last goal, step by step (px)."""
+        return np.asarray(np.hypot(*(self.poses[:, :2] - self.waypoints[-1]).T))
+
+    @property
+    def last_steps(self) -> Floats:
+        """The length of each of the last steps (px)."""
+        return _step_lengths(self.poses)[-round(_LAST * len(self.poses)) :]
+
+    @property
+    def is_at_rest(self) -> bool:
+        return float(np.mean(self.last_steps)) < _AT_REST
+
+
+def drive_findings(trial: TaskTrial, solution: Solution) -> Iterator[Problem]:
+    """Yield what the worst drive shows, the cause first.
+
+    Parameters
+    ----------
+    trial : TaskTrial
+        The trial of a controller.
+    solution : Solution
+        The controller.
+    """
+    run, goals = SeenRun.of(trial), trial.task.goals
+    if run is None or goals is None:
+        return
+    if trial.rule is not None:
+        yield _against_the_rules(trial, solution)
+        return
+    drive = _Drive(run, goals)
+    cause = next((found for look in _LOOKS if (found := look(drive, solution))), None)
+    if cause is not None:
+        yield cause
+    if (waits := _waits(drive)) is not None:
+        yield waits
+
+
+def _against_the_rules(trial: TaskTrial, solution: Solution) -> Problem:
+    limit = float(trial.task.values.get("MAXIMUM_VOLTAGE", 1.0))
+    rest = limited(trial.task, solution, limit)
+    points = f": then it has {percent(rest.points)} of the points" if rest.limits else ""
+    return Problem(
+        kind="against the rules",
+        sentence=f"{trial.rule}; limit them, numpy.clip(u, -{limit:g}, {limit:g}){points}",
+        situation=f"run {trial.broken[0]} of the task",
+    )
+
+
+def _lost(drive: _Drive, solution: Solution) -> Problem | None:
+    """Return why it does not come to its goal, if a mistake undone brings it there."""
+    goal = drive.waypoints[-1]
+    if drive.distances[-1] < _LOST:
+        return None
+    for kind, sentence in mistakes_undone(drive.run.task, solution, goal):
+        return drive.run.problem(kind, sentence)
+    return None
+
+
+def _stands(drive: _Drive, _: Solution) -> Problem | None:
+    """Return whether it never drives."""
+    if abs(drive.run.trace.u).max() > _NO_VOLTAGE:
+        return None
+    return drive.run.problem("never drives", "it never drives: its voltages are (0, 0)")
+
+
+def _swings(drive: _Drive, _: Solution) -> Problem | None:
+    """Return whether it drives past its goals, since it does not brake."""
+    own, others = (
+        float(_step_lengths(poses).sum()) for poses in (drive.poses, drive.run.reference.pose_true)
+    )
+    is_near = drive.distances.min() < _LOST / 2
+    if own < _FARTHER * others or drive.is_at_rest or not is_near:
+        return None
+    return drive.run.problem(
+        "does not brake",
+        f"it drives {own:.0f} px where the reference drives {others:.0f} px, and at the end still "
+        f"moves by {np.mean(drive.last_steps):.1f} px per step, {drive.distances[-1]:.0f} px from "
+        "the goal: it drives past it again and again. Brake in time: the speed counts as well as "
+        "the distance, such as u = k1 distance - k2 speed",
+    )
+
+
+def _stops_short(drive: _Drive, _: Solution) -> Problem | None:
+    """Return whether it stands still where it is not parked yet."""
+    tolerance = drive.run.tolerance("POSITION_TOLERANCE", 20.0)
+    if drive.goals.ndim > 1 or not drive.is_at_rest or drive.distances[-1] <= tolerance:
+        return None
+    return drive.run.problem(
+        "stops short",
+        f"it stands still {drive.distances[-1]:.0f} px from the goal, which is not parked yet: "
+        f"that is within {tolerance:g} px. Does it stop too early, or does friction hold it, so "
+        "that a small voltage does not move it?",
+        k=_last_move(drive.poses),
+    )
+
+
+def _faces_elsewhere(drive: _Drive, _: Solution) -> Problem | None:
+    """Return whether it comes to the position, and stays there in another heading."""
+    if drive.goals.shape != (3,) or drive.distances[-1] > drive.run.tolerance(
+        "POSITION_TOLERANCE", 20.0
+    ):
+        return None
+    error = float(wrap_angle(drive.poses[-1, 2] - drive.goals[2]))
+    if abs(error) <= drive.run.tolerance("HEADING_TOLERANCE", 0.15):
+        return None
+    return drive.run.problem(
+        "heading of the goal",
+        f"it comes to the position, but faces {np.degrees(drive.poses[-1, 2]):.0f} degrees at the "
+        f"end, and not {np.degrees(drive.goals[2]):.0f} as the goal: turn there on the spot, by "
+        "the heading error, robsim.wrap_angle(goal - heading)",
+    )
+
+
+def _skips(drive: _Drive, _: Solution) -> Problem | None:
+    """Return which waypoint it drives past, though it goes on."""
+    radius = drive.run.tolerance("WAYPOINT_RADIUS", 25.0)
+    if drive.goals.ndim == 1:
+        return None
+    apart = np.hypot(*(drive.poses[:, None, :2] - drive.waypoints).T)  # (waypoints, steps)
+    missed = np.flatnonzero(apart.min(axis=1) > radius)
+    later = missed[missed < len(apart) - 1]
+    if not len(later) or apart[later[0] + 1 :].min() > radius:
+        return None
+    number = int(later[0])
+    return drive.run.problem(
+        "cuts corners",
+        f"it passes waypoint {number} of {len(apart)} at a distance of {apart[number].min():.0f} "
+        f"px, and goes on to the next: a waypoint is reached within {radius:g} px",
+        k=int(apart[number].argmin()),
+    )
+
+
+def _slow(drive: _Drive, _: Solution) -> Problem | None:
+    """Return whether it drives more slowly than the reference."""
+    own, others = (_speed(poses) for poses in (drive.poses, drive.run.reference.pose_true))
+    if not own < _SLOWER * others:
+        return None
+    return drive.run.problem(
+        "slow",
+        f"while it drives it moves by {own:.1f} px per step, the reference by {others:.1f}: so it "
+        "needs more time, or more than there is",
+    )
+
+
+def _overshoots(drive: _Drive, _: Solution) -> Problem | None:
+    """Return whether it leaves its goal again."""
+    tolerance = drive.run.tolerance("POSITION_TOLERANCE", 20.0)
+    inside = np.flatnonzero(drive.distances <= tolerance)
+    if drive.goals.ndim > 1 or not len(inside):
+        return None
+    after = drive.distances[inside[0] :]
+    if after.max() <= 1.5 * tolerance:
+        return None
+    return drive.run.problem(
+        "overshoots",
+        f"it comes to the goal, and then leaves it by {after.max():.0f} px: brake in time, the "
+        "speed counts as well as the distance",
+        k=int(inside[0] + after.argmax()),
+    )
+
+
+_LOOKS: tuple[Callable[[_Drive, Solution], Problem | None], ...] = (
+    _stands,
+    _lost,
+    _swings,
+    _stops_short,
+    _faces_elsewhere,
+    _skips,
+    _slow,
+    _overshoots,
+)
+
+
+def _waits(drive: _Drive) -> Problem | None:
+    """Return whether it gives no voltage wherever nobody sees the robot."""
+    trace = drive.run.trace
+    is_unseen = ~trace.seen
+    stands = np.asarray((abs(trace.u) <= _NO_VOLTAGE).all(axis=1))
+    if is_unseen.sum() < 5 or stands[is_unseen].mean() < _HELD or stands[~is_unseen].mean() > 0.5:
+        return None
+    return drive.run.problem(
+        "waits unseen",
+        f"its voltages are 0 in {int(stands[is_unseen].sum())} of {int(is_unseen.sum())} steps in "
+        "which the robot is not seen: drive on by the last pose and the model, which costs less "
+        "time",
+        k=int(np.flatnonzero(is_unseen & stands)[0]),
+    )
+
+
+def _step_lengths(poses: Floats) -> Floats:
+    return np.asarray(np.hypot(*np.diff(poses[:, :2], axis=0).T))
+
+
+def _speed(poses: Floats) -> float:
+    """Return the median way of a step in which it drives (px)."""
+    lengths = _step_lengths(poses)
+    moving = lengths[lengths > _MOVES]
+    return float(np.median(moving)) if len(moving) else 0.0
+
+
+def _last_move(poses: Floats) -> int:
+    moving = np.flatnonzero(_step_lengths(poses) > _MOVES)
+    return int(moving[-1]) + 1 if len(moving) else 0

@@ -1,0 +1,92 @@
+"""`TaskReport`: whether callback files solve a task, what is short, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from robsim.base.report import Problem, Quantity, percent
+from robsim.teach.doctor.callbacks.folder import FolderReport
+
+if TYPE_CHECKING:  # where submissions are graded the doctor looks at them without the tasks
+    from robsim.teach.tasks._task import Task
+    from robsim.teach.tasks.trial import TaskTrial
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskReport(FolderReport):
+    """The result of a check of callback files for a task.
+
+    `problems` are those of the files, and then what the runs of the task show.
+
+    Attributes
+    ----------
+    task : Task
+        The task.
+    trial : TaskTrial or None
+        How they do on it; None = they could not be loaded.
+    findings : tuple of Problem
+        What the runs show, the likeliest cause first.
+    """
+
+    task: Task
+    trial: TaskTrial | None
+    findings: tuple[Problem, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        """Whether the task is solved, and nothing is wrong."""
+        return self.is_solved and not self.problems
+
+    @property
+    def is_solved(self) -> bool:
+        """Whether they have all points of the task."""
+        return self.trial is not None and self.trial.is_solved
+
+    @property
+    def heading(self) -> str:
+        """The verdict in one line."""
+        task = f"the task {self.task.name}"
+        if self.trial is None:
+            return f"{self.name} was not tried on {task}: it cannot be loaded"
+        if self.is_solved:
+            ill = f"; {super().heading}" if self.problems else ""
+            return f"{self.name} solves {task}: {self.trial.verdict}{ill}"
+        points = "" if not self.trial.limits else f", {percent(self.trial.points)} of the points"
+        return f"{self.name} does not solve {task}: {self.trial.verdict or 'no limits'}{points}"
+
+    @property
+    def not_used(self) -> tuple[str, ...]:
+        """The slots that have a file for which the task does not ask."""
+        return tuple(slot for slot, check in self.checks.items() if check == "not used")
+
+    @property
+    def quantities(self) -> Sequence[Quantity]:
+        """Points, runs, and how many of them failed."""
+        return () if self.trial is None else self.trial.quantities
+
+    @property
+    def title(self) -> str:
+        """What was checked, and for what."""
+        return f"Check of {self.name} for the task {self.task.name}"
+
+    @property
+    def short(self) -> dict[str, str]:
+        """In a sentence for each score that has not all points, by name: how far it is off."""
+        return {} if self.trial is None else dict(_short(self.trial))
+
+
+def _short(trial: TaskTrial) -> Iterator[tuple[str, str]]:
+    for score in trial.task.scores:
+        limit, statistic = trial.limits.get(score.name), trial.statistics[score.name]
+        if limit is None or not statistic > 0 or limit.fraction(statistic) >= 1:
+            continue
+        of = "" if score.kind == "consistency" else " times that of the reference"
+        is_low = limit.low is not None and statistic < limit.low
+        full = f"from {limit.low:.3g} on" if is_low else f"up to {limit.full:.3g}"
+        share = percent(limit.fraction(statistic))
+        yield (
+            score.name,
+            f"{score.title}: {statistic:.3g}{of}, all points {full}: it has {share} of them",
+        )

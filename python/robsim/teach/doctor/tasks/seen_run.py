@@ -1,0 +1,54 @@
+"""The worst run of a trial beside that of the reference, and what is said of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from robsim.base.check_report import Problem
+from robsim.base.checks import Floats
+from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.trial import TaskTrial
+from robsim.trace import Trace
+
+
+@dataclass(frozen=True)
+class SeenRun:
+    """The worst run of a trial.
+
+    Attributes
+    ----------
+    task : Task
+        The task.
+    number : int
+        Its number.
+    trace, reference : Trace
+        The run, and the same of the reference.
+    """
+
+    task: Task
+    number: int
+    trace: Trace
+    reference: Trace
+
+    @classmethod
+    def of(cls, trial: TaskTrial) -> SeenRun | None:
+        """Return the worst run of a trial; None if all have failed."""
+        if trial.worst is None or trial.trace is None or trial.reference_trace is None:
+            return None
+        return cls(trial.task, trial.worst, trial.trace, trial.reference_trace)
+
+    def problem(self, kind: str, sentence: str, k: int | None = None) -> Problem:
+        """Return what is wrong in it."""
+        situation = f"run {self.number} of the task"
+        return Problem(kind=kind, sentence=sentence, situation=situation, k=k)
+
+    def tolerance(self, name: str, default: float) -> float:
+        return float(self.task.values.get(name, default))
+
+
+def rms(values: Floats) -> float:
+    """Return the root mean square of what is known of values; NaN = nothing is."""
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")

@@ -1,0 +1,25 @@
+"""Grading: submissions that run in a process of their own, and whose fault it is if they fail."""
+
+from robsim.base.public import present as _present
+from robsim.teach.errors import AssignmentError, GraderError, GradingError, SubmissionError
+from robsim.teach.grading.keys import Key
+from robsim.teach.grading.submission import Submission
+from robsim.teach.isolation import IsolationError, IsolationReport, Limits, check_isolation
+from robsim.teach.texts import clean_text, fenced
+
+__all__ = [
+    "AssignmentError",
+    "GraderError",
+    "GradingError",
+    "IsolationError",
+    "IsolationReport",
+    "Key",
+    "Limits",
+    "Submission",
+    "SubmissionError",
+    "check_isolation",
+    "clean_text",
+    "fenced",
+]
+
+_present(globals())

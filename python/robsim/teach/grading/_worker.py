@@ -1,0 +1,245 @@
+"""A worker as the grader sees it: it is started, asked, and ended; what is wrong is its fault."""
+
+from __future__ import annotations
+
+import pickle
+import socket
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import NoReturn, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._core import RobotModel
+from robsim.teach.errors import GraderError, SubmissionError
+from robsim.teach.grading._frame_memory import FrameMemory
+from robsim.teach.grading._wire import LIMITS, Channel, Kind, Ready, WireError
+from robsim.teach.grading.calls.answering import CallSetup
+from robsim.teach.grading.robot_half import ROBOT_SLOTS, Setup, groups_of
+from robsim.teach.grading.tasks.task import Done
+from robsim.teach.isolation import Isolation, Limits, start_worker
+from robsim.teach.isolation.ending import GRADER_LOST_IT
+from robsim.teach.isolation.limits import as_size
+from robsim.teach.texts import ErrorText, clean_text
+
+R = TypeVar("R")
+
+# The same for all workers, so that they come from one zygote.
+_MODULES = (
+    "numpy",
+    *("robsim.lab.cameras", "robsim.control", "robsim.estimation.evaluation"),
+    *("robsim.estimation.identification", "robsim.vision.imaging", "robsim.vision.robots"),
+    *("robsim.simulation", "robsim.trace", "robsim.vision.markers"),
+    *("robsim.teach.grading.robot_half", "robsim.teach.grading.calls.answering"),
+)
+_ENDING = 0.2  # s that a worker whose run is over has to end by itself
+_DYING = 1.0  # s after its connection is closed, until it is known how it ended
+
+
+class Worker:
+    """The process that has the robot half of one run.
+
+    Subclasses have other code in it, and another conversation.
+
+    Parameters
+    ----------
+    setup : Setup or CallSetup
+        What it is told.
+    memory : FrameMemory, optional
+        Where it sees frames.
+    limits : Limits
+        What it may take.
+    isolation : str
+        How it is shut in.
+    hidden : sequence of str
+        Files that it must not read.
+    """
+
+    _ENTRY = "robsim.teach.grading.robot_half:work"
+    _LIMITS = LIMITS
+
+    def __init__(
+        self,
+        setup: Setup | CallSetup,
+        *,
+        memory: FrameMemory | None,
+        limits: Limits,
+        isolation: Isolation,
+        hidden: Sequence[str],
+    ) -> None:
+        self.memory = memory
+        self._setup = setup
+        self._limits = limits
+        self._deadline = time.monotonic() + limits.run
+        self._groups: dict[str, tuple[str, ...]] = {}
+        ours, theirs = socket.socketpair()
+        try:
+            with theirs:
+                self.process = start_worker(
+                    entry=self._ENTRY,
+                    modules=_MODULES,
+                    channel=theirs,
+                    memory=[] if memory is None else [memory.descriptor],
+                    limits=limits,
+                    isolation=isolation,
+                    hidden=hidden,
+                )
+        except BaseException:
+            ours.close()
+            raise
+        self._channel = Channel(ours, self._LIMITS)
+
+    def ready(self) -> Ready:
+        """Send the submission, wait until it is loaded, and return what it fills.
+
+        Raises
+        ------
+        SubmissionError
+            If it cannot be loaded, or not in time.
+        """
+        setup = self._setup
+        assert isinstance(setup, Setup)
+        body = self._hello()
+        try:
+            ready = Ready.from_bytes(body, ROBOT_SLOTS)
+        except WireError as error:
+            self.refuse(None, None, f"the worker has sent {error}")
+        except ValueError as error:
+            self.refuse("define_model", None, str(error))
+        allowed = {*setup.rules.slots}
+        if "init_parameter_estimator" in allowed:  # whose updates are this stage
+            allowed.add("estimate_parameters")
+        if foreign := {*ready.filled, *ready.switched_on} - allowed:
+            self.refuse(min(foreign), None, "the submission must not fill this slot")
+        if "define_model" not in ready.filled and not _same(ready.model, setup.model):
+            self.refuse("define_model", None, "the submission must not change the model")
+        groups = groups_of(ready.filled, setup.on)
+        self._groups = {group[0]: group for group in groups}
+        return ready
+
+    def _hello(self) -> bytes:
+        """Send the submission; return what is said when it is loaded."""
+        message = [pickle.dumps(self._setup)]
+        kind, body = self._asked(Kind.HELLO, message, self._limits.first_call, (), None)
+        if kind != Kind.READY:
+            self._refuse_kind(kind, body, None, None)
+        return body
+
+    def exchange(
+        self, message: bytes, pixels: NDArray[np.uint8] | None, slot: str, k: int
+    ) -> bytes:
+        """Send a step as far as it is known; return it as the worker has filled it in."""
+        group = self._groups.get(slot, (slot,))
+        call = self._limits.first_call if k == 0 else self._limits.call
+        parts: list[bytes | memoryview] = [message]
+        if pixels is not None:
+            parts.append(pixels.data)
+        kind, body = self._asked(Kind.STEP, parts, call * len(group), group, k)
+        if kind != Kind.ANSWER:
+            self._refuse_kind(kind, body, slot, k)
+        return body
+
+    def _asked(
+        self,
+        kind: Kind,
+        parts: Sequence[bytes | memoryview],
+        seconds: float,
+        group: tuple[str, ...],
+        k: int | None,
+    ) -> tuple[Kind, bytes]:
+        """Send a message, and return what comes within so many seconds."""
+        slot = group[0] if group else None
+        patience = min(seconds, max(self._deadline - time.monotonic(), 1e-3))
+        try:
+            return self._channel.exchange(kind, *parts, patience=patience)
+        except TimeoutError:
+            what = " and ".join(group) or "loading the submission"
+            if patience < seconds:
+                what, seconds = "the run", self._limits.run
+            step = f" at step {k}" if k is not None else ""
+            text = f"{what} took longer than {seconds:g} s{step}"
+            raise SubmissionError(text, slot=slot, step=k) from None
+        except WireError as error:
+            self.refuse(slot, k, f"the worker has sent {error}")
+        except (EOFError, OSError):
+            self._refuse_death(slot, k)
+
+    def _refuse_death(self, slot: str | None, k: int | None) -> NoReturn:
+        """Raise what ended the worker: what it has said, or how it ended."""
+        ending = self.process.wait(_DYING)
+        if ending is GRADER_LOST_IT:
+            raise GraderError(ending.text, slot=slot, step=k)
+        text = ending.text if ending.over else "its process has closed its connection"
+        self.refuse(slot, k, text)
+
+    def _refuse_kind(self, kind: Kind, body: bytes, slot: str | None, k: int | None) -> NoReturn:
+        """Raise what a message says went wrong, or that another one was due."""
+        if kind != Kind.ERROR:
+            self.refuse(slot, k, "the worker has sent a message that is not due")
+        try:
+            told = ErrorText.from_json(body)
+        except ValueError as error:
+            self.refuse(slot, k, f"the worker has sent an error that is none: {error}")
+        if told.type == "MemoryError":
+            more = f"it asked for more than {as_size(self._limits.memory)}"
+            told = replace(told, message=f"{told.message}: {more}" if told.message else more)
+        if not told.type and slot is not None:  # what says all by itself is said before that
+            told = replace(told, type="Exception")
+        named = told.slot if told.slot in (*ROBOT_SLOTS, *self._setup.rules.names) else slot
+        step = None if k is None else min(k if told.step is None else told.step, k)
+        raise replace(told, slot=named, step=step).as_error() from None
+
+    def refuse(self, slot: str | None, k: int | None, what: str) -> NoReturn:
+        """Raise SubmissionError for a slot and a step."""
+        step = None if k is None or k < 0 else k
+        when = "at the start" if step is None else f"at step {step}"
+        where = f"{slot} {when}" if slot else when
+        raise SubmissionError(f"{where}: {what}", slot=slot, step=step)
+
+    def end(self) -> None:
+        """Say that the run is over, and leave a moment for what is still to be printed."""
+        with suppress(OSError):
+            self._channel.send(Kind.END, patience=_ENDING)
+            self.process.wait(_ENDING)
+
+    def close(self) -> None:
+        """End the process, whatever it does."""
+        self._channel.close()
+        self.process.kill()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def done(worker: Worker, act: Callable[[], R]) -> Done[R]:
+    """Return what comes of using a worker, and what it has printed until its end.
+
+    Raises
+    ------
+    SubmissionError
+        If it fails; the attribute ``output`` has what it had printed.
+    """
+    try:
+        result = act()
+    except SubmissionError as error:
+        worker.close()
+        error.output = _printed_by(worker)
+        raise
+    worker.end()
+    return Done(result, _printed_by(worker), worker.process.layers.line)
+
+
+def _printed_by(worker: Worker) -> str:
+    """Return what a submission has printed, as text that is harmless."""
+    text = worker.process.output
+    return clean_text(text, 2 * len(text) + 100)
+
+
+def _same(one: RobotModel, other: RobotModel) -> bool:
+    return one.dt == other.dt and np.array_equal(one.theta, other.theta)

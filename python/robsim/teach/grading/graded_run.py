@@ -1,0 +1,225 @@
+"""A run that is graded: the world half here, with truth and trace, the robot half in a worker."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from typing import Any
+
+from robsim import _core
+from robsim._core import RobotModel
+from robsim.base.seeds import stream_number
+from robsim.simulation import Scenario, Simulation
+from robsim.simulation.callbacks.errors import callback_of
+from robsim.simulation.slots import SLOTS, are_samples_given
+from robsim.simulation.slotted import is_code
+from robsim.simulation.world.world_of_scenario import frame_size
+from robsim.teach.errors import AssignmentError, GradingError, SubmissionError
+from robsim.teach.grading._frame_memory import FrameMemory, has_frame_memory
+from robsim.teach.grading._wire import Ready
+from robsim.teach.grading._worker import Worker, done
+from robsim.teach.grading.calls.calling import CallWorker, calling, world_slots
+from robsim.teach.grading.robot_half import STAGES, Setup
+from robsim.teach.grading.seeds import RunSeeds
+from robsim.teach.grading.tasks.allowed import WORLD_SLOTS, Frames, given_to
+from robsim.teach.grading.tasks.task import Done, Task, hidden_files
+from robsim.teach.submissions import loaded_slots
+from robsim.teach.texts import error_text
+from robsim.trace import RunInfo, Trace
+
+LARGEST_INPUT = 12.0  # V
+
+
+class GradedSimulation(Simulation):
+    """A simulation in which some slots are filled by a worker."""
+
+    def __init__(
+        self, task: Task, scenario: Scenario, seeds: RunSeeds, worker: Worker, ready: Ready
+    ) -> None:
+        super().__init__(scenario, seed=seeds.world, **task.callbacks)
+        filled = tuple(stage for stage in STAGES if stage in ready.filled)
+        self._code_there = frozenset(ready.filled)
+        for slot in ready.switched_on:
+            if slot not in filled:
+                self._set_slot(slot, True)
+        self._set_slot("define_model", ready.model)
+        set_noise_keys(self, seeds)
+        # Samples of the truth tell where the robot is: they are for an estimator of parameters.
+        self._gives_samples = are_samples_given(scenario.identify_from, filled)
+        self._ask(worker, filled, ready, frames=task.frames)
+
+    def _ask(
+        self, worker: Worker, filled: tuple[str, ...], ready: Ready, *, frames: Frames
+    ) -> None:
+        """Fill the slots that the worker fills."""
+        sends_frames = given_to(filled, frames) != "pose"
+        if worker.memory is not None and sends_frames:
+            self._world.set_frame_memory(worker.memory.images)
+        robot = _core.RemoteRobot(
+            worker.exchange,
+            worker.refuse,
+            world=self._world,
+            slots=filled,
+            sends_frames=sends_frames,
+            sends_samples=self._gives_samples,
+            measures_first=self._callbacks["measure"] is True and "measure" not in filled,
+            has_standard_errors=ready.has_standard_errors,
+            largest_input=LARGEST_INPUT,
+        )
+        for slot in filled:
+            self._core.set_slot(slot, robot)
+            self._callbacks[slot] = robot
+        if "estimate_parameters" in filled:
+            self._core.set_slot("init_parameter_estimator", robot)
+
+    def _info(self) -> RunInfo:
+        code = (slot for slot in self.SLOTS if self._is_code(slot))
+        return dataclasses.replace(super()._info(), callbacks=tuple(code))
+
+    def _is_code(self, slot: str) -> bool:
+        return slot in self._code_there or is_code(self._callbacks[slot])
+
+
+def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> Done[Trace]:
+    """Run a submission; return its trace, with the truth.
+
+    Raises
+    ------
+    SubmissionError
+        If the submission fails, with slot, step and line; the attribute ``output`` has what it
+        had printed, ``trace`` the steps until then.
+    AssignmentError
+        If a callback of the teacher's fails.
+    """
+    if task.rules.slots[0] in WORLD_SLOTS:
+        with calling(task) as answering:
+            return done(
+                answering, lambda: _driven(_world_of(answering, task, scenario, seeds), steps)
+            )
+    with started(task, scenario, seeds) as worker:
+        return done(worker, lambda: _driven(asking(worker, task, scenario, seeds), steps))
+
+
+@contextmanager
+def started(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Worker]:
+    """Give a worker that has been told of a task, and end it."""
+    scenario = _with_model(scenario)
+    with ExitStack() as stack:
+        memory = None
+        may_see = given_to(task.rules.slots, task.frames) != "pose"
+        if may_see and has_frame_memory():
+            memory = stack.enter_context(FrameMemory(frame_size(scenario)))
+        worker = Worker(
+            _setup(task, scenario, seeds),
+            memory=memory,
+            limits=task.limits_of_worker,
+            isolation=task.isolation,
+            hidden=hidden_files(task.rules),
+        )
+        yield stack.enter_context(worker)
+
+
+def asking(worker: Worker, task: Task, scenario: Scenario, seeds: RunSeeds) -> GradedSimulation:
+    """Return the simulation whose robot half a worker has."""
+    scenario = _with_model(scenario)
+    ready = worker.ready()
+    _check_dt(ready.model, scenario)
+    return GradedSimulation(task, scenario, seeds, worker, ready)
+
+
+def _world_of(worker: CallWorker, task: Task, scenario: Scenario, seeds: RunSeeds) -> Simulation:
+    """Return the simulation whose world a worker fills slots of."""
+    callbacks: dict[str, Any] = {**task.callbacks, **world_slots(worker)}
+    simulation = Simulation(_with_model(scenario), seed=seeds.world, **callbacks)
+    set_noise_keys(simulation, seeds)
+    return simulation
+
+
+def _driven(simulation: Simulation, steps: int) -> Trace:
+    """Run; say whose fault it is if a callback here fails."""
+    try:
+        return simulation.run(steps)
+    except GradingError as error:
+        # No name here for what is raised: with its traceback it would keep the worker.
+        raise _with_trace(error, simulation) from None
+    except Exception as error:
+        failed = callback_of(error)
+        if failed is None:
+            raise
+        text = error_text(error, slot=failed.slot, step=failed.k)
+        raise AssignmentError(
+            f"a callback of the assignment has failed: {text}", slot=failed.slot, step=failed.k
+        ) from error
+
+
+def _with_trace(error: GradingError, simulation: Simulation) -> GradingError:
+    """Return an error without the notes of the loop on a callback here, and the steps until it."""
+    told = error._anew()
+    if isinstance(told, SubmissionError) and len(simulation.trace):
+        told.trace = simulation.trace
+    return told
+
+
+def set_noise_keys(simulation: Simulation, seeds: RunSeeds) -> None:
+    if seeds.noise_keys is not None:
+        simulation._world.set_noise_keys(seeds.noise_keys)
+
+
+def _with_model(scenario: Scenario) -> Scenario:
+    """Return a scenario whose world follows no model of a submission."""
+    return scenario if scenario.model is not None else scenario.replace(model=RobotModel())
+
+
+def _check_dt(model: RobotModel, scenario: Scenario) -> None:
+    known = scenario._model
+    assert known is not None
+    if model.dt != known.dt:
+        raise SubmissionError(
+            f"in define_model at the start: the model must have the dt of the world, {known.dt:g} "
+            f"s, got {model.dt:g}",
+            slot="define_model",
+        )
+
+
+def _setup(task: Task, scenario: Scenario, seeds: RunSeeds) -> Setup:
+    switches = {"measure": scenario.measure, "estimate_parameters": scenario.estimate_parameters}
+    given = switches | {"control": True} | dict(task.callbacks)
+    on = tuple(stage for stage in STAGES if given.get(stage) not in (None, False))
+    model = scenario._model
+    assert model is not None
+    return Setup(
+        submission=task.submission,
+        rules=task.rules,
+        on=on,
+        robot=scenario._robot_definition,
+        area=scenario.area,
+        resolution=frame_size(scenario),
+        colors=scenario._color_classes,
+        markers=scenario._marker_layout,
+        smoothing=scenario.smoothing,
+        model=model,
+        # Else it is told the parameters: it must not see the samples that they come from.
+        estimates_parameters=given["estimate_parameters"] is True
+        and are_samples_given(scenario.identify_from, task.rules.slots),
+        controller_seed=stream_number(seeds.robot, "controller"),
+        frames=task.frames,
+    )
+
+
+@contextmanager
+def all_here(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Simulation]:
+    """Give a simulation that has all in this process, and trusts the submission.
+
+    It gives to the byte what must come with a worker, where that is given the same samples.
+    """
+    simulation = Simulation(_with_model(scenario), seed=seeds.world, **task.callbacks)
+    set_noise_keys(simulation, seeds)
+    with loaded_slots(task.submission, task.rules) as callbacks:
+        for slot in SLOTS:
+            if slot in callbacks:
+                value = callbacks[slot]
+                simulation._set_slot(slot, None if value is False else value)
+        if is_code(simulation._callbacks["control"]):
+            simulation._core.set_controller_seed(stream_number(seeds.robot, "controller"))
+        yield simulation

@@ -1,0 +1,209 @@
+"""The secret key of an assignment: seeds and noise that nobody can guess, and that come again."""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import os
+import secrets
+import stat
+import struct
+import sys
+import unicodedata
+import warnings
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim.base.checks import check_int
+from robsim.base.files import as_path
+from robsim.base.text import one_line, quoted
+from robsim.teach.errors import AssignmentError
+
+_MAGIC = "robsim-key-1 "
+_BYTES = 32
+_LEAST_BYTES = 16  # 128 bits
+_MOST_FILE = 1024  # bytes
+_PURPOSE = b"robsim grading 1"
+_READABLE = stat.S_IRWXG | stat.S_IRWXO
+
+
+class Key:
+    """A secret from which all that is random in graded runs follows, by name.
+
+    Seeds are HMAC-SHA256 of purpose and names, each with its length before it; world and robot have
+    seeds of their own, and none tells anything of another. With the key, any run can be repeated.
+
+    Parameters
+    ----------
+    secret : bytes
+        At least 128 random bits.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no bytes, or too short.
+    """
+
+    def __init__(self, secret: bytes) -> None:
+        if not isinstance(secret, bytes):
+            raise TypeError(f"secret must be bytes, got {type(secret).__name__}")
+        if len(secret) < _LEAST_BYTES:
+            raise ValueError(f"secret must have at least {_LEAST_BYTES} bytes, got {len(secret)}")
+        self._secret = secret
+
+    @classmethod
+    def new(cls) -> Key:
+        """Return a new key, of the operating system's random numbers."""
+        return cls(secrets.token_bytes(_BYTES))
+
+    @classmethod
+    def public(cls) -> Key:
+        """Return the key of public tests, which everybody has."""
+        return cls(hashlib.sha256(b"robsim public key").digest())
+
+    @property
+    def is_public(self) -> bool:
+        """Whether it is the key that everybody has."""
+        return hmac.compare_digest(self._secret, Key.public()._secret)
+
+    @classmethod
+    def read(cls, path: str | PathLike[str]) -> Key:
+        """Read a key from a file.
+
+        Raises
+        ------
+        AssignmentError
+            If there is none, if it is no key, or if others can read the file.
+
+        Warns
+        -----
+        UserWarning
+            On Windows, where it is not checked who can read it.
+        """
+        file = as_path(path)
+        text = _private_text(file)
+        try:
+            if not text.startswith(_MAGIC):
+                raise ValueError
+            return cls(bytes.fromhex(text.removeprefix(_MAGIC).strip()))
+        except ValueError:
+            raise AssignmentError(
+                f"{one_line(file)} is not a key: robsim.teach.Key.new() makes one",
+                file=one_line(file),
+            ) from None
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write it to a new file that only you can read.
+
+        Raises
+        ------
+        FileExistsError
+            If there is a file: with another key its runs could not be repeated.
+        """
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
+        descriptor = os.open(as_path(path), flags, 0o600)
+        with open(descriptor, "w", encoding="ascii") as file:
+            file.write(f"{_MAGIC}{self._secret.hex()}\n")
+
+    def world_seed(self, student: str, test: str, run: int) -> int:
+        """Return the seed of the simulated world in a run, of 128 bits.
+
+        Parameters
+        ----------
+        student, test : str
+            Their names; an empty student is all of them, where a test is the same for each.
+        run : int
+            The number of the run, from 0.
+        """
+        return int.from_bytes(self._digest("world", student, test, run)[:16], "little")
+
+    def robot_seed(self, student: str, test: str, run: int) -> int:
+        """Return the seed that the robot's software gets, which tells nothing of the world's."""
+        return int.from_bytes(self._digest("robot", student, test, run)[:16], "little")
+
+    def noise_keys(self, student: str, test: str, run: int, frames: int) -> NDArray[np.uint64]:
+        """Return the key, of 64 bits, of the noise of each frame of a run.
+
+        From a secret of the run, of 256 bits, BLAKE2b makes a key of each frame's number: none
+        tells anything of another. A longer run begins with the same keys.
+
+        Parameters
+        ----------
+        student, test, run
+            As for `world_seed`.
+        frames : int
+            How many frames.
+
+        Returns
+        -------
+        array (frames,) of uint64
+        """
+        check_int("frames", frames, minimum=0, maximum=10_000_000)
+        secret = self._digest("noise", student, test, run)
+        return np.array([_frame_key(secret, index) for index in range(frames)], np.uint64)
+
+    def frame_noise(self, student: str, test: str, run: int, index: int) -> int:
+        """Return the key of one frame, from 0; the same as in `noise_keys`."""
+        check_int("index", index, minimum=0, maximum=2**63 - 1)
+        return _frame_key(self._digest("noise", student, test, run), index)
+
+    def pseudonym(self, student: str) -> str:
+        """Return a name for a student that only the key can give: ten letters and digits."""
+        digest = self._digest("pseudonym", student, "", 0)
+        return "".join(_LETTERS[byte % len(_LETTERS)] for byte in digest[:10])
+
+    def _digest(self, purpose: str, student: str, test: str, run: int) -> bytes:
+        check_int("run", run, minimum=0, maximum=2**63 - 1)
+        parts = [purpose.encode(), _name("student", student), _name("test", test)]
+        message = b"".join(struct.pack("<Q", len(part)) + part for part in (_PURPOSE, *parts))
+        return hmac.digest(self._secret, message + struct.pack("<Q", run), "sha256")
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Key) and hmac.compare_digest(self._secret, other._secret)
+
+    def __hash__(self) -> int:
+        return hash(self._secret)
+
+    def __repr__(self) -> str:
+        return "<Key: public>" if self.is_public else "<Key: secret>"
+
+
+# Without those that are taken for one another; 32, so that each is as likely.
+_LETTERS = "abcdefghijkmnpqrstuvwxyz23456789"
+
+
+def _frame_key(secret: bytes, index: int) -> int:
+    number = struct.pack("<Q", index)
+    return int.from_bytes(hashlib.blake2b(number, digest_size=8, key=secret).digest(), "little")
+
+
+def _name(argument: str, name: str) -> bytes:
+    """Return a name as bytes, the same on each file system."""
+    if not isinstance(name, str):
+        raise TypeError(f"{argument} must be a name, got {quoted(name)}")
+    return unicodedata.normalize("NFC", name).encode("utf-8", "surrogatepass")
+
+
+def _private_text(file: Path) -> str:
+    """Return the text of a file that nobody else can read; else raise AssignmentError."""
+    named = one_line(file)
+    try:
+        with file.open("rb") as stream:
+            mode = os.fstat(stream.fileno()).st_mode
+            content = stream.read(_MOST_FILE)
+    except OSError as error:
+        raise AssignmentError(
+            f"the key {named} cannot be read: {error.strerror}", file=named
+        ) from None
+    if sys.platform == "win32":
+        warnings.warn(f"who can read the key {named} is not checked on Windows", stacklevel=3)
+    elif mode & _READABLE:
+        raise AssignmentError(
+            f"others can read the key {named}, and with it all graded runs: chmod 600 {named}; if "
+            "students have access to this machine, make a new key",
+            file=named,
+        )
+    return content.decode("ascii", "replace")

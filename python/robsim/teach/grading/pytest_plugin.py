@@ -1,0 +1,219 @@
+"""What pytest does where it grades a submission; loaded by `pytest_robsim`."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Generator, Mapping, Sequence
+from glob import glob
+from importlib.machinery import PathFinder
+from pathlib import Path
+from typing import Any
+
+import pluggy
+import pytest
+
+from robsim.base.spelling import check_names
+from robsim.base.text import one_line
+from robsim.teach.errors import AssignmentError, GraderError, GradingError, SubmissionError
+from robsim.teach.grading.keys import Key
+from robsim.teach.grading.submission import Submission
+from robsim.teach.isolation import IsolationError, IsolationReport, check_isolation
+
+_OPTION = "--robsim-submission"
+_OPTIONS = ("slots", "functions", "imports", "masked", "frames", "limits")  # of the marker
+_NOT_STRICT, _NO_WORKER = 3, 2  # exit statuses, as of ``robsim grade``
+_WHOSE = "robsim_whose"  # of a report
+# What a submission does is a failed test, what others do an error.
+_FAILED, _ERROR = ("failed", "F", "FAILED"), ("error", "E", "ERROR")
+_NOT_THEIRS = (
+    Path(__file__).parents[1],
+    Path(__file__).parents[2] / "pytest_robsim",
+    Path(pytest.__file__).parents[1] / "_pytest",
+    Path(pluggy.__file__).parent,
+)
+
+
+class Grading:
+    """A run of pytest in which a submission is graded.
+
+    Parameters
+    ----------
+    config : pytest.Config
+        What the command line says.
+
+    Raises
+    ------
+    pytest.UsageError
+        If it makes no sense.
+    """
+
+    def __init__(self, config: pytest.Config) -> None:
+        options = config.known_args_namespace
+        if _OPTION in config.invocation_params.args:
+            raise pytest.UsageError(
+                f"write {_OPTION}={one_line(options.robsim_submission)}, with '=': pytest takes "
+                "what follows a blank for tests as well, and uses a pytest.ini that lies in it"
+            )
+        self._path = Path(os.path.abspath(options.robsim_submission))
+        if not os.path.lexists(self._path):
+            raise pytest.UsageError(f"{_OPTION}: there is no {one_line(self._path)}")
+        _keep_apart(self._path, options.file_or_dir or _default_tests(config))
+        try:
+            self._key = None if options.robsim_key is None else Key.read(options.robsim_key)
+        except AssignmentError as error:
+            raise pytest.UsageError(f"--robsim-key: {error}") from None
+        slots = options.robsim_slots
+        self._slots = None if slots is None else [slot.strip() for slot in slots.split(",")]
+        self._isolation = options.robsim_isolation
+        self._report: IsolationReport | None = None
+        self._given: dict[str, Any] = {}
+
+    def grade_by(self, key: Key | None, options: Mapping[str, Any]) -> None:
+        """Let a key and options of `Submission` hold for all tests, whose markers change them."""
+        self._key, self._given = key, dict(options)
+
+    def submission_for(self, item: pytest.Item) -> Submission:
+        """Return the submission under the rules of a test."""
+        rules = dict(self._given)
+        if self._slots is not None:
+            rules["slots"] = self._slots
+        for marker in reversed([*item.iter_markers("robsim_submission")]):  # the nearest last
+            if marker.args:
+                raise AssignmentError('robsim_submission: give options by name: slots="control"')
+            check_names("robsim_submission has no option", marker.kwargs, _OPTIONS, AssignmentError)
+            rules |= marker.kwargs
+        if not rules.keys() & {"slots", "functions"}:
+            raise AssignmentError(
+                "which slots may the submission fill? In the tests: pytestmark = "
+                'pytest.mark.robsim_submission(slots="control"), or --robsim-slots control'
+            )
+        try:
+            return Submission(
+                self._path,
+                isolation=self._isolation,
+                key=self._key,
+                test=f"{item.path.stem}::{item.nodeid.partition('::')[2]}",
+                **rules,
+            )
+        except (TypeError, ValueError) as error:
+            raise AssignmentError(f"robsim_submission: {error}") from None
+
+    def pytest_sessionstart(self, session: pytest.Session) -> None:
+        """End at once where no submission can be run, or not shut in as it must."""
+        if hasattr(session.config, "workerinput"):  # a process of xdist: its parent looks
+            return
+        try:
+            self._report = check_isolation(isolation=self._isolation)
+        except IsolationError as error:
+            pytest.exit(str(error), returncode=_NOT_STRICT)
+        except GraderError as error:
+            pytest.exit(f"no submission can be run: {error}", returncode=_NO_WORKER)
+        if self._isolation == "strict" and not self._report.strict:
+            pytest.exit(str(self._report), returncode=_NOT_STRICT)
+
+    def pytest_report_header(self) -> list[str]:
+        """Say what is graded, and what holds of its isolation."""
+        if self._report is None:
+            return []
+        lines = [f"submission: {one_line(self._path)}", self._report.isolation_line]
+        if through := [name for name, (held, _) in self._report.attempts.items() if not held]:
+            lines.append(f"not refused to it: {', '.join(through)}")
+        return lines
+
+    def pytest_ignore_collect(self, collection_path: Path) -> bool | None:
+        """Leave out what lies in the submission: here, it would be run."""
+        return _within(collection_path.resolve(), self._path.resolve()) or None
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(
+        self, item: pytest.Item, call: pytest.CallInfo[None]
+    ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+        """Show whose fault an error is, in place of our own lines."""
+        report = yield
+        if call.excinfo is None or not isinstance(error := call.excinfo.value, GradingError):
+            return report
+        setattr(report, _WHOSE, error.whose)  # xdist takes it along
+        if isinstance(error, SubmissionError) and error.output:
+            report.sections.append(("printed by the submission", error.output))
+        if not item.config.getoption("fulltrace"):
+            report.longrepr = _in_short(call.excinfo, f"{error.whose}: {error}")
+        return report
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_report_teststatus(
+        self, report: pytest.CollectReport | pytest.TestReport
+    ) -> tuple[str, str, str] | None:
+        """Count what a submission does as failed, and what others do as an error."""
+        whose = getattr(report, _WHOSE, None)
+        if whose is None:
+            return None
+        return _FAILED if whose == SubmissionError.whose else _ERROR
+
+
+def _default_tests(config: pytest.Config) -> Sequence[str]:
+    """Return where pytest looks for tests that no argument names."""
+    here = config.invocation_params.dir
+    if here != config.rootpath:  # testpaths of a pytest.ini further up do not count
+        return [os.curdir]
+    found = [path for pattern in config.getini("testpaths") for path in sorted(glob(pattern))]
+    return found or [os.curdir]
+
+
+def _keep_apart(path: Path, tests: Sequence[str]) -> None:
+    """Raise pytest.UsageError where pytest would run files of a submission by itself."""
+    submission = path.resolve()
+    if submission.is_dir() and _within(Path.cwd().resolve(), submission):
+        raise pytest.UsageError(
+            "this is the folder of the submission, where Python looks for modules: "
+            "run pytest in another one"
+        )
+    for test in tests:
+        place = Path(test.partition("::")[0]).resolve()
+        if _within(submission, place) or _within(place, submission):
+            raise pytest.UsageError(
+                f"{one_line(place)} and the submission {one_line(path)} are not apart: pytest "
+                "would run its conftest.py and test_*.py here. Name your files of tests: "
+                "python -m pytest --robsim-submission=PATH TESTS.py"
+            )
+        if submission.parent in (place.parent, Path.cwd().resolve()) and _is_module(submission):
+            raise pytest.UsageError(
+                f"{one_line(path)} has the name of a module, and lies where Python looks for "
+                "modules: put it into a folder of submissions"
+            )
+
+
+def _is_module(submission: Path) -> bool:
+    """Whether Python finds a module of that name elsewhere, in whose place it would be loaded."""
+    name, places = submission.stem, [*map(Path, sys.path)]
+    if name in sys.modules or name in sys.stdlib_module_names:
+        return True
+    others = [str(place) for place in places if place.resolve() != submission.parent]
+    found = PathFinder.find_spec(name, others)
+    return found is not None and found.loader is not None
+
+
+def _within(inner: Path, outer: Path) -> bool:
+    return inner == outer or outer in inner.parents
+
+
+def _in_short(excinfo: pytest.ExceptionInfo[BaseException], sentence: str) -> Any:
+    """Return what is shown of an error: the lines of the tests, and a sentence."""
+    if not _lines_of_tests(excinfo):
+        shown = excinfo.getrepr(style="value", chain=False)
+    else:
+        # The cause is of interest where it is the teacher's.
+        chain = isinstance(excinfo.value, AssignmentError)
+        shown = excinfo.getrepr(style="short", chain=chain, tbfilter=_lines_of_tests)
+    if shown.reprcrash is not None:  # which a summary shows, and JUnit
+        shown.reprcrash.message = sentence
+    return shown
+
+
+def _lines_of_tests(excinfo: pytest.ExceptionInfo[BaseException]) -> Any:
+    theirs = [
+        entry
+        for entry in excinfo.traceback
+        if not any(folder in Path(entry.path).parents for folder in _NOT_THEIRS)
+    ]
+    return type(excinfo.traceback)(theirs)

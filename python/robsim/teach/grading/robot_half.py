@@ -1,0 +1,230 @@
+"""The worker's side of a graded run: the robot half, with the callbacks of a submission.
+
+Until the submission is loaded, all that is said here comes from the grader, and is trusted.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import pickle
+import socket
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim import _core
+from robsim._core import ColorClass, MarkerLayout, RecursiveLeastSquares, RobotModel
+from robsim.simulation.callbacks.errors import CallbackTypeError, CallbackValueError
+from robsim.simulation.options import UNLIMITED
+from robsim.simulation.runner import Runner
+from robsim.simulation.slots import ONCE, ROBOT, SLOTS, STEP, names
+from robsim.teach.grading._frame_memory import SLOTS as FRAME_SLOTS
+from robsim.teach.grading._frame_memory import slot_bytes
+from robsim.teach.grading._wire import Channel, Kind, Ready
+from robsim.teach.grading.tasks.allowed import Frames, given_to
+from robsim.teach.submissions import Rules, SubmissionFiles, load_slots
+from robsim.teach.texts import ErrorText, error_text
+from robsim.trace import Trace
+from robsim.trace.columns import RECORDED
+from robsim.vision.robots.definition import RobotDefinition
+
+#: The slots that a submission may fill in a worker, in the order of the bits of `Ready`.
+ROBOT_SLOTS = names(half=ROBOT)
+STAGES = names(half=ROBOT, when=STEP)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """What the robot half may know before the first step, and what it runs.
+
+    Attributes
+    ----------
+    submission : SubmissionFiles
+        What was read of it.
+    rules : Rules
+        What it may fill and import.
+    on : tuple of str
+        The stages that are on in the grader.
+    model : RobotModel
+        What the robot half believes in, unless the submission says otherwise.
+    controller_seed : int
+        Of ``step.controller_seed``.
+    frames : bool, "blobs" or None
+        What it sees of the frames, as of `Task`.
+    """
+
+    submission: SubmissionFiles
+    rules: Rules
+    on: tuple[str, ...]
+    robot: RobotDefinition
+    area: tuple[int, int]
+    resolution: tuple[int, int]
+    colors: tuple[ColorClass, ...]
+    markers: MarkerLayout
+    smoothing: int | None
+    model: RobotModel
+    estimates_parameters: bool
+    controller_seed: int
+    frames: Frames
+
+
+def filled_stages(callbacks: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the stages of each step that callbacks of a submission do, True being no callback."""
+    filled = {slot for slot in STAGES if callable(callbacks.get(slot))}
+    has_estimator = callable(callbacks.get("init_parameter_estimator"))
+    if has_estimator and callbacks.get("estimate_parameters") is not False:
+        filled.add("estimate_parameters")
+    return tuple(slot for slot in STAGES if slot in filled or _is_native(slot, callbacks))
+
+
+def _is_native(slot: str, callbacks: Mapping[str, Any]) -> bool:
+    return type(callbacks.get(slot)) in SLOTS[slot].native
+
+
+def groups_of(filled: Sequence[str], on: Sequence[str]) -> list[tuple[str, ...]]:
+    """Return the stages of a submission in groups that follow each other without the grader's.
+
+    Parameters
+    ----------
+    filled : sequence of str
+        The stages of the submission.
+    on : sequence of str
+        The stages that the grader does, and has not done before the first of these.
+    """
+    groups: list[list[str]] = []
+    follows = False
+    for stage in STAGES:
+        if stage in filled:
+            if not follows:
+                groups.append([])
+            groups[-1].append(stage)
+        follows = stage in filled or (follows and stage not in on)
+    return [tuple(group) for group in groups]
+
+
+class RobotHalf(Runner):
+    """The loop with the robot half alone; the world half is the grader's."""
+
+    _GROUPS = RECORDED
+    _AGAIN = "in the grader"
+
+    def __init__(
+        self, setup: Setup, callbacks: Mapping[str, Any], channel: Channel, memory: int | None
+    ) -> None:
+        self._channel = channel
+        switched_on = {slot for slot in STAGES if callbacks.get(slot) is True}
+        self._is_on_there = frozenset(setup.on) | switched_on
+        self._default_model = setup.model
+        filled = filled_stages(callbacks)
+        frames = None
+        if memory is not None:
+            size = slot_bytes(setup.resolution)
+            frames = _core.SharedFrames(memory, FRAME_SLOTS, size, setup.resolution)
+        world = _core.RemoteWorld(
+            self._next_message, slots=filled, frames=frames, resolution=setup.resolution
+        )
+        super().__init__(
+            world,
+            robot=setup.robot,
+            area=setup.area,
+            boundary="recorded",
+            seed=np.random.SeedSequence(0),
+            colors=setup.colors,
+            markers=setup.markers,
+            smoothing=setup.smoothing,
+            identify_from="truth",  # all samples come from the grader
+            time_limit=None,
+        )
+        self._core.set_controller_seed(setup.controller_seed)
+        self._core.set_given(given_to(filled, setup.frames), samples=True)
+        self._fill_slots({"estimate_parameters": True} if setup.estimates_parameters else {})
+        self._fill(callbacks)
+        for stage in self._told(filled):
+            self._core.set_slot(stage, world)
+        self._core.set_observer(world)
+        self._ready = self._readiness(callbacks, filled)
+
+    def _fill(self, callbacks: Mapping[str, Any]) -> None:
+        """Fill the slots as a folder would fill those of a simulation."""
+        for slot in SLOTS:
+            if slot in callbacks and slot in self.SLOTS:
+                callback = callbacks[slot]
+                is_default = callback is False or (callback is True and slot == "measure")
+                self._set_slot(slot, None if is_default else callback)
+
+    def _told(self, filled: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the grader's stages whose results this half is told before its own last one."""
+        last = max((STAGES.index(stage) for stage in filled), default=-1)
+        native = "estimate_parameters" if self._callbacks["estimate_parameters"] is True else ""
+        return tuple(
+            stage
+            for stage in STAGES[: max(last, 0)]
+            if stage in self._is_on_there and stage not in (*filled, native)
+        )
+
+    def _readiness(self, callbacks: Mapping[str, Any], filled: tuple[str, ...]) -> Ready:
+        once = (slot for slot in ROBOT_SLOTS if SLOTS[slot].when == ONCE)
+        switched_on = tuple(slot for slot in STAGES if callbacks.get(slot) is True)
+        return Ready(
+            (*(slot for slot in once if callbacks.get(slot)), *filled),
+            switched_on,
+            type(self.estimator) is RecursiveLeastSquares,
+            self.model,
+        )
+
+    def _next_message(self, answer: bytes) -> bytes | None:
+        """Send an answer, if there is one; return the next step."""
+        channel = self._channel
+        kind, body = channel.exchange(Kind.ANSWER, answer) if answer else channel.receive()
+        return body if kind == Kind.STEP else None
+
+    def _default(self, slot: str) -> Any:
+        return self._default_model if slot == "define_model" else None
+
+    def _is_on(self, slot: str) -> bool:
+        return slot in self._is_on_there or super()._is_on(slot)
+
+    def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
+        """Run until the grader ends it."""
+        self._run(UNLIMITED, False, None)
+        return self.trace
+
+    def _change_vision(self, **changes: Any) -> NoReturn:
+        raise AttributeError("a graded robot half cannot change what it looks for")
+
+    def _theta_true(self) -> ArrayLike:
+        return np.full((3, 5), np.nan)
+
+
+def work(connection: socket.socket, memory: Sequence[int]) -> None:
+    """Do what a worker is for: take a submission, run it, say what went wrong."""
+    channel = Channel(connection)
+    kind, body = channel.receive()
+    if kind != Kind.HELLO:
+        raise RuntimeError("the grader must say hello")
+    setup: Setup = pickle.loads(body)
+    try:
+        setup.submission.write_to(os.getcwd())  # its data files, in the scratch folder
+        callbacks = load_slots(setup.submission, setup.rules, os.getcwd())
+        half = RobotHalf(setup, callbacks, channel, memory[0] if memory else None)
+        channel.send(Kind.READY, half._ready.to_bytes(ROBOT_SLOTS))
+        half.run()
+    except BaseException as error:  # also what ends Python
+        with suppress(OSError):
+            channel.send(Kind.ERROR, _told(error).to_json())
+
+
+def _told(error: BaseException) -> ErrorText:
+    """Return what is told of an exception: of a result that a slot cannot use, why, and no more."""
+    told = error_text(error)
+    for kind, name in ((CallbackTypeError, "TypeError"), (CallbackValueError, "ValueError")):
+        if type(error) is kind:
+            # Which callback it was at which step, and where that is, is told anyway.
+            line, _, _ = told.message.partition("\n")
+            return dataclasses.replace(told, type=name, message=line.partition(": ")[2] or line)
+    return told

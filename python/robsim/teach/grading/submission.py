@@ -1,0 +1,450 @@
+"""`Submission`: what somebody has handed in, and its runs."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor
+from os import PathLike
+from typing import Any, Literal, TypeVar
+
+from numpy.typing import ArrayLike
+
+from robsim.base.checks import check_bool, check_choice
+from robsim.base.files import as_path
+from robsim.base.seeds import Seed
+from robsim.base.spelling import check_names
+from robsim.base.text import quoted
+from robsim.campaigns import CampaignResult, campaign
+from robsim.campaigns.choices import FOLDER
+from robsim.campaigns.engines.executors import DaskClient
+from robsim.simulation import Scenario
+from robsim.simulation.callbacks.checks import check_callback
+from robsim.simulation.options import step_count
+from robsim.simulation.slots import SLOTS
+from robsim.teach.errors import SubmissionError
+from robsim.teach.grading.calls.arrays import as_arrays
+from robsim.teach.grading.calls.calling import Shape, called, wanted
+from robsim.teach.grading.graded_run import graded_run
+from robsim.teach.grading.keys import Key
+from robsim.teach.grading.robot_half import ROBOT_SLOTS
+from robsim.teach.grading.tasks.allowed import check_samples, rules_of
+from robsim.teach.grading.tasks.many_runs import GradedRuns, seeds_of
+from robsim.teach.grading.tasks.task import Done, Task
+from robsim.teach.isolation import Isolation, Limits
+from robsim.teach.isolation.request import LEVELS
+from robsim.teach.submissions import read_submission
+from robsim.trace import Trace
+
+R = TypeVar("R")
+
+
+class Submission:
+    """What somebody has handed in, run in a process that is shut in.
+
+    Nothing of it is run in this process. Each run has a process of its own, which has the robot
+    half alone: frames or poses go over, inputs and numbers come back, and are checked. This
+    process has the world half, the truth and the trace. An honest submission gives the same trace
+    as in one process, byte for byte.
+
+    A stage that the submission does not fill is done here, so that nobody can say what it gave.
+    Samples of the truth (`identify_from`) tell where the robot is: they go to submissions that may
+    fill the parameter estimator, and no other stage; others get the parameters alone.
+
+    A submission may fill slots of the world in place of those of the robot half. Then its process
+    gets what `evaluate_model` and `adjust_background` document, and nothing of the rest.
+
+    Parameters
+    ----------
+    path : path
+        A folder with a file for each slot or function, one Python file, a notebook, or a zip of
+        these.
+    slots : str or sequence of str
+        The slots that it may fill: of the robot half, or of the world.
+    functions : str or sequence of str
+        The functions that it may define, for `call`.
+    imports : sequence of str, optional
+        The modules that it may import. Default: all that there are.
+    masked : sequence of str
+        Modules that it cannot have, such as ``"robsim.estimation.reference"``. Of those that robsim
+        itself needs to run a submission (`robsim.estimation`, `robsim.vision`, ...), and of single
+        names, only what is written in plain Python is refused: code that searches memory finds
+        them.
+    frames : bool or "blobs", optional
+        Whether it sees the frames, or the blobs in them alone. Default: the frames, if it fills
+        `measure`. Poses are cheaper.
+    limits : Limits, optional
+        What it may weigh, and what a run may take: time, memory, output, files.
+    isolation : {"auto", "strict", "process", "none"}
+        How its process is shut in; see `check_isolation`.
+    key : Key, optional
+        What the seeds of the runs come from. Default: those that are given with each run, else
+        secret ones that are forgotten.
+    student : str, optional
+        The name for the key. Default: that of the file or folder.
+    test : str, optional
+        The name of the test, for the key, of runs that give none. pytest's fixture gives that of
+        the test.
+    given : mapping of str to bytes, optional
+        Files by name that lie beside it, such as a module with the values of its task. They count
+        in place of its own copies.
+
+    Raises
+    ------
+    SubmissionError
+        If it cannot be read, has what it may not have, or fills none of the slots.
+    TypeError, ValueError
+        If an argument is wrong; the message names it.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    output : str
+        What it has printed in the last run or call, cut; what cannot be seen stands as escapes.
+    isolation_line : str
+        What has shut it in then.
+
+    Examples
+    --------
+    >>> submission = robsim.teach.Submission("mine", slots="control")  # doctest: +SKIP
+    >>> trace = submission.run(robsim.Scenario(measure=True), steps=100)  # doctest: +SKIP
+    """
+
+    def __init__(
+        self,
+        path: str | PathLike[str],
+        *,
+        slots: str | Iterable[str] = (),
+        functions: str | Iterable[str] = (),
+        imports: Iterable[str] | None = None,
+        masked: Iterable[str] = (),
+        frames: bool | Literal["blobs"] | None = None,
+        limits: Limits | None = None,
+        isolation: Isolation = "auto",
+        key: Key | None = None,
+        student: str | None = None,
+        test: str | None = None,
+        given: Mapping[str, bytes] | None = None,
+    ) -> None:
+        if isinstance(frames, str):
+            check_choice("frames", frames, ("blobs",))
+        elif frames is not None:
+            check_bool("frames", frames)
+        for name, value, kind in (("limits", limits, Limits), ("key", key, Key)):
+            if value is not None and not isinstance(value, kind):
+                raise TypeError(f"{name} must be {kind.__name__}, got {quoted(value)}")
+        check_choice("isolation", isolation, LEVELS)
+        path = as_path(path)
+        _check_given(given)
+        given_student = None if student is None else _name("student", student)
+        self._test = None if test is None else _name("test", test)
+        limits = limits or Limits()
+        rules = rules_of(slots, functions, imports, masked, limits)
+        files = read_submission(path, rules, given)
+        self.name = files.name
+        self.output = ""
+        self.isolation_line = ""
+        self._key = key
+        self._student = files.name if given_student is None else given_student
+        self._task = Task(
+            submission=files,
+            rules=rules,
+            frames=frames,
+            limits=limits,
+            isolation=isolation,
+        )
+
+    @property
+    def slots(self) -> tuple[str, ...]:
+        """The slots for which it has something."""
+        return tuple(name for name in self._task.submission.slots if name in SLOTS)
+
+    @property
+    def functions(self) -> tuple[str, ...]:
+        """The functions of the assignment that it defines."""
+        return tuple(name for name in self._task.submission.slots if name not in SLOTS)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was left out when it was read, as sentences."""
+        return self._task.submission.notes
+
+    def run(
+        self,
+        scenario: Scenario,
+        *,
+        steps: int,
+        seed: Seed = None,
+        test: str | None = None,
+        number: int = 0,
+        **callbacks: Any,
+    ) -> Trace:
+        """Run it once.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            The world. Where it has no model, that of the default parameters.
+        steps : int
+            Number of steps.
+        seed : int, SeedSequence or Generator, optional
+            Seed of the run, which is then that of ``Simulation(scenario, seed=seed)``: for public
+            tests, as who knows it knows all noise. Default: from the key, by `test` and `number`;
+            without a key a secret one.
+        test : str, optional
+            The name of the test, for the key; each has other worlds. Default: that of the
+            `Submission`, which it must have where it has a key.
+        number : int
+            The number of the run in the test, for the key.
+        **callbacks
+            What fills slots that the submission may not fill, as for `Simulation`; it is run here,
+            and is trusted.
+
+        Returns
+        -------
+        Trace
+            The run, with the truth.
+
+        Raises
+        ------
+        SubmissionError
+            If the submission fails: its code raises an exception, takes too long, ends its process,
+            or gives what cannot be; with slot, step and line.
+        AssignmentError
+            If one of `callbacks` fails.
+        GraderError
+            If no process can be started.
+        TypeError, ValueError
+            If an argument is wrong; the message names it. So where `slots` has the parameter
+            estimator beside other stages, and the scenario identifies from the truth.
+        """
+        task = self._task_with(callbacks, scenario)
+        n_steps = _checked(scenario, steps)
+        test = self._test_of(test, seed)
+        seeds = seeds_of(self._key, self._student, test, number, n_steps, seed)
+        return self._noted(lambda: graded_run(task, scenario, n_steps, seeds))
+
+    def _noted(self, act: Callable[[], Done[R]]) -> R:
+        """Return what comes of a run or of calls; note what was printed, and what held."""
+        self.output = self.isolation_line = ""
+        try:
+            done = act()
+        except SubmissionError as error:
+            self.output = error.output
+            raise
+        self.output, self.isolation_line = done.output, done.layers
+        return done.result
+
+    def call(
+        self,
+        name: str,
+        *arrays: ArrayLike,
+        shape: Shape | list[Shape] | None = None,
+        finite: bool = True,
+    ) -> Any:
+        """Call one of its functions, in a process of its own that is shut in.
+
+        Parameters
+        ----------
+        name : str
+            One of `functions` of the assignment.
+        *arrays : array_like
+            What it gets: at most 16 arrays of up to three axes, of real numbers, as float64, int64
+            or uint8, of 64 MiB in all. Those without an axis it gets as numbers.
+        shape : tuple, or list of tuples, optional
+            What it must return: an array of that shape, None for an axis of any length, as in
+            ``(None, 2)``; or, as a list, a tuple of several arrays. Default: any.
+        finite : bool
+            Whether all numbers must be finite.
+
+        Returns
+        -------
+        array, number, or tuple of these
+            What it returns, with the limits of what it gets; lists of numbers as arrays.
+
+        Raises
+        ------
+        SubmissionError
+            If it has no such function, which fails, takes too long, ends its process, or returns
+            what cannot be; with function and line.
+        GraderError
+            If no process can be started.
+        TypeError, ValueError
+            If an argument is wrong; the message names it.
+
+        Examples
+        --------
+        >>> submission = robsim.teach.Submission("mine", functions="fit")  # doctest: +SKIP
+        >>> theta = submission.call("fit", phi, y, shape=(3, 5))  # doctest: +SKIP
+        """
+        (result,) = self.calls(name, [arrays], shape=shape, finite=finite)
+        return result
+
+    def calls(
+        self,
+        name: str,
+        arguments: Iterable[Sequence[ArrayLike]],
+        *,
+        shape: Shape | list[Shape] | None = None,
+        finite: bool = True,
+    ) -> list[Any]:
+        """Call one of its functions many times, one after the other in one process.
+
+        It may remember the calls before. Calls that it must not connect are those of `call`.
+
+        Parameters
+        ----------
+        name, shape, finite
+            As in `call`.
+        arguments : iterable of tuple
+            What each call gets.
+
+        Returns
+        -------
+        list
+            What each call returns.
+
+        Raises
+        ------
+        SubmissionError, GraderError, TypeError, ValueError
+            As in `call`; nothing is returned if one call fails.
+        """
+        if _name("name", name) not in self._task.rules.functions:
+            known = ", ".join(self._task.rules.functions) or "none"
+            raise ValueError(f"name must be one of functions, {known}, got {quoted(name)}")
+        check_bool("finite", finite)
+        result = wanted(shape, finite)
+        given = [as_arrays("argument", each) for each in _listed(arguments)]
+        if name not in self.functions:
+            raise SubmissionError(f"{self.name} has no function {name}", slot=name)
+        task = self._task.only([name])
+        return self._noted(lambda: called(task, name, given, result))
+
+    def runs(
+        self,
+        scenario: Scenario,
+        *,
+        runs: int,
+        steps: int,
+        metrics: Iterable[str | Callable[..., Any]] | Mapping[str, Any] | str | Callable[..., Any],
+        seed: Seed = None,
+        test: str | None = None,
+        executor: int | str | Executor | DaskClient | None = None,
+        store: str | PathLike[str] | None = None,
+        keep: str = "numbers",
+        progress: bool = False,
+        callbacks: Mapping[str, Any] | None = None,
+    ) -> CampaignResult:
+        """Run it many times.
+
+        Parameters
+        ----------
+        scenario, steps, test
+            As in `run`.
+        runs : int
+            Number of runs.
+        metrics, executor, store, keep, progress
+            As in `robsim.campaign`.
+        seed : int, SeedSequence or Generator, optional
+            What the seeds of the runs come from: that of run i is
+            ``SeedSequence(seed, spawn_key=(i,))``, for public tests. Default: from the key, by
+            `test` and i; without a key secret ones.
+        callbacks : mapping of str to callback, optional
+            What fills other slots, as in `run`; for other processes it must have a name in a
+            module. One that remembers its run is none for many.
+
+        Returns
+        -------
+        CampaignResult
+            A row for each run; of one that failed, what the submission did, and where. Its case has
+            the name of the submission.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is wrong; the message names it.
+        """
+        _checked(scenario, steps)
+        test = self._test_of(test, seed)
+        if callbacks is not None and not isinstance(callbacks, Mapping):
+            raise TypeError(
+                f"callbacks must be a mapping of slot to callback, got {quoted(callbacks)}"
+            )
+        key = self._key or (Key.new() if seed is None else None)
+        whole = GradedRuns(
+            self._task_with(callbacks or {}, scenario),
+            None if seed is not None else key,
+            self._student,
+            test,
+        )
+        return campaign(
+            scenario,
+            vary={FOLDER: {self.name: whole}},
+            metrics=metrics,
+            runs=runs,
+            steps=steps,
+            seed=0 if seed is None else seed,  # the key has those that count
+            executor=executor,
+            store=store,
+            keep=keep,
+            progress=progress,
+        )
+
+    def _test_of(self, test: str | None, seed: Seed) -> str:
+        if test is None:
+            test = self._test
+        if test is None and self._key is not None and seed is None:
+            raise ValueError("with a key a run needs the name of its test: test='drives a square'")
+        return "" if test is None else _name("test", test)
+
+    def _task_with(self, callbacks: Mapping[str, Any], scenario: Scenario) -> Task:
+        """Return what is run, with callbacks of the teacher's."""
+        slots = self._task.rules.slots
+        if not slots:
+            raise ValueError("slots must have what it may fill in a run: this one has functions")
+        if not self.slots:
+            raise SubmissionError(f"{self.name} fills no slot: it has no {' or '.join(slots)}")
+        check_samples(slots, scenario)
+        check_names("the robot half has no slot", callbacks, ROBOT_SLOTS, TypeError)
+        for slot, callback in callbacks.items():
+            if slot in self._task.rules.slots:
+                raise ValueError(f"{slot} is for the submission to fill: leave it out of slots")
+            check_callback(slot, callback)
+        return dataclasses.replace(self._task.only(slots), callbacks=dict(callbacks))
+
+    def __repr__(self) -> str:
+        has = [("fills", self.slots), ("defines", self.functions)]
+        told = "; ".join(f"{verb} {', '.join(names)}" for verb, names in has if names)
+        return f"<Submission {quoted(self.name)}: {told}>"
+
+
+def _listed(arguments: Any) -> list[Sequence[Any]]:
+    """Return the arguments of calls; raise TypeError if they are none."""
+    listed: list[Any] = list(arguments) if isinstance(arguments, Iterable) else [None]
+    for each in listed:
+        if not isinstance(each, (tuple, list)):
+            raise TypeError(f"arguments must be tuples, one for each call, got {quoted(arguments)}")
+    return listed
+
+
+def _check_given(given: Mapping[str, bytes] | None) -> None:
+    """Raise TypeError unless files are contents by name."""
+    if given is None:
+        return
+    if not isinstance(given, Mapping) or not all(
+        isinstance(name, str) and isinstance(content, bytes) for name, content in given.items()
+    ):
+        raise TypeError(f"given must be a mapping of name to bytes, got {quoted(given)}")
+
+
+def _name(argument: str, name: str) -> str:
+    if not isinstance(name, str):
+        raise TypeError(f"{argument} must be a name, got {quoted(name)}")
+    return name
+
+
+def _checked(scenario: Scenario, steps: int) -> int:
+    if not isinstance(scenario, Scenario):
+        raise TypeError(f"scenario must be a Scenario, got {quoted(scenario)}")
+    return step_count(steps)

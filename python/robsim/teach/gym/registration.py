@@ -1,0 +1,17 @@
+"""The names by which ``gymnasium.make`` finds the tasks."""
+
+from __future__ import annotations
+
+import gymnasium
+
+from robsim.teach.gym._rewards import REWARDS
+
+
+def register() -> None:
+    """Register each task that a controller solves, once."""
+    for kind in REWARDS:
+        name = f"robsim/{kind.__name__}-v0"
+        if name not in gymnasium.registry:
+            gymnasium.register(
+                name, entry_point="robsim.teach.gym:TaskEnv", kwargs={"task": kind.name}
+            )

@@ -1,0 +1,19 @@
+"""Workers: processes in which submissions run, shut in, limited, and certainly ended."""
+
+from robsim.teach.isolation._process import WorkerProcess
+from robsim.teach.isolation.check import IsolationReport, check_isolation
+from robsim.teach.isolation.ending import Ending
+from robsim.teach.isolation.limits import Limits
+from robsim.teach.isolation.request import Isolation
+from robsim.teach.isolation.start import IsolationError, start_worker
+
+__all__ = [
+    "Ending",
+    "Isolation",
+    "IsolationError",
+    "IsolationReport",
+    "Limits",
+    "WorkerProcess",
+    "check_isolation",
+    "start_worker",
+]

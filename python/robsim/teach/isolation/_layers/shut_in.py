@@ -1,0 +1,117 @@
+"""What a worker does to itself before any code of a student's: all layers, in their order."""
+
+from __future__ import annotations
+
+import sys
+
+assert sys.platform == "linux"
+
+import os
+import signal
+import sysconfig
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+from robsim.teach.isolation._layers import calls, landlock, seccomp, users
+from robsim.teach.isolation._layers.layer import CALLS, FILES, MEMORY, USER, Layer, attempt
+from robsim.teach.isolation._layers.limits import limit
+from robsim.teach.isolation.request import Request
+
+# What the interpreter and compiled libraries read late. Nothing of a user's is in there.
+_SYSTEM = (
+    *("/lib", "/lib64", "/usr/lib", "/usr/lib64", "/usr/local/lib"),
+    *("/etc/ld.so.cache", "/etc/localtime", "/etc/fonts", "/usr/share/zoneinfo"),
+    *("/usr/share/fonts", "/usr/local/share/fonts", "/dev/zero", "/dev/urandom"),
+    *("/proc/cpuinfo", "/proc/meminfo", "/sys/devices/system/cpu"),
+)
+
+
+def shut_in(request: Request, grants: Sequence[landlock.Grant]) -> list[Layer]:
+    """Shut this process in: limits, user, memory, files, system calls. Return what held."""
+    layers = [
+        limit(request.limits, own_user=request.shut and bool(way_to(request.user, request)[0]))
+    ]
+    if request.shut:
+        layers.append(_change_user(request))
+        layers.append(attempt(MEMORY, _close_memory))
+        calls.prctl(calls.PR_SET_PDEATHSIG, signal.SIGKILL)  # a change of user has cleared it
+        layers.append(_made(FILES, request, lambda: f"Landlock {_keep_to(grants)}"))
+        for descriptor, _ in grants:
+            os.close(descriptor)
+        layers.append(_made(CALLS, request, _refuse_calls))
+    else:
+        calls.drop_capabilities()
+        calls.prctl(calls.PR_SET_PDEATHSIG, signal.SIGKILL)
+    return layers
+
+
+def _made(name: str, request: Request, act: Callable[[], str]) -> Layer:
+    return Layer.left_out(name) if name in request.without else attempt(name, act)
+
+
+def readable_trees(modules: Iterable[str]) -> list[Path]:
+    """Return what a worker may read: Python, installed packages, libraries, loaded modules."""
+    names = ("stdlib", "platstdlib", "purelib", "platlib")
+    trees = [sysconfig.get_path(name) for name in names]
+    trees += [os.path.join(sys.base_prefix, "lib")] if sys.base_prefix != "/usr" else []
+    trees += [path for path in sys.path if path.endswith(("site-packages", "dist-packages"))]
+    for name in {module.partition(".")[0] for module in modules}:
+        file = getattr(sys.modules.get(name), "__file__", None)
+        if file and os.path.basename(file) == "__init__.py":  # one that is not installed there
+            trees.append(os.path.dirname(file))
+    return [Path(tree) for tree in (*trees, *_SYSTEM) if os.path.exists(tree)]
+
+
+def _keep_to(grants: Sequence[landlock.Grant]) -> int:
+    """Restrict this process to the grants, and its working folder to write in."""
+    own = []
+    try:
+        for path, rights in ((".", landlock.SCRATCH), ("/dev/null", landlock.DEVICE)):
+            own.append((os.open(path, os.O_PATH | os.O_CLOEXEC), rights))
+        return landlock.restrict([*grants, *own])
+    finally:
+        for descriptor, _ in own:
+            os.close(descriptor)
+
+
+def _refuse_calls() -> str:
+    seccomp.restrict()
+    return "seccomp"
+
+
+def way_to(user: int | None, request: Request) -> tuple[str, str]:
+    """Return how a process of root becomes a user, and, where there is no way, why not.
+
+    Where its Python is closed to others it keeps the right to read all files, if Landlock lets it
+    read but those that it is granted.
+    """
+    if USER in request.without or user is None:
+        return "", "left out" if USER in request.without else users.reason()
+    homes = {str(tree) for tree in readable_trees(["robsim"]) if tree.is_dir()}
+    closed = [home for home in homes if not users.can_read(user, home)]
+    if not closed:
+        return "plainly", ""
+    landlocked = FILES not in request.without and landlock.landlock_abi()
+    if landlocked and calls.has_capability(calls.CAP_DAC_READ_SEARCH):
+        return "as a reader", ""
+    return "", f"others cannot read {closed[0]}"
+
+
+def _change_user(request: Request) -> Layer:
+    """Become a user of one's own, and lose all rights of root."""
+    way, reason = way_to(request.user, request)
+    reader = calls.CAP_DAC_READ_SEARCH if way == "as a reader" else None
+    try:
+        if way and request.user is not None:
+            calls.prctl(calls.PR_SET_KEEPCAPS, int(reader is not None))
+            users.become(request.user)
+    except OSError as error:
+        way, reason = "", error.strerror or str(error)
+    calls.drop_capabilities(keep=reader if way else None)
+    return Layer(USER, bool(way), reason or str(request.user))
+
+
+def _close_memory() -> str:
+    """Let no other process look into this one, and this one into none of its user's."""
+    calls.prctl(calls.PR_SET_DUMPABLE, 0)
+    return "not dumpable"

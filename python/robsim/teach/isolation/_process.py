@@ -1,0 +1,181 @@
+"""A worker as the grader sees it: what it prints, how it ends, and its end."""
+
+from __future__ import annotations
+
+import json
+import os
+import selectors
+import socket
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, Self
+
+from robsim.teach.errors import GraderError
+from robsim.teach.isolation._layers.layer import Layers
+from robsim.teach.isolation._printed import Printed
+from robsim.teach.isolation.ending import GRADER_LOST_IT, STILL_RUNS, Ending, ending_of
+from robsim.teach.isolation.request import Request
+
+_START = 60.0  # s that a worker may take to shut itself in, where it is fresh with its imports
+_END = 60.0  # s that its end, and that of all it has left, may take
+_AT_ONCE = 1 << 16  # bytes
+
+
+class WorkerLost(Exception):
+    """A worker, or the process that starts workers, was killed before the worker was shut in."""
+
+
+class WorkerProcess:
+    """A worker that runs, or has run. Its methods may be called from any thread.
+
+    A context manager, which ends it. Made by `start_worker`.
+
+    Attributes
+    ----------
+    layers : Layers
+        What shuts it in.
+    output : str
+        What it has printed, cut.
+    """
+
+    def __init__(
+        self,
+        request: Request,
+        life: socket.socket,
+        pipe: int | None,
+        *,
+        printed: Printed | None = None,
+        on_end: Callable[[Ending], None] = lambda ending: None,
+        on_hang: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._request = request
+        self._life = life
+        self._lines = life.makefile("rb")
+        self._pipe = pipe
+        self._printed = printed or Printed(request.limits.output)
+        self._killed = False
+        self._ending: Ending | None = None
+        self._over = threading.Event()
+        self._on_end = on_end
+        self._on_hang = on_hang
+        self._sending = threading.Lock()
+        try:
+            self.layers = self._first_report()
+        except BaseException:
+            self._close()
+            raise
+        self._watcher = threading.Thread(target=self._watch, name="robsim worker", daemon=True)
+        self._watcher.start()
+
+    def _first_report(self) -> Layers:
+        self._life.settimeout(_START)
+        try:
+            report = self._lines.readline()
+        except TimeoutError:
+            self._on_hang()
+            message = f"a worker did not shut itself in within {_START:g} s"
+            raise GraderError(message) from None
+        except OSError:
+            report = b""
+        self._life.settimeout(None)
+        if not report:
+            raise WorkerLost
+        content = json.loads(report)
+        if content.get("code", 0) < 0:
+            raise WorkerLost
+        if "layers" not in content:
+            raise GraderError(f"a worker could not be started: {self._failure(content)}")
+        return Layers.from_message(content["layers"])
+
+    def _failure(self, content: dict[str, Any]) -> str:
+        if "failed" in content:
+            return str(content["failed"])
+        self._read_what_is_there()
+        return self.output.strip().rpartition("\n")[2] or "it ended by itself"
+
+    def _watch(self) -> None:
+        """Read what it prints, until it has ended."""
+        with selectors.DefaultSelector() as selector:
+            selector.register(self._life, selectors.EVENT_READ)
+            pipe = self._pipe
+            if pipe is not None:
+                selector.register(pipe, selectors.EVENT_READ)
+            ready: list[object] = []
+            while self._life not in ready:
+                ready = [key.fileobj for key, _ in selector.select()]
+                if pipe is not None and pipe in ready and not self._read(pipe):
+                    selector.unregister(pipe)
+        ending = self._last_report()
+        self._read_what_is_there()
+        self._close()
+        self._ending = ending
+        try:
+            self._on_end(ending)
+        finally:
+            self._over.set()
+
+    def _close(self) -> None:
+        if self._pipe is not None:
+            os.close(self._pipe)
+        with self._sending:
+            self._lines.close()
+            self._life.close()
+
+    def _read(self, pipe: int) -> bool:
+        """Read some of the output; return False at its end."""
+        part = os.read(pipe, _AT_ONCE)
+        self._printed.add(part)
+        return bool(part)
+
+    def _read_what_is_there(self) -> None:
+        """Read what is in the pipe, which a process that is left may keep open."""
+        if sys.platform == "win32" or self._pipe is None:
+            return
+        os.set_blocking(self._pipe, False)
+        with suppress(BlockingIOError):
+            for _ in range(64):
+                if not self._read(self._pipe):
+                    return
+
+    def _last_report(self) -> Ending:
+        try:
+            report = self._lines.readline()
+        except OSError:
+            report = b""
+        if not report:
+            return GRADER_LOST_IT
+        told = json.loads(report)
+        return ending_of(
+            *(told["code"], told["cpu"], told["max_rss"]),
+            limits=self._request.limits,
+            killed=self._killed,
+            too_much_written=told.get("too much written", False),
+            left=told["left"],
+        )
+
+    @property
+    def output(self) -> str:
+        """What it has printed, with a line that says where it was cut. It may be anything."""
+        return self._printed.text
+
+    def kill(self) -> None:
+        """End it, and whatever it has started, without asking; return when nothing is left."""
+        self._killed = True
+        with self._sending, suppress(OSError):  # it has ended
+            self._life.shutdown(socket.SHUT_WR)
+        if not self._over.wait(_END):  # even its zygote hangs
+            self._on_hang()
+            self._over.wait()
+
+    def wait(self, timeout: float | None = None) -> Ending:
+        """Return how it ended, or, after a time (s), that it still runs."""
+        self._over.wait(timeout)
+        return self._ending or STILL_RUNS
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.kill()

@@ -1,0 +1,103 @@
+"""From a fresh process to a worker that is shut in and does its work; in the worker."""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import socket
+import sys
+import traceback
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import NoReturn
+
+from robsim.teach.isolation._layers.layer import PROCESS, Layer, Layers
+from robsim.teach.isolation._processes.working import settle, tell, work
+from robsim.teach.isolation.ending import NOT_SHUT_IN
+from robsim.teach.isolation.request import Request
+
+assert sys.platform != "win32"
+
+#: A descriptor of a path and what is granted below it (`_layers.landlock`).
+Grants = Sequence[tuple[int, int]]
+
+
+def become_worker(
+    request: Request,
+    descriptors: Sequence[int],
+    *,
+    scratch: str,
+    grants: Grants = (),
+    alive: int | None = None,
+    made: Sequence[Layer] = (),
+) -> NoReturn:
+    """Turn this process into the worker that is asked for; never return.
+
+    Parameters
+    ----------
+    request : Request
+        What it is to be.
+    descriptors : sequence of int
+        Its channel, what it prints to, what it reports to, and its memory.
+    scratch : str
+        Its folder.
+    grants : sequence
+        What it may read.
+    alive : int, optional
+        A pipe that ends with the process that started this one.
+    made : sequence of Layer
+        Layers that are there already.
+    """
+    code = NOT_SHUT_IN
+    try:
+        channel, output, life, *memory = descriptors
+        _be_alone(output, [channel, life, *memory, *(g[0] for g in grants)], scratch, alive)
+        with socket.socket(fileno=life) as report:
+            layers = Layers((Layer(PROCESS, True, ""), *made, *_shut_in(request, grants, alive)))
+            tell(layers, report)
+        with socket.socket(fileno=channel) as connection:
+            code = work(request, layers, connection, memory)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        os._exit(code)
+
+
+def _be_alone(output: int, keep: Sequence[int], scratch: str, alive: int | None) -> None:
+    """Leave the session, the descriptors, the folder and the signals of the process before."""
+    signal.set_wakeup_fd(-1)
+    for number in (signal.SIGCHLD, signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, signal.SIG_DFL)
+    if os.getsid(0) != os.getpid():
+        os.setsid()
+    if alive is not None and select.select([alive], [], [], 0)[0]:
+        os._exit(NOT_SHUT_IN)  # who started this one is gone, and will not be told
+    null = os.open(os.devnull, os.O_RDWR)
+    os.dup2(null, 0)
+    os.dup2(output, 1)
+    os.dup2(output, 2)
+    _close_all_but({0, 1, 2, *keep})
+    settle(scratch)
+
+
+def _close_all_but(keep: set[int]) -> None:
+    try:
+        opened = [int(name) for name in os.listdir("/dev/fd")]
+    except OSError:
+        opened = list(range(256))
+    for number in set(opened) - keep:
+        with suppress(OSError):  # that of the list itself
+            os.close(number)
+
+
+def _shut_in(request: Request, grants: Grants, alive: int | None) -> list[Layer]:
+    if request.isolation == "none":
+        return []
+    if sys.platform == "linux" and alive is not None:  # there is a zygote
+        from robsim.teach.isolation._layers.shut_in import shut_in
+
+        return shut_in(request, grants)
+    from robsim.teach.isolation._layers.elsewhere import shut_in_elsewhere
+
+    return shut_in_elsewhere(request)

@@ -1,0 +1,56 @@
+"""What a worker does once it is one: it settles, tells what holds, and calls its entry."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import json
+import os
+import socket
+import sys
+import tempfile
+import traceback
+from collections.abc import Sequence
+from typing import TextIO
+
+from robsim.teach.isolation._layers.layer import Layers
+from robsim.teach.isolation.ending import NO_MEMORY, NOT_SHUT_IN
+from robsim.teach.isolation.request import Request
+
+
+def settle(scratch: str) -> None:
+    """Print to descriptors 1 and 2 at once, and be at home in a folder."""
+    sys.stdout, sys.stderr = _unbuffered(1), _unbuffered(2)
+    os.chdir(scratch)
+    for name in ("HOME", "USERPROFILE", "TMPDIR", "TMP", "TEMP", "MPLCONFIGDIR"):
+        os.environ[name] = scratch
+    tempfile.tempdir = scratch
+
+
+def _unbuffered(descriptor: int) -> TextIO:
+    """Return a stream in which what is printed is there, however the process ends."""
+    raw = open(descriptor, "wb", buffering=0, closefd=False)  # noqa: SIM115
+    return io.TextIOWrapper(raw, "utf-8", "backslashreplace", newline="\n", write_through=True)
+
+
+def tell(layers: Layers, report: socket.socket) -> None:
+    report.sendall(json.dumps({"layers": layers.to_message()}).encode() + b"\n")
+
+
+def work(
+    request: Request, layers: Layers, connection: socket.socket, memory: Sequence[int] = ()
+) -> int:
+    """Call the entry; return the exit code."""
+    if request.isolation == "strict" and not all(layers.closed.values()):
+        return NOT_SHUT_IN
+    module, _, function = request.entry.partition(":")
+    try:
+        getattr(importlib.import_module(module), function)(connection, tuple(memory))
+    except MemoryError:
+        return NO_MEMORY
+    except SystemExit as error:
+        return error.code if isinstance(error.code, int) else int(error.code is not None)
+    except BaseException:
+        traceback.print_exc()
+        return 1
+    return 0

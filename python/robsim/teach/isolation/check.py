@@ -1,0 +1,191 @@
+"""How submissions are shut in on this machine: a worker that tries to get out."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import socket
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from robsim.base.report import Quantity, Report
+from robsim.teach.errors import GraderError
+from robsim.teach.isolation._layers.layer import Layers
+from robsim.teach.isolation.request import Isolation
+from robsim.teach.isolation.start import start_worker
+
+_ENTRY = "robsim.teach.isolation._attempts:run"
+_PATIENCE = 30.0  # s
+
+#: What no layer closes, in words for the one who relies on it.
+NOT_PROTECTED = (
+    "Faults of the kernel and of the processor (side channels) are not covered: for code of "
+    "strangers use a machine or a container that holds nothing else.",
+    "A submission may find out that files exist, and use processor time and memory up to its "
+    "limits, so that what runs beside it is slower.",
+    "What the assignment lets through is not isolation's matter: a submission sees its frames, its "
+    "own code, Python, and every installed package that is not hidden.",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class IsolationReport(Report):
+    """How submissions are shut in here; each attempt was made. ``bool(report)`` is `strict`.
+
+    Attributes
+    ----------
+    isolation : str
+        What was asked for.
+    layers : tuple of tuple
+        Name, whether it holds, and how or why not, for each layer.
+    attempts : mapping of str to tuple
+        For each attempt, whether it was refused, and in which words.
+    closed : mapping of str to bool
+        What is closed to a submission: files, processes, network, the grader's memory.
+    isolation_line : str
+        What holds and what does not, in one line.
+    certain_end : bool
+        Whether nothing of a submission can outlive its run.
+    """
+
+    isolation: str
+    layers: tuple[tuple[str, bool, str], ...]
+    attempts: Mapping[str, tuple[bool, str]]
+    closed: Mapping[str, bool]
+    isolation_line: str
+    certain_end: bool
+
+    def __bool__(self) -> bool:
+        return self.strict
+
+    @property
+    def strict(self) -> bool:
+        """Whether ``isolation="strict"`` can be had: all is closed, and no attempt got through."""
+        return all(self.closed.values()) and all(held for held, _ in self.attempts.values())
+
+    @property
+    def title(self) -> str:
+        """What the report is about."""
+        return "Isolation of submissions"
+
+    @property
+    def verdict(self) -> str:
+        """What is open, in a few words."""
+        opened = [what for what, closed in self.closed.items() if not closed]
+        got_through = [name for name, (held, _) in self.attempts.items() if not held]
+        if not opened and not got_through:
+            return "closed"
+        return f"open: {', '.join(opened or got_through)}"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """How many attempts were made, and how many were refused."""
+        refused = sum(held for held, _ in self.attempts.values())
+        return (
+            Quantity("attempts", "attempts to get out", len(self.attempts)),
+            Quantity("refused", "refused", refused),
+        )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What holds, what got through, what is missing and why, what is not covered."""
+        remarks = [self.isolation_line]
+        remarks += [
+            f"It {text} ({name})" for name, (held, text) in self.attempts.items() if not held
+        ]
+        remarks += [f"Not there: {name}: {text}" for name, holds, text in self.layers if not holds]
+        return (*remarks, self._end, *NOT_PROTECTED)
+
+    @property
+    def _end(self) -> str:
+        if self.certain_end:
+            return "The end of a worker is certain: what it has started ends with it."
+        return (
+            "A worker may leave a process that outlives it: it is looked for and ended, but a "
+            "process that flees faster than that is not found."
+        )
+
+
+def check_isolation(*, isolation: Isolation = "auto") -> IsolationReport:
+    """Shut a worker in, let it try to get out in each way, and return what held.
+
+    Parameters
+    ----------
+    isolation : {"auto", "none", "process", "strict"}
+        As in grading.
+
+    Raises
+    ------
+    IsolationError
+        If ``"strict"`` cannot be had.
+    GraderError
+        If no worker can be started, or it does not answer.
+    """
+    ours, theirs = socket.socketpair()
+    with ours, _targets() as target:
+        with theirs:
+            worker = start_worker(
+                entry=_ENTRY, channel=theirs, isolation=isolation, hidden=[target["hidden"]]
+            )
+        with worker:
+            attempts = _answers(ours, target)
+            if attempts is None:
+                worker.kill()
+                said = worker.output.strip()[-500:]
+                raise GraderError(f"the trial worker gave no answer: {worker.wait().text} {said}")
+        return _report(isolation, worker.layers, attempts)
+
+
+def _report(
+    isolation: str, layers: Layers, attempts: dict[str, tuple[bool, str]]
+) -> IsolationReport:
+    return IsolationReport(
+        isolation=isolation,
+        layers=tuple((layer.name, layer.holds, layer.text) for layer in layers.layers),
+        attempts=attempts,
+        closed=dict(layers.closed),
+        isolation_line=layers.line,
+        certain_end=layers.certain_end,
+    )
+
+
+def _answers(channel: socket.socket, target: dict[str, Any]) -> dict[str, tuple[bool, str]] | None:
+    channel.settimeout(_PATIENCE)
+    try:
+        channel.sendall(json.dumps(target).encode())
+        with channel.makefile("rb") as lines:
+            answers = json.loads(lines.readline() or b"null")
+    except (OSError, ValueError):
+        return None
+    return answers and {name: (held, text) for name, (held, text) in answers.items()}
+
+
+@contextmanager
+def _targets() -> Iterator[dict[str, Any]]:
+    """Give what the attempts are made on: a file, a folder, a server, memory; all of one's own."""
+    secret = ctypes.create_string_buffer(b"robsim!")
+    with tempfile.TemporaryDirectory() as folder, socket.create_server(("127.0.0.1", 0)) as server:
+        os.chmod(folder, 0o777)
+        file = Path(folder, "file")
+        file.write_text("secret")
+        os.chmod(file, 0o666)
+        yield {
+            "file": str(file),
+            "folder": folder,
+            "hidden": _hidden_file(),
+            "process": os.getpid(),
+            "address": ctypes.addressof(secret),
+            "port": server.getsockname()[1],
+        }
+
+
+def _hidden_file() -> str:
+    """Return a file of robsim's that is hidden from the worker, and that it does not need."""
+    package = Path(sys.modules["robsim"].__file__ or "")
+    return str(package.parent / "reference" / "__init__.py")

@@ -1,0 +1,90 @@
+"""How a worker ended, in words."""
+
+from __future__ import annotations
+
+import math
+import signal
+from dataclasses import dataclass
+
+from robsim.teach.isolation.limits import Limits, as_size
+
+#: Exit codes of a worker's own: it could not shut itself in; it found no more memory.
+NOT_SHUT_IN, NO_MEMORY = 70, 71
+
+#: In the place of an exit code: it was ended, from outside or because of its processor time.
+KILLED = -getattr(signal, "SIGKILL", 9)
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a worker ended.
+
+    Attributes
+    ----------
+    text : str
+        A sentence without its full stop: ``"its process ended by itself (exit code 0)"``.
+    cpu_seconds : float
+        Processor time of all its threads (s); NaN = not known.
+    max_rss : int
+        The most memory that it had in use at a time (bytes), with what it shares with the process
+        that it was forked from; 0 = not known.
+    over : bool
+        False = it still runs.
+    left : tuple of str
+        What could not be removed after it; empty where its end is certain.
+    """
+
+    text: str
+    cpu_seconds: float = math.nan
+    max_rss: int = 0
+    over: bool = True
+    left: tuple[str, ...] = ()
+
+
+STILL_RUNS = Ending("the worker still runs", over=False)
+GRADER_LOST_IT = Ending("the worker was lost: the process that starts workers was killed")
+
+
+def ending_of(
+    code: int,
+    cpu_seconds: float,
+    max_rss: int,
+    *,
+    limits: Limits,
+    killed: bool,
+    too_much_written: bool,
+    left: list[str],
+) -> Ending:
+    """Return the ending that an exit code tells of, or a signal, as a negative number.
+
+    `killed` = the grader asked for it.
+    """
+    if too_much_written:
+        most = as_size(limits.folder_size)
+        text = f"its process wrote more than {most} of files, or folders too deep"
+    else:
+        text = _text_of(code, cpu_seconds, limits, killed)
+    return Ending(text, cpu_seconds, max_rss, left=tuple(left))
+
+
+def _text_of(code: int, cpu_seconds: float, limits: Limits, killed: bool) -> str:
+    if code >= 0:
+        if code == NO_MEMORY:
+            return f"its process asked for more than {as_size(limits.memory)} of memory"
+        if code == NOT_SHUT_IN:
+            return "the worker could not shut itself in (exit code 70)"
+        shown = code if code < 1 << 16 else f"{code:#x}"  # a crash, on Windows
+        return f"its process ended by itself (exit code {shown})"
+    by_time = {-getattr(signal, "SIGXCPU", 24), KILLED}
+    if code in by_time and cpu_seconds >= math.ceil(limits.cpu) - 0.5:
+        return f"its process used more than {math.ceil(limits.cpu)} s of processor time"
+    if killed and code == KILLED:
+        return "its process was ended by the grader"
+    return f"its process was ended by signal {_name_of(-code)}"
+
+
+def _name_of(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return str(number)

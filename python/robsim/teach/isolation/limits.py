@@ -1,0 +1,93 @@
+"""What a worker may take."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from robsim.base.checks import check_float, check_int
+
+_MI = 1 << 20
+#: Bytes that each file counts at least: to remove a folder takes milliseconds on some disks.
+BLOCK = 1 << 16
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What a submission may weigh, and what one run may take: time, memory, output, files, threads.
+
+    Parameters
+    ----------
+    call : float, default: 1.0
+        One callback (s), by the grader's clock.
+    first_call : float, default: 10.0
+        Loading the submission, and the first call (s).
+    run : float, default: 60.0
+        The whole run (s).
+    cpu : float, default: 60.0
+        Processor time of all threads together (s); counted in whole seconds, rounded up.
+    memory : int, default: 1 GiB
+        Address space (bytes). Python, numpy and robsim take some 0.13 GiB of it, pandas and
+        matplotlib 0.3 GiB more, each thread 10 MiB.
+    output : int, default: 64 KiB
+        What is kept of the text that it prints (bytes); the rest is read and dropped.
+    file_size : int, default: 1 MiB
+        The largest file that it may write (bytes), in its scratch folder, or the largest that was
+        handed in.
+    folder_size : int, default: 64 MiB
+        All its files together (bytes), each counted with at least 64 KiB, with those that were
+        handed in, of which it has room for twice as many; folders lie within one another 100 deep
+        at most. Looked after four times a second, so that more may be there for a
+        moment.
+    open_files : int, default: 64
+        Open files, with the few that it begins with.
+    threads : int, default: 32
+        Threads, its first one among them. Kept only where the worker has a user of its own.
+    submission_files : int, default: 100
+        Files that may be handed in.
+    submission_size : int, default: 5 MiB
+        All of them together (bytes), unpacked; of a notebook, with its outputs.
+    submission_file_size : int, default: 1 MiB
+        Each of them (bytes); of a notebook, without its outputs. They are written to the scratch
+        folder, whatever `file_size` is.
+    """
+
+    call: float = 1.0
+    first_call: float = 10.0
+    run: float = 60.0
+    cpu: float = 60.0
+    memory: int = 1024 * _MI
+    output: int = 64 << 10
+    file_size: int = _MI
+    folder_size: int = 64 * _MI
+    open_files: int = 64
+    threads: int = 32
+    submission_files: int = 100
+    submission_size: int = 5 * _MI
+    submission_file_size: int = _MI
+
+    def __post_init__(self) -> None:
+        for name in ("call", "first_call", "run", "cpu"):
+            check_float(name, getattr(self, name), "s", exclusive_minimum=0, maximum=1e6)
+        check_int("memory", self.memory, minimum=64 * _MI, maximum=1 << 46)
+        check_int("output", self.output, minimum=0, maximum=1 << 30)
+        check_int("file_size", self.file_size, minimum=0, maximum=1 << 40)
+        check_int("folder_size", self.folder_size, minimum=0, maximum=1 << 40)
+        check_int("open_files", self.open_files, minimum=16, maximum=1 << 16)
+        check_int("threads", self.threads, minimum=1, maximum=1 << 12)
+        check_int("submission_files", self.submission_files, minimum=1, maximum=10_000)
+        for name in ("submission_size", "submission_file_size"):
+            check_int(name, getattr(self, name), minimum=1, maximum=128 * _MI)
+
+
+def as_size(count: int) -> str:
+    """Return a number of bytes as a reader knows it: ``"1 GiB"``."""
+    for unit, size in (("GiB", 1 << 30), ("MiB", _MI), ("KiB", 1 << 10)):
+        if count >= size:
+            return f"{count / size:.4g} {unit}"
+    return f"{count} bytes"
+
+
+def room_for(sizes: Iterable[int]) -> int:
+    """Return how much files of these sizes (bytes) count at most."""
+    return sum(size + BLOCK for size in sizes)

@@ -1,0 +1,83 @@
+"""What a student's page says, as lines of text for a terminal or a mail."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+
+from robsim.teach.assignments.points import of_most
+from robsim.teach.assignments.results import SubmissionResult, TestResult
+from robsim.teach.reports import words
+from robsim.teach.texts import clean_line, clean_text
+
+_WIDTH = 88
+_MOST_LINES, _LONGEST = 20, 200  # of what was printed
+
+
+def student_text(result: SubmissionResult) -> str:
+    """Return the result as text: what is in it is said. For students: `for_student`."""
+    points = of_most(result.points, result.most)
+    lines = [clean_line(result.title), f"{clean_line(words.person(result.student))}: {points}"]
+    if not result.is_done:
+        lines.append("Not all tests have been run yet.")
+    lines += _wrapped(words.not_graded(result), "", "")
+    for note in words.notes(result):
+        lines += _wrapped(note, "Note: ", "      ")
+    for test in result.tests:
+        lines += ["", *_test(result, test)]
+    isolation = words.isolation_text(result)
+    lines += ["", *_wrapped(f"Isolation: {isolation}" if isolation else "", "", "  ")]
+    lines += _wrapped(f"Graded with {words.versions_text(result)}", "", "  ")
+    return "\n".join(lines) + "\n"
+
+
+def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
+    word, sign = words.STATUS.get(test.status, (test.status, " "))
+    points = words.result_text(test)
+    kind = "" if test.public else ", hidden"
+    yield clean_line(f"{sign} {words.heading(test)}: {word}, {points}{kind}")
+    for text in (words.sentence(result, test), words.blame(test)):
+        yield from _wrapped(text, "  ", "  ")
+    for score in test.scores if words.has_numbers(test) else ():
+        gives = words.points_text(score, test.most)
+        yield from _wrapped(f"{score.title}: {words.score_text(score)}: {gives}", "  - ", "    ")
+    yield from _wrapped(words.caption_text(test), "  ", "  ")
+    if test.finding:
+        yield f"  {words.FINDING}:"
+        yield from _quoted(test.finding)
+    if test.failed:
+        yield f"  {words.failed_head(test)}:"
+        for text in words.failed_texts(test):
+            yield from _wrapped(text, "  - ", "    ")
+    if test.output.strip():
+        yield "  The submission printed:"
+        yield from _quoted(_cut(test.output.rstrip()))
+    if test.public:
+        yield f"  {words.REPEAT}:"
+        yield clean_line(f"    {words.repeat_command(test)}")
+
+
+def _cut(text: str) -> str:
+    """Return the beginning of what was printed: all of it is on the page."""
+    lines = text.split("\n")
+    left = len(lines) - _MOST_LINES
+    cut = [line if len(line) <= _LONGEST else f"{line[:_LONGEST]} ..." for line in lines]
+    more = [f"... and {left} lines more"] if left > 0 else []
+    return "\n".join(cut[:_MOST_LINES] + more)
+
+
+def _quoted(text: str) -> Iterator[str]:
+    for line in clean_text(text).split("\n"):
+        yield f"  | {line}".rstrip()
+
+
+def _wrapped(text: str, start: str, indent: str) -> list[str]:
+    if not text:
+        return []
+    return textwrap.wrap(
+        clean_text(text),
+        _WIDTH,
+        initial_indent=start,
+        subsequent_indent=indent,
+        break_on_hyphens=False,
+    )

@@ -1,0 +1,191 @@
+"""What reports say of tests, scores and runs, in words."""
+
+from __future__ import annotations
+
+import math
+import re
+import shlex
+
+from robsim.base.report import percent
+from robsim.teach.assignments.points import number, of_most
+from robsim.teach.assignments.results import (
+    ERROR,
+    FAILED,
+    NOT_RUN,
+    PARTIAL,
+    PASSED,
+    FailedRun,
+    ScoreResult,
+    SubmissionResult,
+    TestResult,
+)
+
+#: What a status is called, and a sign for it, since not everybody sees its colour.
+STATUS = {
+    PASSED: ("passed", "✓"),
+    PARTIAL: ("partly", "◐"),
+    FAILED: ("failed", "✗"),
+    ERROR: ("not graded", "!"),
+    NOT_RUN: ("not run", "-"),
+}
+
+#: How Moodle names what it gives to download.
+OF_MOODLE = re.compile(r"(?P<name>.+)_(?P<number>\d+)_assignsubmission_(file|onlinetext)(_.*)?")
+
+_WHOSE = {
+    "submission": "",
+    "assignment": "The assignment failed here, not your submission: tell your teacher.",
+    "grader": "The grader failed here, not your submission: tell your teacher.",
+}
+
+FINDING = "What robsim check finds"
+REPEAT = "To repeat it, in the folder of the assignment"
+
+HINT = (
+    "A hint, and no proof: short programs for the same exercise resemble each other. Names, "
+    "numbers, comments and spaces are not compared; what was given to all, or stands in many "
+    "programs, does not count. Read both before you talk to anybody."
+)
+
+
+def person(student: str) -> str:
+    """Return the name of a student, without what Moodle adds to it."""
+    match = OF_MOODLE.fullmatch(student)
+    return match["name"] if match else student
+
+
+def heading(test: TestResult) -> str:
+    """Return number and title of a test."""
+    title = test.title[:1].upper() + test.title[1:]
+    return f"{test.number} {title}" if test.number else title
+
+
+def notes(result: SubmissionResult) -> list[str]:
+    """Return what is to be said of the submission as a whole."""
+    if not result.is_unread:
+        return list(result.notes)
+    return [f"It could not be read, and nothing of it was run. {note}" for note in result.notes]
+
+
+def sentence(result: SubmissionResult, test: TestResult) -> str:
+    """Return what is to be said of a test, if `notes` do not say it of all."""
+    return "" if result.is_unread else test.sentence
+
+
+def blame(test: TestResult) -> str:
+    """Return what is to be said where it was not the submission that failed."""
+    if test.status != ERROR:
+        return ""
+    return _WHOSE.get(test.whose or "grader", "")
+
+
+def result_text(test: TestResult) -> str:
+    return "no points" if test.status == ERROR else of_most(test.points, test.most)
+
+
+def score_text(score: ScoreResult) -> str:
+    return f"{_came_to(score)} ({_limits(score)})"
+
+
+def points_text(score: ScoreResult, most: float) -> str:
+    """Return what a score gives of the points of its test."""
+    full = most * score.share
+    return f"{percent(score.fraction, 0)} of {number(full)} {'point' if full == 1 else 'points'}"
+
+
+def _came_to(score: ScoreResult) -> str:
+    if math.isnan(score.statistic):
+        return "no run came through"
+    if score.low is not None:
+        return f"{_ratio(score.statistic)}, where 1 is right"
+    return f"{_ratio(score.statistic)} times that of the reference"
+
+
+def _limits(score: ScoreResult) -> str:
+    if score.low is None or score.low_zero is None:
+        return f"all points up to {_ratio(score.limit)}, none from {_ratio(score.zero)} on"
+    return (
+        f"all points from {_ratio(score.low)} to {_ratio(score.limit)}, none below "
+        f"{_ratio(score.low_zero)} and above {_ratio(score.zero)}"
+    )
+
+
+def _ratio(value: float) -> str:
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+
+
+def failed_texts(test: TestResult) -> list[str]:
+    """Return which runs failed, where, and what came; those that failed alike together."""
+    alike: dict[str, list[int]] = {}
+    for run in test.failed:
+        alike.setdefault(_reason(run), []).append(run.run)
+    return [f"{_runs(numbers)}: {reason}" for reason, numbers in alike.items()]
+
+
+def _runs(numbers: list[int]) -> str:
+    return f"run{'' if len(numbers) == 1 else 's'} {', '.join(map(str, numbers))}"
+
+
+def _reason(run: FailedRun) -> str:
+    """Return what came, after its place, unless that is in it already."""
+    file = run.file
+    if file is not None and run.line is not None:
+        file = f"{file}, line {run.line}"
+    slot = run.slot
+    if slot is not None and run.step is not None:
+        step = f"at step {run.step}"
+        slot = "" if slot in run.reason and step in run.reason else f"{slot} {step}"
+    parts = [part for part in (slot, file) if part and part not in run.reason]
+    return ": ".join(filter(None, (", ".join(parts), run.reason))) or "it failed"
+
+
+def failed_head(test: TestResult) -> str:
+    """Return how many runs failed, and what that costs."""
+    failed = f"{len(test.failed)} of {test.runs} runs did not come through"
+    return f"{failed}: each takes its part of the points"
+
+
+def caption_text(test: TestResult) -> str:
+    """Return what the picture shows, with the number of its run, or why there is none."""
+    if test.picture is None and test.failed:
+        if test.worst is None:
+            return "There is no picture: no run began."
+        return f"There is no picture: run {test.worst} failed in its first step."
+    if test.worst is None:
+        return test.caption
+    which = "until it failed" if test.worst in {run.run for run in test.failed} else "the worst"
+    return f"Run {test.worst}, {which}. {test.caption}".rstrip()
+
+
+def has_numbers(test: TestResult) -> bool:
+    """Return whether a run came through, so that there is something to say of its scores."""
+    return any(not math.isnan(score.statistic) for score in test.scores)
+
+
+def repeat_command(test: TestResult) -> str:
+    """Return the command with which students repeat a public test, in the folder that they got."""
+    return f"robsim grade . mine --public --only {shlex.quote(test.name)}"
+
+
+def play_command(result: SubmissionResult, test: TestResult) -> str:
+    """Return the command with which a teacher does a run of a test again."""
+    names = map(shlex.quote, (result.assignment, f"submissions/{result.student}", test.name))
+    run = "" if test.worst is None else f" --run {test.worst}"
+    return "robsim grade {} {} --play {}".format(*names) + run
+
+
+def isolation_text(result: SubmissionResult) -> str:
+    return result.isolation.removeprefix("isolation: ")
+
+
+def not_graded(result: SubmissionResult) -> str:
+    """Return what is to be said of points that nobody could win or lose; "" = there are none."""
+    points = sum(test.most for test in result.tests if test.status == ERROR)
+    if not points:
+        return ""
+    share = f"{number(points)} of these {number(result.most)} points"
+    return f"{share} could not be graded, by no fault of the submission."
+
+
+def versions_text(result: SubmissionResult) -> str:
+    return ", ".join(f"{name} {version}" for name, version in result.versions.items())

@@ -1,0 +1,163 @@
+"""Writing the reports of a submission and of a class into folders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+
+from robsim.base.checks import Floats
+from robsim.base.files import as_folder, write_whole
+from robsim.teach.assignments.results import SubmissionResult
+from robsim.teach.reports.marks.tables import marks_table
+from robsim.teach.reports.markup import Html
+from robsim.teach.reports.pages.class_page import class_page, tests_of
+from robsim.teach.reports.pages.floor import DrawnPath, floor_of
+from robsim.teach.reports.pages.student import student_page
+from robsim.teach.reports.similarity.pairs import SimilarPair, similar_pairs
+from robsim.teach.reports.similarity.winnowing import Program
+from robsim.teach.reports.student_text import student_text
+from robsim.teach.reports.views import for_student, pseudonymous
+from robsim.teach.reports.words import heading
+
+RESULT, PAGE, TEXT, TEACHERS = "result.json", "index.html", "result.txt", "teacher.html"
+CLASS, MARKS = "class.html", "class.csv"
+
+#: The best run of a student in a test, (N, 2), in px of the work area.
+Paths = Mapping[str, Mapping[str, Floats]]
+
+
+def write_student(
+    folder: str | PathLike[str],
+    result: SubmissionResult,
+    *,
+    pictures: Mapping[str, bytes] | None = None,
+) -> None:
+    """Write the reports of a submission: each file whole, or as it was.
+
+    ``index.html`` and ``result.txt`` are for the student: of hidden tests they have points and a
+    sentence. ``teacher.html`` and ``result.json`` have all, and pictures lie beside them by the
+    names of their tests.
+
+    Parameters
+    ----------
+    folder : path
+        The folder of this submission; made if there is none.
+    result : SubmissionResult
+        What came of it so far.
+    pictures : mapping of str to bytes, optional
+        New pictures as PNG by the names of their tests, which `result` has the files of. Others
+        are read from the folder.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written.
+    """
+    folder = as_folder(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {test.name: test.picture for test in result.tests if test.picture}
+    for name, png in (pictures or {}).items():
+        write_whole(folder / files[name], png)
+    found = {name: old for name, file in files.items() if (old := _read(folder / file))}
+    theirs = for_student(result)
+    write_whole(folder / PAGE, _utf8(student_page(theirs, found)))
+    write_whole(folder / TEXT, _utf8(student_text(theirs)))
+    write_whole(folder / TEACHERS, _utf8(student_page(result, found, for_teacher=True)))
+    # Last: where there is a result, its pages are there.
+    write_whole(folder / RESULT, _utf8(result.to_json() + "\n"))
+
+
+def write_class(
+    folder: str | PathLike[str],
+    results: Iterable[SubmissionResult],
+    *,
+    paths: Paths | None = None,
+    area: tuple[float, float] = (1200.0, 1200.0),
+    programs: Mapping[str, Program] | None = None,
+    given: Iterable[Program] = (),
+    pseudonym: Callable[[str], str] | None = None,
+    columns: str = "robsim",
+    title: str | None = None,
+) -> None:
+    """Write the reports of a class: ``class.html``, ``class.csv``.
+
+    Parameters
+    ----------
+    folder : path
+        The folder in which those of the submissions lie, by the names of the students.
+    results : iterable of SubmissionResult
+        The results.
+    paths : mapping of str to mapping of str to array (N, 2), optional
+        By the names of tests and students: the path of the best run, in the unit of `area`.
+    area : tuple of float
+        Width and height of the work area.
+    programs : mapping of str to Program, optional
+        What was handed in, by the names of the students, to be compared; see `program_of`.
+    given : iterable of Program
+        What all students were given: it does not count.
+    pseudonym : callable, optional
+        What gives another name for a student, such as ``key.pseudonym``. Then no text is shown in
+        which a name may stand, nor any program.
+    columns, title : str
+        Of the table, as for `marks_table`.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written.
+    ValueError
+        If there is no result, or if there are no such columns.
+    """
+    folder = as_folder(folder)
+    shown = sorted(results, key=lambda result: result.student)
+    if not shown:
+        raise ValueError("results must have at least one result of a submission")
+    pairs = None if programs is None else similar_pairs(programs, given)
+    links: dict[str, str] = {r.student: f"{r.student}/{TEACHERS}" for r in shown}
+    floors = _floors(shown, paths or {}, area, pseudonym or str)
+    if pseudonym is not None:
+        shown = sorted(pseudonymous(shown, pseudonym), key=lambda result: result.student)
+        pairs = None if pairs is None else [_renamed(pair, pseudonym) for pair in pairs]
+        links = {}
+    table = marks_table(shown, columns=columns, title=title)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / MARKS, _utf8(table))
+    content = class_page(shown, floors=floors, pairs=pairs, links=links)
+    write_whole(folder / CLASS, _utf8(content))
+
+
+def _floors(
+    results: Sequence[SubmissionResult],
+    paths: Paths,
+    area: tuple[float, float],
+    name: Callable[[str], str],
+) -> list[Html]:
+    floors = []
+    for test in tests_of(results):
+        drawn = [
+            DrawnPath(name(result.student), path, each.points)
+            for result in results
+            for each in result.tests
+            if each.name == test.name
+            and (path := paths.get(test.name, {}).get(result.student)) is not None
+        ]
+        if drawn:
+            floors.append(floor_of(heading(test), drawn, area, test.most))
+    return floors
+
+
+def _renamed(pair: SimilarPair, pseudonym: Callable[[str], str]) -> SimilarPair:
+    return replace(pair, first=pseudonym(pair.first), second=pseudonym(pair.second), passages=())
+
+
+def _utf8(text: str) -> bytes:
+    return text.encode("utf-8", "backslashreplace")
+
+
+def _read(file: Path) -> bytes | None:
+    try:
+        return file.read_bytes()
+    except FileNotFoundError:
+        return None

@@ -1,0 +1,153 @@
+"""Files of a folder: no link is followed, whatever changes meanwhile."""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from robsim.base.text import quoted
+from robsim.teach.errors import SubmissionError
+from robsim.teach.submissions.intake import Intake
+
+# Windows has no descriptors of folders: there its paths serve, and a link is seen before.
+_BY_DESCRIPTOR = {os.open, os.stat} <= os.supports_dir_fd and os.scandir in os.supports_fd
+_FLAGS = os.O_RDONLY | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+# A FIFO or a terminal that came in between keeps nobody.
+_SAFE = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+
+_ZIP = ".zip"
+_GRADED = (_ZIP, ".py", ".ipynb")
+
+_KINDS = {
+    stat.S_IFLNK: "a link: put the file itself in its place",
+    stat.S_IFIFO: "a pipe: remove it",
+    stat.S_IFSOCK: "a socket: remove it",
+    stat.S_IFBLK: "a device: remove it",
+    stat.S_IFCHR: "a device: remove it",
+}
+
+
+_Where = tuple[str, int | None]
+
+
+@dataclass(frozen=True)
+class _Folder:
+    """An open folder: its descriptor, or its path where there are none."""
+
+    place: int | str
+
+    def where(self, name: str) -> _Where:
+        """Return a path, and the descriptor of the folder that it begins at."""
+        if isinstance(self.place, int):
+            return name, self.place
+        return os.path.join(self.place, name), None
+
+
+@contextmanager
+def _opened_folder(path: str, above: _Folder | None = None) -> Iterator[_Folder]:
+    path, start = above.where(path) if above else (path, None)
+    if sys.platform == "win32" or not _BY_DESCRIPTOR:
+        yield _Folder(path)
+        return
+    descriptor = os.open(path, _FLAGS | _SAFE | os.O_DIRECTORY, dir_fd=start)
+    try:
+        yield _Folder(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def kind_of(path: str, whole: str) -> int:
+    """Return ``stat.S_IFREG`` or ``stat.S_IFDIR``; raise SubmissionError for all else."""
+    with _told(whole, whole):
+        return _kind(os.lstat(path), whole, whole)
+
+
+def read_file(path: str, whole: str, most: int) -> bytes:
+    """Return the first `most` bytes of a file that is no link; raise SubmissionError."""
+    with _told(whole, whole):
+        return _content((path, None), whole, whole, most)
+
+
+def read_folder(path: str, whole: str, intake: Intake) -> None:
+    """Take in all files of a folder, and of those in it; raise SubmissionError."""
+    with _told(whole, whole), _opened_folder(path) as folder:
+        _read(folder, "", whole, intake)
+
+
+def lone_zip(path: str, whole: str, intake: Intake) -> str | None:
+    """Return the name of the zip that a folder was handed in as: beside it is nothing to grade.
+
+    So platforms pack what somebody has uploaded as a zip. None = there is no such zip.
+    """
+    found = []
+    with _told(whole, whole), _opened_folder(path) as folder, os.scandir(folder.place) as entries:
+        for entry in entries:
+            intake.count_entry()
+            is_folder = entry.is_dir(follow_symlinks=False)
+            if (is_folder or entry.name.lower().endswith(_GRADED)) and intake.wants(entry.name):
+                found.append(entry.name)
+    return found[0] if len(found) == 1 and found[0].lower().endswith(_ZIP) else None
+
+
+def _read(folder: _Folder, prefix: str, whole: str, intake: Intake) -> None:
+    for name in _names(folder, intake):
+        path = f"{prefix}{name}"
+        if not intake.wants(path):
+            continue
+        with _told(whole, path):
+            where = folder.where(name)
+            status = os.stat(where[0], dir_fd=where[1], follow_symlinks=False)
+            if _kind(status, whole, path) == stat.S_IFDIR:
+                with _opened_folder(name, folder) as inner:
+                    _read(inner, f"{path}/", whole, intake)
+            else:
+                intake.check_size(path, status.st_size)
+                intake.add(path, _content(where, whole, path, intake.most_of(path) + 1))
+
+
+def _names(folder: _Folder, intake: Intake) -> list[str]:
+    names = []
+    with os.scandir(folder.place) as entries:
+        for entry in entries:
+            intake.count_entry()
+            names.append(entry.name)
+    return sorted(names)
+
+
+def _kind(status: os.stat_result, whole: str, path: str) -> int:
+    kind = stat.S_IFMT(status.st_mode)
+    if getattr(status, "st_reparse_tag", 0):  # a junction, of Windows
+        kind = stat.S_IFLNK
+    if kind not in (stat.S_IFREG, stat.S_IFDIR):
+        problem = _KINDS.get(kind, "no file: remove it")
+        named = whole if path == whole else f"{whole}: {quoted(path)}"
+        raise SubmissionError(f"{named} is {problem}", file=path)
+    return kind
+
+
+def _content(where: _Where, whole: str, path: str, most: int) -> bytes:
+    descriptor = os.open(where[0], _FLAGS | _SAFE, dir_fd=where[1])
+    with open(descriptor, "rb") as file:
+        if _kind(os.fstat(descriptor), whole, path) != stat.S_IFREG:
+            raise SubmissionError(f"{whole}: {quoted(path)} changed while it was read", file=path)
+        return file.read(most)
+
+
+@contextmanager
+def _told(whole: str, path: str) -> Iterator[None]:
+    """Say of which file the system has refused something."""
+    try:
+        yield
+    except OSError as error:
+        named = whole if path == whole else f"{whole}: {quoted(path)}"
+        if isinstance(error, FileNotFoundError):
+            problem = "is not there"
+        elif isinstance(error, PermissionError):
+            problem = "cannot be read: give the permission to read it (chmod -R u+rX)"
+        else:
+            problem = f"cannot be read: {error.strerror}"
+        raise SubmissionError(f"{named} {problem}", file=path) from None

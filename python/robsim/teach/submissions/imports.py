@@ -1,0 +1,113 @@
+"""What a submission may import: a courtesy that says it in a sentence, and no wall."""
+
+from __future__ import annotations
+
+import builtins
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any, NoReturn
+
+from robsim.teach.submissions.rules import Rules
+
+
+class _Masked(MetaPathFinder):
+    """A finder that has a sentence in place of each masked module."""
+
+    def __init__(self, masked: Sequence[str]) -> None:
+        self._masked = masked
+
+    def find_spec(
+        self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        if mask := _above(name, self._masked):
+            raise _not_here(mask)
+        return None
+
+
+def _above(name: str, masked: Sequence[str]) -> str | None:
+    """Return the masked module or name that a module or name is, or lies in."""
+    return next((mask for mask in masked if f"{name}.".startswith(f"{mask}.")), None)
+
+
+def _not_here(mask: str) -> ImportError:
+    return ImportError(f"{mask} is not there for this assignment: do without it", name=mask)
+
+
+class _Absent:
+    """What stands in the place of a masked function or class."""
+
+    def __init__(self, mask: str) -> None:
+        object.__setattr__(self, "_mask", mask)
+
+    def __call__(self, *args: object, **options: object) -> NoReturn:
+        raise _not_here(object.__getattribute__(self, "_mask"))
+
+    def __getattribute__(self, name: str) -> NoReturn:
+        raise _not_here(object.__getattribute__(self, "_mask"))
+
+
+@contextmanager
+def masked(rules: Rules) -> Iterator[None]:
+    """Take the masked modules and names away inside the context, also those imported before."""
+    finder = _Masked(rules.masked)
+    with ExitStack() as restored:
+        for name in [name for name in sys.modules if _above(name, rules.masked)]:
+            restored.callback(sys.modules.__setitem__, name, sys.modules.pop(name))
+        for mask in rules.masked:
+            _take_attribute(mask, restored)
+        sys.meta_path.insert(0, finder)
+        restored.callback(sys.meta_path.remove, finder)
+        yield
+
+
+def _take_attribute(mask: str, restored: ExitStack) -> None:
+    """Take a name away from the module that it lies in: a module is imported anew, which fails."""
+    package, _, name = mask.rpartition(".")
+    module = sys.modules.get(package)
+    if module is None or name not in vars(module):
+        return
+    value = vars(module)[name]
+    if isinstance(value, ModuleType):
+        delattr(module, name)
+    else:
+        setattr(module, name, _Absent(mask))
+    restored.callback(setattr, module, name, value)
+
+
+def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
+    """Return the built-in names for a submission's modules, with an ``import`` that keeps to rules.
+
+    Parameters
+    ----------
+    rules : Rules
+        The rules.
+    own : sequence of str
+        Modules of the submission's own, which may always be imported.
+    """
+    plain_import = builtins.__import__
+    allowed = None if rules.imports is None else {*rules.imports, *own, "__future__"}
+
+    def checked_import(
+        name: str,
+        globals: Mapping[str, object] | None = None,
+        locals: Mapping[str, object] | None = None,
+        fromlist: Sequence[str] = (),
+        level: int = 0,
+    ) -> ModuleType:
+        if not level:
+            for whole in (name, *(f"{name}.{inner}" for inner in fromlist or ())):
+                if mask := _above(whole, rules.masked):
+                    raise _not_here(mask)
+            top = name.partition(".")[0]
+            if allowed is not None and top not in allowed:
+                may = ", ".join(sorted(rules.imports or ())) or "nothing"
+                raise ImportError(
+                    f"{top} may not be imported in this assignment: there is {may}", name=top
+                )
+        return plain_import(name, globals, locals, fromlist, level)
+
+    return {**vars(builtins), "__import__": checked_import}

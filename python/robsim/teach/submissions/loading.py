@@ -1,0 +1,172 @@
+"""The callbacks of a submission, from the sources that were read; this runs its code."""
+
+from __future__ import annotations
+
+import io
+import linecache
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
+from importlib import import_module
+from os import PathLike
+from pathlib import Path, PurePosixPath
+from types import ModuleType
+from typing import Any
+
+from robsim.base.text import one_line, quoted
+from robsim.simulation.folders.callback_folder import CallbackFolder, callback_of_module
+from robsim.simulation.folders.modules import FolderModules, module_name
+from robsim.simulation.slots import SLOTS
+from robsim.teach.errors import SubmissionError
+from robsim.teach.submissions.files import FILE, FOLDER, SubmissionFiles
+from robsim.teach.submissions.imports import builtins_for, masked
+from robsim.teach.submissions.notebook.choosing import chosen
+from robsim.teach.submissions.rules import Rules
+from robsim.teach.texts import error_text
+
+Callbacks = dict[str, Callable[..., Any] | bool]
+
+_NOTEBOOK = "notebook"
+
+_for_good: list[AbstractContextManager[Callbacks]] = []
+
+
+def load_slots(
+    files: SubmissionFiles, rules: Rules, folder: str | PathLike[str] | None = None
+) -> Callbacks:
+    """Load a submission for the rest of the process: what a worker does, once.
+
+    Parameters
+    ----------
+    files : SubmissionFiles
+        The submission.
+    rules : Rules
+        What it may fill and import.
+    folder : path, optional
+        Where its data files are, for its ``__file__``; None = nowhere.
+
+    Returns
+    -------
+    dict of str to callable or bool
+        The callbacks by slot, and the functions by name. False = switched off, True = the default
+        stage.
+
+    Raises
+    ------
+    SubmissionError
+        If its code fails, or does not define its callbacks, with slot and line.
+    """
+    context = loaded_slots(files, rules, folder)
+    callbacks = context.__enter__()
+    _for_good.append(context)  # which would end with it
+    return callbacks
+
+
+@contextmanager
+def loaded_slots(
+    files: SubmissionFiles, rules: Rules, folder: str | PathLike[str] | None = None
+) -> Iterator[Callbacks]:
+    """Load a submission; inside the context its callbacks import each other's modules.
+
+    Parameters, result and errors are those of `load_slots`.
+    """
+    where = Path(files.name) if folder is None else Path(folder).absolute()
+    own = builtins_for(rules, [*files.modules])
+    with masked(rules):
+        if files.kind == FOLDER:
+            with _folder(files, where, rules, own) as callbacks:
+                yield callbacks
+        else:
+            with _module(files, where, rules, own) as callbacks:
+                yield callbacks
+
+
+@contextmanager
+def _folder(
+    files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]
+) -> Iterator[Callbacks]:
+    with _failing(files.name, None):
+        slots = [slot for slot in files.slots if slot in SLOTS]
+        folder, callbacks = CallbackFolder.of_sources(Path(), where, files.modules, slots, own)
+    with folder.importable():
+        for name in files.slots:
+            if name not in SLOTS:  # a module like others, of one file
+                with _failing(f"{name}.py", name):
+                    callbacks[name] = _function(import_module(name), name, f"{name}.py")
+        yield callbacks
+
+
+@contextmanager
+def _module(
+    files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]
+) -> Iterator[Callbacks]:
+    """Load one file that defines the slots, with the modules beside it."""
+    main = PurePosixPath(files.main)
+    helpers = {name: source for name, source in files.modules.items() if name not in SLOTS}
+    modules = FolderModules(Path(), where, helpers, own)
+    with modules.importable(), _removed(module_name(_NOTEBOOK)):
+        with _failing(files.main, None):
+            if files.kind == FILE:
+                module = modules.execute(main.stem)
+            else:
+                module = _notebook(files, where, rules, own)
+        callbacks = {}
+        for slot in files.slots:
+            with _failing(files.main, slot):
+                if slot in SLOTS:
+                    callbacks[slot] = callback_of_module(module, slot, Path(files.main))
+                else:
+                    callbacks[slot] = _function(module, slot, files.main)
+        yield callbacks
+
+
+def _function(module: ModuleType, name: str, file: str) -> Callable[..., Any]:
+    """Return a function of a module; raise ValueError or TypeError if it is none."""
+    if name not in vars(module):
+        raise ValueError(f"{one_line(file)} must define {name}(...)")
+    function: Callable[..., Any] = vars(module)[name]
+    if not callable(function):
+        raise TypeError(f"{one_line(file)}: {name} must be a function, got {quoted(function)}")
+    return function
+
+
+@contextmanager
+def _removed(name: str) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        sys.modules.pop(name, None)
+
+
+def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]) -> ModuleType:
+    """Run what counts of a notebook as one module."""
+    notebook = chosen(files.sources[files.main], files.main, rules.names)
+    module = ModuleType(module_name(_NOTEBOOK))
+    module.__file__ = str(where / files.main)
+    vars(module)["__builtins__"] = own
+    sys.modules[module.__name__] = module  # where dataclasses look it up
+    for part in notebook.parts:
+        lines = [*io.StringIO(part.source)]
+        linecache.cache[part.place] = (len(part.source), None, lines, part.place)
+        exec(part.code, vars(module))
+    for slot, variable in notebook.variables.items():
+        setattr(module, slot, vars(module)[variable])
+    return module
+
+
+@contextmanager
+def _failing(name: str, slot: str | None) -> Iterator[None]:
+    """Say of an exception of the submission's code that it is the submission's."""
+    try:
+        yield
+    except (SubmissionError, KeyboardInterrupt):
+        raise
+    except BaseException as error:  # SystemExit, too
+        text = error_text(error, slot=slot)
+        if text.lines:
+            told = f"{replace(text, slot=None)}"
+            told += f" (when {text.slot} was loaded)" if text.slot is not None else ""
+        else:  # what robsim says of a callback, which names its file
+            told = text.message
+        raise SubmissionError(told, slot=text.slot, file=text.file, line=text.line) from None

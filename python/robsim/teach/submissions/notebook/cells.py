@@ -1,0 +1,176 @@
+"""The code cells of a notebook, out of its JSON."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from robsim.base.text import one_line, quoted
+from robsim.teach.errors import SubmissionError
+from robsim.teach.submissions.intake import size_text
+
+#: The tags of cells that go in whole, and of those that never count.
+WHOLE, SKIP = "robsim", "robsim-skip"
+
+_MOST_CELLS = 1000
+_MOST_BRACKETS = 200_000  # 100 bytes of memory each
+_MARK = re.compile(r"#\s*(robsim-skip\b|robsim\s*:)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A code cell.
+
+    Attributes
+    ----------
+    place : str
+        What messages and tracebacks call it: ``"s003.ipynb, cell 5"``; all cells count, from 1.
+    number : int
+        The number.
+    source : str
+        Its code.
+    tag : str
+        `WHOLE`, `SKIP` or empty.
+    """
+
+    place: str
+    number: int
+    source: str
+    tag: str
+
+    @property
+    def title(self) -> str:
+        """Number and first line, for messages."""
+        first = next((line for line in self.source.split("\n") if line.strip()), "")
+        return f"cell {self.number} ({one_line(first.strip()[:40])})"
+
+
+def cells_of(content: bytes, file: str) -> list[Cell]:
+    """Return the code cells of a notebook.
+
+    Parameters
+    ----------
+    content : bytes
+        The file.
+    file : str
+        Its name.
+
+    Raises
+    ------
+    SubmissionError
+        If it is no notebook of format 4, or too involved.
+    """
+    notebook = _parsed(content, file)
+    _check_format(notebook, file)
+    cells = notebook.get("cells")
+    if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
+        raise SubmissionError(f"{file} is not a notebook: it has no list of cells", file=file)
+    if len(cells) > _MOST_CELLS:
+        raise SubmissionError(f"{file} has more than {_MOST_CELLS} cells: hand in what counts")
+    return list(_code_cells(cells, file))
+
+
+def reduced(content: bytes, file: str, most: int) -> bytes:
+    """Return a notebook with the code and the tags of its cells, and nothing else.
+
+    Parameters
+    ----------
+    content, file
+        As for `cells_of`.
+    most : int
+        How many bytes it may have then.
+
+    Raises
+    ------
+    SubmissionError
+        As `cells_of`, or if it is too large.
+    """
+    cells: list[dict[str, Any]] = []
+    for cell in cells_of(content, file):
+        while len(cells) < cell.number - 1:  # so that the others keep their numbers
+            cells.append({"cell_type": "markdown", "metadata": {}, "source": ""})
+        metadata = {"tags": [cell.tag]} if cell.tag else {}
+        cells.append({"cell_type": "code", "metadata": metadata, "source": cell.source})
+    text = json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells})
+    if len(text) > most:
+        raise SubmissionError(
+            f"{file} has more than {size_text(most)} of code: put large tables into a file of "
+            "their own",
+            file=file,
+        )
+    return text.encode("ascii")
+
+
+def _parsed(content: bytes, file: str) -> Any:
+    try:
+        text = content.decode("utf-8-sig")
+        if text.count("[") + text.count("{") > _MOST_BRACKETS:
+            raise SubmissionError(f"{file} is too involved: clear its outputs", file=file)
+        return json.loads(text)
+    except (ValueError, RecursionError, MemoryError):
+        raise SubmissionError(
+            f"{file} is not a notebook: it is no JSON text; save it in Jupyter again", file=file
+        ) from None
+
+
+def _check_format(notebook: Any, file: str) -> None:
+    if not isinstance(notebook, dict) or "nbformat" not in notebook:
+        raise SubmissionError(
+            f"{file} is not a notebook: it does not say its format; save it in Jupyter again",
+            file=file,
+        )
+    number = notebook["nbformat"]
+    if type(number) is not int or number != 4:
+        raise SubmissionError(
+            f"{file} is a notebook of format {quoted(number)}, and 4 is read: open it in Jupyter "
+            "and save it again",
+            file=file,
+        )
+    metadata = notebook.get("metadata")
+    kernel = metadata.get("kernelspec") if isinstance(metadata, dict) else None
+    language = kernel.get("language", "python") if isinstance(kernel, dict) else "python"
+    if not isinstance(language, str) or language.lower() not in ("python", "ipython", ""):
+        raise SubmissionError(
+            f"{file} is a notebook in {quoted(language)}: it must be in Python", file=file
+        )
+
+
+def _code_cells(cells: list[dict[str, Any]], file: str) -> Iterator[Cell]:
+    for number, cell in enumerate(cells, 1):
+        if cell.get("cell_type") != "code":
+            continue
+        place = f"{file}, cell {number}"
+        source = cell.get("source", "")
+        if isinstance(source, list) and all(isinstance(line, str) for line in source):
+            source = "".join(source)
+        if not isinstance(source, str):
+            raise SubmissionError(f"{place} has no text: save the notebook in Jupyter again")
+        source = source.replace("\r\n", "\n").replace("\r", "\n")
+        if "\0" in source or not _is_unicode(source):
+            raise SubmissionError(f"{place}: it is not UTF-8 text: write the cell anew", file=place)
+        yield Cell(place, number, source, _tag(cell, source))
+
+
+def _is_unicode(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:  # half a character
+        return False
+    return True
+
+
+def _tag(cell: dict[str, Any], source: str) -> str:
+    metadata = cell.get("metadata")
+    tags = metadata.get("tags") if isinstance(metadata, dict) else None
+    given = (
+        {t.strip().lower().replace("_", "-") for t in tags or () if isinstance(t, str)}
+        if isinstance(tags, list)
+        else set()
+    )
+    mark = _MARK.match(source.lstrip())
+    if SKIP in given or (mark and mark[1].lower() == SKIP):
+        return SKIP
+    return WHOLE if WHOLE in given or mark else ""

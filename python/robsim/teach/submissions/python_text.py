@@ -1,0 +1,131 @@
+"""Python source of a submission: whether it can be compiled, told without running it."""
+
+from __future__ import annotations
+
+import re
+import threading
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from robsim.base.text import quoted
+from robsim.teach.errors import SubmissionError
+
+# Memory and time of Python's own parser: 1 kB a word at worst, and the square of a dotted name.
+_MOST_WORDS = 250_000
+_WORD = re.compile(r"\d[\w.]*+|\w++|[^\w\s]")
+_LONG_CHAIN = re.compile(r"(?<!\w)(?:\w++[\s\\]*+\.[\s\\]*+){64}")
+_CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*([-\w.]+)")
+
+
+_LOCK = threading.Lock()  # filters of warnings belong to all threads
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Let nothing inside warn of a submission's code; Python warns again when it is run."""
+    with _LOCK, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+def decoded(content: bytes, place: str) -> str:
+    """Return the text of a Python file.
+
+    Parameters
+    ----------
+    content : bytes
+        The file.
+    place : str
+        What messages call it.
+
+    Raises
+    ------
+    SubmissionError
+        If it is not UTF-8 text, or says that it is not.
+    """
+    offset, problem = content.find(b"\0"), "a null character"
+    if offset < 0:
+        try:
+            text = content.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            offset, problem = error.start, f"the byte 0x{content[error.start]:02x}"
+        else:
+            _check_coding(content, place)
+            return text.replace("\r\n", "\n").replace("\r", "\n")
+    line = content.count(b"\n", 0, offset) + 1
+    raise SubmissionError(
+        f"{place}, line {line}: it is not UTF-8 text, it has {problem}: save it as UTF-8 text",
+        file=place,
+        line=line,
+    )
+
+
+def _check_coding(content: bytes, place: str) -> None:
+    for number, line in enumerate(content.split(b"\n", 2)[:2], 1):
+        found = _CODING.match(line)
+        name = found[1].decode("ascii", "replace").lower() if found else "utf-8"
+        if name.replace("_", "-") not in ("utf-8", "utf8", "ascii", "us-ascii"):
+            raise SubmissionError(
+                f"{place}, line {number}: it says that it is in {quoted(name)}: save it as UTF-8 "
+                "text, and delete this line",
+                file=place,
+                line=number,
+            )
+
+
+def check_extent(text: str, place: str) -> None:
+    """Raise SubmissionError for a text that would keep Python's parser for long."""
+    words = sum(1 for _ in _WORD.finditer(text))
+    if words > _MOST_WORDS:
+        raise SubmissionError(
+            f"{place} has {words} words and signs, and {_MOST_WORDS} are allowed: put large tables "
+            "into a file of their own, such as .npy or .csv",
+            file=place,
+        )
+    if chain := _LONG_CHAIN.search(text):
+        line = text.count("\n", 0, chain.start()) + 1
+        raise SubmissionError(
+            f"{place}, line {line}: it has a name with more than 64 dots: shorten it",
+            file=place,
+            line=line,
+        )
+
+
+def check_source(content: bytes, place: str) -> None:
+    """Raise SubmissionError, with the line, for a file that is no Python."""
+    text = decoded(content, place)
+    check_extent(text, place)
+    try:
+        with quiet():
+            compile(text, place, "exec", dont_inherit=True)
+    except (SyntaxError, ValueError, OverflowError, RecursionError, MemoryError) as error:
+        raise not_python(error, text, place) from None
+
+
+def not_python(error: BaseException, text: str, place: str) -> SubmissionError:
+    """Return the error for a text that Python does not compile."""
+    if not isinstance(error, SyntaxError):
+        return SubmissionError(
+            f"{place} is nested too deeply for Python: split its long expressions", file=place
+        )
+    lines = text.split("\n")
+    line = min(max(error.lineno or 1, 1), len(lines))
+    shown = lines[line - 1].strip()
+    said = quoted(str(error.msg))[1:-1]
+    return SubmissionError(
+        f"{place}, line {line}: {said}" + (f": {quoted(shown)}" if shown else ""),
+        file=place,
+        line=line,
+    )
+
+
+def imported_words(content: bytes) -> set[str]:
+    """Return all words of the lines of a file that import: the names of modules among others."""
+    lines = content.decode("utf-8", "replace").replace("\\\n", " ").splitlines()
+    return {
+        word
+        for line in lines
+        if "import" in line or "from" in line
+        for word in re.findall(r"\w+", line)
+    }

@@ -1,0 +1,215 @@
+"""Reading a submission: a folder, a Python file, a zip, a notebook; nothing of it is run."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Mapping
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path, PurePosixPath
+
+from robsim.base.files import as_path
+from robsim.base.text import listed, one_line, quoted
+from robsim.simulation.folders.callback_folder import TAKEN, imported_names, taken_names
+from robsim.simulation.folders.modules import reserved_names
+from robsim.simulation.folders.spelling import misspelled
+from robsim.simulation.slots import SLOTS
+from robsim.teach.errors import SubmissionError
+from robsim.teach.submissions.archive import most_of_archive, read_archive
+from robsim.teach.submissions.files import FILE, FOLDER, NOTEBOOK, SubmissionFiles
+from robsim.teach.submissions.folder import kind_of, lone_zip, read_file, read_folder
+from robsim.teach.submissions.intake import Intake, size_text
+from robsim.teach.submissions.module_file import slots_of_module
+from robsim.teach.submissions.notebook.cells import reduced
+from robsim.teach.submissions.notebook.choosing import chosen
+from robsim.teach.submissions.python_text import check_source, decoded, imported_words
+from robsim.teach.submissions.rules import Rules
+
+_TAKEN = "hand in a folder, a Python file (.py), a notebook (.ipynb) or a zip of these"
+
+
+def read_submission(
+    path: str | PathLike[str], rules: Rules, given: Mapping[str, bytes] | None = None
+) -> SubmissionFiles:
+    """Read a submission.
+
+    Parameters
+    ----------
+    path : path
+        A folder with a file for each slot, such as ``control.py``, and helper modules; one Python
+        file or a notebook that defines them; a zip of any of these, or a folder with such a zip.
+    rules : Rules
+        What it may fill and weigh.
+    given : mapping of str to bytes, optional
+        Files by name that all submissions have at their top, in place of copies of theirs.
+
+    Returns
+    -------
+    SubmissionFiles
+
+    Raises
+    ------
+    SubmissionError
+        If it cannot be read, has what it may not have, or fills no slot; the message says what to
+        do.
+    TypeError, ValueError
+        If `path` is not a path.
+    """
+    files = _read(Path(os.path.abspath(as_path(path))), rules, given or {})
+    return replace(files, sources={**files.sources, **given}) if given else files
+
+
+def _read(path: Path, rules: Rules, given: Mapping[str, bytes]) -> SubmissionFiles:
+    name = one_line(path.name)
+    intake = Intake(name, rules)
+    if kind_of(str(path), name) == stat.S_IFDIR:
+        packed = lone_zip(str(path), name, Intake(name, rules))
+        if packed is not None and kind_of(str(path / packed), one_line(packed)) == stat.S_IFREG:
+            return _read(path / packed, rules, given)
+        read_folder(str(path), name, intake)
+        return _arranged(name, intake.files, rules, given)
+    suffix = path.suffix.lower()
+    if suffix == ".zip":
+        most = most_of_archive(rules)
+        read_archive(_all_of(path, name, most), name, rules, intake)
+        return _arranged(name, intake.files, rules, given)
+    if suffix not in (".py", ".ipynb"):
+        raise SubmissionError(f"{name} is none of what can be graded: {_TAKEN}", file=name)
+    file = f"{path.stem}{suffix}"
+    intake.add(file, _all_of(path, name, intake.most_of(file)))
+    (main,) = intake.files or [""]
+    if not main:
+        raise SubmissionError(f"{name} is a hidden file: give it another name", file=name)
+    return _of_one_file(name, main, intake.files, rules)
+
+
+def _all_of(path: Path, name: str, most: int) -> bytes:
+    content = read_file(str(path), name, most + 1)
+    if len(content) > most:
+        remedy = "clear its outputs" if path.suffix.lower() == ".ipynb" else "hand in what counts"
+        raise SubmissionError(f"{name} has more than {size_text(most)}: {remedy}", file=name)
+    return content
+
+
+def _arranged(
+    name: str, files: dict[str, bytes], rules: Rules, given: Mapping[str, bytes]
+) -> SubmissionFiles:
+    """Return the submission of a folder: by files of slots, or by the one file that has them."""
+    files = {path: each for path, each in _below_the_top(files).items() if path not in given}
+    top = [path for path in files if "/" not in path]
+    python = [path for path in top if path.endswith(".py")]
+    notebooks = [path for path in top if path.endswith(".ipynb")]
+    if any(_slot_of(path, rules) in rules.names for path in python):
+        return _of_folder(name, files, rules)
+    mains = notebooks or python
+    if len(mains) == 1 and _slot_of(mains[0], rules) is None:
+        return _of_one_file(name, mains[0], files, rules)
+    if len(mains) > 1 and notebooks:
+        raise SubmissionError(f"{name} has {len(mains)} notebooks, {listed(mains)}: hand in one")
+    raise _nothing(name, files, rules)
+
+
+def _below_the_top(files: dict[str, bytes]) -> dict[str, bytes]:
+    """Return the files without the one folder, or the folders, that all of them lie in."""
+    while (
+        files and len({path.partition("/")[0] for path in files}) == 1 and "/" in next(iter(files))
+    ):
+        files = {path.partition("/")[2]: content for path, content in files.items()}
+    return files
+
+
+def _slot_of(path: str, rules: Rules) -> str | None:
+    """Return the slot, or the function of the assignment, that a file is named after."""
+    stem = PurePosixPath(path).stem
+    is_one = stem in SLOTS or stem in rules.functions
+    return stem if is_one and path == f"{stem}.py" else None
+
+
+def _nothing(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionError:
+    wanted = " or ".join(f"{name}.py" for name in rules.names)
+    stems = {PurePosixPath(path).stem: path for path in files if path.endswith((".py", ".ipynb"))}
+    hints = [
+        f"; is {one_line(stems[stem])} meant to be {slot}.py?"
+        for stem, slot in misspelled(stems).items()
+        if slot in rules.slots
+    ]
+    found = f"it has {listed(sorted(files))}" if files else "it is empty"
+    return SubmissionError(f"{name} has no {wanted}: {found}" + "".join(hints))
+
+
+def _of_folder(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:
+    of_slots = {slot: path for path in files if (slot := _slot_of(path, rules))}
+    slots = tuple(name for name in rules.names if name in of_slots)
+    used = {of_slots[slot] for slot in slots} | _imported_files(files, rules)
+    for path in sorted(used):
+        check_source(files[path], one_line(path))
+    _check_spelling(name, files, used, slots, rules)
+    _check_helpers(name, files)
+    notes = [
+        f"{path} is not used: the assignment has no such slot"
+        for slot, path in of_slots.items()
+        if slot not in rules.names
+    ]
+    return SubmissionFiles(name, FOLDER, "", files, slots, tuple(notes))
+
+
+def _modules(files: dict[str, bytes]) -> dict[str, bytes]:
+    return {path: c for path, c in files.items() if "/" not in path and path.endswith(".py")}
+
+
+def _imported_files(files: dict[str, bytes], rules: Rules) -> set[str]:
+    """Return the Python files that others seem to import."""
+    words = {path: imported_words(content) for path, content in _modules(files).items()}
+    return {
+        path
+        for path in words
+        if _slot_of(path, rules) is None
+        and any(PurePosixPath(path).stem in words[other] for other in words if other != path)
+    }
+
+
+def _check_spelling(
+    name: str, files: dict[str, bytes], used: set[str], slots: tuple[str, ...], rules: Rules
+) -> None:
+    """Refuse a file whose name resembles that of a slot that would stay empty."""
+    stems = [PurePosixPath(path).stem for path in _modules(files)]
+    for stem, slot in misspelled(stems).items():
+        if slot in rules.slots and slot not in slots and f"{stem}.py" not in used:
+            raise SubmissionError(
+                f"{name}: {quoted(f'{stem}.py')} is named after no slot: rename it to {slot}.py, "
+                "or remove it",
+                file=f"{stem}.py",
+            )
+
+
+def _check_helpers(name: str, files: dict[str, bytes]) -> None:
+    """Refuse helper modules that would not be found, or would not be meant."""
+    sources = {PurePosixPath(path).stem: content for path, content in _modules(files).items()}
+    if reserved_names(sources):  # of files that have been compiled, or are not imported
+        for stem in taken_names(sources, imported_names(sources)):
+            raise SubmissionError(f"{name}: {quoted(f'{stem}.py')} {TAKEN}", file=f"{stem}.py")
+    words = set().union(*map(imported_words, sources.values()))
+    folders = {path.partition("/")[0] for path in files if "/" in path and path.endswith(".py")}
+    for folder in sorted(folders & words):
+        raise SubmissionError(
+            f"{name}: {quoted(folder)} is a folder of modules, which cannot be imported: put its "
+            "files beside the others",
+            file=folder,
+        )
+
+
+def _of_one_file(name: str, main: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:
+    if main.endswith(".ipynb"):
+        small = reduced(files[main], main, rules.file_size)
+        notebook = chosen(small, main, rules.names)
+        sources = {**files, main: small}
+        return SubmissionFiles(name, NOTEBOOK, main, sources, notebook.slots, notebook.notes)
+    slot = _slot_of(main, rules)
+    if slot in rules.slots:
+        return _of_folder(name, files, rules)
+    if slot in SLOTS:
+        raise _nothing(name, files, rules)
+    check_source(files[main], one_line(main))
+    slots = slots_of_module(decoded(files[main], main), main, rules.names)
+    return SubmissionFiles(name, FILE, main, files, slots)

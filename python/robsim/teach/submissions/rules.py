@@ -1,0 +1,135 @@
+"""What a submission may fill, import and weigh."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+from robsim.base.checks import check_int
+from robsim.base.spelling import suggestion
+from robsim.base.text import quoted
+from robsim.simulation.folders.modules import reserved_names
+from robsim.simulation.slots import SLOTS, checked_slots
+
+_MODULE = re.compile(r"[A-Za-z_]\w{0,60}(\.[A-Za-z_]\w{0,60}){0,9}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rules:
+    """What a submission may fill, import and weigh; plain values, which go to the worker, too.
+
+    Parameters
+    ----------
+    slots : sequence of str
+        The slots that it may fill.
+    functions : sequence of str
+        The functions that it may define beside them. One slot or function it must have.
+    imports : sequence of str or None
+        Top-level modules that it may import beside its own; None = all that the worker has.
+    masked : sequence of str
+        Modules, with all that is in them, and names of modules that it cannot have, such as
+        ``"robsim.estimation.reference"`` and ``"robsim.locate"``.
+    files : int
+        Most files.
+    size, file_size : int
+        Most bytes of all files, and of one.
+    ratio : int
+        How many times smaller a file may be in a zip.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a value cannot be used; the message names it.
+    """
+
+    slots: tuple[str, ...] = tuple(SLOTS)
+    functions: tuple[str, ...] = ()
+    imports: tuple[str, ...] | None = None
+    masked: tuple[str, ...] = ()
+    files: int = 100
+    size: int = 5 * 2**20
+    file_size: int = 2**20
+    ratio: int = 100
+
+    def __post_init__(self) -> None:
+        own = object.__setattr__
+        own(self, "functions", _functions(self.functions))
+        if not isinstance(self.slots, tuple) or self.slots:
+            own(self, "slots", checked_slots(self.slots, tuple(SLOTS)))
+        if self.imports is not None:
+            own(self, "imports", _modules("imports", self.imports))
+            if dotted := [name for name in self.imports if "." in name]:
+                raise ValueError(f"imports must be top-level modules, got {quoted(dotted[0])}")
+        own(self, "masked", _modules("masked", self.masked))
+        for name in self.masked:
+            _check_there(name)
+        check_int("files", self.files, minimum=1, maximum=10_000)
+        check_int("size", self.size, minimum=1, maximum=2**27)
+        check_int("file_size", self.file_size, minimum=1, maximum=2**27)
+        check_int("ratio", self.ratio, minimum=1, maximum=10_000)
+        if not self.names:
+            raise ValueError("slots or functions must name what a submission may have, got none")
+
+    @classmethod
+    def of(cls, **rules: Any) -> Rules:
+        """Return rules of values whose types are not known; raise what the class raises."""
+        return cls(**rules)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return (*self.slots, *self.functions)
+
+    def to_dict(self) -> dict[str, Any]:
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Rules:
+        return cls.of(**data)
+
+
+def _functions(functions: Any) -> tuple[str, ...]:
+    if isinstance(functions, Mapping) or not isinstance(functions, Iterable):
+        raise TypeError(f"functions must be names, such as ['fit'], got {quoted(functions)}")
+    names = (functions,) if isinstance(functions, str) else tuple(functions)
+    for name in names:
+        if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
+            raise ValueError(f"functions must have names of functions, got {quoted(name)}")
+        if name.startswith("_") or reserved_names([name]):
+            raise ValueError(f"functions must not have {name}: a module may have this name")
+        if name in SLOTS:
+            raise ValueError(f"functions must not have {name}, which is a slot: put it into slots")
+    if len(set(names)) < len(names):
+        raise ValueError(f"functions must have each name once, got {', '.join(names)}")
+    return names
+
+
+def _check_there(name: str) -> None:
+    """Raise ValueError for a name of robsim's that there is not: it would mask nothing."""
+    package, _, last = name.rpartition(".")
+    if name.partition(".")[0] != "robsim" or not package:
+        return
+    try:
+        if find_spec(name) is not None:
+            return
+        known = dir(import_module(package))
+    except ImportError:  # of what lies above it
+        known = []
+    if last not in known:
+        raise ValueError(f"masked: there is no {name}{suggestion(last, known)}")
+
+
+def _modules(name: str, modules: Any) -> tuple[str, ...]:
+    if isinstance(modules, (str, Mapping)) or not isinstance(modules, Iterable):
+        raise TypeError(
+            f"{name} must be names of modules, such as ['numpy'], got {quoted(modules)}"
+        )
+    names = tuple(modules)
+    for module in names:
+        if not isinstance(module, str) or not _MODULE.fullmatch(module):
+            raise ValueError(f"{name} must have names of modules, got {quoted(module)}")
+    return names

@@ -1,0 +1,36 @@
+"""Tasks: what students are asked to do, and how a run of it is scored."""
+
+from robsim.base.public import present as _present
+from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.by_name import TASKS, task
+from robsim.teach.tasks.kinds.estimate import Estimate
+from robsim.teach.tasks.kinds.follow import Follow
+from robsim.teach.tasks.kinds.identify import Identify
+from robsim.teach.tasks.kinds.measure import Measure
+from robsim.teach.tasks.kinds.park import Park
+from robsim.teach.tasks.limit import Limit
+from robsim.teach.tasks.marks.calibrate import calibrate
+from robsim.teach.tasks.marks.calibration import SolutionMarks, TaskCalibration
+from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.solutions import Solution
+from robsim.teach.tasks.trial import TaskTrial
+
+__all__ = [
+    "TASKS",
+    "Estimate",
+    "Follow",
+    "Identify",
+    "Limit",
+    "Measure",
+    "Park",
+    "Score",
+    "Solution",
+    "SolutionMarks",
+    "Task",
+    "TaskCalibration",
+    "TaskTrial",
+    "calibrate",
+    "task",
+]
+
+_present(globals())

@@ -1,0 +1,287 @@
+"""`Task`: what students are asked to do, and how a run of it is scored."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+
+from robsim.base.checks import Floats, check_int
+from robsim.base.files import write_new_files
+from robsim.base.seeds import Seed
+from robsim.simulation import Scenario, Simulation
+from robsim.simulation.slots import AllCallbacks
+from robsim.teach.tasks._sheet import sheet_of
+from robsim.teach.tasks._shipped import shipped_solutions
+from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.solutions import Solution, starting_files
+from robsim.trace import Trace
+from robsim.trace.trace import check_trace
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from robsim.teach.tasks.trial import TaskTrial
+
+#: The seed of trials, unless another one is given: everybody has the same runs.
+PUBLIC_SEED = 1
+
+#: What no solution may import: answers, or what would make some.
+MASKED = ("robsim.estimation.reference", "robsim.teach.tasks", "robsim.teach.grading")
+
+MOST_STEPS, MOST_RUNS = 10_000, 1000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task(ABC):
+    """Something to do for students: a world, what they write, and scores of their runs.
+
+    A subclass is a dataclass whose fields are what can be set, such as a goal or the noise: a
+    value, which can be compared, sent to other processes, and written in an assignment by name.
+
+    Attributes
+    ----------
+    name : str
+        Its name in commands and files.
+    title : str
+        What is to be done, in a line.
+    slots : tuple of str
+        The slots that a solution fills.
+    given : str
+        What a solution gets at each step, in `try_out` as where it is graded: ``"frames"``,
+        ``"blobs"`` (no frame), ``"pose"`` (the measurement alone).
+    scores : tuple of Score
+        The numbers of a run; their shares sum to 1.
+    masked : tuple of str
+        Modules and names of robsim that a solution that is handed in cannot have.
+    unscored : int
+        Number of steps at the start of a run that do not count.
+    steps : int
+        Number of steps of a run.
+    runs : int
+        Number of runs of a test.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    slots: ClassVar[tuple[str, ...]]
+    given: ClassVar[str]
+    scores: ClassVar[tuple[Score, ...]]
+    masked: ClassVar[tuple[str, ...]] = MASKED
+    unscored: ClassVar[int] = 0
+
+    steps: int = 60
+    runs: int = 10
+
+    def __post_init__(self) -> None:
+        check_int("steps", self.steps, minimum=1, maximum=MOST_STEPS)
+        check_int("runs", self.runs, minimum=1, maximum=MOST_RUNS)
+
+    @property
+    @abstractmethod
+    def scenario(self) -> Scenario:
+        """The world of its runs, without a seed."""
+
+    @property
+    @abstractmethod
+    def values(self) -> Mapping[str, Any]:
+        """What a solution is told: the names in its module ``task``, ``from task import GOAL``.
+
+        Numbers, text, None, and tuples of these.
+        """
+
+    @abstractmethod
+    def score(self, trace: Trace) -> dict[str, float]:
+        """Return the numbers of a run by the names of `scores`; NaN where there is none.
+
+        Parameters
+        ----------
+        trace : Trace
+            The run, with the truth.
+
+        Raises
+        ------
+        NotRecordedError
+            If the trace has no truth.
+        TypeError
+            If it is no Trace.
+        """
+
+    def broken_rule(self, trace: Trace) -> str | None:
+        """Return in a sentence which rule of the task a run has broken; None = none.
+
+        Such a run has no numbers: all are NaN.
+
+        Parameters
+        ----------
+        trace : Trace
+            The run.
+        """
+        check_trace(trace)
+        return None
+
+    @property
+    def goals(self) -> Floats | None:
+        """Where the robot is to go: a pose (3,) or waypoints (N, 2); None = it is not told to."""
+        return None
+
+    def begin(self, folder: str | PathLike[str]) -> list[Path]:
+        """Write what is needed to begin with: the sheet, a file for each slot, and ``task.py``.
+
+        Parameters
+        ----------
+        folder : path
+            The folder; it is created if needed.
+
+        Returns
+        -------
+        list of Path
+            The files.
+
+        Raises
+        ------
+        TypeError
+            If `folder` is no path.
+        FileExistsError
+            If one of them exists there; then nothing is written.
+        OSError
+            If it cannot be written.
+        """
+        sheet = {"sheet.md": self.sheet.encode()}
+        return write_new_files(sheet | starting_files(self), folder)
+
+    def try_out(
+        self,
+        solution: str | PathLike[str] | Solution | None = None,
+        *,
+        runs: int | None = None,
+        seed: int = PUBLIC_SEED,
+        time_limit: float | None = None,
+        progress: bool = True,
+        **callbacks: Any,
+    ) -> TaskTrial:
+        """Try a solution, in this process, beside the reference in the same runs.
+
+        Parameters
+        ----------
+        solution : path or Solution, optional
+            A folder with a file for each slot, or one such file; read anew in each call. It can
+            import `values` from the module ``task``.
+        runs : int, optional
+            Number of runs, 1..1000. Default: `runs` of the task.
+        seed : int
+            What the seeds of the runs come from; the default is everybody's.
+        time_limit : float, optional
+            Maximum duration of a call of a callback (s); a run that exceeds it fails.
+        progress : bool
+            Show a progress bar in a terminal or a notebook.
+        **callbacks
+            In place of `solution` the callbacks by slot, such as ``control=my_controller``: a
+            function of the step, or a class without arguments, or a function that makes the
+            callback, which are called anew for each run.
+
+        Returns
+        -------
+        TaskTrial
+            The scores beside those of the reference, and what they come to; ``figure()`` of the
+            worst run.
+
+        Raises
+        ------
+        TypeError, ValueError, OSError
+            If an argument is wrong, or a file cannot be read; the message names it.
+        Exception
+            Whatever a file of the solution raises while it is loaded. What it raises in a run is
+            part of the result.
+
+        Examples
+        --------
+        >>> park = robsim.teach.Park()
+        >>> park.try_out(control=lambda step: (0.5, 0.5), runs=2)  # doctest: +SKIP
+        """
+        from robsim.teach.tasks._trying import trial  # which imports this
+
+        return trial(
+            self,
+            solution,
+            callbacks,
+            runs=self.runs
+            if runs is None
+            else check_int("runs", runs, minimum=1, maximum=MOST_RUNS),
+            seed=check_int("seed", seed, minimum=0, maximum=2**64),
+            time_limit=time_limit,
+            progress=progress,
+        )
+
+    def figure(self, trace: Trace, reference: Trace | None = None) -> Figure:
+        """Draw a run: its path, and at each step what is wrong.
+
+        Parameters
+        ----------
+        trace : Trace
+            The run.
+        reference : Trace, optional
+            That of another solution in the same world.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure. `robsim.plotting.plot_runs` draws several runs.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If one is no Trace, or has no steps.
+        """
+        from robsim.plotting.arguments import check_optional, check_steps
+        from robsim.plotting.runs.beside import draw_run  # matplotlib takes its time
+
+        check_steps(trace)
+        check_optional("reference", reference, Trace)
+        figure, _ = draw_run(
+            trace, reference, slots=self.slots, goals=self.goals, unscored=self.unscored
+        )
+        return figure
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """What was set, by name: ``type(task)(**task.parameters) == task``."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @property
+    def sheet(self) -> str:
+        """What students read, with these values, in Markdown."""
+        return sheet_of(self)
+
+    @property
+    def solutions(self) -> tuple[Solution, ...]:
+        """Those that ship with robsim: the right ones, the reference first, then wrong ones."""
+        return shipped_solutions(self.name, self.slots)
+
+    def simulation(
+        self,
+        *,
+        seed: Seed = None,
+        time_limit: float | None = None,
+        **callbacks: Unpack[AllCallbacks],
+    ) -> Simulation:
+        """Return a simulation of its world, for a run of `steps` steps.
+
+        Parameters
+        ----------
+        seed : int, SeedSequence or Generator, optional
+            The seed of the run. Default: an unpredictable one.
+        time_limit : float, optional
+            Maximum duration of a call of a callback (s).
+        **callbacks
+            What fills the slots, as for `Simulation`.
+
+        Returns
+        -------
+        Simulation
+            ``task.score(task.simulation(...).run(task.steps))`` has the numbers of the run.
+        """
+        return Simulation(self.scenario, seed=seed, time_limit=time_limit, **callbacks)

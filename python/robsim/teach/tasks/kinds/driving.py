@@ -1,0 +1,85 @@
+"""What the tasks to drive have in common: their world, its disturbances, and a rule."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from robsim.base.checks import check_float
+from robsim.base.text import quoted
+from robsim.simulation import ParameterMismatch, Scenario, WheelNoise
+from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.kinds.world import small_world
+from robsim.trace import Trace
+from robsim.trace.trace import check_trace
+
+#: What a motor may get (V); without a limit larger voltages are faster, beyond any motor.
+MAXIMUM_VOLTAGE = 1.0
+
+#: Work area and frame (px): small, so that a robot comes to a goal within some 100 steps.
+_AREA, _RESOLUTION = (640, 640), (320, 320)
+
+#: What disturbs the voltages of the motors in each step.
+_PROCESS_NOISE = WheelNoise(0.1)
+
+#: How near to a wall a robot does not come (px): its radius, and some room.
+_WALL = 80
+
+_ROUNDING = 1e-9  # V
+
+
+class DrivingTask(Task):
+    """To drive by measured poses, while the model is not exact.
+
+    It is no dataclass: its options are fields of the tasks, where they stand behind their own.
+    """
+
+    slots: ClassVar[tuple[str, ...]] = ("control",)
+    given: ClassVar[str] = "pose"
+
+    noise: float
+    dropout: float
+    mismatch: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_float("noise", self.noise, "%", minimum=0, maximum=100)
+        check_float("dropout", self.dropout, minimum=0, maximum=1)
+        check_float("mismatch", self.mismatch, minimum=0, maximum=0.3)
+
+    @property
+    def scenario(self) -> Scenario:
+        """The world of its runs: another start in each."""
+        return small_world(
+            area=_AREA,
+            resolution=_RESOLUTION,
+            headings=None,
+            noise=self.noise,
+            dropout=self.dropout,
+            process_noise=_PROCESS_NOISE,
+            mismatch=ParameterMismatch(self.mismatch) if self.mismatch > 0 else None,
+        )
+
+    def broken_rule(self, trace: Trace) -> str | None:
+        """Return in which step a voltage was too large."""
+        check_trace(trace)
+        largest = np.abs(trace.u).max(axis=1)
+        rows = np.flatnonzero(largest > MAXIMUM_VOLTAGE + _ROUNDING)
+        if not len(rows):
+            return None
+        return (
+            f"{largest[rows[0]]:.3g} V at step {trace.k[rows[0]]}: a motor must not get more than "
+            f"{MAXIMUM_VOLTAGE:g} V"
+        )
+
+
+def check_inside(name: str, positions: Iterable[Sequence[float]]) -> None:
+    """Raise ValueError unless a robot can drive to all positions in the work area."""
+    for position in positions:
+        if any(not _WALL <= x <= side - _WALL for x, side in zip(position, _AREA, strict=True)):
+            raise ValueError(
+                f"{name} must be at least {_WALL} px from the walls of the area, "
+                f"{' x '.join(map(str, _AREA))} px, got {quoted(tuple(position))}"
+            )

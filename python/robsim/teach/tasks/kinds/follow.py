@@ -1,0 +1,120 @@
+"""The task to follow a path: a controller that brings the robot along waypoints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from robsim.base.checks import Floats
+from robsim.control import score_path
+from robsim.control.waypoints import as_waypoints
+from robsim.teach.tasks._task import MASKED
+from robsim.teach.tasks.kinds.driving import MAXIMUM_VOLTAGE, DrivingTask, check_inside
+from robsim.teach.tasks.kinds.world import DT
+from robsim.teach.tasks.score import Score
+from robsim.trace import Trace
+from robsim.trace.trace import check_trace
+
+#: Within this distance a waypoint is reached (px).
+_RADIUS = 25.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Follow(DrivingTask):
+    """Drive along a path, from waypoint to waypoint.
+
+    Parameters
+    ----------
+    waypoints : sequence of (x, y)
+        The waypoints in their order (px).
+    noise : float
+        Gaussian noise of the camera (%).
+    dropout : float
+        Probability that the robot is hidden, 0..1, in each of the segments of 3 steps.
+    mismatch : float
+        Relative standard deviation of the gains of the motors and of the friction, 0..0.3.
+    steps, runs : int
+        As of `Task`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong type or is out of range; the message names it.
+    """
+
+    name: ClassVar[str] = "follow"
+    title: ClassVar[str] = "follow a path with the robot"
+    scores: ClassVar[tuple[Score, ...]] = (
+        Score(
+            name="error",
+            title="distance from the path, rms",
+            unit="px",
+            share=0.4,
+            floor=1.0,
+            worst=200.0,
+        ),
+        Score(
+            name="time",
+            title="time until the last waypoint",
+            unit="s",
+            share=0.4,
+            floor=0.2,
+            worst=120.0,
+        ),
+        Score(
+            name="left",
+            title="waypoints that are not reached",
+            unit="%",
+            share=0.2,
+            floor=5.0,
+            worst=100.0,
+        ),
+    )
+    masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.FollowPath", "robsim.control.FollowPath")
+
+    steps: int = 320
+    waypoints: Sequence[Sequence[float]] = ((430.0, 220.0), (210.0, 220.0), (210.0, 400.0))
+    noise: float = 10.0
+    dropout: float = 0.15
+    mismatch: float = 0.1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        points = tuple(map(tuple, as_waypoints(self.waypoints).tolist()))
+        object.__setattr__(self, "waypoints", points)
+        check_inside("waypoints", points)
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """The waypoints, within which distance they are reached, the largest voltage (V)."""
+        return {
+            "WAYPOINTS": self.waypoints,
+            "WAYPOINT_RADIUS": _RADIUS,
+            "MAXIMUM_VOLTAGE": MAXIMUM_VOLTAGE,
+            "DT": DT,
+        }
+
+    @property
+    def goals(self) -> Floats:
+        """The waypoints, (N, 2)."""
+        return np.array(self.waypoints)
+
+    def score(self, trace: Trace) -> dict[str, float]:
+        """Return error, time and waypoints left; a path that is not completed has neither of both.
+
+        Who stays where he is has no distance from the path.
+        """
+        check_trace(trace)
+        trace.require("pose_true")
+        if self.broken_rule(trace) is not None:
+            return dict.fromkeys((score.name for score in self.scores), np.nan)
+        score = score_path(trace, self.waypoints, waypoint_radius=_RADIUS)
+        last = score.completed_step
+        return {
+            "error": np.nan if last is None else score.rmse,
+            "time": np.nan if last is None else last * DT,
+            "left": 100 * (1 - score.reached / score.waypoints),
+        }

@@ -1,0 +1,135 @@
+"""The task to identify: the robot's parameters, from measurements, while it drives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from robsim._core import DriveAround, RobotModel
+from robsim.base.checks import Floats, check_float, check_int
+from robsim.estimation.identification._regression import regression_of
+from robsim.simulation import ParameterMismatch, PoseNoise, Scenario
+from robsim.teach.tasks._task import MOST_STEPS, Task
+from robsim.teach.tasks.kinds.world import DT, rms, rms_of_poses, small_world
+from robsim.teach.tasks.score import Score
+from robsim.trace import Trace
+from robsim.trace.trace import check_trace
+
+#: At which part of a run the early estimate is scored.
+_EARLY = 0.4
+
+#: Inputs that excite all parameters, the robot being fast compared with its noises (V, steps).
+_EXCITATION = DriveAround(low=-1.0, high=3.0, hold=6)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identify(Task):
+    """Identify the parameters of a robot recursively, from the poses that a camera measures.
+
+    What is scored is what the parameters predict: the error of the next pose, from the true ones
+    before, that is due to the parameters, e = phi (theta - theta_true), over all samples of the
+    run. So parameters count as far as the run determines them, each in the unit of a pose.
+
+    Parameters
+    ----------
+    noise : float
+        Gaussian noise of the camera (%).
+    mismatch : float
+        Relative standard deviation of the true gains and frictions around those that are told.
+    slip : float
+        Standard deviation of the process noise of the position in a step (px).
+    turn : float
+        Standard deviation of the process noise of the heading in a step (rad).
+    steps, runs : int
+        As of `Task`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a parameter has the wrong type or is out of range; the message names it.
+    """
+
+    name: ClassVar[str] = "identify"
+    title: ClassVar[str] = "identify the robot's parameters while it drives"
+    slots: ClassVar[tuple[str, ...]] = ("init_parameter_estimator", "estimate_parameters")
+    given: ClassVar[str] = "pose"
+    scores: ClassVar[tuple[Score, ...]] = (
+        Score(
+            name="position",
+            title="rms error of the predicted position, by the last parameters",
+            unit="px",
+            share=0.4,
+            floor=1e-4,
+            worst=100.0,
+        ),
+        Score(
+            name="heading",
+            title="rms error of the predicted heading, by the last parameters",
+            unit="deg",
+            share=0.3,
+            floor=1e-4,
+            worst=100.0,
+        ),
+        Score(
+            name="early",
+            title="rms error of the predicted position, by the parameters at 40 % of the run",
+            unit="px",
+            share=0.3,
+            floor=1e-4,
+            worst=100.0,
+        ),
+    )
+
+    steps: int = 150
+    noise: float = 0.0
+    mismatch: float = 0.3
+    slip: float = 0.1
+    turn: float = 0.003
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_int("steps", self.steps, minimum=20, maximum=MOST_STEPS)
+        check_float("noise", self.noise, "%", minimum=0, maximum=25)
+        check_float("mismatch", self.mismatch, exclusive_minimum=0, maximum=0.3)
+        check_float("slip", self.slip, "px", minimum=0, maximum=20)
+        check_float("turn", self.turn, "rad", minimum=0, maximum=0.5)
+
+    @property
+    def scenario(self) -> Scenario:
+        """The world of its runs: another robot in each, which drives around, and slips."""
+        return small_world(
+            noise=self.noise,
+            boundary="unlimited",
+            headings=None,
+            process_noise=PoseNoise.from_sigma(self.slip, self.slip, self.turn),
+            mismatch=ParameterMismatch(self.mismatch),
+            control=_EXCITATION,
+            identify_from="measurement",
+        )
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """The parameters of the robot before it was used, and by how much they may be wrong."""
+        return {
+            "DT": DT,
+            "THETA": tuple(map(tuple, RobotModel().theta.tolist())),
+            "MISMATCH": self.mismatch,
+        }
+
+    def score(self, trace: Trace) -> dict[str, float]:
+        """Return the rms errors of what the parameters predict, at the end and early."""
+        check_trace(trace)
+        trace.require("pose_true")
+        phi = regression_of(trace, identify_from="truth").phi
+        error = trace.parameters - np.asarray(trace.info.theta_true, dtype=np.float64)
+        last, early = (_predicted(phi, error[k]) for k in (-1, round(_EARLY * len(trace))))
+        return {**rms_of_poses(last), "early": rms(early[:, :2])}
+
+
+def _predicted(phi: Floats, error: Floats) -> Floats:
+    """Return the errors of predicted poses, (N, 3), that an error of the parameters makes."""
+    # e = sum(phi (theta - theta_true))
+    return np.asarray(np.sum(phi * error, axis=2))

@@ -1,0 +1,87 @@
+"""From tests of right solutions to limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from robsim.base.checks import Floats
+from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.limit import Limit
+from robsim.teach.tasks.marks.sets import Sets
+
+#: No limit is nearer to the reference: what is right may be rounded otherwise.
+_LEAST_MARGIN = 1.01
+
+#: No unit is smaller: a score that hardly ever differs would scale the limits of all others when it
+#: once does.
+_LEAST_UNIT = 1.1
+
+#: So that the test that a limit comes from does not miss it by rounding.
+_ROUNDED = 1 + 1e-9
+
+
+def limits_from(
+    task: Task, right: Sequence[Sets], naive: Sets, pilot: int, rank: int
+) -> dict[str, Limit]:
+    """Return the limits of a task's scores from the tests of right solutions.
+
+    Parameters
+    ----------
+    task : Task
+        The task.
+    right : sequence of Sets
+        Those of each right solution, `pilot` of them for the shape.
+    naive : Sets
+        Those of the naive solution.
+    pilot, rank : int
+        As of `TaskCalibration`.
+
+    Notes
+    -----
+    Of each score a test has a statistic s, see `Score.statistic`. What can be too large is log s,
+    and, where it is consistency, -log s, too; how much these differ among right solutions is not
+    the same. So from the tests before, each gets a unit d: three standard deviations above its
+    mean, for the solution for which that is largest, and log 1.1 at least.
+
+    In the others a test is as far off as its worst score, e = max(log s / d). The limits are
+    exp(c d), with one c for all: the r-th largest e of the tests of a solution, for the solution
+    for which that is largest. So the bound holds for all scores together, however they depend on
+    each other. No limit is below 1.01.
+
+    No points are given from the median of what the naive solution comes to, and nowhere before the
+    square of the limit.
+    """
+    # (solutions, tests, tails): what can be too large
+    tails = np.stack([_tails(task, one.statistics) for one in right])
+    before, after = tails[:, :pilot], tails[:, pilot:]
+    least = math.log(_LEAST_MARGIN)
+    # d = mean + 3 sd, of the right solution for which it is largest
+    units = np.max(before.mean(axis=1) + 3 * before.std(axis=1), axis=0)
+    units = units.clip(min=math.log(_LEAST_UNIT))
+    # e = max(tail / d);  c = the r-th largest e, of the solution for which it is largest
+    off = np.max(after / units, axis=2)
+    factor = float(np.max(np.sort(off, axis=1)[:, -rank]))
+    bounds = iter((_ROUNDED * np.exp(np.maximum(factor * units, least))).tolist())
+    middle = np.nanmedian(naive.statistics, axis=0) if naive.through.any() else None
+    limits = {}
+    for index, score in enumerate(task.scores):
+        at = 1.0 if middle is None else float(middle[index])
+        full = next(bounds)
+        limit = Limit(full=full, zero=max(at, full**2))
+        if score.kind == "consistency":
+            low = 1 / next(bounds)
+            limit = Limit(full=full, zero=limit.zero, low=low, low_zero=min(at, low**2))
+        limits[score.name] = limit
+    return limits
+
+
+def _tails(task: Task, statistics: Floats) -> Floats:
+    """Return log s of each score, and -log s where it can be too small."""
+    columns = []
+    for index, score in enumerate(task.scores):
+        logs = np.log(statistics[:, index])
+        columns += [logs, -logs] if score.kind == "consistency" else [logs]
+    return np.stack(columns, axis=1)

@@ -1,0 +1,166 @@
+"""Statistics of tests that were done many times: sets of M runs, as one grades a submission by."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim.base.checks import Floats
+from robsim.campaigns import CampaignResult, campaign
+from robsim.campaigns.engines.executors import DaskClient
+from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.limit import Limit
+from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.solutions import Solution
+
+_METRIC = "task"
+
+
+@dataclass(frozen=True)
+class Runs:
+    """The runs of a solution.
+
+    Attributes
+    ----------
+    values : array (N, S)
+        The numbers of each run, by the scores of its task.
+    failed : array (N,) of bool
+        Which did not come through.
+    first_error : str
+        What was wrong with the first of them.
+    """
+
+    values: Floats
+    failed: NDArray[np.bool_]
+    first_error: str = ""
+
+    def first(self, count: int) -> Runs:
+        return Runs(self.values[:count], self.failed[:count])
+
+
+def runs_of(
+    task: Task,
+    solutions: Sequence[Solution],
+    tests: int,
+    *,
+    seed: int,
+    executor: int | str | Executor | DaskClient | None = None,
+    store: Path | None = None,
+    progress: bool = False,
+) -> dict[str, Runs]:
+    """Run solutions of a task, all in the same runs, and return those of each by its name.
+
+    Parameters
+    ----------
+    task : Task
+        The task.
+    solutions : sequence of Solution
+        What is run.
+    tests : int
+        How many tests, each of as many runs as the task has.
+    seed, executor, store, progress
+        As for `robsim.campaign`.
+    """
+    result = campaign(
+        task.scenario,
+        vary={"folder": {one.name: one.choice(task) for one in solutions}},
+        metrics={_METRIC: task.score},
+        runs=tests * task.runs,
+        steps=task.steps,
+        seed=seed,
+        executor=executor,
+        store=store,
+        progress=progress,
+    )
+    return {one.name: _runs_in(result, task, one.name) for one in solutions}
+
+
+def _runs_in(result: CampaignResult, task: Task, solution: str) -> Runs:
+    is_own = result["folder"] == solution
+    errors = result["error"][is_own]
+    failed = np.array([error is not None for error in errors])
+    columns = [f"{_METRIC}_{score.name}" for score in task.scores]
+    known = [name in result.columns for name in columns]  # none is, where all runs failed
+    values = [
+        result[name][is_own] if is_there else np.full(len(failed), np.nan)
+        for name, is_there in zip(columns, known, strict=True)
+    ]
+    first = f"run {failed.argmax()}: {errors[failed][0]}" if failed.any() else ""
+    return Runs(np.stack(values, axis=1), failed, first)
+
+
+@dataclass(frozen=True)
+class Sets:
+    """Tests, each of M runs.
+
+    Attributes
+    ----------
+    statistics : array (N, S)
+        What the scores of a test come to; NaN where no run came through.
+    through : array (N,)
+        The share of its runs that came through.
+    """
+
+    statistics: Floats
+    through: Floats
+
+    def points(self, scores: Sequence[Score], limits: Mapping[str, Limit]) -> Floats:
+        """Return what each test gives, (N,), as a part of its points."""
+        return np.array(
+            [
+                points_of(scores, limits, row, through)
+                for row, through in zip(self.statistics, self.through, strict=True)
+            ]
+        )
+
+
+def points_of(
+    scores: Sequence[Score],
+    limits: Mapping[str, Limit],
+    statistics: Sequence[float] | Floats,
+    through: float,
+) -> float:
+    """Return what a test gives, 0..1: for each score what its limit says; for failed runs nothing.
+
+    Parameters
+    ----------
+    scores : sequence of Score
+        Those of the task.
+    limits : mapping of str to Limit
+        Their limits, by name.
+    statistics : sequence of float
+        What the runs come to that came through, by score; NaN = none did.
+    through : float
+        The share of those, 0..1.
+    """
+    parts = [
+        0.0 if math.isnan(statistic) else score.share * limits[score.name].fraction(statistic)
+        for score, statistic in zip(scores, statistics, strict=True)
+    ]
+    return through * math.fsum(parts)
+
+
+def sets_of(task: Task, own: Runs, reference: Runs) -> Sets:
+    """Return the runs of a solution as tests of as many runs as the task has."""
+    size = task.runs
+    places = [slice(i, i + size) for i in range(0, len(own.failed) - size + 1, size)]
+    statistics = [_statistics(task, own, reference, place) for place in places]
+    through = [1 - float(np.mean(own.failed[place])) for place in places]
+    return Sets(np.array(statistics), np.array(through))
+
+
+def _statistics(task: Task, own: Runs, reference: Runs, place: slice) -> list[float]:
+    came_through = ~own.failed[place]
+    if not came_through.any():
+        return [math.nan] * len(task.scores)
+    values, others = own.values[place][came_through], reference.values[place][came_through]
+    return [
+        score.statistic(values[:, index].tolist(), others[:, index].tolist())
+        for index, score in enumerate(task.scores)
+    ]

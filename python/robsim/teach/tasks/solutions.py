@@ -1,0 +1,172 @@
+"""`Solution`: code that solves a task, or does it wrong in a way that students do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from robsim.base.checks import check_bool
+from robsim.base.files import as_folder
+from robsim.base.text import one_line, quoted
+from robsim.campaigns.choices import Folder
+from robsim.simulation.folders.spelling import misspelled
+from robsim.simulation.slots import SLOTS, checked_slots
+
+if TYPE_CHECKING:
+    from robsim.teach.tasks._task import Task
+
+#: The right solution that scores are relative to, and the wrong one that gets no points.
+REFERENCE, NAIVE = "reference", "naive"
+
+#: The module from which a solution has the values of its task.
+MODULE = "task"
+
+_START = Path(__file__).parent / "start"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution:
+    """Code for the slots of a task.
+
+    Attributes
+    ----------
+    name : str
+        Its name; ``"reference"`` and ``"naive"`` are those that scores are relative to.
+    is_right : bool
+        Whether it is to get full points, or fewer.
+    folder : Path, optional
+        Where it was read from; None = it ships with robsim.
+    files : mapping of str to bytes
+        The Python files by name without ``.py``, as they were then.
+    slots : tuple of str
+        The slots that it may fill.
+    """
+
+    name: str
+    is_right: bool
+    folder: Path | None
+    files: Mapping[str, bytes] = field(repr=False)
+    slots: tuple[str, ...]
+
+    @classmethod
+    def read(cls, folder: str | PathLike[str], slots: Iterable[str], *, is_right: bool) -> Solution:
+        """Read the files of a folder, or a single one; nothing of them is run.
+
+        Parameters
+        ----------
+        folder : path
+            The folder, or the file of a slot.
+        slots : sequence of str
+            The slots that it may fill.
+        is_right : bool
+            Whether it is to get full points.
+
+        Raises
+        ------
+        OSError
+            If there is no such folder, or it cannot be read.
+        TypeError, ValueError
+            If an argument is wrong, or it has none of the slots.
+        """
+        path = as_folder(folder)
+        check_bool("is_right", is_right)
+        slots = checked_slots(slots, tuple(SLOTS))
+        is_file = path.is_file()
+        found = [path] if is_file else sorted(path.iterdir())
+        files = {
+            file.stem: file.read_bytes()
+            for file in found
+            if file.suffix == ".py" and file.is_file() and file.stem != MODULE
+        }
+        if not files.keys() & set(slots):
+            raise ValueError(_what_is_missing(path, files, slots))
+        home = path.parent if is_file else path
+        return cls(name=path.name, is_right=is_right, folder=home, files=files, slots=slots)
+
+    def choice(self, task: Task) -> Folder:
+        """Return it as a folder of a campaign, ``vary={"folder": {...}}``, beside its `task`.
+
+        Parameters
+        ----------
+        task : Task
+            What it is told of.
+        """
+        return folder_with(task, self.folder or Path(self.name), self.files)
+
+    def __repr__(self) -> str:
+        kind = "right" if self.is_right else "wrong"
+        return f"<Solution {quoted(self.name)}, {kind}: {', '.join(sorted(self.files))}>"
+
+
+def _what_is_missing(path: Path, files: Iterable[str], slots: tuple[str, ...]) -> str:
+    wanted = " or ".join(f"{slot}.py" for slot in slots)
+    meant = [f"; is {name}.py meant to be {slot}.py?" for name, slot in misspelled(files).items()]
+    if path.is_file():
+        return f"{one_line(path)} must be {wanted}" + "".join(meant)
+    return f"{one_line(path)} has no solution: it must have {wanted}" + "".join(meant)
+
+
+def folder_with(task: Task, path: Path, files: Mapping[str, bytes]) -> Folder:
+    """Return files as a folder of a campaign, with the module that has the values of a task."""
+    from robsim.teach.tasks._task import Task  # which imports this
+
+    if not isinstance(task, Task):
+        raise TypeError(f"task must be a Task, got {quoted(task)}")
+    sources = {**files, MODULE: module_source(task)}
+    return Folder(str(path), str(path.absolute()), sources, task.slots)
+
+
+def module_source(task: Task) -> bytes:
+    """Return the module ``task`` of solutions: what they are told."""
+    lines = [f'"""What is given: {task.title}."""', ""]
+    lines += [f"{name} = {value!r}" for name, value in task.values.items()]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def starting_files(task: Task) -> dict[str, bytes]:
+    """Return what students begin with, by names of files: one for each slot, and ``task.py``."""
+    files = {file.name: file.read_bytes() for file in (_START / task.name).glob("*.py")}
+    return files | {f"{MODULE}.py": module_source(task)}
+
+
+def solutions_in(folder: str | PathLike[str], slots: tuple[str, ...]) -> tuple[Solution, ...]:
+    """Return the solutions of a folder: those in ``right``, the reference first, and ``wrong``.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be read.
+    ValueError
+        If there is no reference, or a folder has none of the slots.
+    """
+    found = tuple(with_shared(_found(as_folder(folder), slots)))
+    if not any(one.is_right and one.name == REFERENCE for one in found):
+        raise ValueError(f"{one_line(folder)} must have a solution right/{REFERENCE}")
+    return found
+
+
+def _found(folder: Path, slots: tuple[str, ...]) -> Iterator[Solution]:
+    for kind, first in (("right", REFERENCE), ("wrong", NAIVE)):
+        places = [one for one in (folder / kind).glob("*") if one.is_dir() and _is_named(one)]
+        for place in sorted(places, key=lambda one: (one.name != first, one.name)):
+            yield Solution.read(place, slots, is_right=kind == "right")
+
+
+def with_shared(solutions: Iterable[Solution]) -> Iterator[Solution]:
+    """Yield solutions with the helpers of the reference, the first: they need not repeat them."""
+    shared: dict[str, bytes] = {}
+    for one in solutions:
+        if one.is_right and one.name == REFERENCE:
+            shared = helpers(one)
+        yield replace(one, files={**shared, **one.files})
+
+
+def helpers(solution: Solution) -> dict[str, bytes]:
+    return {name: file for name, file in solution.files.items() if name not in SLOTS}
+
+
+def _is_named(folder: Path) -> bool:
+    return not folder.name.startswith((".", "__"))

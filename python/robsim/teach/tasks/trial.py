@@ -1,0 +1,212 @@
+"""`TaskTrial`: how good a solution of a task is, beside the reference."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robsim.base.report import Column, Quantity, Report, Row, Table, count, percent
+from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.limit import Limit
+from robsim.teach.tasks.marks.sets import points_of
+from robsim.teach.tasks.score import Score
+from robsim.trace import Trace
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MOST_SHOWN = 3  # failures, in words
+_NEARLY, _SOME = 0.8, 0.1  # of the points; a naive solution has some by chance
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskTrial(Report):
+    """How good a solution of a task is, beside the reference: the result of `Task.try_out`.
+
+    Attributes
+    ----------
+    task : Task
+        The task.
+    solution : str
+        What was tried.
+    seed : int
+        What the seeds of the runs come from.
+    values, reference : mapping of str to tuple of float
+        The numbers of the runs, by the name of the score: its own and those of the reference. NaN =
+        there is none, and for its own also where the run failed.
+    limits : mapping of str to Limit
+        Up to where a score has all points, by its name; empty = not known.
+    failed : mapping of int to str
+        Runs that ended with an error, by number, and what that was.
+    broken : tuple of int
+        The numbers of the runs that have broken a rule of the task; they have no numbers.
+    rule : str or None
+        What the first of them has done.
+    worst : int or None
+        The number of the worst of the runs that came through; None = none did.
+    trace, reference_trace : Trace or None
+        That run, and the same of the reference.
+    has_own_limits : bool
+        Whether the limits are those of this very task; else of one with the default parameters.
+    """
+
+    task: Task
+    solution: str
+    seed: int
+    values: Mapping[str, tuple[float, ...]]
+    reference: Mapping[str, tuple[float, ...]]
+    limits: Mapping[str, Limit]
+    failed: Mapping[int, str]
+    broken: tuple[int, ...]
+    rule: str | None
+    worst: int | None
+    trace: Trace | None = field(repr=False, compare=False)
+    reference_trace: Trace | None = field(repr=False, compare=False)
+    has_own_limits: bool = True
+
+    @property
+    def runs(self) -> int:
+        """The number of runs."""
+        return len(next(iter(self.reference.values())))
+
+    @property
+    def statistics(self) -> dict[str, float]:
+        """What the runs come to by score, as of `Score.statistic`; NaN = no run came through."""
+        return {score.name: self._statistic(score) for score in self.task.scores}
+
+    def _statistic(self, score: Score) -> float:
+        through = [run for run in range(self.runs) if run not in self.failed]
+        if not through:
+            return math.nan
+        own, others = self.values[score.name], self.reference[score.name]
+        return score.statistic([own[run] for run in through], [others[run] for run in through])
+
+    @property
+    def points(self) -> float:
+        """The part of the points, 0..1; NaN = not known."""
+        if not self.limits:
+            return math.nan
+        through = 1 - len(self.failed) / self.runs
+        return points_of(self.task.scores, self.limits, tuple(self.statistics.values()), through)
+
+    @property
+    def is_solved(self) -> bool:
+        """Whether it has all points; False also where they are not known."""
+        return self.points > 1 - 1e-9
+
+    @property
+    def title(self) -> str:
+        """What was tried."""
+        return f"Task {self.task.name}, {self.solution}"
+
+    @property
+    def verdict(self) -> str | None:
+        """Return ``"as good as the reference"``, ``"nearly as good ..."``, or worse."""
+        if len(self.failed) == self.runs:
+            return "fails"
+        if not self.limits:
+            return None
+        if self.is_solved:
+            return "as good as the reference"
+        if self.points >= _NEARLY:
+            return "nearly as good as the reference"
+        is_better = self.points > _SOME
+        return "better than a naive solution" if is_better else "no better than a naive solution"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Points, runs, and how many of them failed."""
+        return (
+            Quantity("points", "points", self.points, format=percent, missing="not known"),
+            Quantity("runs", "runs", self.runs),
+            Quantity("failed", "failed", len(self.failed)),
+        )
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """The scores: medians, what they come to, and the limits."""
+        columns = [
+            Column("own", "yours"),
+            Column("reference", "reference"),
+            Column("statistic", "comes to", "", ".3g"),
+            *([Column("full", "all points"), Column("zero", "none")] if self.limits else []),
+        ]
+        return (Table(key="scores", columns=columns, rows=self._rows()),)
+
+    def _rows(self) -> list[Row]:
+        rows = []
+        for score in self.task.scores:
+            medians = (_median(self.values[score.name]), _median(self.reference[score.name]))
+            limits = _in_words(self.limits[score.name]) if self.limits else ()
+            values = (*medians, self.statistics[score.name], *limits)
+            rows.append(Row(score.title, values, score.unit))
+        return rows
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the numbers mean, what failed, and what the limits are worth."""
+        return (*self._on_runs(), *self._on_numbers(), *self._on_limits())
+
+    def _on_runs(self) -> Iterator[str]:
+        for run, sentence in list(self.failed.items())[:_MOST_SHOWN]:
+            yield f"run {run} failed: {sentence}"
+        if len(self.failed) > _MOST_SHOWN:
+            yield f"{len(self.failed) - _MOST_SHOWN} more failed"
+        if self.broken:
+            runs = count(len(self.broken), self.runs)
+            yield f"runs against the rules: {runs}; run {self.broken[0]}: {self.rule}"
+
+    def _on_numbers(self) -> Iterator[str]:
+        yield (
+            "yours and the reference's are medians of the runs; what they come to is how many "
+            "times the reference's yours are, as the geometric mean over the runs"
+        )
+        if any(score.kind == "consistency" for score in self.task.scores):
+            yield "what should be 1, a consistency, is the geometric mean of yours alone"
+        if self.worst is not None:
+            yield f"the worst run is number {self.worst}"
+
+    def _on_limits(self) -> Iterator[str]:
+        if not self.limits:
+            return
+        if not self.has_own_limits:
+            yield "the limits are those of the task with its default parameters"
+        if self.runs < self.task.runs:
+            yield (
+                f"the limits are for {self.task.runs} runs: with fewer there is more chance in "
+                "what they come to"
+            )
+
+    def figure(self) -> Figure:
+        """Draw the worst run beside that of the reference.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure, as of `Task.figure`.
+
+        Raises
+        ------
+        ValueError
+            If no run came through.
+        """
+        if self.trace is None:
+            raise ValueError("there is no run to draw: all have failed")
+        return self.task.figure(self.trace, self.reference_trace)
+
+
+def _median(values: tuple[float, ...]) -> float:
+    known = [value for value in values if not math.isnan(value)]
+    return float(np.median(known)) if known else math.nan
+
+
+def _in_words(limit: Limit) -> tuple[str, str]:
+    """Return where a score has all points, and where none."""
+    if limit.low is None or limit.low_zero is None:
+        return f"up to {limit.full:.3g}", f"from {limit.zero:.3g}"
+    full = f"{limit.low:.3g} to {limit.full:.3g}"
+    return full, f"below {limit.low_zero:.3g}, from {limit.zero:.3g}"

@@ -1,0 +1,146 @@
+"""How regular the frames of a run came, and how late its inputs went out: `Trace.timing`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim.base.checks import Floats
+from robsim.base.report import Column, Quantity, Report, Row, Table, count
+
+_ROWS = ("from exposure to arrival", "from arrival to input", "from exposure to input")
+_MOST_JITTER = 0.2  # of dt: filters and fits count in whole steps
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TimingReport(Report):
+    """How regular the frames of a run came, and how late its inputs went out.
+
+    Attributes
+    ----------
+    dt : float
+        Time of a step of the model (s).
+    steps : int
+        Steps of the record.
+    rate : float
+        Frames per second, the median; NaN for a single one.
+    jitter : float
+        Standard deviation of the time between the exposures of frames that follow each other (s).
+    lost : int
+        Steps of the model between two frames in which none came.
+    stopped : int
+        How often the robot was stopped; the time until the next frame is not counted.
+    latency : array (3, 3)
+        Time from the exposure of a frame to its arrival, from there until the input went out, and
+        both together (s); columns median, 95 % of the steps are below, maximum. NaN = not known.
+    """
+
+    dt: float
+    steps: int
+    rate: float
+    jitter: float
+    lost: int
+    stopped: int
+    latency: Floats
+
+    @property
+    def title(self) -> str:
+        """What was timed."""
+        return "Timing"
+
+    @property
+    def input_delay(self) -> float:
+        """The median time from the exposure of a frame until the input went out, in steps of dt.
+
+        Give it to a simulated world as `motor_delay`, to filters and fits as `input_delay`.
+        """
+        return float(self.latency[2, 0] / self.dt)
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Frames and their intervals, and the delay of the inputs."""
+        return (
+            Quantity("steps", "steps", self.steps),
+            Quantity("rate", "frame rate", self.rate, "1/s", ".4g"),
+            Quantity("jitter_ms", "jitter", 1e3 * self.jitter, "ms", ".3g"),
+            Quantity("lost", "lost frames", self.lost, format=lambda n: count(n, n + self.steps)),
+            Quantity("stopped", "stops", self.stopped),
+            Quantity("input_delay", "input delay", self.input_delay, "steps", ".3g"),
+        )
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """Latencies in ms, and the median in steps."""
+        columns = (
+            Column("median_ms", "median", "ms"),
+            Column("most_ms", "95 % below", "ms"),
+            Column("maximum_ms", "maximum", "ms"),
+            Column("median_steps", "median", "steps", ".3g"),
+        )
+        rows = [
+            Row(title, (*(1e3 * times), times[0] / self.dt))
+            for title, times in zip(_ROWS, self.latency, strict=True)
+        ]
+        return (Table(key="latency", columns=columns, rows=rows, row_title="latency"),)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the latency does not include, and what is amiss."""
+        remarks = []
+        if self.jitter > _MOST_JITTER * self.dt:
+            remarks.append(
+                "the frames do not come regularly: filters and fits take the time between two of "
+                f"them for whole steps of {self.dt:g} s"
+            )
+        if math.isfinite(self.input_delay):
+            remarks.append(
+                "input delay: give it to a simulated world as motor_delay, to filters and to "
+                "batch_estimate as input_delay; what the line and the motors add is not in it: "
+                "batch_estimate(trace, method='output_error', input_delay='fit') finds the whole"
+            )
+        return tuple(remarks)
+
+
+def timing_report(
+    t: Floats,
+    t_arrival: Floats,
+    t_sent: Floats,
+    *,
+    interrupted: NDArray[np.bool_],
+    dt: float,
+) -> TimingReport:
+    """Return the report of a run.
+
+    Parameters
+    ----------
+    t, t_arrival, t_sent : array (N,)
+        When the frames were exposed, and arrived, and when the inputs went out (s); NaN = not
+        known.
+    interrupted : array (N,) of bool
+        The robot was stopped after the step before.
+    dt : float
+        Time of a step of the model (s).
+    """
+    intervals = np.diff(t)[~interrupted[1:]]
+    n_steps = np.maximum(np.rint(intervals / dt), 1)
+    follow_each_other = intervals[n_steps == 1]
+    return TimingReport(
+        dt=dt,
+        steps=len(t),
+        rate=1 / float(np.median(follow_each_other)) if len(follow_each_other) else np.nan,
+        jitter=float(np.std(follow_each_other)) if len(follow_each_other) else np.nan,
+        lost=int((n_steps - 1).sum()),
+        stopped=int(interrupted.sum()),
+        latency=np.array([_spread(x) for x in (t_arrival - t, t_sent - t_arrival, t_sent - t)]),
+    )
+
+
+def _spread(times: Floats) -> tuple[float, float, float]:
+    """Return the median, the 95 % quantile and the maximum; NaN without a time."""
+    known = times[np.isfinite(times)]
+    if not len(known):
+        return np.nan, np.nan, np.nan
+    return float(np.median(known)), float(np.quantile(known, 0.95)), float(known.max())

@@ -1,0 +1,230 @@
+"""How often the robot was seen, and how exactly: what `Trace.tracking` returns."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim.base.checks import Floats
+from robsim.base.report import Quantity, Report, count
+from robsim.trace.run_info import RunInfo
+from robsim.trace.units import length_format
+
+#: Farther from the truth than this, a measured pose is a false one (px, rad).
+FALSE_POSE_LIMITS = (10.0, np.deg2rad(20.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackingStatistics(Report):
+    """How often the robot was seen, and how well the measurement followed the truth.
+
+    Attributes
+    ----------
+    steps : int
+        Steps of the record.
+    seen : int
+        Steps in which the robot was found.
+    false_poses : int
+        Steps seen with a pose more than 10 px or 20 degrees off.
+    rmse_xy : float
+        sqrt(mean(dx^2 + dy^2)) over the poses that are not false (in `unit`); NaN if there are
+        none, or the truth is not known.
+    rmse_heading_deg : float
+        Root mean square of the heading error over the poses that are not false (degrees).
+    median_xy : float
+        Median of sqrt(dx^2 + dy^2) over all steps seen, false poses included (in `unit`); NaN if
+        the truth is not known.
+    median_heading_deg : float
+        Median of the absolute heading error over all steps seen (degrees).
+    largest_xy : float
+        Largest sqrt(dx^2 + dy^2) of the poses that are not false (in `unit`).
+    largest_heading_deg : float
+        Largest absolute heading error of the poses that are not false (degrees).
+    unit : str
+        The unit of lengths: ``"px"`` of the work area, or that of `Trace.in_unit`.
+    position_limit : float
+        Farther from the truth than this, a pose is false: 10 px (in `unit`).
+    missed : dict of str to int
+        Steps in which the default measurement did not see the robot, by reason, the most frequent
+        first.
+    reported_xy : float
+        Median of the standard deviation in place that measurements report of themselves,
+        sqrt(P[0, 0] + P[1, 1]) of their covariance P (in `unit`); NaN if they report none.
+    reported_heading_deg : float
+        Median of the standard deviation of the heading that they report (degrees).
+    headings : int or None
+        Number of headings that the robot was drawn in, if it is known.
+    """
+
+    steps: int
+    seen: int
+    false_poses: int
+    rmse_xy: float
+    rmse_heading_deg: float
+    median_xy: float
+    median_heading_deg: float
+    largest_xy: float
+    largest_heading_deg: float
+    unit: str = "px"
+    position_limit: float = FALSE_POSE_LIMITS[0]
+    missed: Mapping[str, int] = field(default_factory=dict)
+    reported_xy: float = math.nan
+    reported_heading_deg: float = math.nan
+    headings: int | None = None
+
+    @property
+    def title(self) -> str:
+        """What was tracked."""
+        return "Tracking" if self.seen else "Tracking, never seen"
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Steps seen and not seen, false poses, errors, and those that are reported."""
+        return (
+            Quantity("steps", "steps", self.steps),
+            Quantity("seen", "seen", self.seen, format=lambda n: count(n, self.steps)),
+            *self._not_seen(),
+            *self._errors(),
+            *self._reported(),
+        )
+
+    def _not_seen(self) -> tuple[Quantity, ...]:
+        """Return the steps not seen, with the reasons where they are known."""
+        reasons = ", ".join(f"{reason} {steps}" for reason, steps in self.missed.items())
+        text = f": {reasons}" if reasons else ""
+        missed = self.steps - self.seen
+        return (Quantity("not_seen", "not seen", missed, format=lambda n: f"{n}{text}"),)
+
+    def _errors(self) -> tuple[Quantity, ...]:
+        """Return the errors, whose truth may not be known."""
+        false_poses = None if self._is_truth_unknown else self.false_poses
+        return (
+            Quantity("false_poses", "false poses", false_poses),
+            *self._pair("rmse", "rmse"),
+            *self._pair("median", "median error"),
+            *self._pair("largest", "largest error"),
+        )
+
+    def _reported(self) -> tuple[Quantity, ...]:
+        return () if math.isnan(self.reported_xy) else self._pair("reported", "reported error")
+
+    def _pair(self, key: str, title: str) -> tuple[Quantity, Quantity]:
+        """Return an error of the position and that of the heading."""
+        xy, heading = f"{key}_xy", f"{key}_heading_deg"
+        length = length_format(self.unit, 3)
+        return (
+            Quantity(xy, f"{title} of the position", getattr(self, xy), self.unit, length),
+            Quantity(heading, f"{title} of the heading", getattr(self, heading), "deg", ".3f"),
+        )
+
+    @property
+    def _is_truth_unknown(self) -> bool:
+        return self.seen > 0 and math.isnan(self.median_xy)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Why there are no errors, or such large ones, and what the words mean."""
+        if self.steps and not self.seen:
+            return (
+                "no pose was measured: the robot was detected in no frame, or it was run without "
+                "measure=True; a measure of your own must return its Measurement",
+            )
+        return (*self._on_truth(), *self._on_false_poses(), *self._on_reports())
+
+    def _on_truth(self) -> Iterator[str]:
+        if self._is_truth_unknown:
+            yield "the true poses are not known, so there are no errors"
+
+    def _on_false_poses(self) -> Iterator[str]:
+        if not self.false_poses or self._is_truth_unknown:
+            return
+        limit = format(self.position_limit, ".3g")
+        yield (
+            f"a pose more than {limit} {self.unit} or 20 deg off is false: rmse and largest error "
+            "are those of the other poses, the median is that of all"
+        )
+        # The positions are right: it is the headings that make the poses false.
+        if 2 * self.false_poses > self.seen and self.median_xy < self.position_limit:
+            yield (
+                "the positions are right, the headings are not: is the heading of the Measurement "
+                "in rad, and does it grow from +x towards +y?"
+            )
+
+    def _on_reports(self) -> Iterator[str]:
+        if not math.isnan(self.reported_xy):
+            yield (
+                "the reported error is the standard deviation that a measurement gives itself, "
+                "the median of all: about as large as the rmse if it is right"
+            )
+        if self.headings is not None and self.seen:
+            turn = 360 / self.headings
+            yield (
+                f"the robot was drawn in {self.headings} headings, at whole pixels of the frame: "
+                f"that alone is an rmse of {turn / math.sqrt(12):.2g} deg and 0.4 px of the frame, "
+                "whatever measures it; headings=None draws it as it stands"
+            )
+
+
+def tracking_statistics(
+    error: Floats,
+    seen: NDArray[np.bool_],
+    is_false: NDArray[np.bool_],
+    *,
+    reported: Floats,
+    reasons: NDArray[np.str_],
+    info: RunInfo,
+) -> TrackingStatistics:
+    """Return the statistics of measured poses.
+
+    Parameters
+    ----------
+    error : array (N, 3)
+        Measured minus true poses (x, y in the unit of the trace, heading in rad).
+    seen, is_false : array (N,) of bool
+        Steps with a measured pose; those with a false one.
+    reported : array (N, 3, 3)
+        Covariances of the measurements, NaN = not reported.
+    reasons : array (N,) of str
+        Why the robot was not seen.
+    info : RunInfo
+        What concerns the run as a whole.
+    """
+    distance = np.hypot(error[:, 0], error[:, 1])
+    turn = np.rad2deg(np.abs(error[:, 2]))
+    good = seen & ~is_false
+    variances = np.diagonal(reported, axis1=1, axis2=2)
+    variances = variances[seen & np.isfinite(variances).all(axis=1)]
+    return TrackingStatistics(
+        steps=len(error),
+        seen=int(seen.sum()),
+        false_poses=int(is_false.sum()),
+        rmse_xy=_rms(error[good, :2]),
+        rmse_heading_deg=math.degrees(_rms(error[good, 2:])),
+        median_xy=_median(distance[seen]),
+        median_heading_deg=_median(turn[seen]),
+        largest_xy=_largest(distance[good]),
+        largest_heading_deg=_largest(turn[good]),
+        unit=info.unit,
+        position_limit=FALSE_POSE_LIMITS[0] * info.px_length,
+        missed=dict(Counter(reasons[reasons != ""].tolist()).most_common()),
+        reported_xy=_median(np.sqrt(variances[:, 0] + variances[:, 1])),
+        reported_heading_deg=math.degrees(_median(np.sqrt(variances[:, 2]))),
+        headings=info.headings,
+    )
+
+
+def _rms(rows: Floats) -> float:
+    return math.sqrt(np.square(rows).sum(axis=1).mean()) if len(rows) else math.nan
+
+
+def _median(values: Floats) -> float:
+    return float(np.median(values)) if len(values) else math.nan
+
+
+def _largest(values: Floats) -> float:
+    return float(values.max()) if len(values) else math.nan

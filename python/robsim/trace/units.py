@@ -1,0 +1,109 @@
+"""Lengths of a trace in px, mm, cm or m."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robsim.base.checks import Floats, check_choice, check_mm_per_px
+from robsim.base.text import quoted
+from robsim.trace.columns import fields_of
+
+if TYPE_CHECKING:
+    from robsim.trace.run_info import RunInfo
+
+_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
+
+UNITS = ("px", *_MM)
+"""The units that lengths can have; px are those of the work area."""
+
+
+def px_length(unit: str, mm_per_px: float | None) -> float:
+    """Return the length of a px of the work area in a unit.
+
+    Parameters
+    ----------
+    unit : str
+        ``"px"``, ``"mm"``, ``"cm"`` or ``"m"``.
+    mm_per_px : float or None
+        That length on the floor (mm); None = not known.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the unit is none of them, or not px where the length of a px is not known.
+    """
+    check_choice("unit", unit, UNITS)
+    if unit == "px":
+        return 1.0
+    if mm_per_px is None:
+        raise ValueError(
+            f"unit must be 'px', got {quoted(unit)}: the camera was not calibrated, so it is not "
+            "known how long a px is on the floor; give mm_per_px=..., or a calibration to the run"
+        )
+    return check_mm_per_px(mm_per_px) / _MM[unit]
+
+
+def length_format(unit: str, digits: int) -> str:
+    """Return how lengths are printed: with so many digits behind the point in px and mm."""
+    return f".{digits + {'cm': 1, 'm': 3}.get(unit, 0)}f"
+
+
+def in_unit(text: str, unit: str) -> str:
+    """Return a unit such as ``"px/V"`` with another one of length in it."""
+    return text.replace("px", unit)
+
+
+def converted(
+    groups: Mapping[str, Floats], info: RunInfo, *, unit: str, mm_per_px: float | None
+) -> tuple[dict[str, Floats], RunInfo]:
+    """Return the groups and the info of a trace with lengths in another unit.
+
+    Parameters
+    ----------
+    groups : mapping of str to array (N, width)
+        Groups of columns, with lengths in `info.unit`.
+    info : RunInfo
+        What concerns the run as a whole.
+    unit, mm_per_px : str, float or None
+        As in `Trace.in_unit`.
+    """
+    if mm_per_px is None:
+        mm_per_px = info.mm_per_px
+    elif info.mm_per_px not in (None, check_mm_per_px(mm_per_px)):
+        raise ValueError(
+            f"mm_per_px must be {info.mm_per_px:g}, as the run has it, or left out, got "
+            f"{quoted(mm_per_px)}"
+        )
+    factor = px_length(unit, mm_per_px) / info.px_length
+    theta = scaled("parameters", np.array(info.theta_true), factor)
+    info = replace(info, unit=unit, mm_per_px=mm_per_px, theta_true=theta)
+    return {name: scaled(name, values, factor) for name, values in groups.items()}, info
+
+
+def scaled(group: str, values: Floats, factor: float) -> Floats:
+    """Return numbers of a group with every length multiplied by a factor.
+
+    Parameters
+    ----------
+    group : str
+        Its name.
+    values : array (N, width), or (3, 5) of parameters
+        Its numbers.
+    factor : float
+        New unit of length over old one.
+    """
+    rows = values.reshape(1, -1) if values.shape == (3, 5) else values
+    units = fields_of(group, rows.shape[1]).values()
+    # powers of Python, which are the same on all processors
+    factors = np.array([factor ** _exponent(unit) for unit in units])
+    return values if (factors == 1).all() else (rows * factors).reshape(values.shape)
+
+
+def _exponent(unit: str) -> int:
+    """Return how often a length is a factor of a unit: 2 of ``"px px"``, -1 of ``"1/px"``."""
+    above, _, below = unit.partition("/")
+    return above.split().count("px") - below.split().count("px")

@@ -1,0 +1,186 @@
+"""Reading, writing and resizing RGB and RGBA images with Pillow."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from os import PathLike
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageOps, UnidentifiedImageError
+
+from robsim.base.checks import check_choice
+from robsim.base.files import as_path, write_whole
+from robsim.base.text import cut, one_line, quoted
+
+Pixels = NDArray[np.uint8]
+
+_WHITE = 65535  # of an image with 16 bits per pixel
+
+#: Limit of a picture, and of the frames of a video (px).
+MOST_PIXELS = 100_000_000
+
+# Formats that Pillow registers but cannot decode, or leaves to other programs.
+_FOREIGN = {"BUFR", "EPS", "FPX", "GRIB", "HDF5", "MIC", "MPEG", "WMF"}
+
+# Raised by Pillow for a file that would decompress to a huge image.
+_BOMBS = (Image.DecompressionBombError, Image.DecompressionBombWarning)
+
+
+def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
+    """Read an image file, rotated as its EXIF orientation says.
+
+    Parameters
+    ----------
+    path : path
+        Any file that Pillow itself reads, of at most 100 million pixels.
+    mode : str
+        ``"RGB"`` or ``"RGBA"``.
+
+    Returns
+    -------
+    array (H, W, 3) or (H, W, 4) of uint8
+        The pixels.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the file is not an image, is damaged, or is too large.
+    """
+    check_choice("mode", mode, ("RGB", "RGBA"))
+    with as_path(path).open("rb") as file, warnings.catch_warnings():
+        warnings.simplefilter("error", Image.DecompressionBombWarning)
+        return decoded(file, one_line(path), mode)
+
+
+def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
+    """Return the pixels of an open image file; any thread may ask.
+
+    Parameters
+    ----------
+    file : file
+        Its content.
+    name : str
+        What it is called in messages.
+    mode : str or None
+        ``"RGB"`` or ``"RGBA"``; None = as it is: RGBA if it has transparency.
+
+    Raises
+    ------
+    ValueError
+        As from `load_image`.
+    """
+    try:
+        with Image.open(file, formats=_formats()) as image:
+            if image.width * image.height > MOST_PIXELS:
+                raise ValueError(f"{image.width} x {image.height} px")
+            upright = _eight_bits(ImageOps.exif_transpose(image))
+            own = "RGBA" if upright.has_transparency_data else "RGB"
+            return np.array(upright.convert(mode or own))
+    except UnidentifiedImageError as error:
+        raise ValueError(
+            f"{name} is not in an image format that Pillow reads, such as PNG or JPEG"
+        ) from error
+    except _BOMBS as error:
+        raise ValueError(f"{name} has too many pixels: {cut(error)}") from error
+    except Exception as error:  # Pillow's decoders raise many types
+        raise ValueError(f"{name} cannot be read as an image: {cut(error)}") from error
+
+
+def _formats() -> list[str]:
+    Image.init()
+    return [kind for kind in Image.ID if kind not in _FOREIGN]
+
+
+def image_suffixes() -> set[str]:
+    """Return the suffixes of the files that `load_image` reads."""
+    formats = _formats()
+    return {end for end, kind in Image.registered_extensions().items() if kind in formats}
+
+
+def _eight_bits(image: Image.Image) -> Image.Image:
+    """Return an image with 8 bits per channel; Pillow itself would clip 16-bit values at 255."""
+    if image.mode == "F":
+        raise ValueError(
+            "its pixels are floating-point numbers, save it with 8 or 16 bits per channel"
+        )
+    if not image.mode.startswith("I"):
+        return image
+    pixels = np.clip(np.asarray(image, dtype=np.int64), 0, _WHITE)
+    return Image.fromarray((pixels * 255 // _WHITE).astype(np.uint8))
+
+
+def save_image(path: str | PathLike[str], image: Pixels) -> None:
+    """Write an image file in the format that its suffix names.
+
+    Parameters
+    ----------
+    path : path
+        The file to write, such as ``frame.png``.
+    image : array (H, W, 3) of uint8
+        RGB.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    TypeError, ValueError
+        If `image` has another type or shape, or the suffix names no known format.
+    """
+    file, file_format = image_file(path)
+    pixels = check_pixels("image", image, 3)
+    # Level 6, the default, takes four times as long for a fifth less; noise does not compress.
+    options = {"compress_level": 1} if file_format == "PNG" else {}
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, format=file_format, **options)
+    write_whole(file, buffer.getvalue())
+
+
+def image_file(path: str | PathLike[str]) -> tuple[Path, str]:
+    """Return a file to write, and its format by its suffix; else raise TypeError or ValueError."""
+    file = as_path(path)
+    file_format = Image.registered_extensions().get(file.suffix.lower())
+    if file_format not in Image.SAVE:
+        raise ValueError(
+            f"{one_line(file)}: the name of an image must end in .png, .jpg or the like"
+        )
+    return file, file_format
+
+
+def check_pixels(name: str, pixels: Any, channels: int, alternative: str = "") -> Pixels:
+    """Return an image (H, W, channels) of uint8; else raise TypeError or ValueError."""
+    expected = f"{name} must be {alternative}a uint8 array of shape (H, W, {channels})"
+    if not isinstance(pixels, np.ndarray):
+        raise TypeError(f"{expected}, got {quoted(pixels)}")
+    if pixels.dtype != np.uint8 or pixels.shape[2:] != (channels,) or not pixels.size:
+        raise ValueError(f"{expected}, got {pixels.dtype} of shape {pixels.shape}")
+    return pixels
+
+
+def png_bytes(pixels: Pixels) -> bytes:
+    """Return an image (H, W, 3) encoded as PNG."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, format="PNG", compress_level=1)
+    return buffer.getvalue()
+
+
+def resized(pixels: Pixels, width: int, height: int) -> Pixels:
+    """Return an image in another size: box-averaged when smaller, bicubic when larger.
+
+    Parameters
+    ----------
+    pixels : array (H, W, 3) or (H, W, 4) of uint8
+        RGB or RGBA.
+    width, height : int
+        The new size (px).
+    """
+    if (width, height) == (pixels.shape[1], pixels.shape[0]):
+        return pixels
+    smaller = width <= pixels.shape[1] and height <= pixels.shape[0]
+    method = Image.Resampling.BOX if smaller else Image.Resampling.BICUBIC
+    return np.array(Image.fromarray(pixels).resize((width, height), method))

@@ -1,0 +1,146 @@
+"""Camera noise as a value, for `Simulation(noise=...)` or to be added to any image."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from robsim._core import VisualNoise
+from robsim.base.checks import check_float, check_int
+from robsim.base.text import quoted
+from robsim.vision.imaging.images import Pixels
+
+
+@dataclass(frozen=True)
+class _Noise:
+    """Base of both noise types: level, kind, and the addition to an image."""
+
+    percent: float
+
+    _kind: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        check_float("percent", self.percent, "%", minimum=0)
+
+    @property
+    def _native(self) -> VisualNoise:
+        return native_noise(self._kind, float(self.percent))
+
+    def add(self, image: Pixels, seed: int, index: int = 0, *, out: Pixels | None = None) -> Pixels:
+        """Return an image with noise added.
+
+        Parameters
+        ----------
+        image : array (H, W, 3) of uint8
+            RGB.
+        seed : int
+            Seed of the random numbers, 0 <= seed < 2**64.
+        index : int
+            Number of the frame: each frame has independent noise.
+        out : array (H, W, 3) of uint8, optional
+            Where to write the result; it may be `image` itself. Default: a new array.
+
+        Returns
+        -------
+        array (H, W, 3) of uint8
+            The noisy image: `out`, if it was given.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument has the wrong type, an image the wrong shape, or `out` is read-only or
+            overlaps the memory of `image` only in part.
+        """
+        seed = check_int("seed", seed, minimum=0, maximum=2**64 - 1)
+        index = check_int("index", index, minimum=0, maximum=2**64 - 1)
+        return self._native.add(image, seed, index, out=out)
+
+
+@dataclass(frozen=True)
+class GaussianNoise(_Noise):
+    """Gaussian noise, independent for each pixel and channel, rounded and clipped to 0..255.
+
+    Its cumulative distribution is true to 0.001, its standard deviation to 0.5 %; how often it lies
+    beyond 4 to 6 standard deviations is true, too.
+
+    Parameters
+    ----------
+    percent : float
+        Level p in % of the range 0..255: the standard deviation is 2.55 p grey levels.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `percent` is not a number of at least 0.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(measure=True, noise=robsim.GaussianNoise(40))
+    """
+
+    _kind: ClassVar[str] = "gaussian"
+
+
+@dataclass(frozen=True)
+class UniformNoise(_Noise):
+    """Uniform noise, independent for each pixel and channel, rounded and clipped to 0..255.
+
+    Parameters
+    ----------
+    percent : float
+        Level p in % of the range 0..255: the noise lies within +-2.55 p grey levels.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `percent` is not a number of at least 0.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(measure=True, noise=robsim.UniformNoise(40))
+    """
+
+    _kind: ClassVar[str] = "uniform"
+
+
+Noise = GaussianNoise | UniformNoise
+
+
+def as_native_noise(noise: Noise | None) -> VisualNoise:
+    """Return the C++ core's noise for a noise option; None = no noise.
+
+    Parameters
+    ----------
+    noise : GaussianNoise, UniformNoise or None
+        The value of the option ``noise``.
+
+    Raises
+    ------
+    TypeError
+        If `noise` has another type.
+    """
+    if noise is None:
+        return native_noise("none", 0.0)
+    if not isinstance(noise, _Noise):
+        raise TypeError(
+            f"noise must be a GaussianNoise, a UniformNoise or None, "
+            f"got {quoted(noise)}: write, for "
+            "example, noise=robsim.GaussianNoise(40)"
+        )
+    return noise._native
+
+
+def standard_deviation(noise: Noise | None) -> float:
+    """Return the standard deviation of a noise before it is clipped (grey levels)."""
+    if noise is None:
+        return 0.0
+    spread = 1.0 if isinstance(noise, GaussianNoise) else math.sqrt(3)
+    return 2.55 * noise.percent / spread
+
+
+@functools.lru_cache(maxsize=16)
+def native_noise(kind: str, percent: float) -> VisualNoise:
+    """Return the C++ core's noise; its tables are computed once per kind and level."""
+    return VisualNoise(kind, percent)

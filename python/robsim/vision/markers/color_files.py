@@ -1,0 +1,241 @@
+"""Reading and writing colour classes as TOML files, for `Simulation`, the robots and the CLI."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from robsim._core import ColorClass
+from robsim.base.checks import check_text
+from robsim.base.files import as_path, read_text, read_toml, write_whole
+from robsim.base.files.reading import MOST_TOML, parse_toml
+from robsim.base.shipped import ASSETS
+from robsim.base.text import cut, listed, one_line, quoted
+from robsim.base.values import FileVersion
+
+#: The colour file that ships with robsim.
+SHIPPED_COLORS = ASSETS / "colors.toml"
+
+_MOST_COLORS = 1000  # of a file
+_CHANNELS = ("y", "u", "v")
+
+_HEADER = """\
+# Colour classes: ranges of Y (brightness), U and V, both limits included. U = V = 128 is grey;
+# a larger U is bluer, a larger V is redder. `robsim colors list FILE` shows them.
+
+"""
+
+
+def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ...]:
+    """Read colour classes from a TOML file.
+
+    Each colour is a table with ranges of Y, U and V, both limits included; a missing range means
+    0..255::
+
+        [red]
+        u = [0, 120]
+        v = [164, 255]
+
+    Parameters
+    ----------
+    path : path, optional
+        The file. Default: the one that ships with robsim, with red and blue.
+
+    Returns
+    -------
+    tuple of ColorClass
+        In the order of the file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is not TOML, or not a colour file; the message names the file and the table.
+    """
+    return _shipped_colors(FileVersion.of(SHIPPED_COLORS)) if path is None else _read(as_path(path))
+
+
+@lru_cache(maxsize=1)
+def _shipped_colors(file: FileVersion) -> tuple[ColorClass, ...]:
+    return _read(Path(file.path))
+
+
+def _read(path: Path) -> tuple[ColorClass, ...]:
+    tables = read_toml(path)
+    try:
+        return _colors_of(tables)
+    except ValueError as error:
+        raise ValueError(f"colour file {one_line(path)}: {error}") from error
+
+
+def colors_of_text(text: str) -> tuple[ColorClass, ...]:
+    return _colors_of(parse_toml(text))
+
+
+def _colors_of(tables: dict[str, Any]) -> tuple[ColorClass, ...]:
+    if not tables:
+        raise ValueError("it has no colours, expected tables such as [red]")
+    _check_count(len(tables))
+    return tuple(_color(name, table) for name, table in tables.items())
+
+
+def _check_count(count: int) -> None:
+    if count > _MOST_COLORS:
+        raise ValueError(f"a colour file must have at most {_MOST_COLORS} colours, got {count}")
+
+
+def colors_to_toml(colors: ColorClass | Iterable[ColorClass]) -> str:
+    """Return colour classes as text in the format of a colour file.
+
+    Parameters
+    ----------
+    colors : ColorClass or iterable of ColorClass
+        The colours.
+
+    Returns
+    -------
+    str
+        A TOML table for each colour.
+    """
+    import tomlkit
+
+    document = tomlkit.document()
+    for color in _classes(colors):
+        table = tomlkit.table()
+        for channel in _CHANNELS:
+            table.add(channel, list(getattr(color, channel)))
+        document.add(color.name, table)
+    return document.as_string()
+
+
+def save_colors(
+    path: str | PathLike[str],
+    colors: ColorClass | Iterable[ColorClass],
+    *,
+    remove: Iterable[str] = (),
+) -> None:
+    """Write colour classes to a colour file.
+
+    An existing file keeps its comments and its other colours; colours of the same name get the
+    new ranges.
+
+    Parameters
+    ----------
+    path : path
+        The file; it is created, with its folder, if needed.
+    colors : ColorClass or iterable of ColorClass
+        The colours.
+    remove : iterable of str
+        Names of other colours that an existing file is not to keep.
+
+    Raises
+    ------
+    TypeError
+        If an argument has another type.
+    ValueError
+        If the existing file is not a colour file (it is left unchanged), if `colors` is empty, or
+        if two colours have the same name.
+    """
+    path, classes, without = as_path(path), _classes(colors), _names("remove", remove)
+    if not classes:
+        raise ValueError("colors must have at least one ColorClass, got none")
+    if path.exists():
+        old = load_colors(path)
+        _check_count(len({color.name for color in (*old, *classes)}))
+        without -= {color.name for color in classes}
+        text = _updated(read_text(path, MOST_TOML), classes, without)
+    else:
+        _check_count(len(classes))
+        text = _HEADER + colors_to_toml(classes)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, text.encode())
+
+
+def _names(argument: str, names: Any) -> set[str]:
+    if isinstance(names, (str, bytes, dict)) or not isinstance(names, Iterable):
+        raise TypeError(f"{argument} must be names, such as a list, got {quoted(names)}")
+    return {check_text(argument, name) for name in names}
+
+
+def _updated(text: str, colors: Iterable[ColorClass], without: set[str]) -> str:
+    """Return the text of a colour file with the ranges of these colours replaced or added."""
+    import tomlkit
+
+    document = tomlkit.parse(text)
+    for name in without & set(document):
+        del document[name]
+    added = []
+    for color in colors:
+        if color.name not in document:
+            added.append(color)
+            continue
+        table: Any = document[color.name]
+        for channel in _CHANNELS:
+            value = list(getattr(color, channel))
+            if table.get(channel, [0, 255]) != value:
+                table[channel] = value
+    kept = document.as_string()
+    return f"{kept.rstrip()}\n\n{colors_to_toml(added)}" if added else kept
+
+
+def _classes(colors: ColorClass | Iterable[ColorClass]) -> tuple[ColorClass, ...]:
+    """Return colour classes as a tuple; raise ValueError if two have the same name."""
+    if isinstance(colors, ColorClass):
+        return (colors,)
+    if colors is None or isinstance(colors, (str, PathLike)):
+        raise TypeError(f"colors must be ColorClass objects, got {quoted(colors)}")
+    classes = as_colors(colors)
+    if len({color.name for color in classes}) < len(classes):
+        names = listed(color.name for color in classes)
+        raise ValueError(f"colors must have different names, got {names}")
+    return classes
+
+
+def _color(name: str, table: Any) -> ColorClass:
+    if not isinstance(table, dict):
+        raise ValueError(f"[{cut(name)}] must be a table with y, u and v, got {quoted(table)}")
+    unknown = set(table) - set(_CHANNELS)
+    if unknown:
+        raise ValueError(f"[{cut(name)}] must have y, u and v only, got {listed(sorted(unknown))}")
+    return ColorClass(name, **{channel: _range(name, channel, table[channel]) for channel in table})
+
+
+def _range(name: str, channel: str, value: Any) -> tuple[int, int]:
+    numbers = value if isinstance(value, list) else []
+    if len(numbers) != 2 or not all(type(number) is int for number in numbers):
+        raise ValueError(
+            f"{channel} of [{cut(name)}] must be [lower, upper], two ints, got {quoted(value)}"
+        )
+    if not all(0 <= number <= 255 for number in numbers):
+        raise ValueError(f"{channel} of [{cut(name)}] must lie within 0..255, got {quoted(value)}")
+    return numbers[0], numbers[1]
+
+
+def as_colors(
+    colors: str | PathLike[str] | Iterable[ColorClass] | None,
+) -> tuple[ColorClass, ...]:
+    """Return colour classes as a tuple, read from a file if a path is given.
+
+    Parameters
+    ----------
+    colors : path, iterable of ColorClass, or None
+        The colours; None = the shipped ones.
+
+    Raises
+    ------
+    TypeError
+        If `colors` has another type.
+    """
+    if colors is None or isinstance(colors, (str, PathLike)):
+        return load_colors(colors)
+    if not isinstance(colors, Iterable):
+        raise TypeError(f"colors must be ColorClass objects or a file, got {quoted(colors)}")
+    result = tuple(colors)
+    wrong = [color for color in result if not isinstance(color, ColorClass)]
+    if wrong:
+        raise TypeError(f"colors must be ColorClass objects or a file, got {quoted(wrong[0])}")
+    return result

@@ -1,0 +1,362 @@
+"""Training of colours on several frames: with a region each, or with the robot tracked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._core import (
+    Blob,
+    ColorClass,
+    Detection,
+    Frame,
+    MarkerLayout,
+    Observation,
+    color_histograms,
+    detect,
+    find_blobs,
+    surrounding_chroma,
+)
+from robsim.base.checks import Floats, check_bool, is_int
+from robsim.base.text import listed, quoted
+from robsim.vision.imaging.images import Pixels
+from robsim.vision.markers.color_files import as_colors
+from robsim.vision.markers.trained_color import TrainedColor
+
+Region = tuple[int, int, int, int]
+
+_HALF_WIDTH = 0.35  # of a blob's: a square within a round marker, too
+_AROUND_LIMIT = 0.25  # of an image; a larger region leaves too little around it
+_AXES = 3  # of pixels (H, W, 3)
+_CHANNELS = ("y", "u", "v")
+_ONE_PIXEL = np.eye(1, 256, 128, dtype=np.int64).repeat(3, axis=0)
+
+
+def train_color(
+    images: Frame | Pixels | Iterable[Frame | Pixels],
+    regions: Region | Sequence[Region],
+    *,
+    name: str,
+    percentile: float | None = None,
+    margin: int | None = None,
+    limit_y: bool = False,
+) -> TrainedColor:
+    """Train a colour on regions of several images, such as the same marker in other light.
+
+    The class is as wide as those of all regions together, so that it holds in each of the images.
+
+    Parameters
+    ----------
+    images : Frame, array (H, W, 3) of uint8, or iterable of them
+        RGB.
+    regions : tuple of four ints, or sequence of them
+        (left, top, right, bottom), all included (px): one for each image; of a single image, any
+        number.
+    name, percentile, margin, limit_y
+        As for `ColorClass.from_region`.
+
+    Returns
+    -------
+    TrainedColor
+        The class, and how level and chroma of the colour drift from image to image.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape, if a region does not lie within its image, or
+        has hardly any colour; with several regions the message names it.
+
+    Examples
+    --------
+    >>> morning, evening = load_image("morning.png"), load_image("evening.png")
+    >>> trained = train_color([morning, evening], [(578, 613, 594, 630)] * 2, name="red")
+    >>> print(trained), trained.color
+    """
+    boxes = _boxes(regions)
+    shown = _images(images)
+    if len(shown) == 1:
+        shown *= len(boxes)
+    if len(shown) != len(boxes):
+        raise ValueError(
+            f"regions must be one for each of the {len(shown)} images, got {len(boxes)}"
+        )
+    samples = _Samples(name, percentile, margin, limit_y)
+    for k, (image, box) in enumerate(zip(shown, boxes, strict=True)):
+        try:
+            samples.add(k, image, box)
+        except ValueError as error:
+            if len(boxes) > 1:
+                error.add_note(f"in region {k + 1} of {len(boxes)}")
+            raise
+    return samples.trained()
+
+
+def train_markers(
+    frames: Iterable[Frame | Observation | Pixels],
+    markers: MarkerLayout,
+    *,
+    colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+    regions: Mapping[str, Region] | None = None,
+    percentile: float | None = None,
+    margin: int | None = None,
+) -> tuple[TrainedColor, TrainedColor]:
+    """Train the colours of both markers on a recording in which the robot drives.
+
+    The robot is located in each frame, and the colours are trained on the inner part of its
+    markers. So they hold wherever it was, in the light of the whole floor.
+
+    Parameters
+    ----------
+    frames : iterable of Frame, Observation, or array (H, W, 3) of uint8
+        A `Recording`, a `Session`, a list. Lengths of arrays are in px of the work area.
+    markers : MarkerLayout
+        The positions of the markers on the robot.
+    colors : path, iterable of ColorClass, optional
+        The colours that it is found by, with those of the markers. Default: those that ship
+        with robsim. Where they find it by the second chance only, see `Detection`, that is enough.
+    regions : dict of str to tuple of four ints, optional
+        In place of `colors`, the region of each of the markers' colours, such as ``"red"`` and
+        ``"blue"``, in the first frame (px).
+    percentile, margin
+        As for `ColorClass.from_region`.
+
+    Returns
+    -------
+    tuple of TrainedColor
+        Those of both markers in the order of their roles, right before left, or front before back,
+        with their drift from frame to frame.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape, if there are no frames, or if the robot is found
+        in none; the message says why.
+
+    Examples
+    --------
+    >>> recording = Recording("monday.mp4", area=(1200, 1200))
+    >>> red, blue = train_markers(recording, robsim.load_robot("lab").marker_layout())
+    >>> robsim.vision.save_colors("colors.toml", [red.color, blue.color])
+    """
+    if not isinstance(markers, MarkerLayout):
+        raise TypeError(f"markers must be a MarkerLayout, got {quoted(markers)}")
+    if colors is not None and regions is not None:
+        raise ValueError("colors and regions must not both be given")
+    names = [*markers.colors.values()]
+    boxes = None if regions is None else _marker_boxes(regions, names)
+    classes = None if regions is not None else _marker_classes(colors, names)
+    samples = {name: _Samples(name, percentile, margin, limit_y=False) for name in names}
+    missed: list[str] = []
+    for k, frame in enumerate(_frames(frames)):
+        if classes is None:
+            assert boxes is not None
+            classes = [_class_in(frame, boxes[name], name, percentile, margin) for name in names]
+        detection = _detected(frame, classes, markers)
+        if detection.measurement is None:
+            missed.append(f"in frame {k} {detection.explanation}")
+            continue
+        assert detection.pair is not None
+        for blob in detection.pair.values():
+            try:
+                samples[blob.color].add(k, frame, _inner_box(blob))
+            except ValueError as error:
+                samples[blob.color].skip(f"in frame {k}, {blob.color}: {error}")
+    if not missed and not any(one.count for one in samples.values()):
+        raise ValueError("frames must have at least one frame, got none")
+    first, second = (samples[name].trained(missed) for name in names)
+    return first, second
+
+
+class _Samples:
+    """The regions of a colour, frame by frame."""
+
+    def __init__(
+        self, name: str, percentile: float | None, margin: int | None, limit_y: bool
+    ) -> None:
+        given = {"percentile": percentile, "margin": margin}
+        self._options: dict[str, Any] = {
+            "name": name,
+            "limit_y": check_bool("limit_y", limit_y),
+            **{key: value for key, value in given.items() if value is not None},
+        }
+        # What is wrong with them is said before a recording is read.
+        ColorClass.from_histograms(_ONE_PIXEL, **(self._options | {"limit_y": True}))
+        self._frames: list[int] = []
+        self._histograms: list[NDArray[np.int64]] = []
+        self._classes: list[ColorClass] = []
+        self._skipped: list[str] = []
+
+    def add(self, k: int, image: Frame | Pixels, region: Region) -> None:
+        """Take a region of frame k; ValueError if it is grey."""
+        histograms = color_histograms(image, region)
+        around = chroma_around(image, histograms)
+        self._classes.append(ColorClass.from_histograms(histograms, around=around, **self._options))
+        self._histograms.append(histograms)
+        self._frames.append(k)
+
+    @property
+    def count(self) -> int:
+        return len(self._frames) + len(self._skipped)
+
+    def skip(self, why: str) -> None:
+        self._skipped.append(why)
+
+    def trained(self, missed: Sequence[str] = ()) -> TrainedColor:
+        """Return the class of all regions together, and the drift."""
+        left_out = [*missed, *self._skipped]
+        if not self._frames:
+            raise ValueError(
+                f"frames must show {self._options['name']}, got none that does: {left_out[0]}"
+            )
+        color = _widest(self._classes)
+        medians = np.array([medians_of(one) for one in self._histograms])
+        return TrainedColor(
+            color=color,
+            frames=np.array(self._frames),
+            medians=medians,
+            margins=np.array([_margin(color, one) for one in medians]),
+            shares=np.array([share_in_class(color, one) for one in self._histograms]),
+            histograms=np.sum(self._histograms, axis=0),
+            missed=len(left_out),
+        )
+
+
+def chroma_around(image: Frame | Pixels, histograms: NDArray[np.int64]) -> Floats | None:
+    """Return the chroma around a region with these histograms; None if it is most of the image."""
+    pixels = image.image if isinstance(image, Frame) else image
+    is_most = histograms[0].sum() >= _AROUND_LIMIT * pixels.shape[0] * pixels.shape[1]
+    return None if is_most else surrounding_chroma(image)
+
+
+def _class_in(
+    frame: Frame | Pixels, box: Region, name: str, percentile: float | None, margin: int | None
+) -> ColorClass:
+    samples = _Samples(name, percentile, margin, limit_y=False)
+    try:
+        samples.add(0, frame, box)
+        return samples.trained().color
+    except ValueError as error:
+        error.add_note(f"in the region of {name}, in the first frame")
+        raise
+
+
+def _detected(
+    frame: Frame | Pixels, classes: Sequence[ColorClass], markers: MarkerLayout
+) -> Detection:
+    blobs = find_blobs(frame, classes, markers=markers)
+    options = {"plane_map": frame.plane_map} if isinstance(frame, Frame) else {}
+    return detect(blobs, markers, image=frame, colors=classes, **options)
+
+
+def _inner_box(blob: Blob) -> Region:
+    """Return the inner part of a marker that was found as a blob."""
+    half_width = _HALF_WIDTH * np.sqrt(blob.area)
+    left, top = np.rint(blob.centroid - half_width).astype(int)
+    right, bottom = np.rint(blob.centroid + half_width).astype(int)
+    return int(left), int(top), int(right), int(bottom)
+
+
+def _widest(classes: Sequence[ColorClass]) -> ColorClass:
+    """Return the class that takes what any of them takes."""
+    ranges = {
+        channel: (
+            min(getattr(color, channel)[0] for color in classes),
+            max(getattr(color, channel)[1] for color in classes),
+        )
+        for channel in _CHANNELS
+    }
+    return ColorClass(classes[0].name, **ranges)
+
+
+def medians_of(histograms: NDArray[np.int64]) -> Floats:
+    """Return the medians of Y, U and V of pixels."""
+    parts = np.cumsum(histograms, axis=1) / histograms.sum(axis=1, keepdims=True)
+    return np.asarray((parts < 0.5).sum(axis=1), float)
+
+
+def _margin(color: ColorClass, medians: NDArray[np.float64]) -> float:
+    """Return how far a colour is within the nearest limit of a class; an open end is none."""
+    inside = []
+    for channel, value in zip(_CHANNELS, medians, strict=True):
+        lower, upper = getattr(color, channel)
+        inside += [value - lower] * (lower > 0) + [upper - value] * (upper < 255)
+    return float(min(inside, default=255.0))
+
+
+def share_in_class(color: ColorClass, histograms: NDArray[np.int64]) -> float:
+    """Return the share of pixels in a class, by the channel that takes fewest."""
+    taken = [
+        counts[lower : upper + 1].sum()
+        for counts, (lower, upper) in zip(histograms, (color.y, color.u, color.v), strict=True)
+    ]
+    return float(min(taken) / histograms[0].sum())
+
+
+def _images(images: Any) -> list[Frame | Pixels]:
+    if _is_picture(images):
+        return [images]
+    if isinstance(images, (str, bytes, dict)) or not isinstance(images, Iterable):
+        raise TypeError(f"images must be images, or a list of them, got {quoted(images)}")
+    shown = list(images)
+    if not shown:
+        raise ValueError("images must have at least one image, got none")
+    for image in shown:
+        if not _is_picture(image):
+            raise TypeError(f"images must be images, or a list of them, got one of {quoted(image)}")
+    return shown
+
+
+def _boxes(regions: Any) -> list[Region]:
+    expected = "regions must be (left, top, right, bottom), four ints, or a list of such"
+    if isinstance(regions, (str, bytes, dict)) or not isinstance(regions, Iterable):
+        raise TypeError(f"{expected}, got {quoted(regions)}")
+    boxes = list(regions)
+    if not boxes:
+        raise ValueError("regions must have at least one region, got none")
+    if all(is_int(side) for side in boxes):
+        boxes = [tuple(boxes)]
+    for box in boxes:
+        if np.shape(box) != (4,) or not all(is_int(side) for side in box):
+            raise TypeError(f"{expected}, got one of {quoted(box)}")
+    return boxes
+
+
+def _frames(frames: Any) -> Iterable[Frame | Pixels]:
+    if isinstance(frames, (str, bytes, dict, Frame)) or not isinstance(frames, Iterable):
+        raise TypeError(f"frames must be frames, such as a Recording, got {quoted(frames)}")
+    for one in frames:
+        frame = one.frame if isinstance(one, Observation) else one
+        if frame is None:
+            continue  # none came in this step
+        if not _is_picture(frame):
+            raise TypeError(f"frames must be frames, such as a Recording, got one of {quoted(one)}")
+        yield frame
+
+
+def _is_picture(value: Any) -> bool:
+    """Return whether it is a frame or pixels; of what size these are is checked with their use."""
+    if isinstance(value, Frame):
+        return True
+    return isinstance(value, np.ndarray) and value.dtype == np.uint8 and value.ndim == _AXES
+
+
+def _marker_boxes(regions: Any, names: Sequence[str]) -> dict[str, Region]:
+    both = " and ".join(map(repr, names))
+    if not isinstance(regions, Mapping):
+        raise TypeError(f"regions must be a dict with {both}, got {quoted(regions)}")
+    if set(regions) != set(names):
+        raise ValueError(f"regions must be those of {both}, got {listed(regions)}")
+    return dict(regions)
+
+
+def _marker_classes(colors: Any, names: Sequence[str]) -> list[ColorClass]:
+    by_name = {color.name: color for color in as_colors(colors)}
+    missing = [name for name in names if name not in by_name]
+    if missing:
+        both = " and ".join(names)
+        raise ValueError(f"colors must have {both}, got no {' and no '.join(missing)}")
+    return [by_name[name] for name in names]

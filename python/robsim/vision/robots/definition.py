@@ -1,0 +1,277 @@
+"""The robot definition: image, outline and markers, checked when it is made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robsim._core import MarkerLayout, cos, fitting_roles, sin
+from robsim.base.checks import Floats, check_float, check_int, check_name
+from robsim.base.geometry.marker_roles import ROLES, ByRole, roles_of
+from robsim.base.geometry.polygons import area_and_centroid
+from robsim.base.text import quoted
+from robsim.base.values import digest, frozen
+from robsim.vision.imaging.images import Pixels, check_pixels
+from robsim.vision.robots.geometry_check import geometry_problems
+from robsim.vision.robots.polygon_checks import finite_array, polygon
+
+#: The colours of the markers of a robot that names no others.
+DEFAULT_COLORS = tuple(MarkerLayout(distance=1, offset=0).colors.values())
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RobotDefinition:
+    """What a robot looks like from above: a value, which never changes.
+
+    Definitions of the same content are equal and have the same hash. The arrays are read-only
+    copies; ``dataclasses.replace(robot, image=...)`` makes another definition.
+
+    Parameters
+    ----------
+    name : str
+        Name of the robot.
+    image : array (h, w, 4) of uint8
+        Image of the robot, RGBA.
+    size : float
+        Width of the image on the work area (px).
+    alignment : float
+        Clockwise rotation of the image (degrees) after which the robot faces right.
+    outline : array (N, 2)
+        Polygon around the robot (image px): right, down from the centre of the top left pixel.
+    markers : dict of str to array (N, 2)
+        Polygons around the two markers (image px) by their roles, which say where they sit:
+        ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``.
+    centre : array (2,), optional
+        The robot's centre (image px). Default: the centre of the image.
+    maximum_blobs : int
+        Number of the largest blobs of each colour among which the markers are searched.
+    marker_colors : dict of str to str, optional
+        By role, the names of the markers' colour classes: those of a colour file, such as
+        ``{"front": "green", "back": "orange"}``. Default: the right or front marker is red, the
+        other one blue.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape or is out of range; the message names it.
+        Polygons must not intersect themselves, the centre and the markers must lie inside the
+        outline, the markers must not overlap, and their roles be true after the rotation by
+        `alignment`.
+    """
+
+    name: str
+    image: Pixels = field(repr=False)
+    size: float
+    alignment: float
+    outline: Floats = field(repr=False)
+    markers: Mapping[str, Floats] = field(repr=False)
+    centre: Floats | None = None
+    maximum_blobs: int = 64
+    marker_colors: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        image = check_pixels("image", self.image, 4)
+        check_name("name", self.name)
+        check_float("size", self.size, "work-area px", minimum=1, maximum=10_000)
+        check_float("alignment", self.alignment, "degrees")
+        check_int("maximum_blobs", self.maximum_blobs, minimum=1, maximum=100_000)
+        height, width = image.shape[:2]
+        centre = ((width - 1) / 2, (height - 1) / 2) if self.centre is None else self.centre
+        object.__setattr__(self, "image", frozen(image))
+        object.__setattr__(self, "centre", frozen(finite_array("centre", centre, (2,))))
+        object.__setattr__(self, "outline", frozen(polygon("outline", self.outline)))
+        self._check_markers()
+        self._check_geometry()
+
+    def _check_markers(self) -> None:
+        roles = roles_of("markers", self.markers)
+        polygons = {
+            role: frozen(polygon(f"markers[{role!r}]", self.markers[role])) for role in roles
+        }
+        given = self.marker_colors
+        if isinstance(given, Mapping) and not given:
+            given = dict(zip(roles, DEFAULT_COLORS, strict=True))
+        if roles_of("marker_colors", given) != roles:
+            raise ValueError(
+                f"marker_colors must have the roles of the markers, {' and '.join(roles)}, got "
+                f"{quoted(list(given))}"
+            )
+        names = check_color_names("marker_colors", [given[role] for role in roles])
+        object.__setattr__(self, "markers", ByRole(polygons))
+        object.__setattr__(self, "marker_colors", ByRole(dict(zip(roles, names, strict=True))))
+
+    def _check_geometry(self) -> None:
+        height, width = self.image.shape[:2]
+        assert self.centre is not None
+        problems = geometry_problems(
+            width=width,
+            height=height,
+            centre=self.centre,
+            outline=self.outline,
+            markers={
+                f"{role} marker ({self.marker_colors[role]})": polygon
+                for role, polygon in self.markers.items()
+            },
+        )
+        if problems:
+            raise ValueError("; ".join(problems))
+        self.marker_layout()  # raises if the roles are not true
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, RobotDefinition):
+            return NotImplemented
+        return self is other or self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    def __copy__(self) -> RobotDefinition:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> RobotDefinition:
+        return self
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            object.__setattr__(self, name, _frozen(value))
+
+    @cached_property
+    def _content(self) -> tuple[object, ...]:
+        """All that the definition says, without its arrays."""
+        return tuple(_digest(getattr(self, field.name)) for field in fields(self))
+
+    @property
+    def unit(self) -> float:
+        """Width of an image pixel on the work area (px)."""
+        return float(self.size / self.image.shape[1])
+
+    def to_robot_frame(self, points: ArrayLike) -> Floats:
+        """Transform positions in the image into the robot's frame.
+
+        Parameters
+        ----------
+        points : array (N, 2)
+            Positions in the image (px): right, down.
+
+        Returns
+        -------
+        array (N, 2)
+            Positions relative to the robot's centre (work-area px): forward, right.
+
+        Raises
+        ------
+        ValueError
+            If `points` is not an array (N, 2) of finite numbers.
+        """
+        assert self.centre is not None
+        positions = finite_array("points", points, (-1, 2))
+        return _rotated((positions - self.centre) * self.unit, self.alignment)
+
+    @cached_property
+    def radius(self) -> float:
+        """Maximum distance of the outline from the centre (work-area px)."""
+        return float(np.sqrt(np.square(self.to_robot_frame(self.outline)).sum(axis=1)).max())
+
+    def marker_layout(self) -> MarkerLayout:
+        """Return the geometry of the markers, by which `locate` finds this robot."""
+        return self._marker_layout
+
+    @cached_property
+    def _marker_layout(self) -> MarkerLayout:
+        return MarkerLayout.from_markers(
+            {role: self.to_robot_frame(polygon) for role, polygon in self.markers.items()},
+            maximum_blobs=self.maximum_blobs,
+            colors=self.marker_colors,
+        )
+
+
+def roles_by_color(polygons: Mapping[str, Floats], alignment: float) -> dict[str, str]:
+    """Return the roles of two markers by their colours, as the heading makes them.
+
+    Parameters
+    ----------
+    polygons : dict of str to array (N, 2)
+        Of the markers, by colour (image px).
+    alignment : float
+        That of the robot (degrees).
+
+    Returns
+    -------
+    dict of str to str
+        Per colour its role, the first marker before the second.
+    """
+    places = np.array([area_and_centroid(polygon)[1] for polygon in polygons.values()])
+    roles = fitting_roles(*_rotated(places, alignment))
+    pairs = list(zip(polygons, roles, strict=True))
+    return dict(pairs if roles in ROLES else reversed(pairs))
+
+
+def from_colors(
+    markers: Mapping[str, ArrayLike], alignment: float, **parts: Any
+) -> RobotDefinition:
+    """Return a robot whose markers are given by their colours: their roles follow.
+
+    Parameters
+    ----------
+    markers : dict of str to array (N, 2)
+        Polygons around the markers (image px) by their colours.
+    alignment : float
+        As of `RobotDefinition`, as are all other arguments.
+    """
+    check_float("alignment", alignment, "degrees")
+    polygons = {color: polygon(f"markers[{color!r}]", given) for color, given in markers.items()}
+    roles = roles_by_color(polygons, alignment)
+    return RobotDefinition(
+        markers={role: polygons[color] for color, role in roles.items()},
+        marker_colors={role: color for color, role in roles.items()},
+        alignment=alignment,
+        **parts,
+    )
+
+
+def by_color(robot: RobotDefinition) -> dict[str, Floats]:
+    return {robot.marker_colors[role]: polygon for role, polygon in robot.markers.items()}
+
+
+def check_color_names(argument: str, names: Any) -> tuple[str, str]:
+    """Return the names of the colours of two markers, checked."""
+    expected = f"{argument} must be the names of two different colours"
+    if not isinstance(names, (tuple, list)):
+        raise TypeError(f"{expected}, got {quoted(names)}")
+    if len(names) != len(DEFAULT_COLORS):
+        raise ValueError(f"{expected}, got {quoted(names)}")
+    first, second = (check_name(f"a name in {argument}", name) for name in names)
+    if first == second:
+        raise ValueError(f"{expected}, got {quoted(names)}")
+    return first, second
+
+
+def _rotated(positions: Floats, alignment: float) -> Floats:
+    """Rotate positions (N, 2), right and down, by the alignment (degrees): forward, right."""
+    right, down = positions.T
+    angle = np.deg2rad(alignment)
+    along, across = cos(angle), sin(angle)
+    # (forward, right) = R(alignment) (right, down), R clockwise as y points down
+    return np.column_stack((along * right - across * down, across * right + along * down))
+
+
+def _frozen(value: Any) -> Any:
+    """Return the value of a field that nobody can change: a pickled array is writable again."""
+    if isinstance(value, ByRole):
+        return ByRole({role: _frozen(one) for role, one in value.items()})
+    return frozen(value) if isinstance(value, np.ndarray) else value
+
+
+def _digest(value: Any) -> Any:
+    """Return what is the same for equal values of a field, and has a hash."""
+    if isinstance(value, ByRole):
+        return tuple((role, _digest(one)) for role, one in value.items())
+    return digest(value) if isinstance(value, np.ndarray) else value

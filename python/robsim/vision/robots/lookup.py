@@ -1,0 +1,147 @@
+"""Finds and loads robots by name: first those that ship with robsim, then the user's."""
+
+from __future__ import annotations
+
+import os
+import unicodedata
+from os import PathLike
+from pathlib import Path
+
+from robsim.base.checks import check_text
+from robsim.base.shipped import ASSETS
+from robsim.base.spelling import suggestion
+from robsim.base.text import listed, quoted
+from robsim.vision.robots._default_robot import (
+    data_folder,
+    default_robot,
+    missing_robot_error,
+    store_default_robot,
+)
+from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.files import TOML, read_robot
+
+_SHIPPED = ASSETS / "robots"
+
+
+def shipped_robots() -> dict[str, Path]:
+    return _folders(_SHIPPED)
+
+
+def user_robots_folder() -> Path:
+    return data_folder() / "robots"
+
+
+def user_robots() -> dict[str, Path]:
+    return _folders(user_robots_folder())
+
+
+def _folders(parent: Path) -> dict[str, Path]:
+    files = sorted(parent.glob(f"*/{TOML}"))
+    return {file.parent.name: file.parent for file in files if file.parent.name[0] != "."}
+
+
+def name_key(name: str) -> str:
+    """Return what is equal for names that differ in case, or in how accents are encoded."""
+    return unicodedata.normalize("NFC", name).casefold()
+
+
+def same_name(name: str, names: dict[str, Path]) -> str | None:
+    return next((other for other in names if name_key(other) == name_key(name)), None)
+
+
+def robot_names() -> list[str]:
+    """Return the names of all robots: those that ship with robsim, then the user's."""
+    shipped = shipped_robots()
+    return [*shipped, *(name for name in user_robots() if same_name(name, shipped) is None)]
+
+
+def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
+    """Read a robot definition.
+
+    Parameters
+    ----------
+    robot : str or path, optional
+        Name of a robot that ships with robsim or that you added, or a folder with a
+        ``robot.toml``. Default: the default robot, see `set_default_robot`.
+
+    Returns
+    -------
+    RobotDefinition
+        The robot.
+
+    Raises
+    ------
+    TypeError
+        If `robot` is neither a name nor a path.
+    ValueError
+        If there is no such robot, or its files do not define one; the message names the file.
+    """
+    if not isinstance(robot, (str, PathLike, type(None))):
+        raise TypeError(f"robot must be a name or a folder, got {quoted(robot)}")
+    if robot is None:
+        name = default_robot()
+        folder = find_folder(name)
+        if folder is None:
+            raise missing_robot_error(name)
+        return read_robot(folder)
+    folder = find_folder(robot)
+    if folder is None and (Path(robot) / TOML).is_file():
+        folder = Path(robot)
+    if folder is None:
+        raise unknown_robot_error(robot, ", or give a folder with a robot.toml")
+    return read_robot(folder)
+
+
+def find_folder(robot: str | PathLike[str]) -> Path | None:
+    """Return the folder of the robot with a name, or None."""
+    key = name_key(str(robot))
+    return _folder_in(_SHIPPED, key) or _folder_in(user_robots_folder(), key)
+
+
+def _folder_in(parent: Path, key: str) -> Path | None:
+    """Return the folder of a robot, by the key of its name: `_folders` without reading all."""
+    try:
+        names = os.listdir(parent)
+    except OSError:
+        return None
+    same = (other for other in sorted(names) if name_key(other) == key and other[0] != ".")
+    found = next((other for other in same if os.path.isfile(f"{parent}/{other}/{TOML}")), None)
+    return None if found is None else parent / found
+
+
+def unknown_robot_error(robot: object, hint: str = "") -> ValueError:
+    """Return the error for the name of a robot that does not exist."""
+    names = robot_names()
+    meant = suggestion(str(robot), names)
+    return ValueError(f"no robot {quoted(str(robot))}: there are {listed(names)}{meant or hint}")
+
+
+def set_default_robot(name: str) -> None:
+    """Choose the default robot: the one of a simulation that names no other.
+
+    The choice is stored for this user until it is changed or reset by `reset_default_robot`.
+
+    Parameters
+    ----------
+    name : str
+        Name of a robot that ships with robsim or that you added.
+
+    Raises
+    ------
+    ValueError
+        If there is no such robot, or its files do not define one.
+    """
+    folder = find_folder(check_text("name", name))
+    if folder is None:
+        raise unknown_robot_error(name, "; `robsim robots add` adds others")
+    read_robot(folder)
+    store_default_robot(folder.name)
+
+
+def as_robot(robot: str | PathLike[str] | RobotDefinition | None) -> RobotDefinition:
+    """Return a robot definition, loaded if `robot` is a name, a folder or None (the default)."""
+    if isinstance(robot, RobotDefinition):
+        return robot
+    if robot is None or isinstance(robot, (str, PathLike)):
+        return load_robot(robot)
+    raise TypeError(f"robot must be a name, a folder or a RobotDefinition, got {quoted(robot)}")

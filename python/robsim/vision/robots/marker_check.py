@@ -1,0 +1,182 @@
+"""Checks that vision finds a robot by the colours of its markers; `add_robot` calls it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from os import PathLike
+
+import numpy as np
+
+from robsim._core import Blob, ColorClass, PlaneMap, detect, find_blobs, rgb_to_yuv
+from robsim.base.check_report import CheckReport, Problem
+from robsim.base.checks import Floats
+from robsim.base.geometry.polygons import area_and_centroid, mask
+from robsim.base.text import quoted
+from robsim.vision.imaging.images import Pixels, resized
+from robsim.vision.imaging.shading import darkened
+from robsim.vision.markers.color_files import as_colors
+from robsim.vision.robots.definition import RobotDefinition
+
+#: Grey level of the floor assumed behind an image.
+GREY = 128
+
+#: The minimum area of a blob that `find_blobs` returns (px of the frame).
+MINIMUM_AREA = 12
+
+_MINIMUM_FRACTION = 0.6  # of a marker polygon that must have the colour
+_MAXIMUM_OFFSET = 2.0  # work-area px from the centroid of a blob to that of its polygon
+_MARGIN = 4  # px around the image, so that no blob touches the border
+
+
+def check_colors(
+    robot: RobotDefinition,
+    colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+) -> CheckReport:
+    """Check whether the camera finds a robot by its markers' colours.
+
+    The image is checked at the size that it has on the work area, in the light and in the shadow.
+
+    Parameters
+    ----------
+    robot : RobotDefinition
+        The robot.
+    colors : path or iterable of ColorClass, optional
+        Colour file or classes. Default: the colours that ship with robsim.
+
+    Returns
+    -------
+    CheckReport
+        `ok` if the robot is found; else its `sentences` say why not.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `robot` is not a RobotDefinition, or `colors` not a colour file or an iterable of
+        ColorClass.
+    """
+    if not isinstance(robot, RobotDefinition):
+        raise TypeError(f"robot must be a RobotDefinition, got {quoted(robot)}")
+    classes = {color.name: color for color in as_colors(colors)}
+    sentences = _problems(_View(robot), classes)
+    if not sentences:
+        shaded = replace(robot, image=_in_shadow(robot.image))
+        sentences = [f"in the shadow: {problem}" for problem in _problems(_View(shaded), classes)]
+    problems = (Problem(kind="marker not detected", sentence=sentence) for sentence in sentences)
+    return CheckReport(name=f"the robot {robot.name}", problems=tuple(problems))
+
+
+def _in_shadow(image: Pixels) -> Pixels:
+    return np.dstack((darkened(image[..., :3]), image[..., 3]))
+
+
+def _problems(view: _View, classes: dict[str, ColorClass]) -> list[str]:
+    problems = []
+    robot = view.robot
+    for role, name in robot.marker_colors.items():
+        if name not in classes:
+            problems.append(
+                f"{role} marker ({name}): there is no colour {name}, only {', '.join(classes)}: "
+                f"give colours that have a {name}, or give the robot other marker_colors"
+            )
+        elif problem := view.problem(robot.markers[role], classes[name]):
+            problems.append(f"{role} marker ({name}): {problem}")
+    return problems or view.location_problems(
+        [classes[name] for name in robot.marker_colors.values()]
+    )
+
+
+def over_grey(image: Pixels) -> Pixels:
+    """Return an RGBA image blended onto a grey floor, as RGB."""
+    alpha = image[..., 3:].astype(np.float32) / 255
+    mixed = image[..., :3] * alpha + GREY * (1 - alpha)
+    return np.rint(mixed).astype(np.uint8)
+
+
+def ranges(color: ColorClass) -> str:
+    """Return the ranges of a colour as text."""
+    y, u, v = (f"{low}..{high}" for low, high in (color.y, color.u, color.v))
+    return f"Y {y}, U {u}, V {v}"
+
+
+class _View:
+    """The robot's image at the scale of the work area, on a grey floor with a margin."""
+
+    def __init__(self, robot: RobotDefinition) -> None:
+        self.robot = robot
+        height, width = robot.image.shape[:2]
+        # Never enlarged: interpolation adds no information.
+        new_width = max(1, min(width, round(robot.size)))
+        new_height = max(1, round(height * new_width / width))
+        small = resized(robot.image, new_width, new_height)
+        self.scale = np.array((new_width / width, new_height / height))
+        self.unit = robot.size / new_width  # width of a pixel of the view on the work area (px)
+        margin = ((_MARGIN, _MARGIN), (_MARGIN, _MARGIN), (0, 0))
+        self.pixels = np.pad(over_grey(small), margin, constant_values=GREY)
+
+    def to_view(self, polygon: Floats) -> Floats:
+        """Transform a polygon from image px to px of the view."""
+        positions: Floats = (polygon + 0.5) * self.scale - 0.5 + _MARGIN
+        return positions
+
+    def problem(self, marker: Floats, color: ColorClass) -> str | None:
+        """Return why a marker is not detected; None if it is."""
+        polygon = self.to_view(marker)
+        area, centroid = area_and_centroid(polygon)
+        if area * self.unit**2 < MINIMUM_AREA:
+            return (
+                f"it is too small to be detected, {area * self.unit**2:.1f} px of the work area, "
+                f"at least {MINIMUM_AREA} are needed: increase the robot's size"
+            )
+        height, width = self.pixels.shape[:2]
+        inside = rgb_to_yuv(self.pixels)[mask(polygon, width, height)].astype(int)
+        limits = np.array((color.y, color.u, color.v))
+        fraction = ((inside >= limits[:, 0]) & (inside <= limits[:, 1])).all(axis=1).mean()
+        if fraction < _MINIMUM_FRACTION:
+            y, u, v = inside.mean(axis=0)
+            return (
+                f"{100 * fraction:.1f} % of its polygon has the colour {color.name}, "
+                f"{100 * _MINIMUM_FRACTION:.0f} % is needed; the mean there is Y {y:.0f}, U {u:.0f}"
+                f", V {v:.0f}, but {color.name} is {ranges(color)}"
+            )
+        return self._mismatch(color, area, centroid)
+
+    def _mismatch(self, color: ColorClass, area: float, centroid: Floats) -> str | None:
+        """Return how the blob nearest to a marker polygon differs from it; None if it fits."""
+        blobs = self._blobs([color])[color.name]
+        if not blobs:
+            return "no blob of the colour is large enough to be detected"
+        offsets = [float(np.linalg.norm(blob.centroid - centroid)) * self.unit for blob in blobs]
+        blob = blobs[int(np.argmin(offsets))]
+        factor = max(blob.area / area, area / blob.area)
+        if factor > self.robot.marker_layout().area_tolerance:
+            return (
+                f"the blob detected there has {blob.area * self.unit**2:.0f} px of the work area, "
+                f"its polygon {area * self.unit**2:.0f}: draw it around the whole coloured area"
+            )
+        if min(offsets) > _MAXIMUM_OFFSET:
+            right, down = (blob.centroid - _MARGIN + 0.5) / self.scale - 0.5
+            return (
+                f"the blob detected there has its centroid at ({right:.5g}, {down:.5g}), "
+                f"{min(offsets):.1f} px of the work area from that of the polygon"
+            )
+        return None
+
+    def location_problems(self, colors: list[ColorClass]) -> list[str]:
+        """Return a sentence if the markers are detected, but the robot is not located by them."""
+        plane_map = PlaneMap.scaled(
+            (self.pixels.shape[1], self.pixels.shape[0]),
+            (self.pixels.shape[1] * self.unit, self.pixels.shape[0] * self.unit),
+        )
+        blobs = self._blobs(colors)
+        detection = detect(blobs, self.robot.marker_layout(), plane_map=plane_map)
+        if detection.measurement is not None:
+            return []
+        return [
+            "the markers are detected, but the robot is not located by them: "
+            + detection.explanation
+        ]
+
+    def _blobs(self, colors: list[ColorClass]) -> dict[str, list[Blob]]:
+        minimum_area = max(1, round(MINIMUM_AREA / self.unit**2))
+        return find_blobs(self.pixels, colors, minimum_area=minimum_area)
