@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 
 namespace py = pybind11;
 using namespace robsim::simd;

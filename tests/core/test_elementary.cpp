@@ -8,11 +8,11 @@
 #include <functional>
 #include <limits>
 
-#include "robsim/elementary/exponential.hpp"
-#include "robsim/elementary/polar.hpp"
-#include "robsim/elementary/sine.hpp"
-#include "robsim/geometry/pose.hpp"
-#include "robsim/random/counter_random.hpp"
+#include "robsim/base/elementary/exponential.hpp"
+#include "robsim/base/elementary/polar.hpp"
+#include "robsim/base/elementary/sine.hpp"
+#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/random/counter_random.hpp"
 
 namespace robsim {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 
 namespace robsim {
 namespace {

@@ -1,5 +1,5 @@
 // When frames were exposed, from arrivals that are late by chance.
-#include "robsim/capture/frame_clock.hpp"
+#include "robsim/lab/capture/frame_clock.hpp"
 
 #include <gtest/gtest.h>
 

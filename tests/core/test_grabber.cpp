@@ -1,5 +1,5 @@
 // The thread that reads a camera, with cameras that do what a script says.
-#include "robsim/capture/grabber.hpp"
+#include "robsim/lab/capture/grabber.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "robsim/timing/monotonic.hpp"
+#include "robsim/base/timing/monotonic.hpp"
 
 namespace robsim {
 namespace {

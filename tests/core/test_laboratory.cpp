@@ -1,5 +1,5 @@
 // The simulated world in real time and its camera. No assertion is about how long something takes.
-#include "robsim/laboratory/laboratory_camera.hpp"
+#include "robsim/lab/laboratory/laboratory_camera.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "robsim/timing/monotonic.hpp"
+#include "robsim/base/timing/monotonic.hpp"
 
 namespace robsim {
 namespace {

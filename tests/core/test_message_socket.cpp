@@ -15,7 +15,7 @@
 #include <limits>
 #include <thread>
 
-#include "robsim/timing/monotonic.hpp"
+#include "robsim/base/timing/monotonic.hpp"
 
 namespace robsim {
 namespace {

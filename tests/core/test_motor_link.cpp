@@ -1,5 +1,5 @@
 // A link and the robot's end of its line, over UDP on loopback and over a pair of descriptors.
-#include "robsim/motors/motor_link.hpp"
+#include "robsim/lab/motors/motor_link.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,10 +14,10 @@
 #include <limits>
 #include <thread>
 
-#include "robsim/motors/motor_receiver.hpp"
-#include "robsim/motors/protocol.hpp"
-#include "robsim/motors/watchdog.hpp"
-#include "robsim/timing/monotonic.hpp"
+#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/lab/motors/motor_receiver.hpp"
+#include "robsim/lab/motors/protocol.hpp"
+#include "robsim/lab/motors/watchdog.hpp"
 
 namespace robsim {
 namespace {

@@ -1,4 +1,4 @@
-#include "robsim/capture/pixel_stream.hpp"
+#include "robsim/lab/capture/pixel_stream.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>

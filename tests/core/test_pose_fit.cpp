@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
 #include "robsim/vision/fit/light_slope.hpp"
 #include "robsim/vision/fit/light_step.hpp"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "raw/from_rgb.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/imaging/raw/to_rgb.hpp"
-#include "robsim/simd/cpu_path.hpp"
 
 namespace robsim {
 namespace {

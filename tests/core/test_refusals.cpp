@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "robsim/base/geometry/polygon.hpp"
 #include "robsim/estimation/least_squares.hpp"
-#include "robsim/geometry/polygon.hpp"
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/model/robot_model.hpp"
 #include "robsim/simulation/robot/controllers.hpp"

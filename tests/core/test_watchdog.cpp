@@ -1,5 +1,5 @@
 // Who calls when nobody feeds it, and when not.
-#include "robsim/motors/watchdog.hpp"
+#include "robsim/lab/motors/watchdog.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "robsim/timing/monotonic.hpp"
+#include "robsim/base/timing/monotonic.hpp"
 
 namespace robsim {
 namespace {

@@ -19,7 +19,7 @@ import elementary_coefficients as reference
 from robsim import _core
 
 ROOT = Path(__file__).parents[2]
-HEADER = ROOT / "cpp/robsim/elementary/coefficients.hpp"
+HEADER = ROOT / "cpp/robsim/base/elementary/coefficients.hpp"
 
 # Of the C library's mathematics the core may have what IEEE 754 fixes to the last bit.
 EXACT = {

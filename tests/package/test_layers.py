@@ -12,46 +12,61 @@ ROOT = Path(__file__).parents[2]
 
 # Each room and the rooms that it may include; none includes one that includes it.
 CPP = {
-    "simd": set(),
-    "text": set(),
-    "timing": set(),
-    "threads": set(),
-    "elementary": set(),
-    "geometry": set(),
-    "random": {"elementary"},
-    "estimation": {"simd", "text"},
-    "imaging": {"text", "geometry"},
-    "imaging/raw": {"simd", "imaging"},
-    "model": {"text", "elementary", "geometry"},
-    "world/noise": {"text", "simd", "elementary", "random", "imaging"},
-    "world/sprite": {"text", "simd", "elementary", "geometry", "imaging"},
-    "world": {"text", "geometry", "imaging", "world/sprite"},
-    "vision/color": {"text", "imaging"},
-    "vision/pixels": {"simd", "imaging", "vision/color"},
-    "vision/fit": {"simd", "elementary", "geometry", "imaging", "vision/color"},
-    "vision/light": {"simd", "imaging", "vision/color", "vision/pixels"},
+    "base/simd": set(),
+    "base/text": set(),
+    "base/timing": set(),
+    "base/threads": set(),
+    "base/elementary": set(),
+    "base/geometry": set(),
+    "base/random": {"base/elementary"},
+    "estimation": {"base/simd", "base/text"},
+    "imaging": {"base/text", "base/geometry"},
+    "imaging/raw": {"base/simd", "imaging"},
+    "model": {"base/text", "base/elementary", "base/geometry"},
+    "world/noise": {"base/text", "base/simd", "base/elementary", "base/random", "imaging"},
+    "world/sprite": {"base/text", "base/simd", "base/elementary", "base/geometry", "imaging"},
+    "world": {"base/text", "base/geometry", "imaging", "world/sprite"},
+    "vision/color": {"base/text", "imaging"},
+    "vision/pixels": {"base/simd", "imaging", "vision/color"},
+    "vision/fit": {"base/simd", "base/elementary", "base/geometry", "imaging", "vision/color"},
+    "vision/light": {"base/simd", "imaging", "vision/color", "vision/pixels"},
     "vision": {
-        *("text", "elementary", "geometry", "imaging"),
+        *("base/text", "base/elementary", "base/geometry", "imaging"),
         *("vision/color", "vision/pixels", "vision/light", "vision/fit"),
     },
-    "capture": {"text", "timing", "threads", "imaging"},
-    "capture/firewire": {"timing", "imaging", "imaging/raw", "capture"},
-    "capture/gige": {"timing", "threads", "imaging", "imaging/raw", "capture"},
-    "motors": {"text", "timing", "threads", "model"},
+    "lab/capture": {"base/text", "base/timing", "base/threads", "imaging"},
+    "lab/capture/firewire": {"base/timing", "imaging", "imaging/raw", "lab/capture"},
+    "lab/capture/gige": {"base/timing", "base/threads", "imaging", "imaging/raw", "lab/capture"},
+    "lab/motors": {"base/text", "base/timing", "base/threads", "model"},
     "simulation/seam": {"imaging", "model", "vision"},
     "simulation/world": {
-        *("text", "timing", "motors", "random", "model", "world", "world/noise"),
+        *("base/text", "base/timing", "lab/motors", "base/random", "model", "world", "world/noise"),
         "simulation/seam",
     },
     "simulation/robot": {
-        *("text", "random", "estimation", "imaging", "model", "vision"),
+        *("base/text", "base/random", "estimation", "imaging", "model", "vision"),
         "simulation/seam",
     },
-    "simulation/remote": {"text", "timing", "imaging", "simulation/seam", "simulation/robot"},
-    "simulation": {"timing", "simulation/seam", "simulation/robot"},
-    "laboratory": {
-        *("timing", "threads", "elementary", "geometry", "random", "imaging", "model", "world"),
-        *("world/noise", "capture", "motors", "simulation/seam", "simulation/world"),
+    "simulation/remote": {
+        "base/text",
+        "base/timing",
+        "imaging",
+        "simulation/seam",
+        "simulation/robot",
+    },
+    "simulation": {"base/timing", "simulation/seam", "simulation/robot"},
+    "lab/laboratory": {
+        *(
+            "base/timing",
+            "base/threads",
+            "base/elementary",
+            "base/geometry",
+            "base/random",
+            "imaging",
+            "model",
+            "world",
+        ),
+        *("world/noise", "lab/capture", "lab/motors", "simulation/seam", "simulation/world"),
     },
 }
 
@@ -108,7 +123,7 @@ def test_the_order_of_the_cpp_rooms_has_no_circle():
 def test_estimation_stands_on_eigen_the_processor_and_text_alone():
     for file in (ROOT / "cpp/robsim/estimation").iterdir():
         includes = re.findall(r"#include [<\"](\S+)[>\"]", file.read_text())
-        own = ("Eigen/", "robsim/estimation/", "robsim/simd/", "robsim/text/")
+        own = ("Eigen/", "robsim/estimation/", "robsim/base/simd/", "robsim/base/text/")
         foreign = [i for i in includes if "/" in i and not i.startswith(own)]
         assert not foreign, file
 

@@ -1,4 +1,4 @@
-"""Compute cpp/robsim/elementary/coefficients.hpp: ``python FILE > coefficients.hpp``.
+"""Compute cpp/robsim/base/elementary/coefficients.hpp: ``python FILE > coefficients.hpp``.
 
 All of them come from integers and decimal fractions of 60 digits, none from a library's functions.
 A polynomial is the one that meets its function at the nodes of Chebyshev, whose largest error is

@@ -12,10 +12,10 @@
 #include "capture/python_camera.hpp"
 #include "python/interpreter.hpp"
 #include "python/public_names.hpp"
-#include "robsim/capture/grabber.hpp"
-#include "robsim/capture/image_stream.hpp"
-#include "robsim/capture/whole_jpeg.hpp"
-#include "robsim/timing/monotonic.hpp"
+#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/lab/capture/grabber.hpp"
+#include "robsim/lab/capture/image_stream.hpp"
+#include "robsim/lab/capture/whole_jpeg.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -3,7 +3,7 @@
 #include <pybind11/pybind11.h>
 
 #include "capture/device_text.hpp"
-#include "robsim/capture/capture_device.hpp"
+#include "robsim/lab/capture/capture_device.hpp"
 
 namespace robsim::bindings {
 

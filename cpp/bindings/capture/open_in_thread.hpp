@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "python/interpreter.hpp"
-#include "robsim/capture/capture_device.hpp"
-#include "robsim/threads/native_thread.hpp"
-#include "robsim/timing/monotonic.hpp"
+#include "robsim/base/threads/native_thread.hpp"
+#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/lab/capture/capture_device.hpp"
 
 namespace robsim::bindings {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "python/interpreter.hpp"
-#include "robsim/timing/monotonic.hpp"
+#include "robsim/base/timing/monotonic.hpp"
 
 namespace robsim::bindings {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "python/numpy.hpp"
-#include "robsim/capture/capture_device.hpp"
-#include "robsim/capture/pixel_stream.hpp"
+#include "robsim/lab/capture/capture_device.hpp"
+#include "robsim/lab/capture/pixel_stream.hpp"
 
 namespace robsim::bindings {
 

@@ -14,7 +14,7 @@
 #include "capture/device_text.hpp"
 #include "capture/open_in_thread.hpp"
 #include "python/interpreter.hpp"
-#include "robsim/capture/firewire/fire_wire_camera.hpp"
+#include "robsim/lab/capture/firewire/fire_wire_camera.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -9,8 +9,8 @@
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
-#include "robsim/laboratory/laboratory_camera.hpp"
-#include "robsim/laboratory/view_warp.hpp"
+#include "robsim/lab/laboratory/laboratory_camera.hpp"
+#include "robsim/lab/laboratory/view_warp.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

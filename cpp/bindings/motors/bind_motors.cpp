@@ -10,11 +10,11 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
-#include "robsim/motors/limits.hpp"
-#include "robsim/motors/motor_link.hpp"
-#include "robsim/motors/motor_receiver.hpp"
-#include "robsim/motors/protocol.hpp"
-#include "robsim/motors/watchdog.hpp"
+#include "robsim/lab/motors/limits.hpp"
+#include "robsim/lab/motors/motor_link.hpp"
+#include "robsim/lab/motors/motor_receiver.hpp"
+#include "robsim/lab/motors/protocol.hpp"
+#include "robsim/lab/motors/watchdog.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

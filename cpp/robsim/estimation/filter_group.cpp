@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "robsim/simd/cpu_path.hpp"
-#include "robsim/simd/lanes.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
+#include "robsim/base/simd/lanes.hpp"
 
 namespace robsim {
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "robsim/base/simd/cpu_path.hpp"
+#include "robsim/base/simd/lanes.hpp"
 #include "robsim/estimation/rank.hpp"
-#include "robsim/simd/cpu_path.hpp"
-#include "robsim/simd/lanes.hpp"
 
 namespace robsim {
 

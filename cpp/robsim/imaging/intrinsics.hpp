@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "robsim/geometry/pose.hpp"
+#include "robsim/base/geometry/pose.hpp"
 
 namespace robsim {
 

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "robsim/base/text/to_text.hpp"
 #include "robsim/imaging/fit_homography.hpp"
-#include "robsim/text/to_text.hpp"
 
 namespace robsim {
 

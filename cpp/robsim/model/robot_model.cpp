@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "robsim/elementary/sine.hpp"
-#include "robsim/text/to_text.hpp"
+#include "robsim/base/elementary/sine.hpp"
+#include "robsim/base/text/to_text.hpp"
 
 namespace robsim {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "robsim/geometry/pose.hpp"
+#include "robsim/base/geometry/pose.hpp"
 #include "robsim/model/robot_parameters.hpp"
 
 namespace robsim {

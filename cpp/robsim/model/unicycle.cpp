@@ -1,6 +1,6 @@
 #include "robsim/model/unicycle.hpp"
 
-#include "robsim/elementary/sine.hpp"
+#include "robsim/base/elementary/sine.hpp"
 
 namespace robsim {
 

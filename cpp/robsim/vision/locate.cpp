@@ -6,10 +6,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robsim/elementary/exponential.hpp"
-#include "robsim/elementary/polar.hpp"
-#include "robsim/elementary/sine.hpp"
-#include "robsim/text/to_text.hpp"
+#include "robsim/base/elementary/exponential.hpp"
+#include "robsim/base/elementary/polar.hpp"
+#include "robsim/base/elementary/sine.hpp"
+#include "robsim/base/text/to_text.hpp"
 
 namespace robsim {
 

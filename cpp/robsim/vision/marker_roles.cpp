@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "robsim/text/to_text.hpp"
+#include "robsim/base/text/to_text.hpp"
 
 namespace robsim {
 

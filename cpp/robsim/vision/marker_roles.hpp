@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "robsim/geometry/pose.hpp"
+#include "robsim/base/geometry/pose.hpp"
 
 namespace robsim {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robsim/elementary/exponential.hpp"
-#include "robsim/geometry/pose.hpp"
+#include "robsim/base/elementary/exponential.hpp"
+#include "robsim/base/geometry/pose.hpp"
 
 namespace robsim {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robsim/text/to_text.hpp"
+#include "robsim/base/text/to_text.hpp"
 
 namespace robsim {
 

@@ -18,8 +18,8 @@
 #include <thread>
 #include <utility>
 
-#include "robsim/threads/native_thread.hpp"
-#include "robsim/timing/monotonic.hpp"
+#include "robsim/base/threads/native_thread.hpp"
+#include "robsim/base/timing/monotonic.hpp"
 #include "virtual_bus/bus_memory.hpp"
 
 namespace robsim {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "robsim/capture/capture_device.hpp"
+#include "robsim/lab/capture/capture_device.hpp"
 
 namespace robsim {
 

@@ -15,10 +15,10 @@
 #include <utility>
 
 #include "raw/from_rgb.hpp"
-#include "robsim/capture/gige/discovery.hpp"
-#include "robsim/capture/gige/pixel_format_of.hpp"
-#include "robsim/threads/native_thread.hpp"
-#include "robsim/timing/monotonic.hpp"
+#include "robsim/base/threads/native_thread.hpp"
+#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/lab/capture/gige/discovery.hpp"
+#include "robsim/lab/capture/gige/pixel_format_of.hpp"
 
 namespace robsim {
 

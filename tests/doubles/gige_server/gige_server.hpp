@@ -10,8 +10,8 @@
 #include <string>
 #include <thread>
 
-#include "robsim/capture/capture_device.hpp"
-#include "robsim/capture/gige/handles.hpp"
+#include "robsim/lab/capture/capture_device.hpp"
+#include "robsim/lab/capture/gige/handles.hpp"
 
 namespace robsim {
 

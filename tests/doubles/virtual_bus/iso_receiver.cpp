@@ -14,8 +14,8 @@
 #include <cstring>
 
 #include "raw/from_rgb.hpp"
+#include "robsim/base/threads/native_thread.hpp"
 #include "robsim/imaging/image.hpp"
-#include "robsim/threads/native_thread.hpp"
 
 namespace robsim::virtual_bus {
 

@@ -8,16 +8,16 @@ from mutants.fault import Fault
 
 #: Name, file, what stands there once, what stands there instead.
 _NAMED = [
-    ("watchdog off", "cpp/robsim/motors/watchdog.cpp", "    on_expiry();\n", "\n"),
+    ("watchdog off", "cpp/robsim/lab/motors/watchdog.cpp", "    on_expiry();\n", "\n"),
     (
         "time to live ignored",
-        "cpp/robsim/motors/motor_receiver.cpp",
+        "cpp/robsim/lab/motors/motor_receiver.cpp",
         "now + command.time_to_live / 1000.0",
         "now + 1e9",
     ),
     (
         "voltage limit off",
-        "cpp/robsim/motors/limits.cpp",
+        "cpp/robsim/lab/motors/limits.cpp",
         "wanted = scaled(u, voltage)",
         "wanted = u",
     ),

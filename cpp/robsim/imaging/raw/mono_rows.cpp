@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/imaging/raw/interleave_avx2.hpp"
 #include "robsim/imaging/raw/row_blocks.hpp"
-#include "robsim/simd/cpu_path.hpp"
 
 namespace robsim::raw {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "robsim/simd/target.hpp"
+#include "robsim/base/simd/target.hpp"
 
 namespace robsim::raw {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "robsim/base/text/to_text.hpp"
 #include "robsim/simulation/robot/default_stages.hpp"
-#include "robsim/text/to_text.hpp"
 
 namespace robsim {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "robsim/random/counter_random.hpp"
-#include "robsim/text/to_text.hpp"
+#include "robsim/base/random/counter_random.hpp"
+#include "robsim/base/text/to_text.hpp"
 
 namespace robsim {
 

@@ -3,9 +3,9 @@
 #include <string>
 #include <utility>
 
+#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/timing/monotonic.hpp"
 #include "robsim/simulation/seam/native_work.hpp"
-#include "robsim/text/to_text.hpp"
-#include "robsim/timing/monotonic.hpp"
 
 namespace robsim {
 

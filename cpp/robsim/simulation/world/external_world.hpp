@@ -5,8 +5,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "robsim/motors/limits.hpp"
-#include "robsim/motors/watchdog.hpp"
+#include "robsim/lab/motors/limits.hpp"
+#include "robsim/lab/motors/watchdog.hpp"
 #include "robsim/simulation/seam/world.hpp"
 
 namespace robsim {

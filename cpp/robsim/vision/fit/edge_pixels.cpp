@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robsim/elementary/sine.hpp"
-#include "robsim/simd/cpu_path.hpp"
-#include "robsim/simd/lanes.hpp"
-#include "robsim/simd/target.hpp"
+#include "robsim/base/elementary/sine.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
+#include "robsim/base/simd/lanes.hpp"
+#include "robsim/base/simd/target.hpp"
 
 namespace robsim::fit {
 

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "robsim/elementary/sine.hpp"
-#include "robsim/geometry/pose.hpp"
-#include "robsim/simd/lanes.hpp"
+#include "robsim/base/elementary/sine.hpp"
+#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/simd/lanes.hpp"
 
 namespace robsim::fit {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "robsim/geometry/polygon.hpp"
+#include "robsim/base/geometry/polygon.hpp"
 
 namespace robsim {
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "robsim/elementary/exponential.hpp"
-#include "robsim/elementary/polar.hpp"
-#include "robsim/elementary/sine.hpp"
+#include "robsim/base/elementary/exponential.hpp"
+#include "robsim/base/elementary/polar.hpp"
+#include "robsim/base/elementary/sine.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
 #include "robsim/vision/fit/light_slope.hpp"
 #include "robsim/vision/fit/light_step.hpp"

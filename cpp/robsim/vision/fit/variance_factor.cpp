@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "robsim/simd/cpu_path.hpp"
-#include "robsim/simd/lanes.hpp"
-#include "robsim/simd/target.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
+#include "robsim/base/simd/lanes.hpp"
+#include "robsim/base/simd/target.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
 
 namespace robsim::fit {

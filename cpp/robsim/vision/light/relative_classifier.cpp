@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 
 namespace robsim::light {
 

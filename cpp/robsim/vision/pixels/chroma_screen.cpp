@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/vision/pixels/padded_row.hpp"
 #include "robsim/vision/pixels/yuv_avx2.hpp"
 #include "robsim/vision/pixels/yuv_avx512.hpp"

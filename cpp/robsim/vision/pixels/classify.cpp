@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/vision/pixels/padded_row.hpp"
 #include "robsim/vision/pixels/yuv_avx2.hpp"
 

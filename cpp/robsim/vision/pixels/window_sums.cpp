@@ -1,8 +1,8 @@
 #include "robsim/vision/pixels/window_sums.hpp"
 
-#include "robsim/simd/avx2.hpp"
-#include "robsim/simd/avx512.hpp"
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/base/simd/avx2.hpp"
+#include "robsim/base/simd/avx512.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/vision/pixels/bit_row.hpp"
 
 namespace robsim::pixels {

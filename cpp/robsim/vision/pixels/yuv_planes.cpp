@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/vision/color/color_class.hpp"
 #include "robsim/vision/pixels/yuv_avx2.hpp"
 #include "robsim/vision/pixels/yuv_avx512.hpp"

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include "robsim/random/counter_random.hpp"
-#include "robsim/simd/avx2.hpp"
-#include "robsim/simd/avx512.hpp"
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/base/random/counter_random.hpp"
+#include "robsim/base/simd/avx2.hpp"
+#include "robsim/base/simd/avx512.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 
 namespace robsim {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "robsim/elementary/exponential.hpp"
+#include "robsim/base/elementary/exponential.hpp"
 
 namespace robsim {
 

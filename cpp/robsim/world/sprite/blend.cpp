@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "robsim/simd/avx2.hpp"
-#include "robsim/simd/cpu_path.hpp"
+#include "robsim/base/simd/avx2.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 
 namespace robsim::sprite {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "robsim/elementary/polar.hpp"
-#include "robsim/elementary/sine.hpp"
-#include "robsim/text/to_text.hpp"
+#include "robsim/base/elementary/polar.hpp"
+#include "robsim/base/elementary/sine.hpp"
+#include "robsim/base/text/to_text.hpp"
 
 namespace robsim {
 

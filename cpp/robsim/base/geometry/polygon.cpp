@@ -1,0 +1,88 @@
+#include "robsim/base/geometry/polygon.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace robsim {
+
+namespace {
+
+constexpr std::size_t most_points = 1000;
+constexpr double farthest = 1e9;  // px: areas are finite, and corners told apart
+
+double cross(const Point& a, const Point& b) { return a.x * b.y - b.x * a.y; }
+
+// Relative to the first corner: the products stay small and exact far from the origin.
+Point relative(const Polygon& polygon, std::size_t i) {
+  return {polygon[i].x - polygon[0].x, polygon[i].y - polygon[0].y};
+}
+
+// Of a polygon that does not cross itself it does; of another one it may be anywhere.
+bool holds_its_centroid(const Polygon& polygon) {
+  const auto is_between = [&](double Point::* part) {
+    const auto [least, most] =
+        std::minmax_element(polygon.begin(), polygon.end(),
+                            [&](const Point& a, const Point& b) { return a.*part < b.*part; });
+    const double value = polygon_centroid(polygon).*part;
+    const double rounding = 1e-6 * (1 + (*most).*part - (*least).*part);
+    return value >= (*least).*part - rounding && value <= (*most).*part + rounding;
+  };
+  return is_between(&Point::x) && is_between(&Point::y);
+}
+
+}  // namespace
+
+void check_polygon(const Polygon& polygon, const std::string& name) {
+  if (polygon.size() < 3) {
+    throw std::invalid_argument(name + " must be a polygon of at least 3 points, got " +
+                                std::to_string(polygon.size()));
+  }
+  if (polygon.size() > most_points) {
+    throw std::invalid_argument(name + " must be a polygon of at most " +
+                                std::to_string(most_points) + " points, got " +
+                                std::to_string(polygon.size()));
+  }
+  for (const Point& point : polygon) {
+    if (!std::isfinite(point.x) || !std::isfinite(point.y)) {
+      throw std::invalid_argument(name + " must be a polygon of finite points, got NaN or inf");
+    }
+    if (std::max(std::abs(point.x), std::abs(point.y)) > farthest) {
+      throw std::invalid_argument(name + " must be a polygon of points within 1e9 px, got a " +
+                                  "point beyond");
+    }
+  }
+  if (polygon_area(polygon) < 1e-9) {
+    throw std::invalid_argument(name + " must be a polygon with an area, got " +
+                                std::to_string(polygon.size()) +
+                                " points on a line, or sides that cross");
+  }
+  if (!holds_its_centroid(polygon)) {
+    throw std::invalid_argument(name + " must be a polygon whose sides do not cross, got " +
+                                std::to_string(polygon.size()) +
+                                " points whose centroid is far from them");
+  }
+}
+
+double polygon_area(const Polygon& polygon) {
+  double twice = 0;
+  for (std::size_t i = 0; i + 1 < polygon.size(); ++i) {
+    twice += cross(relative(polygon, i), relative(polygon, i + 1));
+  }
+  return std::abs(twice / 2);
+}
+
+Point polygon_centroid(const Polygon& polygon) {
+  double twice_area = 0;
+  Point moment;
+  for (std::size_t i = 0; i + 1 < polygon.size(); ++i) {
+    const Point a = relative(polygon, i);
+    const Point b = relative(polygon, i + 1);
+    twice_area += cross(a, b);
+    moment.x += (a.x + b.x) * cross(a, b);
+    moment.y += (a.y + b.y) * cross(a, b);
+  }
+  return {polygon[0].x + moment.x / (3 * twice_area), polygon[0].y + moment.y / (3 * twice_area)};
+}
+
+}  // namespace robsim

@@ -1,0 +1,160 @@
+#include "robsim/lab/capture/gige/settings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "robsim/lab/capture/capture_device.hpp"
+
+namespace robsim {
+
+namespace {
+
+constexpr double slowest = 1e-3, fastest = 1e5;  // 1/s; a camera that tells another rate is wrong
+
+[[noreturn]] void refuse(const std::string& text) {
+  throw CaptureError(CaptureFault::failed, text);
+}
+
+std::string text_of(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%g", value);
+  return text.data();
+}
+
+std::vector<ArvPixelFormat> available_formats(ArvCamera* camera) {
+  GFailure failure;
+  guint count = 0;
+  gint64* const codes = arv_camera_dup_available_pixel_formats(camera, &count, failure.out());
+  std::vector<ArvPixelFormat> formats;
+  for (guint i = 0; codes && i < count; ++i) {
+    formats.push_back(static_cast<ArvPixelFormat>(codes[i]));
+  }
+  g_free(codes);
+  return formats;
+}
+
+std::string listed(const std::vector<GigeFormat>& formats) {
+  std::string text;
+  for (const GigeFormat& format : formats)
+    text += (text.empty() ? "" : ", ") + std::string(format.name);
+  return text;
+}
+
+void apply_format(const std::string& wanted, ArvCamera* camera, const std::string& name) {
+  const std::vector<ArvPixelFormat> there = available_formats(camera);
+  std::vector<GigeFormat> possible;
+  for (const GigeFormat& format : gige_formats()) {
+    if (std::find(there.begin(), there.end(), format.code) != there.end()) {
+      possible.push_back(format);
+    }
+  }
+  if (possible.empty()) {
+    refuse(name + " has none of the pixel formats that robsim reads: " + listed(gige_formats()));
+  }
+  const auto chosen =
+      wanted.empty() ? possible.begin()
+                     : std::find_if(possible.begin(), possible.end(), [&](const GigeFormat& one) {
+                         return one.name == wanted || one.coding == wanted;
+                       });
+  if (chosen == possible.end()) {
+    refuse(name + ": its format must be one of " + listed(possible) + ", got " + wanted);
+  }
+  GFailure failure;
+  arv_camera_set_pixel_format(camera, chosen->code, failure.out());
+  if (failure) refuse(name + ": format " + chosen->name + " cannot be set: " + failure.text());
+}
+
+void apply_region(const GigeSettings& settings, ArvCamera* camera, const std::string& name) {
+  if (!settings.region && !settings.size) return;
+  GFailure failure;
+  int width = 0, height = 0;
+  arv_camera_get_sensor_size(camera, &width, &height, failure.out());
+  if (failure) refuse(name + ": its region cannot be set: " + failure.text());
+  SensorRegion wanted = settings.region.value_or(SensorRegion());
+  if (!settings.region) {
+    wanted = {(width - settings.size->first) / 2, (height - settings.size->second) / 2,
+              settings.size->first, settings.size->second};
+  }
+  const bool is_inside = wanted.left >= 0 && wanted.top >= 0 &&
+                         wanted.left + wanted.width <= width &&
+                         wanted.top + wanted.height <= height;
+  if (!is_inside) {
+    refuse(name + ": region and size must lie in the sensor of " + std::to_string(width) + " x " +
+           std::to_string(height) + " px, got " + std::to_string(wanted.width) + " x " +
+           std::to_string(wanted.height) + " px");
+  }
+  arv_camera_set_region(camera, wanted.left, wanted.top, wanted.width, wanted.height,
+                        failure.out());
+  if (failure) refuse(name + ": its region cannot be set: " + failure.text());
+  SensorRegion got;
+  arv_camera_get_region(camera, &got.left, &got.top, &got.width, &got.height, failure.out());
+  if (failure || got.left != wanted.left || got.top != wanted.top || got.width != wanted.width ||
+      got.height != wanted.height) {
+    refuse(name + ": the camera makes the region (" + std::to_string(got.left) + ", " +
+           std::to_string(got.top) + ", " + std::to_string(got.width) + ", " +
+           std::to_string(got.height) + ") of it: give this one");
+  }
+}
+
+double told_rate(ArvCamera* camera) {
+  GFailure failure;
+  double fps = 0;
+  for (const char* resulting : {"ResultingFrameRate", "AcquisitionResultingFrameRate"}) {
+    if (!gige::has_feature(camera, resulting)) continue;
+    fps = arv_camera_get_float(camera, resulting, failure.out());
+    if (!failure) return fps;
+  }
+  const char* const limit = "AcquisitionFrameRateEnable";
+  const bool is_limited =
+      !gige::has_feature(camera, limit) || arv_camera_get_boolean(camera, limit, failure.out());
+  fps = arv_camera_get_frame_rate(camera, failure.out());
+  return is_limited && !failure ? fps : 0;
+}
+
+void apply_rate(double fps, ArvCamera* camera, const std::string& name) {
+  GFailure failure;
+  arv_camera_set_frame_rate(camera, fps, failure.out());
+  if (failure) refuse(name + ": fps cannot be set: " + failure.text());
+  const double got = rate_of(camera);
+  if (got > 0 && std::abs(got / fps - 1) > 0.01) {
+    refuse(name + ": the camera makes " + text_of(got) + " of fps = " + text_of(fps) +
+           ": give what it can, or a smaller region");
+  }
+}
+
+}  // namespace
+
+const std::vector<GigeFormat>& gige_formats() {
+  static const std::vector<GigeFormat> formats{
+      {"RGB8", "rgb8", ARV_PIXEL_FORMAT_RGB_8_PACKED},
+      {"BGR8", "rgb8", ARV_PIXEL_FORMAT_BGR_8_PACKED},
+      {"BayerRG8", "raw8", ARV_PIXEL_FORMAT_BAYER_RG_8},
+      {"BayerGR8", "raw8", ARV_PIXEL_FORMAT_BAYER_GR_8},
+      {"BayerGB8", "raw8", ARV_PIXEL_FORMAT_BAYER_GB_8},
+      {"BayerBG8", "raw8", ARV_PIXEL_FORMAT_BAYER_BG_8},
+      {"YUV422_8_UYVY", "yuv422", ARV_PIXEL_FORMAT_YUV_422_PACKED},
+      {"YUV422_8", "yuv422", ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED},
+      {"Mono8", "mono8", ARV_PIXEL_FORMAT_MONO_8},
+  };
+  return formats;
+}
+
+void apply(const GigeSettings& settings, ArvCamera* camera, const std::string& name) {
+  // Cameras differ in what they have of this: one without a trigger needs none switched off.
+  arv_camera_stop_acquisition(camera, GFailure().out());  // of a program that has crashed
+  arv_camera_clear_triggers(camera, GFailure().out());
+  arv_camera_set_acquisition_mode(camera, ARV_ACQUISITION_MODE_CONTINUOUS, GFailure().out());
+  apply_format(settings.format, camera, name);
+  apply_region(settings, camera, name);
+  gige::set_features(camera, settings.features);
+  if (settings.fps) apply_rate(*settings.fps, camera, name);
+}
+
+double rate_of(ArvCamera* camera) {
+  const double fps = told_rate(camera);
+  return fps >= slowest && fps <= fastest ? fps : 0;
+}
+
+}  // namespace robsim

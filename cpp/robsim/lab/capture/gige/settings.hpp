@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "robsim/lab/capture/gige/features.hpp"
+#include "robsim/lab/capture/gige/handles.hpp"
+
+namespace robsim {
+
+/// A part of the sensor (px).
+struct SensorRegion {
+  int left = 0, top = 0, width = 0, height = 0;
+};
+
+struct GigeSettings {
+  std::string format;                       // its name or its coding; empty: the best one
+  std::optional<SensorRegion> region;       // none: as the camera has it
+  std::optional<std::pair<int, int>> size;  // in its place: the middle of the sensor
+  std::optional<double> fps;                // 1/s; none: as the camera has it
+  std::vector<FeatureWish> features;
+};
+
+struct GigeFormat {
+  const char* name;    // of GenICam
+  const char* coding;  // as other cameras have it, too
+  ArvPixelFormat code;
+};
+
+/// The pixel formats that are understood, the best one first.
+const std::vector<GigeFormat>& gige_formats();
+
+/// Lets a camera run freely with the settings, without automatic changes but for those asked for.
+/// `name` begins what errors say. Throws CaptureError.
+void apply(const GigeSettings& settings, ArvCamera* camera, const std::string& name);
+
+/// Frames per second of a camera that runs freely; 0: it does not tell.
+double rate_of(ArvCamera* camera);
+
+}  // namespace robsim

@@ -1,0 +1,108 @@
+#include "robsim/lab/motors/watchdog.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/timing/monotonic.hpp"
+
+namespace robsim {
+
+struct Watchdog::State {
+  explicit State(std::function<void()> expired) : on_expiry(std::move(expired)) {}
+  ~State();
+
+  void watch();
+  bool is_watching_thread() const { return std::this_thread::get_id() == thread.get_id(); }
+
+  const std::function<void()> on_expiry;
+  std::atomic<double> timeout{0};   // s
+  std::atomic<double> deadline{0};  // monotonic, s
+  std::atomic<bool> has_expired{false};
+
+  std::mutex mutex;  // guards what follows
+  std::condition_variable changed;
+  bool is_armed = false, is_calling = false, is_closing = false;
+  std::thread thread;
+};
+
+Watchdog::State::~State() {
+  {
+    const std::lock_guard lock(mutex);
+    is_closing = true;
+  }
+  changed.notify_all();
+  if (thread.joinable()) thread.join();
+}
+
+// Feeding moves the deadline alone: the thread sleeps until the one it knows of, and looks again.
+void Watchdog::State::watch() {
+  constexpr double longest_sleep = 3600;  // s; inf is no time to wait for
+  std::unique_lock lock(mutex);
+  while (!is_closing) {
+    if (!is_armed) {
+      changed.wait(lock);
+      continue;
+    }
+    const double left = deadline - monotonic_now();
+    if (left > 0) {
+      changed.wait_for(lock, std::chrono::duration<double>(std::min(left, longest_sleep)));
+      continue;
+    }
+    is_armed = false;
+    has_expired = true;
+    is_calling = true;
+    lock.unlock();
+    on_expiry();
+    lock.lock();
+    is_calling = false;
+    changed.notify_all();
+  }
+}
+
+Watchdog::Watchdog(std::function<void()> on_expiry)
+    : state_("the watchdog", std::move(on_expiry)) {}
+
+Watchdog::~Watchdog() = default;
+
+void Watchdog::arm(double timeout) {
+  if (!(timeout > 0)) {
+    throw std::invalid_argument("timeout must be above 0 s, got " + to_text(timeout));
+  }
+  State& state = *state_.operator->();
+  const std::lock_guard lock(state.mutex);
+  if (!state.thread.joinable()) state.thread = start_thread([&state] { state.watch(); });
+  state.timeout = timeout;
+  state.deadline = monotonic_now() + timeout;
+  state.has_expired = false;
+  state.is_armed = true;
+  state.changed.notify_all();
+}
+
+void Watchdog::feed(double arrived) {
+  State& state = state_.unchecked();
+  const double deadline = std::min(arrived, monotonic_now()) + state.timeout;
+  double before = state.deadline;
+  while (before < deadline && !state.deadline.compare_exchange_weak(before, deadline)) {
+  }
+}
+
+void Watchdog::disarm() {
+  if (!state_.is_here()) return;
+  State& state = state_.unchecked();
+  std::unique_lock lock(state.mutex);
+  state.is_armed = false;
+  state.changed.notify_all();
+  if (state.is_watching_thread()) return;
+  state.changed.wait(lock, [&] { return !state.is_calling; });
+}
+
+bool Watchdog::has_expired() const { return state_.unchecked().has_expired; }
+
+}  // namespace robsim
