@@ -247,7 +247,7 @@ def test_the_progress_bar_counts_runs_and_those_that_failed(monkeypatch, tmp_pat
             pass
 
     bars = []
-    monkeypatch.setattr("robsim.campaigns._campaign.progress_bar", Bar)
+    monkeypatch.setattr("robsim.campaigns.launch.progress_bar", Bar)
     for runs in (6, 11):
         options = {**OPTIONS, "runs": runs, "progress": True, "store": tmp_path / "store"}
         campaign(SCENARIO, metrics=[failing_in_some], **options)

@@ -10,7 +10,7 @@ import pytest
 
 import robsim
 from commands import command
-from robsim.campaigns import _campaign, campaign
+from robsim.campaigns import campaign, launch
 from robsim.campaigns.spec_file import EXAMPLE, load_spec
 
 PLAIN = 'runs = 3\nsteps = 5\nseed = 2\nmetrics = ["parameters"]\n'
@@ -18,7 +18,7 @@ SCENARIO = "[scenario]\narea = [300, 300]\nestimate_parameters = true\n"
 
 
 def run(spec):
-    return _campaign.run_spec(spec, executor=None, store=None, progress=False)
+    return launch.run_spec(spec, executor=None, store=None, progress=False)
 
 
 @pytest.mark.long

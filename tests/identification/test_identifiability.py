@@ -3,7 +3,7 @@ import pytest
 
 import robsim
 from robsim import identifiability
-from robsim.estimation.identification._identifiability import ASSUMED_SIGMA, judge
+from robsim.estimation.identification.determined import ASSUMED_SIGMA, judge
 
 pytestmark = pytest.mark.kernels
 

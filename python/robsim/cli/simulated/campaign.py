@@ -113,7 +113,7 @@ def _write_example(file: Path) -> None:
 
 
 def _result(file: Path, *, runs: int | None, jobs: int, store: Path | None) -> CampaignResult:
-    from robsim.campaigns._campaign import run_spec
+    from robsim.campaigns.launch import run_spec
     from robsim.campaigns.spec_file import load_spec
 
     executor = engine_of(jobs)

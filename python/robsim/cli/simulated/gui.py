@@ -14,7 +14,7 @@ from robsim.cli.text import about, parse_speed
 if TYPE_CHECKING:
     from robsim.gui.hosted import HostedPanel
     from robsim.gui.panels.view import Shown
-    from robsim.teach.tasks._task import Task
+    from robsim.teach.tasks.definition import Task
     from robsim.trace import Trace
     from robsim.trace.sessions.session import Session
     from robsim.vision.imaging.recordings import Recording

@@ -2,15 +2,15 @@
 
 from robsim._core import LeastSquaresFit, RecursiveLeastSquares, Sample, least_squares, regression
 from robsim.base.public import present as _present
-from robsim.estimation.identification._identifiability import Identifiability, identifiability
-from robsim.estimation.identification._regression import Regression, regression_of
 from robsim.estimation.identification.batch import BatchEstimate, batch_estimate
 from robsim.estimation.identification.convergence import (
     ConvergenceReport,
     convergence_time,
     parameter_convergence,
 )
+from robsim.estimation.identification.determined import Identifiability, identifiability
 from robsim.estimation.identification.fits import ModelFit, instrumental_variables, output_error
+from robsim.estimation.identification.regressions import Regression, regression_of
 
 __all__ = [
     "BatchEstimate",

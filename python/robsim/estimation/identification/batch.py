@@ -12,21 +12,21 @@ from robsim._core import least_squares
 from robsim.base.checks import Floats, check_choice
 from robsim.base.report import Column, Quantity, Report, Table
 from robsim.base.text import quoted
-from robsim.estimation.identification._identifiability import Identifiability, judge
 from robsim.estimation.identification._parameter_table import (
     equation_noise,
     lengths_in,
     parameter_table,
 )
-from robsim.estimation.identification._regression import (
+from robsim.estimation.identification.determined import Identifiability, judge
+from robsim.estimation.identification.fits import METHODS
+from robsim.estimation.identification.fits.delay_fit import LONGEST_DELAY, check_delay_or_fit
+from robsim.estimation.identification.fits.model_fit import delay_quantities
+from robsim.estimation.identification.regressions import (
     Regression,
     inputs_of,
     interruptions,
     regression_of,
 )
-from robsim.estimation.identification.fits import METHODS
-from robsim.estimation.identification.fits.delay_fit import LONGEST_DELAY, check_delay_or_fit
-from robsim.estimation.identification.fits.model_fit import delay_quantities
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace.columns import POSES
 from robsim.trace.trace import check_trace

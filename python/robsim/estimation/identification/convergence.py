@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from robsim.base.checks import Floats, as_float_array, check_float
 from robsim.base.report import Column, Report, Table
-from robsim.estimation.identification._identifiability import prediction_sigma
 from robsim.estimation.identification._parameter_table import lengths_in, parameter_table
+from robsim.estimation.identification.determined import prediction_sigma
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace.trace import check_trace
 

@@ -14,7 +14,7 @@ from matplotlib.transforms import Affine2D, ScaledTranslation
 from numpy.typing import ArrayLike
 
 from robsim.base.checks import Floats, as_float_array
-from robsim.estimation.identification._identifiability import identifiability
+from robsim.estimation.identification.determined import identifiability
 from robsim.plotting import style as style
 from robsim.plotting.arguments import Panels, check_axes, check_steps
 from robsim.trace import Trace

@@ -15,7 +15,7 @@ from robsim.teach.grading.keys import Key
 from robsim.teach.grading.tasks.allowed import Frames, rules_of
 from robsim.teach.isolation.limits import Limits
 from robsim.teach.submissions import Rules
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.limit import Limit
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
 

@@ -18,7 +18,7 @@ from robsim.teach.assignments._reading.assignment_file import SOLUTIONS, solutio
 from robsim.teach.assignments.assignment import Assignment, TaskTest
 from robsim.teach.assignments.grading.seeds import key_for
 from robsim.teach.errors import AssignmentError
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.marks.calibrate import calibrate, calibration_seconds, check_solutions
 from robsim.teach.tasks.marks.calibration import TaskCalibration, solutions_digest, task_digest
 from robsim.teach.tasks.solutions import Solution

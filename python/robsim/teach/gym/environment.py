@@ -15,9 +15,9 @@ from robsim.base.text import quoted
 from robsim.simulation import Simulation
 from robsim.simulation.world.world_of_scenario import frame_size
 from robsim.teach.gym._rewards import REWARDS, Reward
-from robsim.teach.tasks._task import Task
 from robsim.teach.tasks.by_name import TASKS
 from robsim.teach.tasks.by_name import task as task_by_name
+from robsim.teach.tasks.definition import Task
 
 OBSERVATIONS = ("pose", "frame")
 _RENDER_MODE = "rgb_array"

@@ -1,8 +1,8 @@
 """Tasks: what students are asked to do, and how a run of it is scored."""
 
 from robsim.base.public import present as _present
-from robsim.teach.tasks._task import Task
 from robsim.teach.tasks.by_name import TASKS, task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.kinds.estimate import Estimate
 from robsim.teach.tasks.kinds.follow import Follow
 from robsim.teach.tasks.kinds.identify import Identify

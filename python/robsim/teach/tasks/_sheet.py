@@ -10,7 +10,7 @@ from robsim.base.text import listed
 from robsim.simulation.slots import ONCE, SLOTS
 
 if TYPE_CHECKING:
-    from robsim.teach.tasks._task import Task
+    from robsim.teach.tasks.definition import Task
 
 _SHEETS = Path(__file__).parent / "sheets"
 

@@ -15,10 +15,10 @@ from robsim.base.checks import check_bool, check_float
 from robsim.base.spelling import check_names
 from robsim.base.text import quoted
 from robsim.campaigns import CampaignResult, CampaignSpec
-from robsim.campaigns._campaign import run_spec
 from robsim.campaigns.choices import FOLDER, Choice, choice_of
+from robsim.campaigns.launch import run_spec
 from robsim.campaigns.runs import CaseRuns
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.limit import Limit
 from robsim.teach.tasks.marks.calibration import task_digest
 from robsim.teach.tasks.marks.files import shipped_calibrations

@@ -8,7 +8,7 @@ from typing import Any
 
 from robsim.base.checks import check_text
 from robsim.base.spelling import check_names
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.kinds.estimate import Estimate
 from robsim.teach.tasks.kinds.follow import Follow
 from robsim.teach.tasks.kinds.identify import Identify

@@ -16,7 +16,7 @@ from robsim.simulation.folders.spelling import misspelled
 from robsim.simulation.slots import SLOTS, checked_slots
 
 if TYPE_CHECKING:
-    from robsim.teach.tasks._task import Task
+    from robsim.teach.tasks.definition import Task
 
 #: The right solution that scores are relative to, and the wrong one that gets no points.
 REFERENCE, NAIVE = "reference", "naive"
@@ -111,7 +111,7 @@ def _what_is_missing(path: Path, files: Iterable[str], slots: tuple[str, ...]) -
 
 def folder_with(task: Task, path: Path, files: Mapping[str, bytes]) -> Folder:
     """Return files as a folder of a campaign, with the module that has the values of a task."""
-    from robsim.teach.tasks._task import Task  # which imports this
+    from robsim.teach.tasks.definition import Task  # which imports this
 
     if not isinstance(task, Task):
         raise TypeError(f"task must be a Task, got {quoted(task)}")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robsim.base.report import Column, Quantity, Report, Row, Table, count, percent
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.limit import Limit
 from robsim.teach.tasks.marks.sets import points_of
 from robsim.teach.tasks.score import Score

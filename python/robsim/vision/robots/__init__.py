@@ -1,7 +1,7 @@
 """Robots: their definitions (image, outline, markers), where they are stored, the default one."""
 
 from robsim.base.public import present as _present
-from robsim.vision.robots._default_robot import default_robot, reset_default_robot
+from robsim.vision.robots.default import default_robot, reset_default_robot
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.files import save_robot
 from robsim.vision.robots.finding import robot_from_image

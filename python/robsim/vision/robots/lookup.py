@@ -11,7 +11,7 @@ from robsim.base.checks import check_text
 from robsim.base.shipped import ASSETS
 from robsim.base.spelling import suggestion
 from robsim.base.text import listed, quoted
-from robsim.vision.robots._default_robot import (
+from robsim.vision.robots.default import (
     data_folder,
     default_robot,
     missing_robot_error,

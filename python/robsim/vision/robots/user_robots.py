@@ -24,7 +24,7 @@ from robsim.base.files.reading import MOST_TOML
 from robsim.base.files.writing import hidden_path
 from robsim.base.text import listed, one_line, quoted
 from robsim.vision.imaging.images import Pixels, load_image
-from robsim.vision.robots._default_robot import default_robot, reset_default_robot
+from robsim.vision.robots.default import default_robot, reset_default_robot
 from robsim.vision.robots.definition import (
     RobotDefinition,
     by_color,

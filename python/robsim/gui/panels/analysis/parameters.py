@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim.base.checks import Floats
-from robsim.estimation.identification._identifiability import Identifiability, identifiability
 from robsim.estimation.identification.batch import batch_estimate
+from robsim.estimation.identification.determined import Identifiability, identifiability
 from robsim.gui.panels.analysis.summary import Summary
 from robsim.trace import PARAMETER_NAMES, NotRecordedError, Trace
 

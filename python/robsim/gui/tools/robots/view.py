@@ -27,7 +27,7 @@ from robsim.gui.tools.robots.sketches import (
 )
 from robsim.gui.tools.tool import Acts, ToolView
 from robsim.vision.imaging.images import Pixels
-from robsim.vision.robots._default_robot import default_robot
+from robsim.vision.robots.default import default_robot
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import load_robot, robot_names, set_default_robot, user_robots
 from robsim.vision.robots.user_robots import add_robot, check_new_name

@@ -21,8 +21,8 @@ from robsim.teach.grading.robot_half import ROBOT_SLOTS
 from robsim.teach.isolation.limits import Limits
 from robsim.teach.isolation.request import LEVELS
 from robsim.teach.submissions.names import checked_path
-from robsim.teach.tasks._task import Task
 from robsim.teach.tasks.by_name import TASKS, task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import MODULE, Solution, solutions_in
 
 FILE, KEY, GIVEN, SOLUTIONS = "assignment.toml", "key", "given", "solutions"

@@ -15,7 +15,7 @@ from robsim.teach.assignments.classes.class_run import grade_all
 from robsim.teach.assignments.classes.plan import Plan
 from robsim.teach.assignments.classes.submissions import Handed
 from robsim.teach.assignments.results import SubmissionResult
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import Solution
 
 #: What should come of a submission.

@@ -20,7 +20,7 @@ from robsim.teach.assignments.assignment import Assignment
 from robsim.teach.assignments.making.sheet import sheet_for
 from robsim.teach.assignments.making.template import TEMPLATES, draw
 from robsim.teach.grading.keys import Key
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import Solution, helpers, starting_files
 
 SHEET, START, OWN_TESTS = "sheet.md", "start", "own_tests.py"

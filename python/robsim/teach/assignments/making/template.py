@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from robsim.teach.tasks._task import Task
 from robsim.teach.tasks.by_name import task
+from robsim.teach.tasks.definition import Task
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ from robsim.teach.doctor.parameter_estimators import check_parameter_estimator
 from robsim.teach.doctor.state_estimators import check_estimator
 
 if TYPE_CHECKING:
-    from robsim.teach.tasks._task import Task
+    from robsim.teach.tasks.definition import Task
 
 Maker = Callable[[], Callable[..., Any]]
 

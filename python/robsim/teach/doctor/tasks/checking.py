@@ -19,8 +19,8 @@ from robsim.teach.doctor.tasks.estimated import state_findings
 from robsim.teach.doctor.tasks.identified import parameter_findings
 from robsim.teach.doctor.tasks.measured import measured_findings
 from robsim.teach.doctor.tasks.report import TaskReport
-from robsim.teach.tasks._task import Task
 from robsim.teach.tasks.by_name import task as named_task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
 from robsim.teach.tasks.trial import TaskTrial
 

@@ -10,7 +10,7 @@ from robsim.base.report import Problem, Quantity, percent
 from robsim.teach.doctor.callbacks.folder import FolderReport
 
 if TYPE_CHECKING:  # where submissions are graded the doctor looks at them without the tasks
-    from robsim.teach.tasks._task import Task
+    from robsim.teach.tasks.definition import Task
     from robsim.teach.tasks.trial import TaskTrial
 
 

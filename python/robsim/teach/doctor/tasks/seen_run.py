@@ -8,7 +8,7 @@ import numpy as np
 
 from robsim.base.check_report import Problem
 from robsim.base.checks import Floats
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.trial import TaskTrial
 from robsim.trace import Trace
 

@@ -10,7 +10,7 @@ import numpy as np
 from robsim.base.checks import Floats
 from robsim.simulation.slots import RobotSlots
 from robsim.teach.doctor.callbacks.steering import MISTAKES
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import Solution
 from robsim.teach.tasks.trial import TaskTrial
 

@@ -10,7 +10,7 @@ import numpy as np
 from robsim.base.checks import check_float
 from robsim.base.text import quoted
 from robsim.simulation import ParameterMismatch, Scenario, WheelNoise
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.kinds.world import small_world
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace

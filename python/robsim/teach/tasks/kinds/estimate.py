@@ -14,7 +14,7 @@ from robsim.estimation.evaluation.consistency import nees
 from robsim.estimation.evaluation.errors import wrapped_error
 from robsim.simulation import PoseNoise, Scenario
 from robsim.simulation.world.scene import HEADINGS
-from robsim.teach.tasks._task import MOST_STEPS, Task
+from robsim.teach.tasks.definition import MOST_STEPS, Task
 from robsim.teach.tasks.kinds.world import AREA, DT, RESOLUTION, rms_of_poses, small_world
 from robsim.teach.tasks.score import Score
 from robsim.trace import Trace

@@ -10,9 +10,9 @@ import numpy as np
 
 from robsim._core import DriveAround, RobotModel
 from robsim.base.checks import Floats, check_float, check_int
-from robsim.estimation.identification._regression import regression_of
+from robsim.estimation.identification.regressions import regression_of
 from robsim.simulation import ParameterMismatch, PoseNoise, Scenario
-from robsim.teach.tasks._task import MOST_STEPS, Task
+from robsim.teach.tasks.definition import MOST_STEPS, Task
 from robsim.teach.tasks.kinds.world import DT, rms, rms_of_poses, small_world
 from robsim.teach.tasks.score import Score
 from robsim.trace import Trace

@@ -18,7 +18,7 @@ from robsim.base.text import listed, quoted
 from robsim.campaigns.description import surroundings
 from robsim.campaigns.engines.engine import engine_value
 from robsim.campaigns.engines.executors import DaskClient
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.limit import Limit
 from robsim.teach.tasks.marks.calibration import (
     SolutionMarks,

@@ -10,7 +10,7 @@ from typing import Any
 
 from robsim.base.report import Column, Quantity, Report, Row, Table, interval, percent
 from robsim.base.text import listed, quoted
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.limit import Limit
 from robsim.teach.tasks.marks.tolerance import share_interval
 from robsim.teach.tasks.solutions import Solution

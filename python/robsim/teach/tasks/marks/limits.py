@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from robsim.base.checks import Floats
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.limit import Limit
 from robsim.teach.tasks.marks.sets import Sets
 

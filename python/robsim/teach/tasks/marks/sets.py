@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from robsim.base.checks import Floats
 from robsim.campaigns import CampaignResult, campaign
 from robsim.campaigns.engines.executors import DaskClient
-from robsim.teach.tasks._task import Task
+from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.limit import Limit
 from robsim.teach.tasks.score import Score
 from robsim.teach.tasks.solutions import Solution

@@ -17,7 +17,7 @@ from robsim.estimation.identification._parameter_table import (
     noise_remarks,
     parameter_table,
 )
-from robsim.estimation.identification._regression import regression_of
+from robsim.estimation.identification.regressions import regression_of
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace.trace import check_trace
 
