@@ -1,8 +1,8 @@
 """The module for the browser: the files of `static`, joined into one.
 
 Each file is an ES module, for editors and linters. A notebook loads the module from a blob, from
-where nothing can be imported: so the files are joined, with their imports left out. Their
-top-level names are unique.
+where nothing can be imported: so the files are joined, each as a function with a scope of its own
+that returns what it exports. None may import another that imports it.
 """
 
 from __future__ import annotations
@@ -14,17 +14,20 @@ from pathlib import Path
 
 STATIC = Path(__file__).resolve().parents[1] / "static"
 
-_IMPORT = re.compile(r'^import [^;]*? from "([\w/.-]+)";\n', re.MULTILINE)
-_EXPORT = re.compile(r"^export (?!default)", re.MULTILINE)
+_IMPORT = re.compile(r'^import ({[^;]*?}) from "([\w/.-]+)";\n', re.MULTILINE)
+_EXPORT = re.compile(r"^export (?=(?:async )?(?:class|const|function) (\w+))", re.MULTILINE)
+_DEFAULT = "export default "  # of view.js, for anywidget
 
 
 @functools.cache
 def script() -> str:
     """Return the module, which has a default export for anywidget."""
     parts: dict[Path, str] = {}
-    _collect(STATIC / "view.js", parts)
-    texts = (STATIC / "texts.json").read_text("utf-8")
-    return f"const TEXTS = {texts.strip()};\n" + "\n".join(parts.values())
+    first = STATIC / "view.js"
+    _collect(first, parts)
+    texts = (STATIC / "texts.json").read_text("utf-8").strip()
+    code = "\n".join(parts.values())
+    return f"const TEXTS = {texts};\n{code}\nexport default {_scope(first)}.byDefault;\n"
 
 
 def words(name: str, **values: object) -> str:
@@ -51,8 +54,22 @@ def _collect(file: Path, parts: dict[Path, str]) -> None:
     if file in parts:
         return
     text = file.read_text("utf-8")
-    parts[file] = ""  # keeps out of a circle
     for match in _IMPORT.finditer(text):
-        _collect((file.parent / match[1]).resolve(), parts)
-    del parts[file]
-    parts[file] = _EXPORT.sub("", _IMPORT.sub("", text))
+        _collect(_imported(file, match), parts)
+    names = _EXPORT.findall(text)
+    if _DEFAULT in text:
+        names.append("byDefault")
+    code = _IMPORT.sub(lambda one: f"const {one[1]} = {_scope(_imported(file, one))};\n", text)
+    code = _EXPORT.sub("", code).replace(_DEFAULT, "const byDefault = ")
+    parts[file] = (
+        f"const {_scope(file)} = (() => {{\n{code}return {{ {', '.join(names)} }};\n}})();\n"
+    )
+
+
+def _imported(file: Path, match: re.Match[str]) -> Path:
+    return (file.parent / match[2]).resolve()
+
+
+def _scope(file: Path) -> str:
+    """Return the name of what a file exports, such as ``charts_axis``."""
+    return "_".join(file.relative_to(STATIC).with_suffix("").parts)

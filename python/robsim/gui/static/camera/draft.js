@@ -1,7 +1,7 @@
 // @ts-check
 // A path that is being drawn: corners that are clicked, lines that are drawn with the button down.
 import { distance, simplified } from "../base/geometry.js";
-import { drawDot, drawLine } from "./overlays.js";
+import { drawDot, drawLine } from "./strokes.js";
 
 const MOST_PATH_POINTS = 200;
 const DRAW_TOLERANCE = 2; // px on the screen that a drawn line may be simplified by

@@ -5,7 +5,7 @@ import { makeTextButton } from "../base/buttons.js";
 import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
 import { makeDraft } from "./draft.js";
-import { drawLine } from "./overlays.js";
+import { drawLine } from "./strokes.js";
 
 const CROSS_STEP = 10; // px of the work area; with Shift ten times as many
 const TOOLS = ["go_to", "draw_path"];

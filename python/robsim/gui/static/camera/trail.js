@@ -1,6 +1,6 @@
 // @ts-check
 // The path driven, on a canvas of its own, to which each frame adds its piece.
-import { haloOf } from "./overlays.js";
+import { haloOf } from "./strokes.js";
 
 const LONGEST_TRAIL = 2000; // steps; more would cover the floor
 
