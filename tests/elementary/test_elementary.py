@@ -153,8 +153,7 @@ def test_the_core_has_neither_fused_nor_extended_arithmetic():
 
 ON_THE_PATH = [
     *("base/seeds.py", "control/excitation.py", "control/path_following.py"),
-    *("control/waypoints.py", "vision/robots/definition.py", "vision/imaging/images.py"),
-    *("vision/imaging/shading.py", "vision/imaging/noise.py", "vision/imaging/frames.py"),
+    *("vision/robots/definition.py", "vision/imaging/images.py", "vision/imaging/noise.py"),
     "simulation",
 ]
 
@@ -173,7 +172,7 @@ INEXACT_IN_NUMPY = {
 HARMLESS = {
     "control/excitation.py": {"exp", "fft"},
     "simulation/world/disturbances.py": {"linalg"},
-    "simulation/outside/mirrored.py": {"cos", "sin", "@"},
+    "simulation/outside/frame_source.py": {"cos", "sin", "@"},
     "simulation/options.py": {"degrees"},
 }
 

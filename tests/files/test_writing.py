@@ -199,12 +199,12 @@ def test_two_processes_write_into_one_folder_and_lose_nothing(tmp_path):
 # What writes otherwise: the writer itself; in memory for it; into a temporary folder or a pipe; to
 # where a killed run must leave what it had.
 OTHERS = (
-    *("base/files/", "notebooks/", "vision/imaging/opencv.py"),
+    *("base/files/", "base/values.py", "notebooks/"),
     *("teach/grading/", "teach/isolation/", "teach/submissions/"),
     *("teach/assignments/checking/rehearsal.py", "teach/assignments/making/folder.py"),
     *("teach/assignments/_own_tests/child.py", "teach/assignments/packing/archive.py"),
     *("campaigns/engines/processes.py", "cli/results.py", "cli/simulated/run.py"),
-    *("gui/panels/still_picture.py", "vision/imaging/_containers.py", "vision/imaging/video.py"),
+    *("gui/panels/still_picture.py", "vision/imaging/video.py"),
     *("plotting/runs/beside.py", "plotting/style.py", "trace/sessions/writer.py"),
     "trace/_trace_file.py",
 )

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from robsim.trace import Session
-from robsim.trace.sessions import _matroska as matroska
+from robsim.trace.sessions import _pictures as matroska
 from sessions import record
 from sizes import thorough
 

@@ -8,7 +8,7 @@ import pytest
 import robsim
 from robsim._core import Renderer
 from robsim.simulation import draw_red_square
-from robsim.simulation.world.scene_cache import SceneCache
+from robsim.simulation.world.scene import SceneCache
 from scenes import renderer, small_renderer
 from threads import together
 

@@ -1,5 +1,9 @@
-"""Paths of the data files that ship with robsim: assets and notebooks."""
+"""What ships with robsim, and warnings that point at the user's line."""
 
+from __future__ import annotations
+
+import sys
+import warnings
 from os import PathLike
 from pathlib import Path
 
@@ -7,7 +11,6 @@ from robsim.base.files import copy_files
 
 #: Folder of the shipped images, robot definitions and colours.
 ASSETS = Path(__file__).parents[1] / "assets"
-
 #: Folder of the shipped notebooks.
 NOTEBOOKS = Path(__file__).parents[1] / "notebooks"
 
@@ -33,3 +36,15 @@ def copy_notebooks(folder: str | PathLike[str]) -> list[Path]:
         If `folder` is a file.
     """
     return copy_files(sorted(NOTEBOOKS.glob("*.ipynb")), folder)
+
+
+def warn_user(warning: str | Warning) -> None:
+    """Warn, in the name of the line that called robsim."""
+    level, caller = 1, sys._getframe()
+    while caller.f_back and _is_of_robsim(caller.f_globals.get("__name__", "")):
+        level, caller = level + 1, caller.f_back
+    warnings.warn(warning, stacklevel=level)
+
+
+def _is_of_robsim(module: str) -> bool:
+    return module == "robsim" or module.startswith("robsim.")

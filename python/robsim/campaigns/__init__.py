@@ -1,6 +1,6 @@
 """Campaigns: many runs over seeds and options, on every core, with one call."""
 
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.campaigns.launch import campaign
 from robsim.campaigns.result import CampaignResult
 from robsim.campaigns.spec import CampaignSpec, Case

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim.base.files import as_path
+from robsim.base.shipped import warn_user
 from robsim.base.text import one_line
-from robsim.base.warn import warn_user
 from robsim.campaigns.description import description_of, difference, surroundings
 from robsim.campaigns.runs import Job, Row
 from robsim.campaigns.spec import ROW_COLUMNS, CampaignSpec

@@ -22,7 +22,7 @@ from robsim.campaigns.result import CampaignResult, result_of
 from robsim.campaigns.runs import CaseRuns, Row
 from robsim.campaigns.spec import CampaignSpec
 from robsim.simulation import Scenario
-from robsim.simulation.progress import progress_bar
+from robsim.simulation.runner import progress_bar
 
 
 def campaign(

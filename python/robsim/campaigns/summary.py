@@ -12,7 +12,7 @@ import numpy as np
 from robsim.base.checks import Floats
 from robsim.base.report import Column, Report, Row, Table
 from robsim.base.report.as_data import import_pandas
-from robsim.base.report.numbers import percent
+from robsim.base.report.table import percent
 
 if TYPE_CHECKING:
     import pandas

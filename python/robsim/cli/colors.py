@@ -19,8 +19,12 @@ from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
 from robsim.cli.text import about, parse_noise, parse_point, parse_region
 from robsim.simulation.simulation import Simulation
 from robsim.vision.imaging.images import Pixels, load_image, save_image
-from robsim.vision.markers.color_files import SHIPPED_COLORS, colors_to_toml, load_colors
-from robsim.vision.markers.color_masks import paint_classes
+from robsim.vision.markers.color_files import (
+    SHIPPED_COLORS,
+    colors_to_toml,
+    load_colors,
+    paint_classes,
+)
 from robsim.vision.markers.color_score import ColorScore, Region, score_color
 
 HELP = (

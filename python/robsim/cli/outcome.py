@@ -82,7 +82,7 @@ def _frames(simulation: Simulation) -> Iterator[Frame]:
 
 def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Trace) -> None:
     """Write the frames of a run to a video file, with a progress bar."""
-    from robsim.simulation.progress import progress_bar
+    from robsim.simulation.runner import progress_bar
     from robsim.vision.imaging.video import save_video
 
     shown = progress_bar(frames, total=len(trace), unit="frame", desc=file.name)

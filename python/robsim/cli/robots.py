@@ -37,8 +37,13 @@ def list_robots() -> None:
     from rich.markup import escape
     from rich.table import Table
 
-    from robsim.vision.robots.default import default_robot, missing_robot_error
-    from robsim.vision.robots.lookup import find_folder, shipped_robots, user_robots
+    from robsim.vision.robots.lookup import (
+        default_robot,
+        find_folder,
+        missing_robot_error,
+        shipped_robots,
+        user_robots,
+    )
 
     problems: list[object] = []
     chosen = None
@@ -228,8 +233,7 @@ def rotate(
 @app.command(cls=Command, epilog="Example: robsim robots use lab")
 def use(name: Name) -> None:
     """Choose the default robot; the choice is stored."""
-    from robsim.vision.robots.default import default_robot
-    from robsim.vision.robots.lookup import set_default_robot
+    from robsim.vision.robots.lookup import default_robot, set_default_robot
 
     with errors.report_errors():
         set_default_robot(name)
@@ -239,7 +243,7 @@ def use(name: Name) -> None:
 @app.command(cls=Command, epilog="Example: robsim robots reset")
 def reset() -> None:
     """Make "lab" the default robot again."""
-    from robsim.vision.robots.default import default_robot, reset_default_robot
+    from robsim.vision.robots.lookup import default_robot, reset_default_robot
 
     with errors.report_errors():
         reset_default_robot()
@@ -249,7 +253,7 @@ def reset() -> None:
 @app.command(cls=Command, epilog="Example: robsim robots remove mine")
 def remove(name: Name) -> None:
     """Remove one of your robots."""
-    from robsim.vision.robots.default import default_robot
+    from robsim.vision.robots.lookup import default_robot
     from robsim.vision.robots.user_robots import remove_robot
 
     with errors.report_errors():

@@ -91,7 +91,7 @@ def track(
 
 def _write_video(experiment: Experiment, trace: Trace, recording: Recording, file: Path) -> None:
     from robsim.plotting.images.replay import annotated_frames
-    from robsim.vision.imaging.opencv import load_opencv
+    from robsim.vision.imaging.video import load_opencv
 
     try:
         load_opencv("writing a video")

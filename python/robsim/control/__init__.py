@@ -4,11 +4,10 @@ They follow a path, or excite the robot so that its parameters can be identified
 """
 
 from robsim._core import Controller, DriveAround, Replay, Spin
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.control.excitation import Chirp, MultiSine, PseudoRandomBinary
 from robsim.control.path_following import FollowPath, GoToPoint
-from robsim.control.path_score import PathScore, score_path
-from robsim.control.pose_score import PoseScore, score_pose
+from robsim.control.scores import PathScore, PoseScore, score_path, score_pose
 
 __all__ = [
     "Chirp",

@@ -1,6 +1,6 @@
 """The face: panels of a run in a notebook, or in a browser window of their own."""
 
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.gui.facade import Panel, panel
 from robsim.gui.tools.colors.panel import ColorPanel, color_panel
 from robsim.gui.tools.floor.panel import FloorPanel, floor_panel

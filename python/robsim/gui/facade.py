@@ -15,7 +15,7 @@ from PIL import Image
 
 from robsim._core import Step
 from robsim.base.checks import Floats
-from robsim.control.waypoints import as_goals
+from robsim.control.path_following import as_goals
 from robsim.estimation.identification.batch import BatchEstimate
 from robsim.gui._driver import SPEED, State
 from robsim.gui.hosted import AT_EXIT, HostedPanel, lock, opened

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
-from robsim.base.late import late_names as _late_names
+from robsim.base.doors import late_names as _late_names
 
 if _TYPE_CHECKING:
     from robsim.lab.calibration import *

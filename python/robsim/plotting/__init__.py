@@ -4,12 +4,11 @@ A colour has the same meaning in all figures. Positions are in work-area pixels 
 downwards, as the camera sees the area; angles are in degrees.
 """
 
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.plotting.charts.batch import plot_batch
 from robsim.plotting.charts.campaigns import plot_campaign
 from robsim.plotting.charts.color_histograms import plot_color_histograms
-from robsim.plotting.charts.consistency import plot_consistency
-from robsim.plotting.charts.ellipses import plot_ellipses
+from robsim.plotting.charts.ellipses import plot_consistency, plot_ellipses
 from robsim.plotting.charts.errors import plot_errors
 from robsim.plotting.charts.parameters import plot_parameters
 from robsim.plotting.charts.traces import plot_traces

@@ -11,7 +11,7 @@ from robsim._core import (
     Unicycle,
     WorldState,
 )
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.simulation.callbacks.errors import (
     CallbackError,
     CallbackTypeError,
@@ -21,8 +21,7 @@ from robsim.simulation.callbacks.errors import (
 from robsim.simulation.experiment import Experiment
 from robsim.simulation.scenario import Scenario
 from robsim.simulation.simulation import Simulation
-from robsim.simulation.world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
-from robsim.simulation.world.dropout import Dropout
+from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import draw_red_square
 
 __all__ = [

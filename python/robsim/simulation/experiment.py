@@ -27,8 +27,8 @@ from robsim._core import (
 from robsim.base.checks import Floats, check_bool, check_choice
 from robsim.base.files import as_path
 from robsim.base.seeds import Seed, seed_sequence
+from robsim.base.shipped import warn_user
 from robsim.base.text import quoted
-from robsim.base.warn import warn_user
 from robsim.simulation import slots as slots
 from robsim.simulation.options import (
     UNLIMITED,
@@ -40,9 +40,8 @@ from robsim.simulation.options import (
     step_count,
     timeout_value,
 )
-from robsim.simulation.outside.frame_source import FrameSource
-from robsim.simulation.outside.mirrored import mirrored_remark
-from robsim.simulation.outside.motors import Motors, stop_input_value
+from robsim.simulation.outside.frame_source import FrameSource, mirrored_remark
+from robsim.simulation.outside.recording import Motors, stop_input_value
 from robsim.simulation.runner import Runner
 from robsim.simulation.slots import RobotCallbacks
 from robsim.trace import Trace

@@ -28,10 +28,9 @@ from robsim._core import (
 from robsim.base.checks import as_float_array, check_int, check_size, is_int
 from robsim.base.text import quoted
 from robsim.base.values import FileVersion
-from robsim.simulation.world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
-from robsim.simulation.world.dropout import Dropout
+from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import Floor, as_floor
-from robsim.trace.input_delay import MAXIMUM_DELAY, check_delay
+from robsim.trace.timing import MAXIMUM_DELAY, check_delay
 from robsim.vision.imaging.images import Pixels, load_image
 from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
 from robsim.vision.markers.color_files import as_colors

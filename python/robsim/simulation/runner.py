@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
@@ -13,22 +14,40 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim import _core
-from robsim._core import ColorClass, Frame, MarkerLayout, Step
-from robsim.base.seeds import Seed, seed_sequence, stream, stream_number
-from robsim.base.text import quoted
-from robsim.simulation._run_info import run_info
-from robsim.simulation.callbacks.errors import callback_of
-from robsim.simulation.callbacks.memory import held
+from robsim._core import ColorClass, Frame, MarkerLayout, RobotModel, Step
+from robsim.base.seeds import Seed, seed_record, seed_sequence, stream, stream_number
+from robsim.base.text import one_line, quoted
+from robsim.simulation.callbacks.errors import callback_of, note_misuse
 from robsim.simulation.callbacks.missing_data import note_missing_data, unmet_needs
-from robsim.simulation.callbacks.misused_values import note_misuse
+from robsim.simulation.callbacks.slot import held
 from robsim.simulation.options import check_marker_colors, colors_value
 from robsim.simulation.slots import SLOTS, are_samples_given
-from robsim.simulation.slotted import Slotted
+from robsim.simulation.slotted import Slotted, is_code
 from robsim.trace import RunInfo, Trace
 from robsim.trace.columns import empty_groups
-from robsim.vision.markers.small_markers import warn_of_small_markers
+from robsim.vision.markers.missed_detections import warn_of_small_markers
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
+
+
+def run_info(runner: Runner) -> RunInfo:
+    """Return what describes the run of a simulation or an experiment."""
+    core = runner._core
+    return RunInfo(
+        dt=core.model.dt if core.has_started else RobotModel().dt,
+        theta_true=runner._theta_true(),
+        seed=seed_record(runner._seed),
+        identify_from=runner.identify_from,
+        area=runner.area,
+        boundary=runner.boundary,
+        robot=runner.robot.name,
+        marker_colors=(*runner.markers.colors.values(),),
+        scenario=runner._described(),
+        changed=runner._changed,
+        mm_per_px=runner._mm_per_px(),
+        headings=runner._headings(),
+        callbacks=tuple(slot for slot, value in runner._callbacks.items() if is_code(value)),
+    )
 
 
 class Runner(Slotted):
@@ -175,7 +194,7 @@ class Runner(Slotted):
         if not progress:
             with self._guarded():
                 return self._core.run(steps, self._pulse)
-        from robsim.simulation.progress import progress_bar
+        from robsim.simulation.runner import progress_bar
 
         label = progress if isinstance(progress, str) else None
         before = self._core.rows
@@ -452,3 +471,22 @@ class Runner(Slotted):
             f"<{type(self).__name__}: robot {self.robot.name!r}, {self.n_steps} steps done, "
             f"stages on: {', '.join(stages) or 'none'}>"
         )
+
+
+def progress_bar(items: Iterable[Any] | None = None, **options: Any) -> Any:
+    """Return a bar of tqdm on a terminal or in a notebook, and one that stays silent elsewhere.
+
+    Parameters
+    ----------
+    items : iterable, optional
+        What the bar counts while it is iterated over.
+    **options
+        Those of ``tqdm.tqdm``.
+    """
+    from tqdm.auto import tqdm
+
+    if "desc" in options:
+        options["desc"] = one_line(options["desc"])
+
+    is_notebook = any(base.__module__ == "tqdm.notebook" for base in tqdm.__mro__)
+    return tqdm(items, disable=not (is_notebook or sys.stderr.isatty()), **options)

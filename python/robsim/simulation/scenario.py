@@ -22,18 +22,19 @@ from robsim._core import (
 from robsim.base.checks import check_choice, check_size
 from robsim.base.files import as_path, read_text, write_whole
 from robsim.base.seeds import Seed, seed_value
+from robsim.base.shipped import warn_user
 from robsim.base.spelling import check_names
-from robsim.base.warn import warn_user
 from robsim.simulation import options as options
 from robsim.simulation.slots import SLOTS
 from robsim.simulation.world.disturbances import (
+    Dropout,
     ParameterMismatch,
     PoseNoise,
     WheelNoise,
+    as_dropout,
     check_mismatch,
     check_process_noise,
 )
-from robsim.simulation.world.dropout import Dropout, as_dropout
 from robsim.simulation.world.scene import HEADINGS, Floor
 from robsim.trace import NotRecordedError, Trace
 from robsim.trace.columns import POSES

@@ -30,8 +30,7 @@ from robsim.base.seeds import SeedRecord
 from robsim.base.spelling import check_names
 from robsim.base.text import cut, one_line, quoted
 from robsim.simulation.options import KINDS, background_value
-from robsim.simulation.world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
-from robsim.simulation.world.dropout import Dropout
+from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import Floor
 from robsim.vision.imaging.images import Pixels, png_bytes
 from robsim.vision.imaging.noise import GaussianNoise, UniformNoise

@@ -20,8 +20,7 @@ from robsim.simulation import slots as slots
 from robsim.simulation.runner import Runner
 from robsim.simulation.scenario import OPTIONS, Scenario
 from robsim.simulation.slots import SLOTS, AllCallbacks, WorldSlots
-from robsim.simulation.world.disturbances import ParameterMismatch, PoseNoise, WheelNoise
-from robsim.simulation.world.dropout import Dropout
+from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import draw_red_square
 from robsim.simulation.world.world_of_scenario import (
     apply_dropout,

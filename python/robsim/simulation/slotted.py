@@ -14,8 +14,8 @@ from robsim import _core
 from robsim._core import Step
 from robsim.base.spelling import check_names, closest, no_attribute, suggestion, with_article
 from robsim.simulation import slots as table
-from robsim.simulation.callbacks.call_times import CallTimes
 from robsim.simulation.callbacks.checks import check_callback
+from robsim.simulation.callbacks.signatures import CallTimes
 from robsim.simulation.callbacks.slot import Slot
 from robsim.simulation.slots import ROBOT, SLOTS, RobotSlots
 from robsim.simulation.time_limit import TimeLimit

@@ -1,8 +1,7 @@
 """The recorded run: named columns with units, slices, files; sessions with the frames as well."""
 
-from robsim.base.public import present as _present
-from robsim.trace.columns import PARAMETER_NAMES
-from robsim.trace.not_recorded import NotRecordedError
+from robsim.base.doors import present as _present
+from robsim.trace.columns import PARAMETER_NAMES, NotRecordedError
 from robsim.trace.run_info import RunInfo
 from robsim.trace.sessions.session import Session
 from robsim.trace.summary import TraceSummary

@@ -15,9 +15,19 @@ from robsim.base.files import as_path, write_csv
 from robsim.base.report.as_data import import_pandas
 from robsim.base.spelling import check_names, no_attribute, suggestion
 from robsim.base.text import listed, one_line, quoted
-from robsim.trace._properties import Column, Flag
-from robsim.trace.columns import GROUPS, POSES, RECORDED, SIMULATED, as_rows, fields_of, group_of
-from robsim.trace.not_recorded import how_recorded, not_recorded
+from robsim.trace.columns import (
+    GROUPS,
+    POSES,
+    RECORDED,
+    SIMULATED,
+    Column,
+    Flag,
+    as_rows,
+    fields_of,
+    group_of,
+    how_recorded,
+    not_recorded,
+)
 from robsim.trace.run_info import RunInfo, is_same_run
 from robsim.trace.summary import TraceSummary, summary_of
 from robsim.trace.timing import TimingReport, timing_report

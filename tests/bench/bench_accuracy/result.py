@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from robsim.base.checks import Floats
 from robsim.base.report import Column, Report, Row, Table
-from robsim.base.report.numbers import plain
+from robsim.base.report.table import plain
 from robsim.estimation import nees, wrapped_error
 from robsim.trace.tracking import FALSE_POSE_LIMITS
 

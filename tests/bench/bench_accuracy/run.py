@@ -16,11 +16,11 @@ from robsim.base.checks import Floats, check_int
 from robsim.cli.simulated.bench_table import AREA
 from robsim.estimation.evaluation._measurement_bound import SeenMarkers, marker_polygons
 from robsim.simulation.experiment import Experiment
-from robsim.simulation.progress import progress_bar
+from robsim.simulation.runner import progress_bar
 from robsim.simulation.world.scene import draw_red_square, make_scene
 from robsim.vision import RobotDefinition, load_robot
 from robsim.vision.imaging.noise import GaussianNoise, Noise, UniformNoise
-from robsim.vision.imaging.opencv import load_opencv
+from robsim.vision.imaging.video import load_opencv
 
 SIZES = (1200, 480)
 LEVELS = (2.0, 5.0, 10.0, 20.0, 40.0)

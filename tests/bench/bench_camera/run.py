@@ -15,7 +15,7 @@ from robsim.cli.simulated.bench_table import Call, check_same_blobs, opencv_find
 from robsim.simulation.simulation import Simulation
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import GaussianNoise
-from robsim.vision.imaging.opencv import load_opencv
+from robsim.vision.imaging.video import load_opencv
 from sent_pixels import from_rgb
 
 SIZES = ((1280, 960), (640, 480))

@@ -10,7 +10,7 @@ from bench_campaign.dask_tasks import TaskCost
 from bench_campaign.many_workers import EACH, Throughput, simulated
 from bench_campaign.parent import ParentCost
 from robsim.base.report import Column, Quantity, Row, Table, percent
-from robsim.base.report.numbers import Format
+from robsim.base.report.table import Format
 from robsim.campaigns.engines.chunks import size_for
 from robsim.campaigns.engines.executors import seconds_of_chunk
 

@@ -1,7 +1,5 @@
 """Reading files within limits; writing them whole."""
 
-from robsim.base.files.arrays import packed_arrays
-from robsim.base.files.copies import copy_files, write_new_files
 from robsim.base.files.reading import (
     MOST_TOML,
     as_folder,
@@ -11,8 +9,17 @@ from robsim.base.files.reading import (
     read_text,
     read_toml,
 )
-from robsim.base.files.tables import write_csv
-from robsim.base.files.writing import PartialFile, naming, open_whole, sync_folder, write_whole
+from robsim.base.files.writing import (
+    PartialFile,
+    copy_files,
+    naming,
+    open_whole,
+    sync_folder,
+    write_csv,
+    write_new_files,
+    write_whole,
+)
+from robsim.base.values import packed_arrays
 
 __all__ = [
     "MOST_TOML",

@@ -1,20 +1,25 @@
-"""Writing files: through links, to the disk, and never half of one."""
+"""Writing files: through links, to the disk, never half of one, and never over a user's own."""
 
 from __future__ import annotations
 
+import csv
 import errno
+import io
 import os
 import shutil
 import stat
 import sys
 import tempfile
 import weakref
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from os import PathLike, fspath
 from pathlib import Path
 from secrets import token_hex
-from typing import BinaryIO
+from typing import Any, BinaryIO
+
+from robsim.base.files.reading import as_folder
+from robsim.base.text import as_cell, is_plain, listed, one_line
 
 
 def write_whole(file: Path, content: bytes) -> None:
@@ -187,3 +192,83 @@ def naming(file: str | PathLike[str]) -> Iterator[None]:
         if error.errno is None:
             raise
         raise OSError(error.errno, error.strerror, fspath(file)) from error
+
+
+def copy_files(files: Iterable[Path], folder: str | PathLike[str]) -> list[Path]:
+    """Copy files into a folder: all of them, or none if one of them exists there."""
+    return write_new_files({file.name: file.read_bytes() for file in files}, folder)
+
+
+def write_new_files(contents: Mapping[str, bytes], folder: str | PathLike[str]) -> list[Path]:
+    """Write files, by their names, into a folder: all, or none if one of them exists there.
+
+    Raises
+    ------
+    FileExistsError
+        If one of them exists.
+    NotADirectoryError
+        If `folder` is a file.
+    OSError
+        If one cannot be written.
+    """
+    folder = as_folder(folder)
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(f"{one_line(folder)} is a file, not a folder: give another name")
+    files = {folder / name: content for name, content in contents.items()}
+    existing = [file.name for file in files if os.path.lexists(file)]
+    if existing:
+        raise FileExistsError(
+            f"{one_line(folder)} has {listed(existing)} already: nothing was written"
+        )
+    folder.mkdir(parents=True, exist_ok=True)
+    written: list[Path] = []
+    try:
+        for file, content in files.items():
+            written.append(file)
+            _write_new(file, content)
+    except BaseException as error:
+        if isinstance(error, FileExistsError):  # it came in the meantime
+            written.pop()
+        for file in written:
+            with suppress(OSError):
+                file.unlink()
+        raise
+    return written
+
+
+def _write_new(file: Path, content: bytes) -> None:
+    """Write a file; raise FileExistsError if there is one of this name."""
+    part = PartialFile(file)
+    try:
+        with naming(file), open(part.descriptor, "wb", closefd=False) as stream:
+            stream.write(content)
+        part.commit(overwrite=False)
+    finally:
+        part.discard()
+
+
+def write_csv(path: Path, columns: Mapping[str, Iterable[Any]]) -> None:
+    """Write columns by name; None and NaN stay empty.
+
+    A text that a spreadsheet would take for a formula gets a ' before it.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; an old file of that name is unchanged then.
+    """
+    with open_whole(path) as stream:
+        file = io.TextIOWrapper(stream, encoding="utf-8", newline="")
+        writer = csv.writer(file)
+        head = writer if all(map(is_plain, columns)) else csv.writer(file, quoting=csv.QUOTE_ALL)
+        head.writerow(map(as_cell, columns))
+        for row in zip(*columns.values(), strict=True):
+            writer.writerow(map(_cell, row))
+        file.flush()
+        file.detach()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, str):
+        return as_cell(value)
+    return "" if value is None or value != value else value

@@ -1,9 +1,8 @@
 """One kind of result: numbers with a title, tables, remarks and a verdict, in all their forms."""
 
-from robsim.base.report.numbers import count, interval, percent
 from robsim.base.report.problem import Problem
 from robsim.base.report.report import Report
-from robsim.base.report.table import Column, Quantity, Row, Table
+from robsim.base.report.table import Column, Quantity, Row, Table, count, interval, percent
 
 __all__ = [
     "Column",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from robsim.base.report.numbers import plain
 from robsim.base.report.optional import import_optional
+from robsim.base.report.table import plain
 
 if TYPE_CHECKING:
     import pandas

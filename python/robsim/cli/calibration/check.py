@@ -32,8 +32,7 @@ def check(
     out: Annotated[Path, option("--out", "FILE", "The picture to write.")] = Path("check.png"),
 ) -> None:
     """Draw the floor's grid on a picture, to see whether a calibration fits."""
-    from robsim.lab.calibration.grid import draw_grid
-    from robsim.lab.calibration.shifts import remedy_of_shifts, sheet_shifts
+    from robsim.lab.calibration.grid import draw_grid, remedy_of_shifts, sheet_shifts
     from robsim.vision.imaging.calibration_file import load_calibration
     from robsim.vision.imaging.images import save_image
 

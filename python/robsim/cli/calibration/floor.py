@@ -142,7 +142,7 @@ def _calibrated(
     sources: list[Path], marks: Any, mark: float, places: list[str], options: dict[str, Any]
 ) -> FloorCalibration:
     from robsim.lab.calibration.floor import calibrate_floor, calibrate_floor_by_sheets
-    from robsim.vision.imaging.frames import frame_size
+    from robsim.vision.imaging.images import frame_size
 
     if marks is None:
         if not sources:

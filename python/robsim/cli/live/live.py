@@ -229,7 +229,7 @@ def _check_number(option: str, value: float | None) -> None:
 
 def _session(out: Path, record: bool | None, camera: str) -> Path | None:
     """Return a folder for the session that is not there yet; None = it is not recorded."""
-    from robsim.vision.imaging.opencv import load_opencv
+    from robsim.vision.imaging.video import load_opencv
 
     if record is False or (record is None and Path(camera).exists()):
         return None

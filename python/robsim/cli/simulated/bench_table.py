@@ -28,7 +28,7 @@ from robsim.simulation import Simulation
 from robsim.simulation.world.scene import make_scene, robot_sprite
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import GaussianNoise
-from robsim.vision.imaging.opencv import load_opencv
+from robsim.vision.imaging.video import load_opencv
 from robsim.vision.robots.lookup import load_robot
 
 Call = Callable[[], Any]

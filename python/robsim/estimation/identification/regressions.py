@@ -12,7 +12,7 @@ from robsim._core import check_mean_interval, model_steps, regression
 from robsim.base.checks import Floats, check_choice
 from robsim.trace import Trace
 from robsim.trace.columns import POSES
-from robsim.trace.input_delay import check_delay, delayed
+from robsim.trace.timing import check_delay, delayed
 from robsim.trace.trace import Bools, check_trace, longest_run
 
 SELECTIONS = ("valid", "longest", "all")

@@ -8,7 +8,7 @@ A filter is consistent if the noises it is given are those of the world. In a si
 ``motor_delay=d`` it gets ``input_delay=d``.
 """
 
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.estimation.reference.constant_velocity import ConstantVelocityKalmanFilter
 from robsim.estimation.reference.estimator import Prior
 from robsim.estimation.reference.extended import ExtendedKalmanFilter

@@ -14,7 +14,7 @@ from robsim.base.checks import Floats
 from robsim.base.text import quoted
 from robsim.estimation.reference.estimator import StateEstimator
 from robsim.estimation.reference.motion import RobotMotion
-from robsim.trace.input_delay import check_delay, delayed
+from robsim.trace.timing import check_delay, delayed
 
 
 class _StepAhead:

@@ -22,7 +22,7 @@ from robsim.gui.panels.record import Record
 from robsim.gui.panels.run.pictures import Shot
 from robsim.plotting import draw_overlay
 from robsim.plotting import style as style
-from robsim.plotting.charts.error_panels import draw_histogram
+from robsim.plotting.charts.errors import draw_histogram
 from robsim.plotting.charts.traces import draw_all_poses
 from robsim.plotting.images.frame import draw_goals
 from robsim.trace import Trace

@@ -1,16 +1,15 @@
 """Calibration of a camera: its lens, where it looks at the floor from, sheets to print."""
 
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.lab.calibration.floor import calibrate_floor, calibrate_floor_by_sheets
 from robsim.lab.calibration.floor_report import FloorCalibration, FloorPoint
-from robsim.lab.calibration.grid import draw_grid
+from robsim.lab.calibration.grid import draw_grid, sheet_shifts
 from robsim.lab.calibration.lens import calibrate_lens
 from robsim.lab.calibration.lens_report import BoardPicture, LensCalibration
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.floor_sheet import FloorSheet, find_sheets
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.lab.calibration.patterns.printing import save_sheet
-from robsim.lab.calibration.shifts import sheet_shifts
 
 __all__ = [
     "BoardPicture",

@@ -15,7 +15,7 @@ from robsim.base.text import cut, one_line
 from robsim.lab.cameras._devices import firewire, gige
 from robsim.lab.cameras._devices.opencv import back_end_of_system, back_ends, no_permission
 from robsim.lab.cameras.errors import CaptureError, NoBackEndError
-from robsim.vision.imaging.opencv import load_opencv
+from robsim.vision.imaging.video import load_opencv
 
 
 @dataclass(frozen=True, kw_only=True)

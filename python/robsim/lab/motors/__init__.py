@@ -5,7 +5,7 @@ folder says what goes over the line, and what a robot must do.
 """
 
 from robsim._core import HaltedError, Limits, LineCounts, LineError, MotorEvent, MotorReceiver
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.lab.motors.recorded import RecordedMotors
 from robsim.lab.motors.serial import SerialMotors
 from robsim.lab.motors.udp import UdpMotors

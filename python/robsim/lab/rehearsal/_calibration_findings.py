@@ -10,7 +10,7 @@ import numpy as np
 
 from robsim._core import Blob, Detection, Frame, MarkerLayout
 from robsim.base.checks import Floats
-from robsim.lab.calibration.shifts import sheet_shifts
+from robsim.lab.calibration.grid import sheet_shifts
 from robsim.vision.imaging.calibration import Calibration
 
 _GRID = 12  # points along each side of the area

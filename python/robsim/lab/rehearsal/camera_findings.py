@@ -13,11 +13,10 @@ import numpy as np
 from robsim._core import MotorLink, trusted_width
 from robsim.base.checks import Floats
 from robsim.base.report import Quantity
-from robsim.lab.calibration.shifts import SHIFTS, remedy_of_shifts
+from robsim.lab.calibration.grid import SHIFTS, remedy_of_shifts
 from robsim.lab.cameras.camera import Camera, CameraCounts
 from robsim.lab.rehearsal import _calibration_findings as mapping
-from robsim.lab.rehearsal._camera_look import CameraLook
-from robsim.lab.rehearsal._marker_light import MarkerLight
+from robsim.lab.rehearsal._camera_look import CameraLook, MarkerLight
 from robsim.vision.imaging.calibration import Calibration
 
 VERDICTS = ("good", "poor", "bad")

@@ -12,9 +12,7 @@ from robsim._core import MotorReceiver, PlaneMap, RobotModel, RobotParameters
 from robsim.base.checks import check_float
 from robsim.base.seeds import seed_sequence, stream_number
 from robsim.base.text import quoted
-from robsim.lab.rehearsal.faults import CameraFaults
-from robsim.lab.rehearsal.lens import Lens
-from robsim.lab.rehearsal.truth import LabTruth, truth_of
+from robsim.lab.rehearsal.faults import CameraFaults, LabTruth, Lens, truth_of
 from robsim.simulation import Scenario
 from robsim.simulation.world import world_of_scenario as worlds
 from robsim.simulation.world.scene import draw_red_square

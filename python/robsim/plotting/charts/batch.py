@@ -13,8 +13,8 @@ from matplotlib.ticker import LogLocator
 from robsim.base.checks import Floats
 from robsim.estimation.identification.batch import BatchEstimate
 from robsim.plotting import style as style
-from robsim.plotting.arguments import check_kind
 from robsim.plotting.charts.parameters import percent, relative_scale
+from robsim.plotting.style import check_kind
 
 # The online estimate often equals the batch estimate: a small diamond in a large circle.
 _MARKERS = {"batch": ("o", 9.0), "online": ("D", 4.5)}

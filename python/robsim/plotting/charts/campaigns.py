@@ -12,7 +12,7 @@ from robsim.base.report import percent
 from robsim.base.text import listed, no_formula, quoted
 from robsim.campaigns import CampaignResult
 from robsim.plotting import style as style
-from robsim.plotting.arguments import check_kind
+from robsim.plotting.style import check_kind
 
 _COLORS = (
     *(style.ESTIMATED, style.BATCH, style.MEASURED, style.TRUE),

@@ -11,7 +11,7 @@ from robsim._core import ColorClass
 from robsim.base.checks import Floats, as_float_array, check_text
 from robsim.base.text import no_formula, one_line
 from robsim.plotting import style as style
-from robsim.plotting.arguments import Panels, check_axes, check_kind
+from robsim.plotting.style import Panels, check_axes, check_kind
 
 _NAMES = ("Y: brightness", "U: more = bluer", "V: more = redder")
 

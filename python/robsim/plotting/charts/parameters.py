@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from robsim.base.checks import Floats, as_float_array
 from robsim.estimation.identification.determined import identifiability
 from robsim.plotting import style as style
-from robsim.plotting.arguments import Panels, check_axes, check_steps
+from robsim.plotting.style import Panels, check_axes, check_steps
 from robsim.trace import Trace
 
 # One look for each of a1, a2, b1, b2, d1.

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from robsim._core import Blob, Frame, Measurement
 from robsim.base.checks import Floats
-from robsim.control.waypoints import as_goals
+from robsim.control.path_following import as_goals
 from robsim.plotting import style as style
-from robsim.plotting.arguments import check_blobs, check_kind, check_optional, check_positions
-from robsim.plotting.images.shapes import box_corners, heading_line, placed_outline
+from robsim.plotting.images.overlay import box_corners, heading_line, placed_outline
+from robsim.plotting.style import check_blobs, check_kind, check_optional, check_positions
 from robsim.trace import Trace
 from robsim.vision.robots.lookup import load_robot
 

@@ -8,15 +8,14 @@ import numpy as np
 
 from robsim._core import Estimate, Frame, Measurement
 from robsim.base.checks import check_bool, check_int
-from robsim.plotting.arguments import check_kind
 from robsim.plotting.images.overlay import draw_overlay
+from robsim.plotting.style import check_kind
 from robsim.simulation.runner import Runner
 from robsim.simulation.simulation import Simulation
 from robsim.trace import Trace
 from robsim.trace.units import length_format
 from robsim.vision.imaging.clip import Clip
-from robsim.vision.imaging.frames import check_iterable
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging.images import Pixels, check_iterable
 
 
 def annotated_frames(

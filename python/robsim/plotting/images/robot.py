@@ -10,7 +10,7 @@ from robsim.base.checks import Floats
 from robsim.base.geometry.polygons import area_and_centroid
 from robsim.base.text import no_formula
 from robsim.plotting import style as style
-from robsim.plotting.arguments import check_kind
+from robsim.plotting.style import check_kind
 from robsim.vision.robots.definition import RobotDefinition
 
 _FLOOR = (0.86, 0.86, 0.86)  # behind the transparent parts

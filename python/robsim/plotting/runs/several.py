@@ -12,11 +12,10 @@ from numpy.typing import ArrayLike
 
 from robsim.base.checks import Floats, check_name
 from robsim.base.text import no_formula, quoted
-from robsim.control.waypoints import as_goals
+from robsim.control.path_following import as_goals
 from robsim.plotting import style as style
-from robsim.plotting.arguments import check_steps
-from robsim.plotting.runs.beside import add_legend, draw_goals, zoom
-from robsim.plotting.runs.errors import RunError, run_errors
+from robsim.plotting.runs.beside import RunError, add_legend, draw_goals, run_errors, zoom
+from robsim.plotting.style import check_steps
 from robsim.simulation.slots import SLOTS, checked_slots
 from robsim.trace import Trace
 

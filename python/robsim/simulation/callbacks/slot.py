@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
 from robsim.base.text import quoted
 
 if TYPE_CHECKING:
     from robsim.simulation.slotted import Slotted
-
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., object])
-
 _MISSING: Any = object()
 
 
@@ -174,3 +173,34 @@ class Slot(Generic[T]):
 
     def __set__(self, runner: Slotted, value: T | str | None) -> None:
         runner._set_slot(self.name, value)
+
+
+_in_run: dict[int, object] = {}  # by their ids
+
+
+@contextmanager
+def held(callbacks: Iterable[object]) -> Iterator[None]:
+    """Keep the callbacks that remember their run for the run of this thread.
+
+    These are the objects with a true attribute ``_remembers_run``.
+
+    Raises
+    ------
+    RuntimeError
+        If another run has one of them.
+    """
+    run = object()
+    mine = [one for one in callbacks if getattr(one, "_remembers_run", False) is True]
+    try:
+        for callback in mine:
+            # One call, which no other thread interrupts.
+            if _in_run.setdefault(id(callback), run) is not run:
+                raise RuntimeError(
+                    f"another run has this {type(callback).__name__}, which remembers where its "
+                    "robot was: each simulation needs one of its own"
+                )
+        yield
+    finally:
+        for callback in mine:
+            if _in_run.get(id(callback)) is run:
+                del _in_run[id(callback)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import difflib
 import os
+import re
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -15,18 +16,33 @@ from types import MappingProxyType, ModuleType
 from typing import Any
 
 from robsim.base.files import as_folder, copy_files
+from robsim.base.spelling import closest
 from robsim.base.text import one_line, quoted
 from robsim.simulation.callbacks.checks import check_callback
 from robsim.simulation.callbacks.errors import note_failed_file
 from robsim.simulation.folders.modules import FolderModules, reserved_names
-from robsim.simulation.folders.spelling import misspelled
 from robsim.simulation.slots import SLOTS
+
+_CUTOFF = 0.8  # a folder has files of the user's own, too
+
+
+def misspelled(names: Iterable[str]) -> dict[str, str]:
+    """Return the names that resemble a slot name, and that slot."""
+    names = list(names)
+    slots = {other: name for name, slot in SLOTS.items() for other in (*slot.other_names, name)}
+    suggestions = {}
+    for name in names:
+        slot = slots.get(closest(name, slots, cutoff=_CUTOFF) or "", name)
+        # control_old.py beside control.py is a backup copy.
+        is_copy = slot in names and re.match(rf"{slot}[\W\d_]", name.lower())
+        if slot != name and not is_copy:
+            suggestions[name] = slot
+    return suggestions
+
 
 _SAVING = 0.05  # s that an editor may need to write a file
 _COARSEST_CLOCK = 2.0  # s between two times that a file can have, on any file system
-
 TEMPLATES = Path(__file__).parents[1] / "templates"
-
 Callbacks = dict[str, Callable[..., Any] | bool]
 
 

@@ -1,17 +1,22 @@
-"""Records the steps of an `Experiment` in a session."""
+"""Where the inputs of an `Experiment` go, and the session that its steps are recorded in."""
 
 from __future__ import annotations
 
+import atexit
 import math
-from collections.abc import Mapping
+import os
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from typing import Any
+from weakref import WeakSet
 
 import numpy as np
 
-from robsim._core import Detection, Measurement, RobotModel, Step
-from robsim.base.checks import Floats
+from robsim._core import Detection, HaltedError, Measurement, MotorLink, RobotModel, Step
+from robsim.base.checks import Floats, as_float_array
+from robsim.base.text import quoted
 from robsim.simulation.runner import Runner
 from robsim.trace import Trace
 from robsim.trace.sessions.rows import Row
@@ -120,3 +125,142 @@ class Recording:
         self._is_over = True
         if self._writer is not None:
             self._writer.close(trace)
+
+
+_STOPS = 2  # how often the stop input is sent
+_ATTEMPTS = 4
+_all_motors: WeakSet[Motors] = WeakSet()
+
+
+@atexit.register
+def _stop_all() -> None:
+    """Stop what drives when Python ends, such as after `step`."""
+    for motors in [*_all_motors]:
+        motors.stop()
+
+
+class Motors:
+    """Sends inputs, and the stop input when a run is over.
+
+    Parameters
+    ----------
+    send : callable
+        ``send(u)``: brings an input (2,), in V, to the robot.
+    stop_input : array (2,), or None
+        What stops the robot (V); None = nothing is sent at the end of a run.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `send` is not callable; if it is a link, which has a stop of its own, and another stop
+        input is given.
+    """
+
+    _has_moved = False
+    _is_halted = False
+
+    def __init__(self, send: Callable[[Floats], Any], stop_input: Floats | None) -> None:
+        if not callable(send):
+            raise TypeError(f"send must be callable, got {quoted(send)}")
+        self._link = send if isinstance(send, MotorLink) else None
+        if self._link is not None and (stop_input is None or stop_input.any()):
+            raise ValueError(
+                f"stop_input must be (0, 0) for {quoted(send)}, which tells the robot to stop, got "
+                f"{quoted(stop_input)}"
+            )
+        self._send = send
+        self._stop_input = stop_input
+        self._process = os.getpid()
+        _all_motors.add(self)
+        #: What went wrong when the robot was stopped.
+        self.error: BaseException | None = None
+
+    def __del__(self) -> None:
+        self.stop()
+
+    @property
+    def native(self) -> MotorLink | None:
+        """The link that sends without the interpreter; None = it needs it."""
+        return self._link
+
+    @property
+    def has_moved(self) -> bool:
+        """Whether an input was sent since the last stop input."""
+        return self._has_moved
+
+    def begin(self) -> None:
+        """Say that inputs may be sent from now on."""
+        self._process = os.getpid()
+        self._is_halted = False
+        self._has_moved = self._has_moved or self._link is not None
+        if self._link is not None and not self._link.is_closed:
+            self._link.resume()
+
+    def send(self, u: Floats) -> None:
+        """Send an input; HaltedError if the robot was halted in this run."""
+        if self._is_halted:
+            raise HaltedError("the robot was stopped: it takes no input before the next run")
+        self._has_moved = True  # even if it fails: nobody knows what has arrived
+        self._send(u)
+
+    def halt(self) -> None:
+        """Stop the robot from any thread in the middle of a run, in which nothing more is sent."""
+        self._is_halted = True
+        if self._link is not None:
+            self._link.halt()
+        elif self._has_moved and self._stop_input is not None and self._process == os.getpid():
+            self.stop_late()
+
+    def stop_late(self) -> None:
+        """Send the stop input from another thread, in the middle of a run.
+
+        The end of the run sends it again.
+        """
+        for _ in range(_STOPS):
+            with suppress(BaseException):  # the end of the run tells what is wrong
+                self._send(np.array(self._stop_input))
+
+    def stop(self) -> Floats | None:
+        """Send the stop input, unless nothing was sent since the last one; return what was sent.
+
+        It is sent twice, as a line may lose it, and tried again where it fails. It raises nothing:
+        if the robot could not be stopped, `error` says why. A Ctrl-C does not keep it from being
+        sent, and is kept there, too.
+        """
+        if not self._has_moved or self._stop_input is None:
+            return None
+        if self._process != os.getpid():  # a forked process ends; the robot is its parent's
+            return None
+        failure: BaseException | None = None
+        n_sent = 0
+        for _ in range(_ATTEMPTS):
+            try:
+                if self._link is not None:
+                    self._link.stop()  # which tells it again and again
+                    n_sent = _STOPS
+                else:
+                    self._send(np.array(self._stop_input))
+                    n_sent += 1
+            except KeyboardInterrupt as error:
+                self.error = error
+            except BaseException as error:
+                failure = error
+            if n_sent == _STOPS:
+                break
+        if n_sent == 0:
+            self.error = failure
+            return None
+        self._has_moved = False
+        return self._stop_input
+
+
+def stop_input_value(stop_input: Sequence[float] | None) -> Floats | None:
+    """Return the option ``stop_input`` as an array (2,); None = nothing is sent."""
+    if stop_input is None:
+        return None
+    u = as_float_array("stop_input", stop_input)
+    if u.shape != (2,) or not np.isfinite(u).all():
+        raise ValueError(
+            f"stop_input must be (u1, u2), finite, in V, or None, got {quoted(stop_input)}"
+        )
+    return u

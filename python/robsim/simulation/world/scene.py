@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
 from functools import cache, cached_property, lru_cache
+from threading import Lock
 
 import numpy as np
 
@@ -13,17 +15,53 @@ from robsim.base.shipped import ASSETS
 from robsim.base.text import quoted
 from robsim.base.values import digest, frozen
 from robsim.simulation.callbacks.errors import failed, refused
-from robsim.simulation.world.scene_cache import SceneCache
-from robsim.vision.imaging.images import Pixels, load_image, resized
-from robsim.vision.imaging.shading import SHADOW, darkened, lightened
+from robsim.vision.imaging.images import SHADOW, Pixels, darkened, lightened, load_image, resized
 from robsim.vision.robots.definition import RobotDefinition
+
+
+class SceneCache:
+    """Keeps the scenes that were asked for last; the newest one always. Safe for threads.
+
+    Parameters
+    ----------
+    maximum_size : int
+        Memory of all scenes together (bytes).
+    """
+
+    def __init__(self, *, maximum_size: int) -> None:
+        self.maximum_size = maximum_size
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget all scenes."""
+        self._scenes: OrderedDict[Hashable, Scene] = OrderedDict()
+        self._lock = Lock()
+
+    def get(self, key: Hashable, make: Callable[[], Scene]) -> Scene:
+        """Return the scene of a key; `make` is called if there is none."""
+        with self._lock:
+            scene = self._scenes.get(key)
+            if scene is not None:
+                self._scenes.move_to_end(key)
+                return scene
+        # Unlocked, as it takes long: two threads may make the same scene, and one of them is kept.
+        made = make()
+        with self._lock:
+            scene = self._scenes.setdefault(key, made)
+            while len(self._scenes) > 1 and self.size > self.maximum_size:
+                self._scenes.popitem(last=False)
+            return scene
+
+    @property
+    def size(self) -> int:
+        """Memory of the scenes (bytes)."""
+        return sum(scene.nbytes for scene in self._scenes.values())
+
 
 #: Number of headings that the robot is drawn in, as in the program of 2008.
 HEADINGS = 36
-
 # The square on the default background: left, top, side (work-area px), RGB.
 _SQUARE = (572, 64, 56, (198, 36, 40))
-
 _cache = SceneCache(maximum_size=64 * 2**20)
 if hasattr(os, "register_at_fork"):
     # A thread of the parent's may have been about to change it, or a heading in a scene.

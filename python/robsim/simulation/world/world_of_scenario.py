@@ -12,8 +12,12 @@ from numpy.typing import ArrayLike
 from robsim import _core
 from robsim._core import RobotModel
 from robsim.base.seeds import as_uniform, random_bits, stream, stream_number
-from robsim.simulation.world.disturbances import PoseNoise, WheelNoise, check_process_noise
-from robsim.simulation.world.dropout import as_dropout
+from robsim.simulation.world.disturbances import (
+    PoseNoise,
+    WheelNoise,
+    as_dropout,
+    check_process_noise,
+)
 from robsim.simulation.world.scene import make_scene, scaled_floor
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import as_native_noise

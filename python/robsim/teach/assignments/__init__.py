@@ -1,6 +1,6 @@
 """Assignments: what students hand in, graded by tasks and tests, with reports."""
 
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
 from robsim.teach.assignments.calibration import calibrate_assignment
 from robsim.teach.assignments.checking.check import check_assignment

@@ -3,7 +3,7 @@
 Importing it registers ``"robsim/Park-v0"`` and ``"robsim/Follow-v0"``, for ``gymnasium.make``.
 """
 
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.base.report.optional import import_optional as _import_optional
 
 _import_optional("gymnasium", "robsim.teach.gym needs")

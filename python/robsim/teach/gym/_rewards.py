@@ -11,7 +11,7 @@ import numpy as np
 
 from robsim._core import wrap_angle
 from robsim.base.checks import Floats
-from robsim.control.waypoints import nearest_on_segment
+from robsim.control.path_following import nearest_on_segment
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.kinds.follow import Follow
 from robsim.teach.tasks.kinds.park import Park

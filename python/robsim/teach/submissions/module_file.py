@@ -5,7 +5,7 @@ from __future__ import annotations
 import symtable
 
 from robsim.base.text import one_line
-from robsim.simulation.folders.spelling import misspelled
+from robsim.simulation.folders.callback_folder import misspelled
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.python_text import quiet

@@ -11,9 +11,8 @@ from pathlib import Path, PurePosixPath
 
 from robsim.base.files import as_path
 from robsim.base.text import listed, one_line, quoted
-from robsim.simulation.folders.callback_folder import TAKEN, imported_names, taken_names
+from robsim.simulation.folders.callback_folder import TAKEN, imported_names, misspelled, taken_names
 from robsim.simulation.folders.modules import reserved_names
-from robsim.simulation.folders.spelling import misspelled
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.archive import most_of_archive, read_archive

@@ -1,6 +1,6 @@
 """Tasks: what students are asked to do, and how a run of it is scored."""
 
-from robsim.base.public import present as _present
+from robsim.base.doors import present as _present
 from robsim.teach.tasks.by_name import TASKS, task
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.kinds.estimate import Estimate

@@ -236,8 +236,8 @@ class Task(ABC):
         TypeError, ValueError
             If one is no Trace, or has no steps.
         """
-        from robsim.plotting.arguments import check_optional, check_steps
         from robsim.plotting.runs.beside import draw_run  # matplotlib takes its time
+        from robsim.plotting.style import check_optional, check_steps
 
         check_steps(trace)
         check_optional("reference", reference, Trace)

@@ -12,7 +12,7 @@ from robsim.base.checks import check_bool
 from robsim.base.files import as_folder
 from robsim.base.text import one_line, quoted
 from robsim.campaigns.choices import Folder
-from robsim.simulation.folders.spelling import misspelled
+from robsim.simulation.folders.callback_folder import misspelled
 from robsim.simulation.slots import SLOTS, checked_slots
 
 if TYPE_CHECKING:

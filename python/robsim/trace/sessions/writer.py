@@ -20,13 +20,13 @@ import numpy as np
 from robsim._core import Frame, PlaneMap
 from robsim.base.checks import check_bool, check_float
 from robsim.base.files import PartialFile, as_folder, naming, sync_folder, write_whole
+from robsim.base.shipped import warn_user
 from robsim.base.text import cut, one_line
-from robsim.base.warn import warn_user
-from robsim.trace.sessions import _matroska as matroska
+from robsim.trace.sessions import _pictures as matroska
 from robsim.trace.sessions._setup import setup_text
 from robsim.trace.sessions.rows import HEADER, Row, line_of, with_frame
 from robsim.trace.trace import Trace
-from robsim.vision.imaging.opencv import load_opencv
+from robsim.vision.imaging.video import load_opencv
 
 #: The files of a session.
 SETUP, ROWS, VIDEO, END, TRACE = "setup.toml", "steps.csv", "frames.mkv", "end.toml", "trace.npz"

@@ -14,8 +14,14 @@ from robsim._core import Frame
 from robsim.base.checks import check_float, check_int
 from robsim.base.files import as_path, write_whole
 from robsim.base.text import one_line
-from robsim.vision.imaging.frames import check_iterable, check_same_size, frame_pixels, frame_size
-from robsim.vision.imaging.images import Pixels, resized
+from robsim.vision.imaging.images import (
+    Pixels,
+    check_iterable,
+    check_same_size,
+    frame_pixels,
+    frame_size,
+    resized,
+)
 
 MAXIMUM_WIDTH = 16383  # px, a limit of WebP
 QUALITY = 75  # of WebP, 0..100: 100 noisy frames, 480 px wide, take 1 MB

@@ -16,14 +16,19 @@ import numpy as np
 from robsim._core import Frame, PlaneMap
 from robsim.base.checks import Floats, check_float, check_int, check_size
 from robsim.base.files import as_path
+from robsim.base.shipped import warn_user
 from robsim.base.text import one_line, quoted
-from robsim.base.warn import warn_user
-from robsim.vision.imaging._containers import check_is_video, noted_headings
 from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.calibration_file import as_calibration
-from robsim.vision.imaging.frames import check_same_size, frame_size
-from robsim.vision.imaging.images import MOST_PIXELS, Pixels, image_suffixes, load_image
-from robsim.vision.imaging.opencv import load_opencv, quiet
+from robsim.vision.imaging.images import (
+    MOST_PIXELS,
+    Pixels,
+    check_same_size,
+    frame_size,
+    image_suffixes,
+    load_image,
+)
+from robsim.vision.imaging.video import check_is_video, load_opencv, noted_headings, quiet
 
 _COMPLETE = 0.95  # fraction of the frames; some files only estimate their number
 MAXIMUM_RATE = 1000.0  # 1/s; files with an unknown frame rate often claim this or more

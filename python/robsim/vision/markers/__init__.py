@@ -15,11 +15,15 @@ from robsim._core import (
     rgb_to_yuv,
     surrounding_chroma,
 )
-from robsim.base.public import present as _present
-from robsim.vision.markers.color_files import colors_to_toml, load_colors, save_colors
-from robsim.vision.markers.color_masks import paint_classes
+from robsim.base.doors import present as _present
+from robsim.vision.markers.color_files import (
+    colors_to_toml,
+    load_colors,
+    paint_classes,
+    save_colors,
+)
 from robsim.vision.markers.color_score import ColorScore, score_color
-from robsim.vision.markers.small_markers import SmallMarkersWarning
+from robsim.vision.markers.missed_detections import SmallMarkersWarning
 from robsim.vision.markers.trained_color import TrainedColor
 from robsim.vision.markers.training import train_color, train_markers
 

@@ -11,9 +11,8 @@ from robsim._core import Blob, ColorClass, Frame, color_histograms, find_blobs
 from robsim.base.checks import Floats, check_int, is_int
 from robsim.base.report import Column, Quantity, Report, Row, Table, percent
 from robsim.base.text import quoted
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging.images import Pixels, darkened
 from robsim.vision.imaging.noise import native_noise
-from robsim.vision.imaging.shading import darkened
 
 Region = tuple[int, int, int, int]
 

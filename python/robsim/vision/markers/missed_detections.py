@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robsim._core import MissedDetections
+from robsim._core import (
+    Frame,
+    MarkerLayout,
+    MissedDetections,
+    expected_signal_to_noise,
+    frame_noise,
+    small_markers_remark,
+    trusted_width,
+)
+from robsim.base.shipped import warn_user
 
 # The reasons that are not words yet; the others, such as "no blue blob", are.
 _WORDS = {
@@ -48,3 +57,52 @@ def explain_missed(missed: Sequence[MissedDetections], steps: int) -> str | None
             f"; in {part.steps}: {_WORDS.get(part.reason, part.reason)}" for part in missed[1:]
         )
     )
+
+
+class SmallMarkersWarning(UserWarning):
+    """The markers are too small in the frames for poses that can be trusted at their noise.
+
+    Attributes
+    ----------
+    width : float
+        Width of the smaller marker: the side of a square of its area (px of the frame).
+    noise : float
+        Standard deviation of the noise of a channel (grey levels): that of the simulated camera,
+        or what a frame shows.
+    """
+
+    def __init__(self, message: str, width: float, noise: float) -> None:
+        super().__init__(message, width, noise)
+        self.width = width
+        self.noise = noise
+
+    @property
+    def signal_to_noise(self) -> float:
+        """The figure to be expected of them in good light; poses can be trusted from 4 on."""
+        return expected_signal_to_noise(self.width, self.noise)
+
+    @property
+    def trusted_width(self) -> float:
+        """The width from which poses can be trusted at this noise (px of the frame)."""
+        return trusted_width(self.noise)
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+def warn_of_small_markers(markers: MarkerLayout, frame: Frame, noise: float | None) -> None:
+    """Warn the caller of robsim if the markers are too small in a frame.
+
+    Parameters
+    ----------
+    markers : MarkerLayout
+        The markers that are looked for.
+    frame : Frame
+        A frame of the camera.
+    noise : float or None
+        Standard deviation of its noise (grey levels); None = to be measured in it.
+    """
+    width = markers.width_in(frame)
+    known = frame_noise(frame) if noise is None else noise
+    if (remark := small_markers_remark(width, known)) is not None:
+        warn_user(SmallMarkersWarning(remark, width, known))

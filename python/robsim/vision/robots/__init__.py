@@ -1,11 +1,16 @@
 """Robots: their definitions (image, outline, markers), where they are stored, the default one."""
 
-from robsim.base.public import present as _present
-from robsim.vision.robots.default import default_robot, reset_default_robot
+from robsim.base.doors import present as _present
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.files import save_robot
 from robsim.vision.robots.finding import robot_from_image
-from robsim.vision.robots.lookup import load_robot, robot_names, set_default_robot
+from robsim.vision.robots.lookup import (
+    default_robot,
+    load_robot,
+    reset_default_robot,
+    robot_names,
+    set_default_robot,
+)
 from robsim.vision.robots.marker_check import check_colors
 from robsim.vision.robots.user_robots import add_robot, remove_robot, rotate_robot
 

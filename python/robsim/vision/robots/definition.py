@@ -17,8 +17,7 @@ from robsim.base.geometry.polygons import area_and_centroid
 from robsim.base.text import quoted
 from robsim.base.values import digest, frozen
 from robsim.vision.imaging.images import Pixels, check_pixels
-from robsim.vision.robots.geometry_check import geometry_problems
-from robsim.vision.robots.polygon_checks import finite_array, polygon
+from robsim.vision.robots.polygon_checks import finite_array, geometry_problems, polygon
 
 #: The colours of the markers of a robot that names no others.
 DEFAULT_COLORS = tuple(MarkerLayout(distance=1, offset=0).colors.values())

@@ -24,7 +24,6 @@ from robsim.base.files.reading import MOST_TOML
 from robsim.base.files.writing import hidden_path
 from robsim.base.text import listed, one_line, quoted
 from robsim.vision.imaging.images import Pixels, load_image
-from robsim.vision.robots.default import default_robot, reset_default_robot
 from robsim.vision.robots.definition import (
     RobotDefinition,
     by_color,
@@ -35,8 +34,10 @@ from robsim.vision.robots.definition import (
 from robsim.vision.robots.files import TOML, read_robot, save_robot
 from robsim.vision.robots.finding import check_markers_by_color, reduced, robot_from_image
 from robsim.vision.robots.lookup import (
+    default_robot,
     find_folder,
     name_key,
+    reset_default_robot,
     robot_names,
     same_name,
     shipped_robots,

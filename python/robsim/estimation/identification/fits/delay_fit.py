@@ -13,7 +13,7 @@ from robsim.base.checks import Floats
 from robsim.base.text import quoted
 from robsim.estimation.identification.fits.model_fit import ModelFit
 from robsim.estimation.identification.fits.segments import Record
-from robsim.trace.input_delay import check_delay
+from robsim.trace.timing import check_delay
 
 #: Delays are searched from 0 to this (steps).
 LONGEST_DELAY = 10

@@ -14,7 +14,7 @@ from robsim.estimation.identification.fits.linear import solve
 from robsim.estimation.identification.fits.model_fit import ModelFit, with_undetermined
 from robsim.estimation.identification.fits.segments import Segment, as_record, split
 from robsim.estimation.identification.fits.unknowns import HEADING, X, Y
-from robsim.trace.input_delay import check_delay
+from robsim.trace.timing import check_delay
 
 _ITERATIONS = 30
 # An axis has converged when no parameter changes by more than this fraction of its standard error.

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robsim.base.checks import Floats
-from robsim.base.rank import decompose
+from robsim.base.checks import Floats, decompose
 
 _BLOCK = 128
 

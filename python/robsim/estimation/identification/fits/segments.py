@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim.base.checks import Floats
 from robsim.base.text import quoted
-from robsim.trace.input_delay import delayed
+from robsim.trace.timing import delayed
 
 HEADING = 2
 _MAXIMUM_VALUE = 1e9  # px, rad or V: beyond any real value

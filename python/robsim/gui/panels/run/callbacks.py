@@ -16,8 +16,8 @@ from robsim.gui.panels.code.lab import lab_link
 from robsim.gui.panels.code.places import name_in, place_in, source_in
 from robsim.gui.panels.part import Handlers, Part
 from robsim.gui.panels.settings.owners import owners_of
-from robsim.simulation.callbacks.call_times import CallTimes
 from robsim.simulation.callbacks.errors import callback_of
+from robsim.simulation.callbacks.signatures import CallTimes
 from robsim.simulation.slots import SLOTS
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robsim._core import ColorClass, Frame, MarkerLayout, PlaneMap, classify, detect, find_blobs
 from robsim.gui._frames import boxes_of, numbers
-from robsim.vision.markers.color_masks import paint_of
+from robsim.vision.markers.color_files import paint_of
 
 _LARGEST = 1600  # px along a side of a mask
 

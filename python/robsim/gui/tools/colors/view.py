@@ -21,8 +21,7 @@ from robsim.gui.tools.colors.messages import MESSAGES
 from robsim.gui.tools.colors.training import OPTIONS, ColorTraining, Region, ranges_of
 from robsim.gui.tools.pictures import Picture, Pictures
 from robsim.gui.tools.tool import Acts, T, ToolView
-from robsim.vision.markers.color_files import colors_of_text, colors_to_toml, save_colors
-from robsim.vision.markers.color_masks import paint_of
+from robsim.vision.markers.color_files import colors_of_text, colors_to_toml, paint_of, save_colors
 from robsim.vision.markers.color_score import ColorScore, score_color
 from robsim.vision.robots.definition import RobotDefinition
 

@@ -16,8 +16,8 @@ from robsim.lab.calibration.lens_report import LensCalibration
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.lab.calibration.taking import BoardTaker, empty_parts, is_resized, resized
-from robsim.vision.imaging.frames import frame_size
-from robsim.vision.imaging.opencv import load_opencv
+from robsim.vision.imaging.images import frame_size
+from robsim.vision.imaging.video import load_opencv
 
 if TYPE_CHECKING:
     from robsim.gui.tools.floor.view import FloorView

@@ -15,8 +15,7 @@ from robsim.lab.calibration.floor_report import FloorCalibration
 from robsim.lab.calibration.patterns.floor_sheet import FloorSheet, find_sheets
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.vision.imaging.calibration import Calibration
-from robsim.vision.imaging.frames import frame_size
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging.images import Pixels, frame_size
 
 _MARK = 80.0  # mm, as it is printed
 

@@ -28,7 +28,7 @@ from robsim.gui.tools.tool import Acts, T, ToolView
 from robsim.lab.calibration.floor_report import FloorCalibration
 from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.calibration_file import load_calibration, save_calibration
-from robsim.vision.imaging.frames import frame_size
+from robsim.vision.imaging.images import frame_size
 
 #: What is shown, and what a floor is fitted by: while it is a lens, by the points.
 WAYS = ("points", "sheets", "lens")

@@ -19,8 +19,7 @@ from robsim.vision.robots.definition import (
     from_colors,
     roles_by_color,
 )
-from robsim.vision.robots.geometry_check import geometry_problems
-from robsim.vision.robots.polygon_checks import finite_array, polygon
+from robsim.vision.robots.polygon_checks import finite_array, geometry_problems, polygon
 
 #: The part that is no marker.
 OUTLINE = "outline"

@@ -27,9 +27,14 @@ from robsim.gui.tools.robots.sketches import (
 )
 from robsim.gui.tools.tool import Acts, ToolView
 from robsim.vision.imaging.images import Pixels
-from robsim.vision.robots.default import default_robot
 from robsim.vision.robots.definition import RobotDefinition
-from robsim.vision.robots.lookup import load_robot, robot_names, set_default_robot, user_robots
+from robsim.vision.robots.lookup import (
+    default_robot,
+    load_robot,
+    robot_names,
+    set_default_robot,
+    user_robots,
+)
 from robsim.vision.robots.user_robots import add_robot, check_new_name
 
 _SQUARE = 0.4  # of the shorter side of a picture

@@ -18,7 +18,7 @@ from robsim.lab.calibration.patterns.pattern import (
     mark_dictionary,
     mark_rectangles,
 )
-from robsim.vision.imaging.opencv import load_opencv
+from robsim.vision.imaging.video import load_opencv
 
 _LARGEST = 50  # corners or squares along a side
 _FEWEST = 6  # corners of a ChArUco board that tell its pose

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robsim.base.checks import Floats
 from robsim.base.text import quoted
-from robsim.vision.imaging.opencv import load_opencv
+from robsim.vision.imaging.video import load_opencv
 
 Rectangle = tuple[float, float, float, float]
 Pixels = NDArray[np.uint8]

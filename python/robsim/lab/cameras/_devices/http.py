@@ -11,15 +11,36 @@ from http.client import HTTPException, parse_headers
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from robsim._core import ImageStream
+import numpy as np
+from PIL import Image
+
+from robsim._core import ImageStream, is_whole_jpeg
 from robsim.base.text import cut, one_line
-from robsim.lab.cameras._devices.jpeg import decoded
 from robsim.lab.cameras.errors import (
     CaptureError,
     FrameTimeoutError,
     NoCameraError,
     NoPermissionError,
 )
+
+_MOST_PIXELS = 64_000_000
+
+
+def decoded(data: bytes) -> Any:
+    """Return the pixels of a JPEG image, array (H, W, 3); None if it is torn or none.
+
+    Decoders fill up what is missing: Pillow if there is an end marker, FFmpeg and OpenCV always.
+    """
+    if not is_whole_jpeg(data):
+        return None
+    try:
+        with Image.open(io.BytesIO(data), formats=("JPEG",)) as image:
+            if image.width * image.height > _MOST_PIXELS:
+                return None
+            return np.asarray(image if image.mode == "RGB" else image.convert("RGB"))
+    except (OSError, ValueError, SyntaxError):
+        return None
+
 
 _WAIT = 0.1  # s in one call
 _AT_ONCE = 1 << 18  # bytes

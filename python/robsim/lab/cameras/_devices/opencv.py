@@ -9,7 +9,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from robsim.base.text import cut, one_line
-from robsim.lab.cameras._devices.jpeg import decoded
+from robsim.lab.cameras._devices.http import decoded
 from robsim.lab.cameras.errors import (
     CameraBusyError,
     FrameTimeoutError,
@@ -18,7 +18,7 @@ from robsim.lab.cameras.errors import (
     NoPermissionError,
     UnpluggedError,
 )
-from robsim.vision.imaging.opencv import load_opencv, quiet
+from robsim.vision.imaging.video import load_opencv, quiet
 
 OF_ADDRESSES = ("ffmpeg", "gstreamer")
 OF_INDICES = ("v4l2", "msmf", "dshow", "avfoundation", "gstreamer")

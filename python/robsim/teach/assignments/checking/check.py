@@ -16,7 +16,7 @@ from robsim.base.report import Column, Problem, Row, Table
 from robsim.base.text import listed
 from robsim.campaigns.engines.engine import Engine, engine_value
 from robsim.campaigns.engines.executors import DaskClient
-from robsim.simulation.progress import progress_bar
+from robsim.simulation.runner import progress_bar
 from robsim.teach.assignments._reading.limits_file import RecordedTest, read_limits
 from robsim.teach.assignments.assignment import Assignment, TaskTest
 from robsim.teach.assignments.checking.rehearsal import FULL, LESS, NOTHING, Part, cast_of, graded

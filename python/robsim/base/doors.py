@@ -1,4 +1,4 @@
-"""The doors of wings: public names whose rooms are loaded when the first of them is asked for."""
+"""The doors of wings: public names, loaded when asked for, that say where they are public."""
 
 from __future__ import annotations
 
@@ -50,3 +50,25 @@ def late_names(
         raise no_attribute(f"module {wing!r} has no attribute {name!r}" + suggestion(name, names()))
 
     return get, lambda: sorted([*names(), *rooms, *apart])
+
+
+def present(namespace: dict[str, Any], home: str | None = None) -> None:
+    """Set ``__module__`` of the names in a module's ``__all__`` to the wing that has them.
+
+    So `help`, reprs, tracebacks and pickles show the public path, such as ``robsim.Trace`` or
+    ``robsim.lab.Camera``, and not the private file that defines it.
+
+    Parameters
+    ----------
+    namespace : dict
+        The ``globals()`` of the module.
+    home : str, optional
+        The module that has them, if it is not the wing.
+    """
+    # `robsim` presents its own names when it is loaded; rooms that are loaded later know them.
+    homes = getattr(sys.modules.get("robsim"), "_HOMES", {})
+    wing = home or ".".join(namespace["__name__"].split(".")[:2])
+    for name in namespace["__all__"]:
+        value = namespace[name]
+        if getattr(value, "__module__", "").startswith("robsim"):
+            value.__module__ = "robsim" if wing == f"robsim.{homes.get(name)}" else wing
