@@ -134,7 +134,8 @@ def test_formats_packets_and_regions_show_the_lab_and_nothing_is_left(server):
                 # 0.4 px of the frame, which the means of neighbours cost.
                 assert np.hypot(*(measured(frame)[:2] - pose[:2])) < 1.5
         kept.append(held())
-    assert kept[-1] == kept[1]
+    # Of threads and descriptors; what other tests had may still be ending.
+    assert all(now <= then for now, then in zip(kept[-1], kept[1], strict=True))
 
 
 @pytest.mark.slow
