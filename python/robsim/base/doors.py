@@ -23,12 +23,13 @@ def late_names(
     rooms : tuple of str
         Its rooms, in the order in which they import one another.
     apart : tuple of str
-        Rooms that need what not everybody has: their names are in them alone.
+        Rooms whose names are in them alone: not everybody has them, or what they need.
     """
     namespace = sys.modules[wing].__dict__
 
     def loaded(room: str) -> ModuleType:
-        return importlib.import_module(f"{wing}.{room}")
+        with sys.modules["robsim"]._loading:
+            return importlib.import_module(f"{wing}.{room}")
 
     def names() -> list[str]:
         public = (name for room in rooms for name in loaded(room).__all__)
@@ -39,14 +40,13 @@ def late_names(
             return loaded(name)
         if name.startswith("_") and name != "__all__":
             raise AttributeError(f"module {wing!r} has no attribute {name!r}")
-        with sys.modules["robsim"]._loading:
-            if name == "__all__":
-                namespace[name] = names()
+        if name == "__all__":
+            namespace[name] = names()
+            return namespace[name]
+        for room in rooms:
+            if name in loaded(room).__all__:
+                namespace[name] = getattr(loaded(room), name)
                 return namespace[name]
-            for room in rooms:
-                if name in loaded(room).__all__:
-                    namespace[name] = getattr(loaded(room), name)
-                    return namespace[name]
         raise no_attribute(f"module {wing!r} has no attribute {name!r}" + suggestion(name, names()))
 
     return get, lambda: sorted([*names(), *rooms, *apart])

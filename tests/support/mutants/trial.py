@@ -17,10 +17,11 @@ _LONGEST_IN_CPP = 120  # s
 _LONGEST_TEST = 120  # s; whoever waits longer for what a fault keeps from happening has caught it
 #: Folders of tests that take long, by the folder of the fault; other faults: folders of its name.
 _RELATED = {
-    "_base": "files trace robots simulation fuzz digests",
+    "base": "files trace robots simulation fuzz digests",
     "assignments": "assignments cli",
     "bindings": "bindings simulation threads fuzz vision",
     "calibration": "calibration live",
+    "cameras": "capture live",
     "capture": "capture live",
     "cli": "cli",
     "estimation": "estimation identification simd digests",
@@ -29,12 +30,17 @@ _RELATED = {
     "grading": "grading assignments",
     "identification": "identification doctor statistics",
     "imaging": "imaging capture fuzz simd vision",
+    "isolation": "grading",
     "laboratory": "live",
-    "live": "live",
+    "markers": "vision fuzz simulation",
     "model": "model simulation digests",
     "motors": "motors live simulation",
+    "rehearsal": "live",
+    "reports": "assignments",
     "random": "simulation digests world",
     "simd": "simd vision world",
+    "sessions": "sessions live",
+    "submissions": "grading fuzz",
     "simulation": "simulation threads grading digests",
     "tasks": "tasks assignments doctor guards",
     "vision": "vision simd fuzz simulation digests",
@@ -122,7 +128,7 @@ class Bench:
         if fault.file.startswith("cpp") and (found := self.core_tests()) is not None:
             return found
         rooms = [part for part in Path(fault.file).parts[:-1] if part in _RELATED]
-        room = rooms[0] if rooms else Path(fault.file).parts[2]
+        room = rooms[-1] if rooms else Path(fault.file).parts[2]
         folders = [f"tests/{one}" for one in _RELATED.get(room, room).split()]
         folders = [folder for folder in folders if (tests / folder).is_dir()]
         quick, others = "not slow and not long", "slow or long"
