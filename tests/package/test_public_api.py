@@ -1,6 +1,7 @@
 """What is public: names at the top and, by subject, in the rooms; nothing else can be reached."""
 
 import importlib
+import inspect
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -53,6 +54,22 @@ def test_a_name_says_where_it_is_public():
     with pytest.raises(TypeError, match="step") as caught:
         robsim.Spin()(3)
     assert "robsim._core" not in str(caught.value)
+
+
+def public_calls():
+    for module in map(importlib.import_module, MODULES):
+        for name in filter(lambda one: callable(getattr(module, one)), module.__all__):
+            value = getattr(module, name)
+            yield name, value
+            for one, member in vars(value).items() if isinstance(value, type) else ():
+                if callable(member) and not one.startswith("_"):
+                    yield f"{name}.{one}", member
+
+
+def test_what_is_public_has_a_docstring():
+    found = dict(public_calls())
+    assert len(found) > 400
+    assert [name for name, value in found.items() if not inspect.getdoc(value)] == []
 
 
 AT_ONCE = """
