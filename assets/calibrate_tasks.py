@@ -12,7 +12,7 @@ from pathlib import Path
 
 from robsim.teach import TASKS, calibrate, task
 from robsim.teach.tasks.marks.calibrate import calibration_seconds
-from robsim.teach.tasks.marks.files import read_calibrations, write_calibrations
+from robsim.teach.tasks.marks.calibration import read_calibrations, write_calibrations
 
 FILE = Path(__file__).parents[1] / "python/robsim/teach/tasks/limits.json"
 

@@ -81,10 +81,10 @@ def closed_page(monkeypatch):
 @pytest.fixture
 def small_bench(monkeypatch):
     """Let ``robsim bench`` measure with small images, in a sixth of the time."""
-    from robsim.cli.simulated.bench_table import run_bench
+    from robsim.cli.simulated.bench import run_bench
 
     small = partial(run_bench, sizes=(480,), frames=3, steps=20)
-    monkeypatch.setattr("robsim.cli.simulated.bench_table.run_bench", small)
+    monkeypatch.setattr("robsim.cli.simulated.bench.run_bench", small)
 
 
 @pytest.fixture

@@ -8,7 +8,8 @@ import pytest
 
 from commands import command
 from robsim.teach import Assignment, check_assignment, new_assignment
-from robsim.teach.assignments.checking import check, rehearsal
+from robsim.teach.assignments import checking as check
+from robsim.teach.assignments import rehearsal
 from small_assignments import LIMITS
 
 TIGHT = {"position": {"full": 1.0001, "zero": 1.0002}}

@@ -6,8 +6,7 @@ import shutil
 import pytest
 
 from commands import command
-from robsim.cli.assignment import calibrate, check, new, pack
-from robsim.cli.grading import grade
+from robsim.cli import assignment, grade
 from small_assignments import solution
 
 
@@ -23,7 +22,7 @@ def run(line, *more, cwd, status=(0,)):
 def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
     monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 3)
     monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.WRONG_TESTS", 2)
-    run(new.EXAMPLE, "--no-calibrate", "--seed", "1", cwd=tmp_path)
+    run(assignment.NEW_EXAMPLE, "--no-calibrate", "--seed", "1", cwd=tmp_path)
     folder = tmp_path / "hw1"
     file = folder / "assignment.toml"
     text = file.read_text().replace("runs = 10", "runs = 2").replace("steps = 150", "steps = 20")
@@ -31,14 +30,14 @@ def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
     for wrong in (folder / "solutions/park/wrong").iterdir():
         if wrong.name != "naive":
             shutil.rmtree(wrong)
-    run(calibrate.EXAMPLE, "--false-fail", "0.5", "--confidence", "0.5", cwd=tmp_path)
+    run(assignment.CALIBRATE_EXAMPLE, "--false-fail", "0.5", "--confidence", "0.5", cwd=tmp_path)
     # What is hostile, and the doctor, are tried elsewhere.
-    rehearsal = "robsim.teach.assignments.checking.rehearsal"
+    rehearsal = "robsim.teach.assignments.rehearsal"
     monkeypatch.setattr(f"{rehearsal}.hostile_submissions", lambda _: ())
     monkeypatch.setattr("robsim.teach.assignments.grading.findings._SECONDS", 0.1)
     # With limits of so few tests, right ones may fail.
-    assert "right: reference" in run(check.EXAMPLE, cwd=tmp_path, status=(0, 1)).stdout
-    run(pack.EXAMPLE, cwd=tmp_path)
+    assert "right: reference" in run(assignment.CHECK_EXAMPLE, cwd=tmp_path, status=(0, 1)).stdout
+    run(assignment.PACK_EXAMPLE, cwd=tmp_path)
     assert (tmp_path / "hw1-students.zip").is_file()
     folder.rename(tmp_path / "hw3")
     solution(tmp_path / "submissions/anna", kind="park")

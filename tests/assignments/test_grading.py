@@ -11,8 +11,9 @@ import pytest
 from graded import graded_run
 from graded_results import FailedRun
 from robsim.teach import AssignmentError, Key, Limit, SubmissionError
-from robsim.teach.assignments.grading import marking, references, seeds, task_runs
-from robsim.teach.grading.calls.judging import judged
+from robsim.teach.assignments.grading import marking, references, task_runs
+from robsim.teach.assignments.grading import references as seeds
+from robsim.teach.grading.calling import judged
 from small_assignments import LIMITS, drawn_quickly
 
 pytestmark = pytest.mark.long

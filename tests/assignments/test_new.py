@@ -72,7 +72,7 @@ def test_wrong_arguments_are_refused_before_anything_is_written(tmp_path):
 
 
 def test_a_folder_that_cannot_be_filled_is_removed(tmp_path, monkeypatch):
-    folder = "robsim.teach.assignments.making.folder"
+    folder = "robsim.teach.assignments.making"
     monkeypatch.setattr(f"{folder}.sheet_for", lambda assignment: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         new_assignment("measure", tmp_path / "hw1")

@@ -4,7 +4,9 @@ import json
 import re
 
 from graded_results import PROGRAM
-from robsim.teach.reports.similarity import pairs, tokens, winnowing
+from robsim.teach.reports import similarity as pairs
+from robsim.teach.reports import similarity as tokens
+from robsim.teach.reports import similarity as winnowing
 
 OTHER = """
 def estimate_state(step):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from commands import command
-from robsim.cli.simulated import bench_table
+from robsim.cli.simulated import bench as bench_table
 
 cv2 = pytest.importorskip("cv2")
 

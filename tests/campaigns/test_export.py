@@ -61,7 +61,7 @@ def test_nothing_is_left_of_npz_that_cannot_be_written(result, tmp_path, monkeyp
             raise OSError(28, "No space left on device", str(file))
         file.write_bytes(content)
 
-    monkeypatch.setattr("robsim.campaigns.export.write_whole", full)
+    monkeypatch.setattr("robsim.campaigns.result.write_whole", full)
     with pytest.raises(OSError, match="No space left"):
         result.to_npz(tmp_path / "rows")
     assert not list(tmp_path.iterdir())

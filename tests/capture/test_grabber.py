@@ -212,7 +212,7 @@ def test_a_run_that_was_stopped_while_it_waited_does_not_count_for_the_next(monk
         return now
 
     clock = SimpleNamespace(monotonic=monotonic)
-    monkeypatch.setattr("robsim.simulation.outside.frame_source.time", clock)
+    monkeypatch.setattr("robsim.simulation.frame_source.time", clock)
     source = SteppedCamera(numbered(2), permits=1)
     with robsim.Camera(source, **PATIENT) as camera:
         experiment = robsim.Experiment(

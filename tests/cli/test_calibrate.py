@@ -219,7 +219,7 @@ def test_from_pictures_to_a_floor(tmp_path):
 
 @pytest.mark.slow
 def test_pictures_are_taken_from_a_live_camera(monkeypatch, tmp_path):
-    from robsim.cli.live import sources
+    from robsim.cli import sources
 
     images = list(board_pictures(BOARD, farther=1.3))
     looks = []

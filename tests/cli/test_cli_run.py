@@ -333,7 +333,7 @@ def test_a_command_that_is_stopped_says_so(monkeypatch):
     def stopped(**options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("robsim.cli.simulated.bench_table.run_bench", stopped)
+    monkeypatch.setattr("robsim.cli.simulated.bench.run_bench", stopped)
     assert command("bench").exit_code == 130
 
 

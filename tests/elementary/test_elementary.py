@@ -172,7 +172,7 @@ INEXACT_IN_NUMPY = {
 HARMLESS = {
     "control/excitation.py": {"exp", "fft"},
     "simulation/world/disturbances.py": {"linalg"},
-    "simulation/outside/frame_source.py": {"cos", "sin", "@"},
+    "simulation/frame_source.py": {"cos", "sin", "@"},
     "simulation/options.py": {"degrees"},
 }
 

@@ -201,11 +201,11 @@ def test_two_processes_write_into_one_folder_and_lose_nothing(tmp_path):
 OTHERS = (
     *("base/files/", "base/values.py", "notebooks/"),
     *("teach/grading/", "teach/isolation/", "teach/submissions/"),
-    *("teach/assignments/checking/rehearsal.py", "teach/assignments/making/folder.py"),
-    *("teach/assignments/_own_tests/child.py", "teach/assignments/packing/archive.py"),
+    *("teach/assignments/rehearsal.py", "teach/assignments/making.py"),
+    *("teach/assignments/_own_tests/child.py", "teach/assignments/packing/gradescope.py"),
     *("campaigns/engines/processes.py", "cli/results.py", "cli/simulated/run.py"),
-    *("gui/panels/still_picture.py", "vision/imaging/video.py"),
-    *("plotting/runs/beside.py", "plotting/style.py", "trace/sessions/writer.py"),
+    *("gui/panels/still.py", "vision/imaging/video.py"),
+    *("plotting/beside.py", "plotting/style.py", "trace/sessions/writer.py"),
     "trace/_trace_file.py",
 )
 WRITES = re.compile(

@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from robsim.teach.grading.calls.arrays import as_array, as_arrays, from_message, to_parts
+from robsim.teach.grading.arrays import as_array, as_arrays, from_message, to_parts
 
 
 def message(*arrays):

@@ -12,7 +12,7 @@ import time
 import pytest
 
 import robsim
-from robsim.gui.panels.code import lab
+from robsim.gui.panels import editor as lab
 from waiting import wait_for
 
 pytestmark = pytest.mark.long

@@ -321,7 +321,7 @@ def test_a_mark_that_is_measured_while_sheets_are_found_counts_for_them(tool, br
         assert goes_on.wait(300)
         return {1: Corners(corners(mark), corners(mark) + 200)}
 
-    monkeypatch.setattr("robsim.gui.tools.floor.sheets.find_sheets", find)
+    monkeypatch.setattr("robsim.gui.tools.floor.corners.find_sheets", find)
     browser.say("sheets")
     assert begun.wait(300)
     browser.say("set", name="mark", value=100)

@@ -8,7 +8,7 @@ import pytest
 
 import robsim
 from browsers import panel_of
-from robsim.gui.panels.analysis.tree import child_of, nodes_of
+from robsim.gui.panels.analysis.inspector import child_of, nodes_of
 
 
 def named(nodes):

@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzing import fuzzed
-from robsim.gui import _messages
-from robsim.gui._messages import Refused
-from robsim.gui.panels.messages import MESSAGES
+from robsim.gui import _link as _messages
+from robsim.gui._link import Refused
+from robsim.gui.panels.part import MESSAGES
 
 
 def checked_message(message):

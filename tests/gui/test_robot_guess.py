@@ -5,7 +5,7 @@ import pytest
 
 import robsim
 from drawn_robots import covered
-from robsim.gui.tools.robots.guess import guess_marker, guess_outline
+from robsim.gui.tools.robots.drawing import guess_marker, guess_outline
 from robsim.vision import load_colors
 
 

@@ -70,7 +70,7 @@ def computing(monkeypatch):
     """The time that it takes to compute them: none, unless a test lets it pass."""
     computing = SimpleNamespace(now=0.0)
     time = SimpleNamespace(monotonic=lambda: computing.now)
-    monkeypatch.setattr("robsim.gui.panels.analysis.summary.time", time)
+    monkeypatch.setattr("robsim.gui.panels.analysis.statistics.time", time)
     return computing
 
 

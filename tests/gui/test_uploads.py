@@ -230,7 +230,7 @@ LARGEST = 200  # px along a side
 
 @pytest.fixture
 def robots(user_folder, monkeypatch):
-    monkeypatch.setattr("robsim.gui.tools.robots.sketches.MAXIMUM_SIDE", LARGEST)
+    monkeypatch.setattr("robsim.gui.tools.robots.drawing.MAXIMUM_SIDE", LARGEST)
     with robsim.gui.robot_panel(robot="lab") as tool:
         yield tool._view
 

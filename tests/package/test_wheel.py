@@ -17,10 +17,10 @@ OF_DEVELOPERS = {
 #: What is called so, and is for users: the command `robsim bench`, what a grade rests on, and the
 #: tests that teachers write.
 OF_USERS = (
-    *("robsim/cli/simulated/bench.py", "robsim/cli/simulated/bench_table.py"),
+    *("robsim/cli/simulated/bench.py", "robsim/cli/simulated/bench.py"),
     # which read them, packed
     *("robsim/teach/tasks/solutions.py", "robsim/teach/tasks/solutions.bin"),
-    "robsim/teach/assignments/grading/digests.py",
+    "robsim/teach/assignments/grading/references.py",
     *("robsim/teach/assignments/_own_tests/", "robsim/teach/assignments/templates/tests/"),
 )
 
@@ -45,7 +45,7 @@ def test_a_wheel_has_the_packages_alone():
 
 def test_a_wheel_has_nothing_that_only_developers_need():
     files = files_of_wheel()
-    assert "robsim/cli/simulated/bench_table.py" in files
+    assert "robsim/cli/simulated/bench.py" in files
     named = [file for file in files if OF_DEVELOPERS & {*re.split(r"[^a-z]+", file)}]
     assert [file for file in named if not file.startswith(OF_USERS)] == []
 

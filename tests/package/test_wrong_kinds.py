@@ -21,7 +21,7 @@ import pytest
 import robsim
 from python_cameras import SteppedCamera
 from refusals import NO_IMAGE, NO_PAIR, NO_POLYGON, NO_POSE, NOT_FINITE, short
-from robsim.teach.tasks.marks.files import shipped_calibrations
+from robsim.teach.tasks.marks.calibration import shipped_calibrations
 
 pytestmark = pytest.mark.long
 

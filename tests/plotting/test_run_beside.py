@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 import robsim
-from robsim.plotting.runs.beside import as_png, draw_run
+from robsim.plotting.beside import as_png, draw_run
 
 
 def lost(step):

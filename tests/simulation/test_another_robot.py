@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.gui.panels.saved import SavedRecord
+from robsim.gui.panels.record import SavedRecord
 from robsim.simulation import Experiment
 
 

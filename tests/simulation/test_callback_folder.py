@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.simulation.folders.callback_folder import CallbackFolder, new_folder
+from robsim.simulation.callback_folder import CallbackFolder, new_folder
 
 SLOTS = list(robsim.Simulation.SLOTS)
 OPTIONAL = ["estimate_parameters", "measure", "estimate_state"]

@@ -7,7 +7,7 @@ import pytest
 
 import robsim
 from drawn_robots import box, painted
-from robsim.simulation.outside.frame_source import drives_backwards
+from robsim.simulation.frame_source import drives_backwards
 from robsim.vision import RobotDefinition
 from sizes import thorough
 

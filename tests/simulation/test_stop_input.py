@@ -425,7 +425,7 @@ class Stalled:
         for k in range(3):
             self.arrivals.put(frame(k))
         self.sim = experiment(self.robot, self.arrivals, frame_timeout=frame_timeout)
-        monkeypatch.setattr("robsim.simulation.outside.frame_source.time", self)
+        monkeypatch.setattr("robsim.simulation.frame_source.time", self)
 
     def monotonic(self):
         if self.is_waiting():

@@ -10,7 +10,7 @@ import numpy as np
 from robsim.gui._link import Link
 from robsim.gui.hosts.page import Page
 from robsim.gui.panels.view import PanelView
-from robsim.gui.tools.floor.example import floor_to_pixels, tiled_floor
+from robsim.gui.tools.floor.corners import floor_to_pixels, tiled_floor
 from waiting import wait_for
 
 __all__ = ["Link", "Page", "PanelView", "pixels_of_floor", "tiled_floor"]

@@ -9,8 +9,8 @@ import numpy as np
 import robsim
 from robsim.teach import Limits
 from robsim.teach.grading.graded_run import all_here, graded_run
-from robsim.teach.grading.seeds import RunSeeds
-from robsim.teach.grading.tasks.task import Task
+from robsim.teach.grading.keys import RunSeeds
+from robsim.teach.grading.task import Task
 from robsim.teach.isolation._layers import layer as layer
 from robsim.teach.submissions import Rules, read_submission
 

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from robsim.teach import reports as reports
 from robsim.teach.assignments import results as _results
 from robsim.teach.assignments.results import FailedRun
-from robsim.teach.reports.pages.class_page import class_page
-from robsim.teach.reports.pages.student import student_page
+from robsim.teach.reports.class_page import class_page
+from robsim.teach.reports.student_page import student_page
 
 __all__ = ["FailedRun", "class_page", "reports", "student_page"]
 

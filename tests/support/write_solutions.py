@@ -6,7 +6,7 @@ A test compares FILE with the folder, so that no change of a solution is forgott
 import sys
 from pathlib import Path
 
-from robsim.teach.tasks._shipped import pack
+from robsim.teach.tasks.solutions import pack
 
 
 def sources_in(folder: Path) -> dict[str, str]:

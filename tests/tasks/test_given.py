@@ -111,7 +111,7 @@ def test_what_is_not_given_hides_no_other_error():
 
 def test_a_campaign_with_less_given_is_another_one():
     def description(**options):
-        from robsim.campaigns.description import description_of
+        from robsim.campaigns.spec import description_of
 
         spec = robsim.campaigns.CampaignSpec(
             scenario=SCENARIO, metrics="tracking", runs=1, steps=2, seed=1, **options

@@ -7,7 +7,7 @@ import pytest
 
 import robsim
 from robsim.teach import TASKS, Limits, Submission, SubmissionError, check_isolation
-from robsim.teach.tasks import _shipped
+from robsim.teach.tasks import solutions as _shipped
 from write_solutions import sources_in
 
 COMPILED = (".so", ".pyd", ".pyc")

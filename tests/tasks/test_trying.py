@@ -5,7 +5,7 @@ import pytest
 
 import robsim
 from robsim.teach import Limit, Measure, Park
-from robsim.teach.tasks import _trying
+from robsim.teach.tasks import trial as _trying
 from small_assignments import solution
 
 SHORT = {"steps": 40, "runs": 2}

@@ -16,9 +16,14 @@ from numpy.typing import NDArray
 from robsim.base.files import as_path
 from robsim.base.shipped import warn_user
 from robsim.base.text import one_line
-from robsim.campaigns.description import description_of, difference, surroundings
 from robsim.campaigns.runs import Job, Row
-from robsim.campaigns.spec import ROW_COLUMNS, CampaignSpec
+from robsim.campaigns.spec import (
+    ROW_COLUMNS,
+    CampaignSpec,
+    description_of,
+    difference,
+    surroundings,
+)
 from robsim.trace import Trace
 
 _FORMAT = 2

@@ -18,9 +18,9 @@ from robsim.base.checks import check_float, check_name, is_int
 from robsim.base.spelling import check_names
 from robsim.base.text import quoted
 from robsim.simulation import Scenario
+from robsim.simulation.callback_folder import CallbackFolder
 from robsim.simulation.callbacks.checks import check_callback
 from robsim.simulation.callbacks.signatures import accepts
-from robsim.simulation.folders.callback_folder import CallbackFolder
 from robsim.simulation.scenario import OPTIONS
 from robsim.simulation.slots import SLOTS, STEP, is_default
 from robsim.trace import Trace

@@ -17,7 +17,7 @@ from robsim.campaigns.engines.campaign_work import CampaignWork
 from robsim.campaigns.engines.chunks import Chunks
 from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
 from robsim.campaigns.engines.executors import DaskClient
-from robsim.campaigns.engines.in_flight import DIED
+from robsim.campaigns.engines.processes import DIED
 from robsim.campaigns.result import CampaignResult, result_of
 from robsim.campaigns.runs import CaseRuns, Row
 from robsim.campaigns.spec import CampaignSpec

@@ -11,7 +11,7 @@ import numpy as np
 
 from robsim.base.checks import Floats
 from robsim.base.report import Column, Report, Row, Table
-from robsim.base.report.as_data import import_pandas
+from robsim.base.report.forms import import_pandas
 from robsim.base.report.table import percent
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from robsim.cli import errors
+from robsim.cli.command import argument, option
 from robsim.cli.errors import styled
-from robsim.cli.option import argument, option
 from robsim.cli.shared import Json
 from robsim.simulation.slots import SLOTS
 

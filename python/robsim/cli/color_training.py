@@ -11,7 +11,7 @@ import numpy as np
 from robsim._core import Frame, Observation, color_histograms
 from robsim.base.text import quoted
 from robsim.cli import errors
-from robsim.cli.option import argument, integer_option, option, switch
+from robsim.cli.command import argument, integer_option, option, switch
 from robsim.cli.shared import Area, CalibrationFile, Colors, Robot
 from robsim.cli.text import parse_region, parse_size
 from robsim.vision.imaging.images import Pixels, image_suffixes, load_image

@@ -10,11 +10,17 @@ import numpy as np
 
 from robsim._core import ColorClass, classify, find_blobs
 from robsim.base.checks import Floats, check_float
-from robsim.base.geometry.polygons import area_and_centroid, mask
+from robsim.base.polygons import area_and_centroid, mask
 from robsim.base.text import quoted
 from robsim.cli import color_training, errors
-from robsim.cli.command import Command, command_group
-from robsim.cli.option import argument, integer_option, number_option, option
+from robsim.cli.command import (
+    Command,
+    argument,
+    command_group,
+    integer_option,
+    number_option,
+    option,
+)
 from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
 from robsim.cli.text import about, parse_noise, parse_point, parse_region
 from robsim.simulation.simulation import Simulation

@@ -1,4 +1,4 @@
-"""The classes of all commands: help without types of Python, errors in the words of the shell."""
+"""The classes of all commands, and how their arguments and options are declared."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from robsim.cli import errors
+from robsim.cli.text import number, whole_number
 
 
 class Command(TyperCommand):
@@ -88,3 +89,28 @@ def _without_types(params: list[Any]) -> list[Any]:
 def _shown(param: Any) -> str:
     """Return the name of a parameter as --help shows it."""
     return str(param.metavar) if param.param_type_name == "argument" else str(param.opts[0])
+
+
+def argument(value: str, text: str, **more: Any) -> Any:
+    """Return an argument that --help shows as `value`, with a text; `more` goes to Typer."""
+    return typer.Argument(metavar=value, help=text, **more)
+
+
+def option(name: str, value: str, text: str, **more: Any) -> Any:
+    """Return an option whose value --help shows as `value`, with a text."""
+    return typer.Option(name, metavar=value, help=text, **more)
+
+
+def number_option(name: str, value: str, text: str, **more: Any) -> Any:
+    """Return an option that takes a number."""
+    return option(name, value, text, parser=number, **more)
+
+
+def integer_option(name: str, value: str, text: str, **more: Any) -> Any:
+    """Return an option that takes a whole number."""
+    return option(name, value, text, parser=whole_number, **more)
+
+
+def switch(name: str, text: str, **more: Any) -> Any:
+    """Return an option without a value: in place of its type, --help shows nothing."""
+    return option(name, "", text, **more)

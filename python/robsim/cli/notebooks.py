@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from robsim.cli import errors
-from robsim.cli.option import argument
+from robsim.cli.command import argument
 
 EXAMPLE = "Example: robsim notebooks coursework"
 HELP = "They need Jupyter: pip install notebook 'robsim\\[notebook]'. Then: jupyter notebook FOLDER"

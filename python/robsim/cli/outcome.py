@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import getpass
 import json
+import os
+import socket
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -13,6 +17,8 @@ if TYPE_CHECKING:
 
     from robsim._core import Frame
     from robsim.base.report import Report
+    from robsim.gui.hosted import HostedPanel
+    from robsim.gui.hosts.page import Page
     from robsim.simulation.runner import Runner
     from robsim.simulation.simulation import Simulation
     from robsim.trace.trace import Trace
@@ -87,3 +93,46 @@ def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Tra
 
     shown = progress_bar(frames, total=len(trace), unit="frame", desc=file.name)
     save_video(file, shown, fps=min(500.0, max(0.1, 1 / trace.info.dt)))
+
+
+_PATIENCE = 3.0  # s that the last page may be away, such as while it is loaded anew
+
+
+def show_panel(opened: HostedPanel, port: int = 0, *, is_wanted: bool = True) -> None:
+    """Tell the address of a panel, and show it until its last page is closed, or Ctrl-C.
+
+    Parameters
+    ----------
+    opened : HostedPanel
+        The panel.
+    port : int
+        Port of its page on this machine; 0 = any that is free.
+    is_wanted : bool
+        Whether a browser is to be started.
+    """
+    page = opened._serve(port)
+    _tell(page, is_shown=is_wanted and page.open(), is_wanted=is_wanted)
+    _wait(page)
+
+
+def _tell(page: Page, *, is_shown: bool, is_wanted: bool) -> None:
+    errors.say(f"the panel is at {page.url}")
+    if is_wanted and not is_shown:
+        errors.print_note("no browser could be started: open this address in one")
+    if not is_shown and "SSH_CONNECTION" in os.environ:
+        login = f"{getpass.getuser()}@{socket.gethostname()}"
+        errors.print_note(
+            "to see it on the machine before you, type there: "
+            f"ssh -N -L {page.port}:127.0.0.1:{page.port} {login}; then open the address there"
+        )
+    errors.say("Ctrl-C ends it")
+    sys.stdout.flush()
+
+
+def _wait(page: Page) -> None:
+    try:
+        page.wait(_PATIENCE)
+    except KeyboardInterrupt:
+        errors.print_note("ended")
+    else:
+        errors.say("its last page was closed: ended")

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from robsim.base.text import one_line, quoted
 from robsim.cli import errors
-from robsim.cli.command import Command, command_group
-from robsim.cli.option import argument, number_option, option, switch
+from robsim.cli.command import Command, argument, command_group, number_option, option, switch
 from robsim.cli.text import number, parse_point, parse_points
 
 if TYPE_CHECKING:

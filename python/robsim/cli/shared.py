@@ -9,7 +9,7 @@ import numpy as np
 
 from robsim.base.checks import check_choice, check_float
 from robsim.cli import errors
-from robsim.cli.option import argument, integer_option, number_option, option, switch
+from robsim.cli.command import argument, integer_option, number_option, option, switch
 from robsim.cli.text import about, parse_points
 from robsim.control.by_name import NAMES, POINTS
 

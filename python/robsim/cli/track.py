@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from robsim.cli import errors, shared
-from robsim.cli.option import argument, number_option, switch
+from robsim.cli.command import argument, number_option, switch
 from robsim.cli.outcome import finish, write_with_progress
 from robsim.cli.text import parse_size
 

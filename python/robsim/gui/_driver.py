@@ -8,20 +8,79 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any, ClassVar, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar
 
 from robsim._core import HaltedError, Step
 from robsim.base.checks import check_float
-from robsim.gui._playback import Playback
 from robsim.gui._worker import Worker, at_work
 from robsim.simulation import Experiment, Simulation
 from robsim.simulation.callbacks.errors import callback_of
 from robsim.simulation.slots import ONCE, names
 
+if TYPE_CHECKING:
+    from robsim.gui.panels.record import Record
+
+
+class Playback:
+    """Goes through the steps of a record, which stays as it is.
+
+    It has of a `Simulation` what a `Driver` needs. It stands at the last step, as a run does that
+    is over; the next `step` gives the first one.
+    """
+
+    SLOTS = ()  # a record calls nothing
+    stage = "world"
+
+    def __init__(self, record: Record) -> None:
+        self._record = record
+        self._at = self.n_steps - 1
+        self._next = 0
+        self._shown: Step | None = None
+
+    @property
+    def n_steps(self) -> int:
+        return self._record.n_steps
+
+    @property
+    def last_step(self) -> Step:
+        """The step that is shown."""
+        if self._shown is None:
+            self._shown = self._step(self._at)
+        return self._shown
+
+    def step(self) -> Step:
+        """Go to the next step; EOFError after the last one, after which it begins again."""
+        if self._next >= self.n_steps:
+            self._next = 0
+            raise EOFError("the record is over")
+        self.seek(self._next)
+        return self.last_step
+
+    def step_stage(self) -> str:
+        """Go to the next step: a record has no stages."""
+        self.step()
+        return self.stage
+
+    def seek(self, k: int) -> None:
+        self._at, self._next, self._shown = k, k + 1, None
+
+    def _step(self, k: int) -> Step:
+        try:
+            frame = self._record.frame(k)
+        except LookupError:
+            frame = None
+        return self._record.step(k, frame)
+
+    def reset(self) -> None:
+        self.seek(0)
+
+    def stop(self) -> bool:
+        """Do nothing: a step takes no time that could be cut."""
+        return False
+
+
 State = Literal["paused", "running", "ended", "failed", "closed"]
-
 T = TypeVar("T")
-
 SPEED = 5.0  # times real time
 _STAGE_PAUSE = 0.3  # s between two stages that are to be watched
 _CATCH_UP = 0.1  # s behind that are made up for; more are forgotten

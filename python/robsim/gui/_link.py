@@ -1,15 +1,23 @@
-"""A line from Python to one browser page, or one widget."""
+"""A line from Python to one browser: messages and their checks, and frames."""
 
 from __future__ import annotations
 
+import io
+import math
 import time
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, ClassVar
 
-Buffers = Sequence[bytes]
+import numpy as np
+from PIL import Image
 
+from robsim._core import Blob, PlaneMap
+from robsim.vision.imaging.images import Pixels
+
+Buffers = Sequence[bytes]
 _FORGET = 10.0  # s after which a view that says nothing, while others do, is gone
 _MOST_VIEWS = 20
 _WIDEST = 1 << 14  # px of a picture
@@ -136,3 +144,191 @@ class Link(ABC):
         self.sent += 1
         self._last_frame = now
         self.send({**head, "n": self.sent, "sent": 1000 * time.time()}, buffers)
+
+
+Check = Callable[[Any], Any]
+#: Type of message -> field -> check; `id` is in all of them. The field `buffers` is no JSON.
+Messages = Mapping[str, Mapping[str, Check]]
+_MOST_TEXT = 200  # characters
+
+
+class Refused(Exception):
+    """A message that cannot be used; its text goes back to the browser."""
+
+
+def text(value: Any) -> str:
+    """Return a short text."""
+    if not isinstance(value, str) or len(value) > _MOST_TEXT:
+        raise Refused(f"a text of up to {_MOST_TEXT} characters")
+    return value
+
+
+def number(value: Any) -> float:
+    """Return a finite number."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        with suppress(OverflowError):
+            if math.isfinite(found := float(value)):
+                return found
+    raise Refused("a finite number")
+
+
+def whole(value: Any) -> int:
+    """Return a whole number from 0."""
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**53:
+        raise Refused("a whole number from 0")
+    return value
+
+
+def switch(value: Any) -> bool:
+    """Return true or false."""
+    if not isinstance(value, bool):
+        raise Refused("true or false")
+    return value
+
+
+def setting(value: Any) -> bool | float | str:
+    """Return the value of a control."""
+    if isinstance(value, bool):
+        return value
+    return text(value) if isinstance(value, str) else number(value)
+
+
+def message(value: Any) -> dict[str, Any]:
+    """Return a message, to be checked by whom it is for."""
+    if not isinstance(value, dict):
+        raise Refused("a message")
+    return value
+
+
+def maybe(check: Check) -> Check:
+    return lambda value: None if value is None else check(value)
+
+
+def list_of(check: Check, most: int) -> Check:
+    """Return a check of lists of so many items."""
+
+    def checked(value: Any) -> list[Any]:
+        if not isinstance(value, list) or len(value) > most:
+            raise Refused(f"a list of up to {most}")
+        return [check(item) for item in value]
+
+    return checked
+
+
+def point(value: Any) -> tuple[float, float]:
+    """Return x and y."""
+    if not isinstance(value, list) or len(value) != 2:
+        raise Refused("x and y")
+    return number(value[0]), number(value[1])
+
+
+def buffers_of_message(value: Any) -> list[bytes]:
+    """Return the buffers of a message that is passed on, to be checked by whom it is for."""
+    if len(value) > 1:
+        raise Refused("one at most")
+    return [bytes(one) for one in value]
+
+
+def one_buffer(most: int) -> Check:
+    """Return a check of buffers: it returns the only one, of up to so many bytes."""
+
+    def checked(value: Any) -> bytes:
+        if len(value) != 1 or len(value[0]) > most:
+            raise Refused(f"one, of up to {most} bytes")
+        return bytes(value[0])
+
+    return checked
+
+
+#: What every panel takes.
+COMMON: Messages = {
+    "hello": {"width": whole},
+    "size": {"width": whole},
+    "bye": {},
+    "grant": {"upto": whole, "late": switch},
+}
+
+
+def checked_message(
+    message: Any, messages: Messages, buffers: Sequence[bytes] = ()
+) -> dict[str, Any]:
+    """Return a message with the fields of its type and no others; else raise `Refused`."""
+    kind = message.get("type") if isinstance(message, dict) else None
+    if not isinstance(kind, str) or kind not in messages:
+        raise Refused("not a message of this panel")
+    fields = {"id": text, **messages[kind]}
+    given = {**message, "buffers": buffers}  # whatever the browser says of them
+    return {"type": kind} | {
+        name: _checked(kind, name, check, given) for name, check in fields.items()
+    }
+
+
+def _checked(kind: str, name: str, check: Check, message: dict[str, Any]) -> Any:
+    try:
+        return check(message[name])
+    except KeyError:
+        raise Refused(f"the message {kind} lacks {name}") from None
+    except Refused as expected:
+        raise Refused(f"{name} of the message {kind} must be {expected}") from None
+
+
+_GAP = 1 / 30  # s between two frames
+_QUALITY = 80  # of the JPEG; 25 kB for 600 x 600
+_MOST_BYTES = 140_000  # of a picture that stays in a notebook
+_COLORS = (128, 64, 32, 16)  # of few a photograph of a noisy floor takes a fifth
+
+
+class FrameClock:
+    """When the next frame may come.
+
+    By a due time: "30 ms since the last one" would beat against the clock of the steps.
+    """
+
+    def __init__(self) -> None:
+        self.due = 0.0  # by the monotonic clock
+
+    def sent(self, now: float) -> None:
+        self.due = max(self.due + _GAP, now + 0.5 * _GAP)
+
+
+def jpeg(pixels: Pixels) -> bytes:
+    """Return an image as a JPEG."""
+    out = io.BytesIO()
+    Image.fromarray(pixels).save(out, "JPEG", quality=_QUALITY)
+    return out.getvalue()
+
+
+def small_png(picture: Image.Image) -> bytes:
+    """Return an image as a PNG of so few colours that it is small, for a saved notebook."""
+    for colors in _COLORS:
+        out = io.BytesIO()
+        kind = Image.Quantize.FASTOCTREE  # it keeps rare colours, such as those of the markers
+        few = picture.quantize(colors, kind, dither=Image.Dither.NONE)
+        few.save(out, "PNG", optimize=True)
+        if out.tell() <= _MOST_BYTES:
+            break
+    return out.getvalue()
+
+
+def numbers(values: Any) -> list[float] | None:
+    """Return an array as a list for JSON; None if one of them is not finite."""
+    array = np.asarray(values, float).ravel()
+    return array.tolist() if np.isfinite(array).all() else None
+
+
+def boxes_of(blobs: Mapping[str, Sequence[Blob]]) -> list[list[Any]]:
+    """Return ``[colour, left, top, right, bottom]`` of each blob."""
+    return [
+        [color, *(int(side) for side in blob.bounding_box)]
+        for color, found in blobs.items()
+        for blob in found
+    ]
+
+
+def lens_of(plane_map: PlaneMap) -> list[float] | None:
+    """Return fx, fy, cx, cy and the distortion; None for a camera whose lens is not known."""
+    lens = plane_map.intrinsics
+    if lens is None:
+        return None
+    (fx, _, cx), (_, fy, cy), _ = lens.matrix.tolist()
+    return [fx, fy, cx, cy, *lens.distortion.tolist()]

@@ -11,8 +11,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from robsim.base.text import said_by
-from robsim.gui._link import Buffers, Link
-from robsim.gui._messages import Messages, Refused, checked_message
+from robsim.gui._link import Buffers, Link, Messages, Refused, checked_message
 from robsim.gui._worker import Worker
 
 _MOST_WAITING = 500  # messages of a line; whoever sends more is not listened to, others are

@@ -12,13 +12,12 @@ import weakref
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 _IDLE = 10.0  # s without anything to do, after which the thread ends until there is
 _LAST_PATIENCE = 1.0  # s for all threads together when Python ends
 _LONGEST_WAIT = 3600.0  # s; conditions take no infinity
 _MOST_REPORTS = 100
-
 _at_work: weakref.WeakSet[Worker] = weakref.WeakSet()
 _lock = threading.Lock()  # of that
 
@@ -194,3 +193,46 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release)
     os.register_at_fork(after_in_child=_at_work.clear)
     os.register_at_fork(after_in_child=_lock.release)
+
+
+T = TypeVar("T")
+
+
+class Beside:
+    """Computes one thing at a time, in a thread that ends with it.
+
+    Parameters
+    ----------
+    worker : Worker
+        In its thread the results are taken.
+    name : str
+        That of the thread.
+    """
+
+    def __init__(self, worker: Worker, name: str) -> None:
+        self._worker, self._name = worker, name
+        self._thread: threading.Thread | None = None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a result has not been taken yet."""
+        return self._thread is not None
+
+    def begin(self, compute: Callable[[], T], take: Callable[[T | None], None]) -> None:
+        """Compute something; `take` gets it, or None where a mistake of ours was reported."""
+
+        def work() -> None:
+            result = self._worker.guarded(compute)
+            self._worker.post(lambda: done(result))
+
+        def done(result: T | None) -> None:
+            self._thread = None
+            take(result)
+
+        self._thread = threading.Thread(target=work, name=self._name, daemon=True)
+        self._thread.start()
+
+    def wait(self, timeout: float | None = None) -> None:
+        """Wait until nothing is computed; any thread may call this (None: as long as it takes)."""
+        if (thread := self._thread) is not None:
+            thread.join(timeout)

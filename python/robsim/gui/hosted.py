@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from robsim.gui._view import View
-from robsim.gui.hosts.caller import answers_to
+from robsim.gui.hosts.notebook import answers_to
 
 if TYPE_CHECKING:
     from robsim.gui.hosts.page import Page

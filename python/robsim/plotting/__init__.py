@@ -17,7 +17,7 @@ from robsim.plotting.images.frame import plot_frame
 from robsim.plotting.images.overlay import draw_overlay
 from robsim.plotting.images.replay import annotated_frames, play
 from robsim.plotting.images.robot import plot_robot
-from robsim.plotting.runs.several import plot_runs
+from robsim.plotting.several import plot_runs
 
 __all__ = [
     "annotated_frames",

@@ -30,6 +30,7 @@ from robsim.base.seeds import Seed, seed_sequence
 from robsim.base.shipped import warn_user
 from robsim.base.text import quoted
 from robsim.simulation import slots as slots
+from robsim.simulation.frame_source import FrameSource, mirrored_remark
 from robsim.simulation.options import (
     UNLIMITED,
     colors_value,
@@ -40,8 +41,7 @@ from robsim.simulation.options import (
     step_count,
     timeout_value,
 )
-from robsim.simulation.outside.frame_source import FrameSource, mirrored_remark
-from robsim.simulation.outside.recording import Motors, stop_input_value
+from robsim.simulation.recording import Motors, stop_input_value
 from robsim.simulation.runner import Runner
 from robsim.simulation.slots import RobotCallbacks
 from robsim.trace import Trace
@@ -52,7 +52,7 @@ from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
 
 if TYPE_CHECKING:
-    from robsim.simulation.outside.recording import Recording
+    from robsim.simulation.recording import Recording
 
 # Where a robot drives.
 _FRAME_TIMEOUT = 1.0  # s, if the frames have no rate
@@ -480,7 +480,7 @@ class Experiment(Runner):
 
 def _recording_in(folder: str | PathLike[str], *, lossless: bool) -> Recording:
     """Return what records a session; only who records loads it."""
-    from robsim.simulation.outside.recording import Recording
+    from robsim.simulation.recording import Recording
 
     return Recording(as_path(folder, "record"), lossless=lossless)
 

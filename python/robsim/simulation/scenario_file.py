@@ -25,7 +25,7 @@ from robsim._core import (
 )
 from robsim.base.checks import check_choice, check_float, check_int
 from robsim.base.files import parse_toml
-from robsim.base.geometry.marker_roles import given_by_role, taken_roles
+from robsim.base.marker_roles import given_by_role, taken_roles
 from robsim.base.seeds import SeedRecord
 from robsim.base.spelling import check_names
 from robsim.base.text import cut, one_line, quoted

@@ -22,7 +22,7 @@ from robsim.simulation.time_limit import TimeLimit
 from robsim.trace import Trace
 
 if TYPE_CHECKING:
-    from robsim.simulation.folders.callback_folder import CallbackFolder, Callbacks
+    from robsim.simulation.callback_folder import CallbackFolder, Callbacks
 
 #: Components that run in C++.
 _NATIVE = tuple(kind for slot in SLOTS.values() for kind in slot.native)
@@ -97,7 +97,7 @@ class Slotted(RobotSlots, ABC):
         SyntaxError
             If a file is not valid Python; the message has its name and the line.
         """
-        from robsim.simulation.folders.callback_folder import CallbackFolder
+        from robsim.simulation.callback_folder import CallbackFolder
 
         wanted = cls.SLOTS if slots is None else table.checked_slots(slots, cls.SLOTS)
         runner = cls(**options)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from robsim._core import TraceGroup, detection_reasons, wrap_angle
 from robsim.base.checks import Floats, check_choice
 from robsim.base.files import as_path, write_csv
-from robsim.base.report.as_data import import_pandas
+from robsim.base.report.forms import import_pandas
 from robsim.base.spelling import check_names, no_attribute, suggestion
 from robsim.base.text import listed, one_line, quoted
 from robsim.trace.columns import (

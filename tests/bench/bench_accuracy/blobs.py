@@ -9,7 +9,7 @@ import numpy as np
 
 from robsim._core import Blob, ColorClass, Detection, Frame, MarkerLayout, detect
 from robsim.base.checks import Floats
-from robsim.cli.simulated.bench_table import Found, opencv_finder, opencv_limits
+from robsim.cli.simulated.bench import Found, opencv_finder, opencv_limits
 
 _GROWN = 2  # px around a blob whose pixels count, too
 _GREY = 128  # chroma without colour

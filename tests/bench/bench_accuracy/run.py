@@ -13,7 +13,7 @@ from bench_accuracy.blobs import BlobMethods
 from bench_accuracy.result import AccuracyCase, AccuracyResult, Errors, errors_of
 from robsim._core import Frame, PlaneMap, Renderer
 from robsim.base.checks import Floats, check_int
-from robsim.cli.simulated.bench_table import AREA
+from robsim.cli.simulated.bench import AREA
 from robsim.estimation.evaluation._measurement_bound import SeenMarkers, marker_polygons
 from robsim.simulation.experiment import Experiment
 from robsim.simulation.runner import progress_bar

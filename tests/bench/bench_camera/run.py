@@ -11,7 +11,7 @@ import numpy as np
 from bench_camera.result import CameraBench, Path
 from robsim._core import Frame, Measurement, cpu_path, find_blobs, locate, to_rgb
 from robsim.base.checks import check_int
-from robsim.cli.simulated.bench_table import Call, check_same_blobs, opencv_finder, timed
+from robsim.cli.simulated.bench import Call, check_same_blobs, opencv_finder, timed
 from robsim.simulation.simulation import Simulation
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import GaussianNoise

@@ -11,8 +11,8 @@ from robsim._core import DriveAround
 from robsim.base.checks import check_float, check_int
 from robsim.simulation import Scenario, Simulation
 from robsim.teach.grading.graded_run import all_here, asking, graded_run, started
-from robsim.teach.grading.seeds import RunSeeds
-from robsim.teach.grading.tasks.task import Task
+from robsim.teach.grading.keys import RunSeeds
+from robsim.teach.grading.task import Task
 from robsim.teach.isolation import Isolation, Limits
 from robsim.teach.submissions import Rules, SubmissionFiles
 from robsim.vision.imaging.noise import GaussianNoise

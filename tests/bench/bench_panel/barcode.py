@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from robsim._core import reduced
-from robsim.gui._frames import jpeg
-from robsim.gui.panels.run.pictures import Shot
+from robsim.gui._link import jpeg
+from robsim.gui.panels.run.camera import Shot
 from robsim.vision.imaging.images import Pixels
 
 BITS = 16

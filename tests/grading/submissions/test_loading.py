@@ -145,11 +145,11 @@ def test_what_is_masked_cannot_be_had(tmp_path):
         "import robsim.estimation.reference as r",
         "from robsim.estimation import reference",
         "from robsim.estimation.reference import ExtendedKalmanFilter",
-        "import robsim.estimation.reference._kalman",
+        "import robsim.estimation.reference.kalman",
         "from robsim.estimation.reference import _kalman",
         "import robsim\nrobsim.estimation.reference",
         "import importlib\nimportlib.import_module('robsim.estimation.reference')",
-        "import importlib\nimportlib.import_module('robsim.estimation.reference._kalman')",
+        "import importlib\nimportlib.import_module('robsim.estimation.reference.kalman')",
         "__import__('robsim.estimation.reference')",
     ):
         error = failure(write(tmp_path / "s001", control=f"{line}\n{PLAIN}"), MASKED)

@@ -6,7 +6,7 @@ import json
 import pytest
 
 from robsim.teach import Estimate, Measure, TaskCalibration, calibrate
-from robsim.teach.tasks.marks import files
+from robsim.teach.tasks.marks import calibration as files
 
 TASK = Estimate(steps=20, runs=2)
 CHOSEN = ("reference", "larger_r", "naive", "no_q")

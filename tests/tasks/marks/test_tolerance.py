@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, binomtest
 
-from robsim.teach.tasks.marks.tolerance import bound_rank, fewest_values, share_interval
+from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, share_interval
 
 
 def test_the_fewest_values_are_those_of_the_tables():

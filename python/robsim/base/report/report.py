@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from robsim.base.checks import check_int
-from robsim.base.report.as_data import as_dict, as_frame
-from robsim.base.report.as_text import as_line, as_text
+from robsim.base.report.forms import as_dict, as_frame, as_line, as_text
 from robsim.base.report.problem import Problem
 from robsim.base.report.table import Quantity, Table
 
@@ -123,7 +122,7 @@ class Report(ABC):
         return f"<{type(self).__name__}: {as_line(self, 80)}>"
 
     def _repr_html_(self) -> str:
-        from robsim.base.report.as_html import as_html
+        from robsim.base.report.forms import as_html
 
         return as_html(self)
 

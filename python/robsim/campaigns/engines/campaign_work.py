@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from robsim.base.text import quoted, said_by
 from robsim.campaigns.choices import Callback, Data, Factory, Folder
-from robsim.campaigns.engines.in_flight import DIED
+from robsim.campaigns.engines.processes import DIED
 from robsim.campaigns.runs import Job, Row, Worker
 from robsim.campaigns.spec import CampaignSpec
 

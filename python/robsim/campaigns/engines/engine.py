@@ -17,8 +17,7 @@ from robsim.campaigns.engines.executors import (
     check_dask_client,
     is_dask_client,
 )
-from robsim.campaigns.engines.in_flight import rows_of_workers
-from robsim.campaigns.engines.processes import Processes
+from robsim.campaigns.engines.processes import Processes, rows_of_workers
 from robsim.campaigns.engines.work import JobT, RowT, Supply, Work
 
 #: A number of processes, "threads", an executor, a Dask client; None = here.

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from robsim.cli import errors
 from robsim.cli.calibration.options import pictures_of
-from robsim.cli.option import argument, number_option, option
+from robsim.cli.command import argument, number_option, option
 
 EXAMPLE = "Example: robsim calibrate check floor.png --calibration camera.toml --out check.png"
 HELP = (

@@ -11,7 +11,7 @@ from robsim.base.checks import check_mm_per_px
 from robsim.base.text import quoted
 from robsim.cli import errors
 from robsim.cli.calibration.options import Mark, check_out, height_of, pictures_of, report_and_save
-from robsim.cli.option import argument, number_option, option
+from robsim.cli.command import argument, number_option, option
 from robsim.cli.shared import Json
 from robsim.cli.text import about, parse_points, parse_size
 

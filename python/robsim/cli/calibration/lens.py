@@ -1,10 +1,12 @@
-"""The command ``robsim calibrate lens``: a lens from pictures of a board."""
+"""The command ``robsim calibrate lens``: a lens from pictures of a board, or of a live camera."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
+from robsim.base.checks import check_int
+from robsim.base.text import listed
 from robsim.cli import errors
 from robsim.cli.calibration.options import (
     Board,
@@ -14,8 +16,11 @@ from robsim.cli.calibration.options import (
     pictures_of,
     report_and_save,
 )
-from robsim.cli.option import argument, integer_option, option, switch
+from robsim.cli.command import argument, integer_option, option, switch
 from robsim.cli.shared import Json
+from robsim.cli.text import about
+from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
+from robsim.lab.calibration.taking import BoardTaker
 
 EXAMPLE = "Example: robsim calibrate lens pictures/ --board 9x6 --square 25 --out camera.toml"
 HELP = (
@@ -51,7 +56,7 @@ def lens(
     as_json: Json = False,
 ) -> None:
     """Calibrate a lens by pictures of a printed board."""
-    from robsim.cli.calibration.taking import taken_pictures
+    from robsim.cli.calibration.lens import taken_pictures
     from robsim.lab.calibration.lens import calibrate_lens
 
     with errors.report_errors():
@@ -81,3 +86,55 @@ def _has_floor(file: Path) -> bool:
         return load_calibration(file).floor is not None
     except (OSError, ValueError):
         return False
+
+
+_PATIENCE = 60.0  # s without a new picture
+
+
+def taken_pictures(
+    camera: str, board: Chessboard | Charuco, count: int, keep: Path | None
+) -> list[tuple[str, Any]]:
+    """Return names and pictures that a live camera took, and write them to a folder.
+
+    Raises
+    ------
+    OSError
+        If the camera cannot be opened or read, or the board does not come.
+    """
+    import time
+
+    from robsim.cli.sources import _source
+    from robsim.lab.cameras.camera import Camera
+    from robsim.lab.cameras.errors import EndOfStream
+    from robsim.vision.imaging.images import save_image
+
+    with about("--count"):
+        check_int("count", count, minimum=4, maximum=200)
+    if keep is not None:
+        keep.mkdir(parents=True, exist_ok=True)
+    taken: list[tuple[str, Any]] = []
+    with Camera(_source(camera)) as device:
+        taker = BoardTaker(board, device.size)
+        errors.print_note(f"hold the board still in front of the camera: {count} times")
+        since = time.monotonic()
+        while len(taken) < count:
+            if time.monotonic() - since > _PATIENCE:
+                raise TimeoutError(
+                    f"no board stood still somewhere new for {_PATIENCE:g} s: {len(taken)} of "
+                    f"{count} pictures were taken"
+                )
+            try:
+                frame = device.read()
+            except EndOfStream:
+                break
+            if not taker.takes(frame.image):
+                continue
+            since = time.monotonic()
+            name = f"{len(taken) + 1:02d}.png"
+            taken.append((name, frame.image))
+            if keep is not None:
+                save_image(keep / name, frame.image)
+            parts = taker.empty_parts
+            where = f": still nothing at the {listed(parts)}" if parts else ": tilt it another way"
+            errors.print_note(f"{len(taken)} of {count}{where if len(taken) < count else ''}")
+    return taken

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from robsim.base.text import quoted
-from robsim.cli.option import number_option, option
+from robsim.cli.command import number_option, option
 
 if TYPE_CHECKING:
     from robsim.base.report import Report

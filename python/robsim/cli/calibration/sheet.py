@@ -7,7 +7,7 @@ from typing import Annotated
 
 from robsim.cli import errors
 from robsim.cli.calibration.options import Board, Square, board_of, check_out
-from robsim.cli.option import integer_option, number_option, option
+from robsim.cli.command import integer_option, number_option, option
 
 KINDS = "chessboard", "charuco", "floor"
 EXAMPLE = "Example: robsim calibrate sheet --kind floor --number 1 --out floor-1.pdf"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from robsim.cli import errors
-from robsim.cli.option import argument, integer_option, option
+from robsim.cli.command import argument, integer_option, option
 from robsim.cli.results import check_file, check_folder
 from robsim.cli.shared import Jobs, Json, engine_of
 
@@ -90,7 +90,7 @@ def _exit_unless_any_succeeded(result: CampaignResult) -> None:
 
 def _check_exports(*, csv: Path | None, parquet: Path | None, npz: Path | None) -> None:
     """Raise what cannot be written, before what takes long."""
-    from robsim.campaigns.export import check_is_empty, import_arrow
+    from robsim.campaigns.result import check_is_empty, import_arrow
 
     for file in (csv, parquet):
         if file is not None:

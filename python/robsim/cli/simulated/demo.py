@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from robsim.cli import errors
-from robsim.cli.option import integer_option, option
+from robsim.cli.command import integer_option, option
 from robsim.cli.shared import Json
 
 if TYPE_CHECKING:

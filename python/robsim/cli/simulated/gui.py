@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from robsim.cli import errors, shared
-from robsim.cli.option import argument, integer_option, option, switch
-from robsim.cli.pages import show_panel
-from robsim.cli.simulated.options import shared_options, simulation_of
+from robsim.cli.command import argument, integer_option, option, switch
+from robsim.cli.outcome import show_panel
+from robsim.cli.simulated.run import shared_options, simulation_of
 from robsim.cli.text import about, parse_speed
 
 if TYPE_CHECKING:

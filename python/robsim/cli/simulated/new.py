@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 from robsim.cli import errors
-from robsim.cli.option import argument
+from robsim.cli.command import argument
 
 EXAMPLE = "Example: robsim new mine"
 HELP = (
@@ -20,7 +20,7 @@ def new(
     folder: Annotated[Path, argument("FOLDER", "The folder; created if needed.")],
 ) -> None:
     """Write the default callbacks to a folder."""
-    from robsim.simulation.folders.callback_folder import new_folder
+    from robsim.simulation.callback_folder import new_folder
 
     with errors.report_errors():
         files = new_folder(folder)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -12,12 +13,171 @@ from numpy.typing import ArrayLike
 
 from robsim._core import Frame
 from robsim.base.checks import Floats, as_float_array
-from robsim.base.geometry.polygons import area_and_centroid
+from robsim.base.polygons import area_and_centroid, depths, samples
 from robsim.base.report import Quantity, Report
 from robsim.base.text import quoted
-from robsim.estimation.evaluation._marker_view import MarkerView, density
-from robsim.estimation.evaluation._pixel_information import pixel_information
-from robsim.vision.imaging.noise import GaussianNoise, Noise, as_native_noise
+from robsim.vision.imaging.noise import GaussianNoise, Noise, UniformNoise, as_native_noise
+
+# Frame px: how far outside of a marker pixels are used, and by how much a marker is moved to see
+# how the depths of its pixels change.
+_MARGIN = 2.5
+_STEP = 0.02
+
+
+class MarkerView:
+    """The pixels of a marker in a frame, and how deep in it they lie."""
+
+    def __init__(self, frame: Frame, pose: Floats, polygon: Floats) -> None:
+        self._plane_map = frame.plane_map
+        self._outline = samples(polygon)  # dense: a lens may bend its sides
+        corners = self._in_frame(pose)
+        height, width = frame.image.shape[:2]
+        left, top = np.floor(corners.min(axis=0) - _MARGIN).clip(0, (width, height)).astype(int)
+        right, bottom = np.ceil(corners.max(axis=0) + _MARGIN).clip(0, (width, height)).astype(int)
+        down, across = np.mgrid[top:bottom, left:right]
+        self._pixels = np.column_stack((across.ravel(), down.ravel())).astype(float)
+        depth = depths(corners, self._pixels)
+        is_used = depth > -_MARGIN
+        if depth.max(initial=-1.0) <= 0:
+            raise _not_shown(pose)
+        self._pixels, self.depth = self._pixels[is_used], depth[is_used]
+        self.values = frame.image[down.ravel()[is_used], across.ravel()[is_used]].astype(float)
+        self._slopes = self._slopes_at(pose)
+
+    def _in_frame(self, pose: Floats) -> Floats:
+        """Return the outline at a pose in px of the frame (N, 2)."""
+        cos, sin = math.cos(pose[2]), math.sin(pose[2])
+        # position = centre + R(heading) (forward, right)
+        positions = self._outline @ np.array(((cos, sin), (-sin, cos))) + pose[:2]
+        pixels = self._plane_map.to_pixel(positions)
+        if not np.isfinite(pixels).all():
+            raise _not_shown(pose)
+        return np.asarray(pixels)
+
+    def _slopes_at(self, pose: Floats) -> Floats:
+        """Return the derivatives of the depths by the pose (N, 3)."""
+        # One step moves the marker by about _STEP px of the frame.
+        across = np.ptp(self._outline, axis=0).max() / np.ptp(self._in_frame(pose), axis=0).max()
+        far = np.linalg.norm(self._outline, axis=1).max()
+        slopes = np.empty((len(self.depth), 3))
+        for i, step in enumerate(_STEP * across * np.array((1.0, 1.0, 1.0 / far))):
+            moved = np.eye(3)[i] * step
+            ahead, behind = (
+                depths(self._in_frame(pose + sign * moved), self._pixels) for sign in (1, -1)
+            )
+            slopes[:, i] = (ahead - behind) / (2 * step)
+        return slopes
+
+    def coverage(self, width: float) -> Floats:
+        """Return 1 and the coverage Phi(d / w) of each pixel (N, 2)."""
+        from scipy.special import ndtr
+
+        covered = ndtr(self.depth / width)
+        return np.column_stack((np.ones_like(covered), covered))
+
+    def levels(self, width: float) -> Floats:
+        """Return level and contrast of each channel (2, 3), by least squares."""
+        return np.asarray(np.linalg.lstsq(self.coverage(width), self.values, rcond=None)[0])
+
+    def misfit(self, width: float) -> float:
+        """Return the sum of the squared residuals."""
+        residuals = self.values - self.coverage(width) @ self.levels(width)
+        return float(np.square(residuals).sum())
+
+    def channels(self, width: float) -> Iterator[tuple[Floats, Floats, float]]:
+        """Yield mean (N,), its derivatives by pose and ln w (N, 4), and contrast of a channel."""
+        q = self.depth / width
+        # d Phi(d / w) = phi(q) (d depth / w - q d ln w)
+        change = density(q)[:, np.newaxis] * np.column_stack((self._slopes / width, -q))
+        for level, contrast in self.levels(width).T:
+            mean = level + contrast * self.coverage(width)[:, 1]
+            yield mean, contrast * change, float(contrast)
+
+
+def _not_shown(pose: Floats) -> ValueError:
+    return ValueError(f"pose must show the markers in the frame, got {quoted(pose.tolist())}")
+
+
+def density(q: Floats) -> Floats:
+    """Return the density of the standard normal distribution."""
+    density: Floats = np.exp(-0.5 * np.square(q)) / math.sqrt(2 * math.pi)
+    return density
+
+
+_ROUNDING = 1 / 12  # variance of the rounding error (grey levels^2)
+_PER_LEVEL = 16  # means of the table in a grey level
+_RARE = 1e-12  # probability of a value that tells nothing
+
+
+def pixel_information(noise: Noise | None) -> Callable[[Floats], Floats]:
+    """Return the function mean (N,) -> information of a pixel of that mean (N,).
+
+    Parameters
+    ----------
+    noise : GaussianNoise, UniformNoise or None
+        The camera's noise. None: rounding alone.
+
+    Notes
+    -----
+    Gaussian noise: Fisher's information of the value k = round(mu + e), clipped to 0..255,
+
+        J(mu) = sum_k P_k'(mu)^2 / P_k(mu)
+
+    Others: that of the best estimate that is linear in the value, (d mean / d mu)^2 / variance.
+    J is averaged over a grey level, as nobody knows how the mean lies between two, and is at most
+    that of a value which is rounded without noise, 12.
+    """
+    if noise is None or noise.percent == 0:
+        return lambda mean: np.full(len(mean), 1 / _ROUNDING)
+    means, table = _table(noise)
+    return lambda mean: np.interp(mean, means, table)
+
+
+@functools.lru_cache(maxsize=32)
+def _table(noise: GaussianNoise | UniformNoise) -> tuple[Floats, Floats]:
+    """Return means (M,) and the information of each (M,)."""
+    half = _PER_LEVEL // 2
+    means = np.arange(-half, 255 * _PER_LEVEL + half + 1) / _PER_LEVEL
+    # How far the limits between the values 0, 1, ... 255 lie above each mean.
+    limits = np.arange(0.5, 255) - means[:, np.newaxis]
+    scale = 2.55 * noise.percent
+    table = _fisher(limits, scale) if isinstance(noise, GaussianNoise) else _linear(limits, scale)
+    return means[half:-half], np.minimum(table, 1 / _ROUNDING)
+
+
+def _fisher(limits: Floats, sigma: float) -> Floats:
+    """Return Fisher's information for Gaussian noise, averaged over a grey level."""
+    from scipy.special import ndtr
+
+    z = limits / sigma
+    ends = np.zeros((len(z), 1))
+    # P_k = Phi(z_k+1) - Phi(z_k),  P_k' = (phi(z_k) - phi(z_k+1)) / sigma
+    P = np.diff(np.hstack((ends, ndtr(z), ends + 1)))
+    density = np.exp(-0.5 * np.square(z)) / (sigma * math.sqrt(2 * math.pi))
+    change = np.diff(np.hstack((ends, density, ends)))
+    terms = np.divide(np.square(change), P, out=np.zeros_like(P), where=P > _RARE)
+    return _averaged(terms.sum(axis=1))
+
+
+def _linear(limits: Floats, half_width: float) -> Floats:
+    """Return the information of the best linear estimate for uniform noise, averaged likewise."""
+    above = np.clip((half_width - limits) / (2 * half_width), 0, 1)
+    # mean = sum P(value > k), mean of the square = sum (2 k + 1) P(value > k), k = 0..254
+    mean = above.sum(axis=1)
+    variance = above @ np.arange(1.0, 511, 2) - np.square(mean)
+    slope = (np.abs(limits) < half_width).sum(axis=1) / (2 * half_width)
+    bias = mean - (0.5 - limits[:, 0])
+    spread = _averaged(variance + np.square(bias)) - np.square(_averaged(bias))
+    information: Floats = np.square(_averaged(slope)) / spread
+    return information
+
+
+def _averaged(values: Floats) -> Floats:
+    """Return the means over a grey level around each, which half a level at both ends lacks."""
+    weights = np.full(_PER_LEVEL + 1, 1 / _PER_LEVEL)
+    weights[[0, -1]] /= 2
+    return np.convolve(values, weights, mode="valid")
+
 
 _EDGE_WIDTHS = (0.15, 4.0)  # px of the frame, among which that of the frame is
 _NOTHING = 1e-6  # of a signal; of an area

@@ -10,8 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim.base.checks import Floats, as_float_array
 from robsim.base.report import Quantity, Report, interval, percent
-from robsim.estimation.evaluation._time_average import standard_error_of_mean
-from robsim.estimation.evaluation._whiteness import WhitenessReport, whitened, whiteness
+from robsim.estimation.evaluation._whiteness import (
+    WhitenessReport,
+    standard_error_of_mean,
+    whitened,
+    whiteness,
+)
 from robsim.estimation.evaluation.chi_square import chi_square_band
 from robsim.estimation.evaluation.errors import as_runs, mean_of_known, wrapped_error
 from robsim.trace import Trace

@@ -19,8 +19,11 @@ from robsim.estimation.identification._parameter_table import (
 )
 from robsim.estimation.identification.determined import Identifiability, judge
 from robsim.estimation.identification.fits import METHODS
-from robsim.estimation.identification.fits.delay_fit import LONGEST_DELAY, check_delay_or_fit
-from robsim.estimation.identification.fits.model_fit import delay_quantities
+from robsim.estimation.identification.fits.model_fit import (
+    LONGEST_DELAY,
+    check_delay_or_fit,
+    delay_quantities,
+)
 from robsim.estimation.identification.regressions import (
     Regression,
     inputs_of,

@@ -9,12 +9,13 @@ A filter is consistent if the noises it is given are those of the world. In a si
 """
 
 from robsim.base.doors import present as _present
-from robsim.estimation.reference.constant_velocity import ConstantVelocityKalmanFilter
-from robsim.estimation.reference.estimator import Prior
-from robsim.estimation.reference.extended import ExtendedKalmanFilter
-from robsim.estimation.reference.motion import RobotMotion
+from robsim.estimation.reference.estimator import Prior, RobotMotion
+from robsim.estimation.reference.kalman import (
+    ConstantVelocityKalmanFilter,
+    ExtendedKalmanFilter,
+    UnscentedKalmanFilter,
+)
 from robsim.estimation.reference.particle import ParticleFilter
-from robsim.estimation.reference.unscented import UnscentedKalmanFilter
 
 __all__ = [
     "ConstantVelocityKalmanFilter",

@@ -11,10 +11,8 @@ import numpy as np
 from robsim._core import RobotModel, wrap_angle
 from robsim.base.checks import Floats, check_int
 from robsim.base.seeds import Seed, seed_sequence
-from robsim.estimation.reference._kalman import innovation_of, kalman_update
-from robsim.estimation.reference._model_filter import ModelFilter
-from robsim.estimation.reference.estimator import Prior
-from robsim.estimation.reference.noise import PROCESS_SIGMA, check_process_sigma, root
+from robsim.estimation.reference.estimator import PROCESS_SIGMA, Prior, check_process_sigma, root
+from robsim.estimation.reference.kalman import ModelFilter, innovation_of, kalman_update
 
 #: With a smaller effective sample size after a measurement, the particles are drawn anew.
 MINIMUM_SAMPLE_SIZE = 600

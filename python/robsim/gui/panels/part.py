@@ -1,4 +1,4 @@
-"""What a part of the panel is."""
+"""Parts of the panel, and the messages that a browser may send to them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,24 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from robsim._core import Step
-from robsim.gui._link import Link
+from robsim.gui._link import (
+    COMMON,
+    Link,
+    Messages,
+    buffers_of_message,
+    list_of,
+    maybe,
+    message,
+    number,
+    point,
+    setting,
+    switch,
+    text,
+    whole,
+)
 
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
-
 Handlers = Mapping[str, Callable[[Link, dict[str, Any]], None]]
 
 
@@ -51,3 +64,23 @@ class Part:
 
     def close(self, timeout: float) -> None:
         """Wait for what is computed or drawn for it (s), once the view has ended; any thread."""
+
+
+_MOST_POINTS = 1000
+_MOST_NAMES = 100
+MESSAGES: Messages = {
+    **COMMON,
+    "press": {"button": text},
+    "set": {"name": text, "value": setting},
+    "go_to": {"x": number, "y": number},
+    "path": {"points": list_of(point, _MOST_POINTS)},
+    "look": {"k": maybe(whole)},
+    "columns": {"names": list_of(text, _MOST_NAMES)},
+    "inspect": {"k": maybe(whole), "path": list_of(text, _MOST_NAMES)},
+    "source": {"slot": text},
+    "edit": {"slot": text},
+    "animate": {"on": switch},
+    "tool": {"name": maybe(text)},
+    "use_tool": {},
+    "tell_tool": {"name": text, "message": message, "buffers": buffers_of_message},
+}

@@ -11,26 +11,21 @@ from robsim._core import Step
 from robsim.base.checks import Floats
 from robsim.base.text import quoted
 from robsim.estimation.identification.batch import BatchEstimate
-from robsim.gui._driver import SPEED, Driver
-from robsim.gui._link import Link
-from robsim.gui._messages import Messages, Refused
-from robsim.gui._playback import Playback
+from robsim.gui._driver import SPEED, Driver, Playback
+from robsim.gui._link import Link, Messages, Refused
 from robsim.gui._view import RETRY, View
 from robsim.gui.panels.analysis.inspector import Inspector
-from robsim.gui.panels.analysis.parameters import Parameters
 from robsim.gui.panels.analysis.past import Past
-from robsim.gui.panels.analysis.result import Result
+from robsim.gui.panels.analysis.result import Parameters, Result
 from robsim.gui.panels.analysis.rows import Rows
 from robsim.gui.panels.analysis.statistics import Statistics
-from robsim.gui.panels.messages import MESSAGES
-from robsim.gui.panels.part import Handlers, Part
-from robsim.gui.panels.record import ExperimentRecord, Record, SimulationRecord
+from robsim.gui.panels.part import MESSAGES, Handlers, Part
+from robsim.gui.panels.record import ExperimentRecord, Record, SavedRecord, SimulationRecord
 from robsim.gui.panels.run.callbacks import Callbacks
 from robsim.gui.panels.run.camera import CameraView
 from robsim.gui.panels.run.controls import Controls
 from robsim.gui.panels.run.tools import Tools
 from robsim.gui.panels.run.transport import Transport
-from robsim.gui.panels.saved import SavedRecord
 from robsim.gui.panels.still import Still
 from robsim.simulation import Experiment, Simulation
 from robsim.trace import Trace

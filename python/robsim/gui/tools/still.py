@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from robsim._core import Frame, reduced
-from robsim.gui._frames import small_png
+from robsim.gui._link import small_png
 from robsim.gui.hosts.script import words
 
 Points = Sequence[Sequence[float]]

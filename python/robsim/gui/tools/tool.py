@@ -14,13 +14,21 @@ import numpy as np
 from PIL import Image
 
 from robsim._core import Frame, reduced
-from robsim.gui._beside import Beside
-from robsim.gui._frames import FrameClock, jpeg, small_png
-from robsim.gui._link import SLOW, Link
-from robsim.gui._messages import COMMON, Messages, Refused, switch, whole
+from robsim.gui._link import (
+    COMMON,
+    SLOW,
+    FrameClock,
+    Link,
+    Messages,
+    Refused,
+    jpeg,
+    small_png,
+    switch,
+    whole,
+)
 from robsim.gui._view import View
-from robsim.gui.tools.opening import given_picture, over_floor
-from robsim.gui.tools.pictures import OnePicture, Picture, Pictures
+from robsim.gui._worker import Beside
+from robsim.gui.tools.pictures import OnePicture, Picture, Pictures, given_picture, over_floor
 from robsim.gui.tools.uploads import UPLOAD_MESSAGES, Uploads
 from robsim.vision.imaging.images import Pixels
 

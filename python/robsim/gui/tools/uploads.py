@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from robsim.base.text import cut
-from robsim.gui._beside import Beside
-from robsim.gui._link import Link
-from robsim.gui._messages import Messages, Refused, one_buffer, text, whole
+from robsim.gui._link import Link, Messages, Refused, one_buffer, text, whole
+from robsim.gui._worker import Beside
 from robsim.vision.imaging.images import decoded
 
 if TYPE_CHECKING:

@@ -6,9 +6,8 @@ folder says what goes over the line, and what a robot must do.
 
 from robsim._core import HaltedError, Limits, LineCounts, LineError, MotorEvent, MotorReceiver
 from robsim.base.doors import present as _present
+from robsim.lab.motors.lines import SerialMotors, UdpMotors
 from robsim.lab.motors.recorded import RecordedMotors
-from robsim.lab.motors.serial import SerialMotors
-from robsim.lab.motors.udp import UdpMotors
 
 __all__ = [
     "HaltedError",

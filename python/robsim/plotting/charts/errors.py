@@ -14,8 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim.base.checks import Floats, as_float_array
 from robsim.base.text import no_formula
-from robsim.estimation.evaluation.errors import ErrorReport, mean_of_known
-from robsim.estimation.evaluation.histograms import number_of_bins, usual_limits
+from robsim.estimation.evaluation.errors import (
+    ErrorReport,
+    mean_of_known,
+    number_of_bins,
+    usual_limits,
+)
 from robsim.plotting import style as style
 from robsim.plotting.style import Panels, check_axes, check_kind
 from robsim.trace.units import length_format

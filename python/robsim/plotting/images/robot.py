@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
 from robsim.base.checks import Floats
-from robsim.base.geometry.polygons import area_and_centroid
+from robsim.base.polygons import area_and_centroid
 from robsim.base.text import no_formula
 from robsim.plotting import style as style
 from robsim.plotting.style import check_kind

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.assignments.results import SubmissionResult
 from robsim.teach.grading.keys import Key
-from robsim.teach.grading.tasks.allowed import Frames, rules_of
+from robsim.teach.grading.task import Frames, rules_of
 from robsim.teach.isolation.limits import Limits
 from robsim.teach.submissions import Rules
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.limit import Limit
+from robsim.teach.tasks.score import Limit
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
 
 if TYPE_CHECKING:
@@ -187,7 +187,7 @@ class Assignment:
         TypeError
             If `folder` is not a path.
         """
-        from robsim.teach.assignments._reading.assignment_file import read_assignment
+        from robsim.teach.assignments.assignment_file import read_assignment
 
         return read_assignment(folder)
 
@@ -298,7 +298,7 @@ class Assignment:
         ValueError
             If more than limits and points has changed: nothing is written then.
         """
-        from robsim.teach.assignments.classes.regrading import regrade
+        from robsim.teach.assignments.classes.class_run import regrade
 
         return regrade(self, out)
 

@@ -13,10 +13,10 @@ from robsim.base.checks import check_bool
 from robsim.base.files import write_whole
 from robsim.base.text import one_line
 from robsim.campaigns.engines.executors import DaskClient
-from robsim.teach.assignments._reading import limits_file
-from robsim.teach.assignments._reading.assignment_file import SOLUTIONS, solutions_for
+from robsim.teach.assignments import limits_file
 from robsim.teach.assignments.assignment import Assignment, TaskTest
-from robsim.teach.assignments.grading.seeds import key_for
+from robsim.teach.assignments.assignment_file import SOLUTIONS, solutions_for
+from robsim.teach.assignments.grading.references import key_for
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.marks.calibrate import calibrate, calibration_seconds, check_solutions

@@ -4,15 +4,39 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from robsim.base.checks import check_text
-from robsim.teach.assignments.points import in_hundredths
+from robsim.base.report import Column, Quantity, Report, Row, Table
 
-if TYPE_CHECKING:
-    from robsim.teach.assignments._submission_report import SubmissionReport
+
+def in_hundredths(points: float, most: float) -> float:
+    """Return points in hundredths: only all are all, and only none are none."""
+    if points >= most:
+        return most
+    rounded = round(points, 2)
+    if rounded >= most:
+        rounded = round(rounded - 0.01, 2)
+    elif rounded <= 0 < points:
+        rounded = 0.01
+    return min(max(rounded, 0.0), most)
+
+
+def fraction_of(points: float, most: float) -> float:
+    """Return the share of the points, 0 to 1; all of none is all."""
+    return 1.0 if points >= most else max(points / most, 0.0)
+
+
+def number(points: float) -> str:
+    """Return points as a number without zeros at its end."""
+    return f"{points:.2f}".rstrip("0").rstrip(".")
+
+
+def of_most(points: float, most: float) -> str:
+    return f"{number(points)} of {number(most)} {'point' if most == 1 else 'points'}"
+
 
 #: What a test can come to.
 PASSED, PARTIAL, FAILED, ERROR, NOT_RUN = "passed", "partial", "failed", "error", "not run"
@@ -197,7 +221,7 @@ class SubmissionResult:
     @property
     def report(self) -> SubmissionReport:
         """The tests in a table, as a `Report`."""
-        from robsim.teach.assignments._submission_report import SubmissionReport
+        from robsim.teach.assignments.results import SubmissionReport
 
         return SubmissionReport(of=self)
 
@@ -254,3 +278,41 @@ def _finite(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [_finite(one) for one in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+@dataclass(frozen=True, kw_only=True)
+class SubmissionReport(Report):
+    """The result of a submission, for a prompt and a notebook."""
+
+    of: SubmissionResult
+
+    @property
+    def title(self) -> str:
+        return f"{self.of.student}, {self.of.title}"
+
+    @property
+    def quantities(self) -> Sequence[Quantity]:
+        return (
+            Quantity("points", "points", self.of.points, "", ".2f"),
+            Quantity("most", "of", self.of.most, "", "g"),
+        )
+
+    @property
+    def tables(self) -> Sequence[Table]:
+        """The tests."""
+        columns = (
+            Column("points", "points", "", ".2f"),
+            Column("most", "of", "", "g"),
+            Column("status", "", ""),
+            Column("sentence", "", ""),
+        )
+        rows = [
+            Row(test.name, (test.points, test.most, test.status, test.sentence))
+            for test in self.of.tests
+        ]
+        return (Table(key="tests", columns=columns, rows=rows, row_title="test"),)
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """What was left out when it was read."""
+        return self.of.notes

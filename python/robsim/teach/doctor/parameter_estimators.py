@@ -13,14 +13,18 @@ from robsim._core import regression
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.checks import Floats, check_int
 from robsim.teach.doctor._errors import problem_of
-from robsim.teach.doctor._parameter.influence import Influence
-from robsim.teach.doctor._parameter.learning import learning_items, mismatch_problem
-from robsim.teach.doctor._parameter.windup import MAXIMUM_GROWTH, largest_square, line_of_matrix
-from robsim.teach.doctor._reproducibility import replay_problem, together_problem
-from robsim.teach.doctor._run_checks import BUDGET, run_checks
+from robsim.teach.doctor._run_checks import BUDGET, replay_problem, run_checks, together_problem
 from robsim.teach.doctor._situations import DT, STANDS, Situation, excited, resting
 from robsim.teach.doctor._slots import PARAMETERS
 from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial
+from robsim.teach.doctor.influence import Influence
+from robsim.teach.doctor.learning import (
+    MAXIMUM_GROWTH,
+    largest_square,
+    learning_items,
+    line_of_matrix,
+    mismatch_problem,
+)
 
 _SHORT = 400  # steps
 _QUIET = 0.1  # of the usual disturbances, so that the verdict does not hang on them

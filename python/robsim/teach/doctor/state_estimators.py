@@ -11,22 +11,28 @@ import numpy as np
 from robsim._core import Estimate, Step
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.checks import check_float
-from robsim.teach.doctor._covariance import covariance_problem
 from robsim.teach.doctor._errors import problem_of
 from robsim.teach.doctor._lines import line_of_measurement
-from robsim.teach.doctor._reproducibility import replay_problem, together_problem
-from robsim.teach.doctor._run_checks import BUDGET, run_checks
+from robsim.teach.doctor._run_checks import (
+    BUDGET,
+    covariance_problem,
+    replay_problem,
+    run_checks,
+    together_problem,
+)
 from robsim.teach.doctor._situations import DT
 from robsim.teach.doctor._slots import STATE
-from robsim.teach.doctor._state.consistency import (
+from robsim.teach.doctor._trial import EstimatorUnderTest
+from robsim.teach.doctor.consistency import (
     ahead_problem,
     consistency_remarks,
     growth_problem,
     lost_problem,
     reduction_problem,
     size_problem,
+    transpose_problem,
 )
-from robsim.teach.doctor._state.gain import (
+from robsim.teach.doctor.gain import (
     Gains,
     divergence_problem,
     gain_remarks,
@@ -34,10 +40,8 @@ from robsim.teach.doctor._state.gain import (
     late_problem,
     unused_problem,
 )
-from robsim.teach.doctor._state.inputs import inputs_problem
-from robsim.teach.doctor._state.transposes import transpose_problem
-from robsim.teach.doctor._state.trials import SETTLED, Trials, distances
-from robsim.teach.doctor._trial import EstimatorUnderTest
+from robsim.teach.doctor.inputs import inputs_problem
+from robsim.teach.doctor.trials import SETTLED, Trials, distances
 
 _NO_INPUT = (
     "it never uses step.last_u, the inputs: correct for a constant-velocity filter, but a model "

@@ -17,9 +17,9 @@ from robsim._core import RobotModel
 from robsim.teach.errors import GraderError, SubmissionError
 from robsim.teach.grading._frame_memory import FrameMemory
 from robsim.teach.grading._wire import LIMITS, Channel, Kind, Ready, WireError
-from robsim.teach.grading.calls.answering import CallSetup
+from robsim.teach.grading.answering import CallSetup
 from robsim.teach.grading.robot_half import ROBOT_SLOTS, Setup, groups_of
-from robsim.teach.grading.tasks.task import Done
+from robsim.teach.grading.task import Done
 from robsim.teach.isolation import Isolation, Limits, start_worker
 from robsim.teach.isolation.ending import GRADER_LOST_IT
 from robsim.teach.isolation.limits import as_size
@@ -33,7 +33,7 @@ _MODULES = (
     *("robsim.lab.cameras", "robsim.control", "robsim.estimation.evaluation"),
     *("robsim.estimation.identification", "robsim.vision.imaging", "robsim.vision.robots"),
     *("robsim.simulation", "robsim.trace", "robsim.vision.markers"),
-    *("robsim.teach.grading.robot_half", "robsim.teach.grading.calls.answering"),
+    *("robsim.teach.grading.robot_half", "robsim.teach.grading.answering"),
 )
 _ENDING = 0.2  # s that a worker whose run is over has to end by itself
 _DYING = 1.0  # s after its connection is closed, until it is known how it ended

@@ -19,11 +19,10 @@ from robsim.teach.errors import AssignmentError, GradingError, SubmissionError
 from robsim.teach.grading._frame_memory import FrameMemory, has_frame_memory
 from robsim.teach.grading._wire import Ready
 from robsim.teach.grading._worker import Worker, done
-from robsim.teach.grading.calls.calling import CallWorker, calling, world_slots
+from robsim.teach.grading.calling import CallWorker, calling, world_slots
+from robsim.teach.grading.keys import RunSeeds
 from robsim.teach.grading.robot_half import STAGES, Setup
-from robsim.teach.grading.seeds import RunSeeds
-from robsim.teach.grading.tasks.allowed import WORLD_SLOTS, Frames, given_to
-from robsim.teach.grading.tasks.task import Done, Task, hidden_files
+from robsim.teach.grading.task import WORLD_SLOTS, Done, Frames, Task, given_to, hidden_files
 from robsim.teach.submissions import loaded_slots
 from robsim.teach.texts import error_text
 from robsim.trace import RunInfo, Trace

@@ -26,7 +26,7 @@ from robsim.simulation.slots import ONCE, ROBOT, SLOTS, STEP, names
 from robsim.teach.grading._frame_memory import SLOTS as FRAME_SLOTS
 from robsim.teach.grading._frame_memory import slot_bytes
 from robsim.teach.grading._wire import Channel, Kind, Ready
-from robsim.teach.grading.tasks.allowed import Frames, given_to
+from robsim.teach.grading.task import Frames, given_to
 from robsim.teach.submissions import Rules, SubmissionFiles, load_slots
 from robsim.teach.texts import ErrorText, error_text
 from robsim.trace import Trace

@@ -23,16 +23,15 @@ from robsim.simulation.callbacks.checks import check_callback
 from robsim.simulation.options import step_count
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
-from robsim.teach.grading.calls.arrays import as_arrays
-from robsim.teach.grading.calls.calling import Shape, called, wanted
+from robsim.teach.grading.arrays import as_arrays
+from robsim.teach.grading.calling import Shape, called, wanted
 from robsim.teach.grading.graded_run import graded_run
 from robsim.teach.grading.keys import Key
+from robsim.teach.grading.many_runs import GradedRuns, seeds_of
 from robsim.teach.grading.robot_half import ROBOT_SLOTS
-from robsim.teach.grading.tasks.allowed import check_samples, rules_of
-from robsim.teach.grading.tasks.many_runs import GradedRuns, seeds_of
-from robsim.teach.grading.tasks.task import Done, Task
+from robsim.teach.grading.task import Done, Task, check_samples, rules_of
 from robsim.teach.isolation import Isolation, Limits
-from robsim.teach.isolation.request import LEVELS
+from robsim.teach.isolation.limits import LEVELS
 from robsim.teach.submissions import read_submission
 from robsim.trace import Trace
 

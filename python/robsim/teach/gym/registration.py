@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gymnasium
 
-from robsim.teach.gym._rewards import REWARDS
+from robsim.teach.gym.environment import REWARDS
 
 
 def register() -> None:

@@ -3,8 +3,7 @@
 from robsim.teach.isolation._process import WorkerProcess
 from robsim.teach.isolation.check import IsolationReport, check_isolation
 from robsim.teach.isolation.ending import Ending
-from robsim.teach.isolation.limits import Limits
-from robsim.teach.isolation.request import Isolation
+from robsim.teach.isolation.limits import Isolation, Limits
 from robsim.teach.isolation.start import IsolationError, start_worker
 
 __all__ = [

@@ -18,7 +18,7 @@ from robsim.teach.isolation._layers.layer import NETWORK, USER
 from robsim.teach.isolation._process import WorkerLost, WorkerProcess
 from robsim.teach.isolation._processes.zygotes import ZygoteSetup, lose_user, retire, zygote_for
 from robsim.teach.isolation.ending import GRADER_LOST_IT, Ending
-from robsim.teach.isolation.request import Request
+from robsim.teach.isolation.limits import Request
 
 _TRIES = 5  # of which others may kill all but one
 

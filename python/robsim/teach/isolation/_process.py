@@ -14,9 +14,8 @@ from typing import Any, Self
 
 from robsim.teach.errors import GraderError
 from robsim.teach.isolation._layers.layer import Layers
-from robsim.teach.isolation._printed import Printed
-from robsim.teach.isolation.ending import GRADER_LOST_IT, STILL_RUNS, Ending, ending_of
-from robsim.teach.isolation.request import Request
+from robsim.teach.isolation.ending import GRADER_LOST_IT, STILL_RUNS, Ending, Printed, ending_of
+from robsim.teach.isolation.limits import Request
 
 _START = 60.0  # s that a worker may take to shut itself in, where it is fresh with its imports
 _END = 60.0  # s that its end, and that of all it has left, may take

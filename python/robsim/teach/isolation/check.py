@@ -17,7 +17,7 @@ from typing import Any
 from robsim.base.report import Quantity, Report
 from robsim.teach.errors import GraderError
 from robsim.teach.isolation._layers.layer import Layers
-from robsim.teach.isolation.request import Isolation
+from robsim.teach.isolation.limits import Isolation
 from robsim.teach.isolation.start import start_worker
 
 _ENTRY = "robsim.teach.isolation._attempts:run"

@@ -10,7 +10,6 @@ from robsim.teach.isolation.limits import Limits, as_size
 
 #: Exit codes of a worker's own: it could not shut itself in; it found no more memory.
 NOT_SHUT_IN, NO_MEMORY = 70, 71
-
 #: In the place of an exit code: it was ended, from outside or because of its processor time.
 KILLED = -getattr(signal, "SIGKILL", 9)
 
@@ -88,3 +87,24 @@ def _name_of(number: int) -> str:
         return signal.Signals(number).name
     except ValueError:
         return str(number)
+
+
+class Printed:
+    """The first bytes of what a worker prints; the rest is counted, and dropped."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._kept = bytearray()
+        self._dropped = 0
+
+    def add(self, part: bytes) -> None:
+        """Take some of it."""
+        room = self._most - len(self._kept)
+        self._kept += part[:room]
+        self._dropped += len(part) - len(part[:room])
+
+    @property
+    def text(self) -> str:
+        """What is kept, with a line that says where it was cut. It may be anything."""
+        text = bytes(self._kept).decode("utf-8", "replace")
+        return f"{text}\n... cut after {as_size(self._most)}" if self._dropped else text

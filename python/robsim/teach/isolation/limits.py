@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
 
 from robsim.base.checks import check_float, check_int
 
@@ -91,3 +92,54 @@ def as_size(count: int) -> str:
 def room_for(sizes: Iterable[int]) -> int:
     """Return how much files of these sizes (bytes) count at most."""
     return sum(size + BLOCK for size in sizes)
+
+
+Isolation = Literal["auto", "none", "process", "strict"]
+LEVELS: tuple[Isolation, ...] = ("auto", "none", "process", "strict")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """A worker that is asked for.
+
+    Attributes
+    ----------
+    entry : str
+        ``"module:function"``: trusted code, called as ``function(channel, memory)``.
+    limits : Limits
+        What it may take.
+    isolation : str
+        One of `LEVELS`.
+    hidden : tuple of str
+        Folders and files that it must not read.
+    user : int or None
+        The number of the user that it is to become.
+    without : tuple of str
+        Names of layers to leave out.
+    """
+
+    entry: str
+    limits: Limits
+    isolation: Isolation
+    hidden: tuple[str, ...] = ()
+    user: int | None = None
+    without: tuple[str, ...] = ()
+
+    @property
+    def shut(self) -> bool:
+        """Whether it is to be shut in as far as the system can."""
+        return self.isolation in ("auto", "strict")
+
+    def to_message(self) -> dict[str, Any]:
+        return asdict(self)
+
+    @classmethod
+    def from_message(cls, message: dict[str, Any]) -> Request:
+        return cls(
+            **{
+                **message,
+                "limits": Limits(**message["limits"]),
+                "hidden": tuple(message["hidden"]),
+                "without": tuple(message["without"]),
+            }
+        )

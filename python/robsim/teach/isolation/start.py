@@ -11,8 +11,7 @@ from robsim.base.checks import check_choice
 from robsim.base.text import quoted
 from robsim.teach.errors import GraderError
 from robsim.teach.isolation._process import WorkerProcess
-from robsim.teach.isolation.limits import Limits
-from robsim.teach.isolation.request import LEVELS, Isolation, Request
+from robsim.teach.isolation.limits import LEVELS, Isolation, Limits, Request
 
 HAS_ZYGOTE = sys.platform == "linux"
 

@@ -11,7 +11,7 @@ from typing import Any
 from robsim.teach.texts import clean_text
 
 _VOID = frozenset({"img", "meta", "br", "rect", "line", "circle", "polyline", "path"})
-_FILES = Path(__file__).with_name("pages")
+_FILES = Path(__file__).parent
 
 
 class Html(str):

@@ -1,12 +1,12 @@
-"""What a student's page says, as lines of text for a terminal or a mail."""
+"""A student's page as lines of text, and the share of a result that students see."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 
-from robsim.teach.assignments.points import of_most
-from robsim.teach.assignments.results import SubmissionResult, TestResult
+from robsim.teach.assignments.results import ERROR, SubmissionResult, TestResult, of_most
 from robsim.teach.reports import words
 from robsim.teach.texts import clean_line, clean_text
 
@@ -80,4 +80,62 @@ def _wrapped(text: str, start: str, indent: str) -> list[str]:
         initial_indent=start,
         subsequent_indent=indent,
         break_on_hyphens=False,
+    )
+
+
+def for_student(result: SubmissionResult) -> SubmissionResult:
+    """Return what students may see: of hidden tests nothing but title, points and sentence.
+
+    What has shut the submission in is of use to the teacher alone.
+    """
+    tests = tuple(t if t.public else _hidden(t) for t in result.tests)
+    return result.replace(tests=tests, isolation="")
+
+
+def _hidden(test: TestResult) -> TestResult:
+    return TestResult(
+        name=test.name,
+        title=test.title,
+        number=test.number,
+        public=False,
+        points=test.points,
+        most=test.most,
+        status=test.status,
+        sentence=test.sentence,
+        whose=test.whose if test.status == ERROR else None,
+    )
+
+
+def pseudonymous(
+    results: Iterable[SubmissionResult], pseudonym: Callable[[str], str]
+) -> list[SubmissionResult]:
+    """Return results by pseudonyms, without any text or file in which a name may stand.
+
+    Parameters
+    ----------
+    results : iterable of SubmissionResult
+        The results.
+    pseudonym : callable
+        What gives a name for a student, such as ``key.pseudonym``.
+    """
+    return [
+        result.replace(
+            student=pseudonym(result.student),
+            tests=tuple(map(_without_texts, result.tests)),
+            notes=(),
+            submission_digest="",
+        )
+        for result in results
+    ]
+
+
+def _without_texts(test: TestResult) -> TestResult:
+    return replace(
+        test,
+        failed=tuple(replace(run, reason="", file=None, line=None) for run in test.failed),
+        picture=None,
+        sentence="",
+        caption="",
+        finding="",
+        output="",
     )

@@ -7,7 +7,6 @@ import re
 import shlex
 
 from robsim.base.report import percent
-from robsim.teach.assignments.points import number, of_most
 from robsim.teach.assignments.results import (
     ERROR,
     FAILED,
@@ -18,6 +17,8 @@ from robsim.teach.assignments.results import (
     ScoreResult,
     SubmissionResult,
     TestResult,
+    number,
+    of_most,
 )
 
 #: What a status is called, and a sign for it, since not everybody sees its colour.

@@ -10,15 +10,13 @@ from pathlib import Path
 from robsim.base.checks import Floats
 from robsim.base.files import as_folder, write_whole
 from robsim.teach.assignments.results import SubmissionResult
-from robsim.teach.reports.marks.tables import marks_table
+from robsim.teach.reports.class_page import class_page, tests_of
+from robsim.teach.reports.drawings import DrawnPath, floor_of
 from robsim.teach.reports.markup import Html
-from robsim.teach.reports.pages.class_page import class_page, tests_of
-from robsim.teach.reports.pages.floor import DrawnPath, floor_of
-from robsim.teach.reports.pages.student import student_page
-from robsim.teach.reports.similarity.pairs import SimilarPair, similar_pairs
-from robsim.teach.reports.similarity.winnowing import Program
-from robsim.teach.reports.student_text import student_text
-from robsim.teach.reports.views import for_student, pseudonymous
+from robsim.teach.reports.similarity import Program, SimilarPair, similar_pairs
+from robsim.teach.reports.student_page import student_page
+from robsim.teach.reports.student_text import for_student, pseudonymous, student_text
+from robsim.teach.reports.tables import marks_table
 from robsim.teach.reports.words import heading
 
 RESULT, PAGE, TEXT, TEACHERS = "result.json", "index.html", "result.txt", "teacher.html"

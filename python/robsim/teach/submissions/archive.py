@@ -10,7 +10,7 @@ import zlib
 
 from robsim.base.text import quoted
 from robsim.teach.errors import SubmissionError
-from robsim.teach.submissions.intake import Intake
+from robsim.teach.submissions.folder import Intake
 from robsim.teach.submissions.rules import Rules
 
 _ENTRY = b"PK\x01\x02"  # begins each entry of the list of contents

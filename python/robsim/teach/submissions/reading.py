@@ -11,18 +11,28 @@ from pathlib import Path, PurePosixPath
 
 from robsim.base.files import as_path
 from robsim.base.text import listed, one_line, quoted
-from robsim.simulation.folders.callback_folder import TAKEN, imported_names, misspelled, taken_names
-from robsim.simulation.folders.modules import reserved_names
+from robsim.simulation.callback_folder import TAKEN, imported_names, misspelled, taken_names
+from robsim.simulation.modules import reserved_names
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.archive import most_of_archive, read_archive
 from robsim.teach.submissions.files import FILE, FOLDER, NOTEBOOK, SubmissionFiles
-from robsim.teach.submissions.folder import kind_of, lone_zip, read_file, read_folder
-from robsim.teach.submissions.intake import Intake, size_text
-from robsim.teach.submissions.module_file import slots_of_module
+from robsim.teach.submissions.folder import (
+    Intake,
+    kind_of,
+    lone_zip,
+    read_file,
+    read_folder,
+    size_text,
+)
 from robsim.teach.submissions.notebook.cells import reduced
 from robsim.teach.submissions.notebook.choosing import chosen
-from robsim.teach.submissions.python_text import check_source, decoded, imported_words
+from robsim.teach.submissions.python_text import (
+    check_source,
+    decoded,
+    imported_words,
+    slots_of_module,
+)
 from robsim.teach.submissions.rules import Rules
 
 _TAKEN = "hand in a folder, a Python file (.py), a notebook (.ipynb) or a zip of these"

@@ -8,10 +8,9 @@ from robsim.teach.tasks.kinds.follow import Follow
 from robsim.teach.tasks.kinds.identify import Identify
 from robsim.teach.tasks.kinds.measure import Measure
 from robsim.teach.tasks.kinds.park import Park
-from robsim.teach.tasks.limit import Limit
 from robsim.teach.tasks.marks.calibrate import calibrate
 from robsim.teach.tasks.marks.calibration import SolutionMarks, TaskCalibration
-from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.score import Limit, Score
 from robsim.teach.tasks.solutions import Solution
 from robsim.teach.tasks.trial import TaskTrial
 

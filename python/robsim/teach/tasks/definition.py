@@ -15,9 +15,8 @@ from robsim.base.seeds import Seed
 from robsim.simulation import Scenario, Simulation
 from robsim.simulation.slots import AllCallbacks
 from robsim.teach.tasks._sheet import sheet_of
-from robsim.teach.tasks._shipped import shipped_solutions
 from robsim.teach.tasks.score import Score
-from robsim.teach.tasks.solutions import Solution, starting_files
+from robsim.teach.tasks.solutions import Solution, shipped_solutions, starting_files
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 
@@ -202,7 +201,7 @@ class Task(ABC):
         >>> park = robsim.teach.Park()
         >>> park.try_out(control=lambda step: (0.5, 0.5), runs=2)  # doctest: +SKIP
         """
-        from robsim.teach.tasks._trying import trial  # which imports this
+        from robsim.teach.tasks.trial import trial  # which imports this
 
         return trial(
             self,
@@ -236,7 +235,7 @@ class Task(ABC):
         TypeError, ValueError
             If one is no Trace, or has no steps.
         """
-        from robsim.plotting.runs.beside import draw_run  # matplotlib takes its time
+        from robsim.plotting.beside import draw_run  # matplotlib takes its time
         from robsim.plotting.style import check_optional, check_steps
 
         check_steps(trace)

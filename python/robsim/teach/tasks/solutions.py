@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import tomllib
+import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,18 +16,15 @@ from robsim.base.checks import check_bool
 from robsim.base.files import as_folder
 from robsim.base.text import one_line, quoted
 from robsim.campaigns.choices import Folder
-from robsim.simulation.folders.callback_folder import misspelled
+from robsim.simulation.callback_folder import misspelled
 from robsim.simulation.slots import SLOTS, checked_slots
 
 if TYPE_CHECKING:
     from robsim.teach.tasks.definition import Task
-
 #: The right solution that scores are relative to, and the wrong one that gets no points.
 REFERENCE, NAIVE = "reference", "naive"
-
 #: The module from which a solution has the values of its task.
 MODULE = "task"
-
 _START = Path(__file__).parent / "start"
 
 
@@ -170,3 +171,59 @@ def helpers(solution: Solution) -> dict[str, bytes]:
 
 def _is_named(folder: Path) -> bool:
     return not folder.name.startswith((".", "__"))
+
+
+PACKED = Path(__file__).with_name("solutions.bin")
+_SAYS = "says"
+
+
+def pack(sources: Mapping[str, str]) -> bytes:
+    """Return the solutions of tasks, as TOML by the name of the task, in one file."""
+    return zlib.compress(json.dumps(sources).encode(), level=9)
+
+
+def unpack(packed: bytes) -> dict[str, str]:
+    """Return what was packed."""
+    sources: dict[str, str] = json.loads(zlib.decompress(packed))
+    return sources
+
+
+@cache
+def shipped_solutions(task: str, slots: tuple[str, ...]) -> tuple[Solution, ...]:
+    """Return the solutions of a kind of task that ship with robsim, in the order of their file."""
+    return tuple(with_shared(_solutions(unpack(PACKED.read_bytes())[task], slots)))
+
+
+def _solutions(source: str, slots: tuple[str, ...]) -> Iterator[Solution]:
+    tables = tomllib.loads(source)
+    for kind in ("right", "wrong"):
+        for name, changes in tables[kind].items():
+            try:
+                files = _changed(tables["base"], changes, slots)
+            except ValueError as error:
+                raise ValueError(f"{kind}.{name}: {error}") from None
+            yield Solution(
+                name=name,
+                is_right=kind == "right",
+                folder=None,
+                files={file.removesuffix(".py"): text.encode() for file, text in files.items()},
+                slots=slots,
+            )
+
+
+def _changed(
+    base: Mapping[str, str], changes: Mapping[str, str], slots: tuple[str, ...]
+) -> dict[str, str]:
+    """Return the files of a solution by name."""
+    own = {key: text for key, text in changes.items() if key.endswith(".py")}
+    is_whole = all(f"{slot}.py" in own for slot in slots)
+    files = {} if is_whole else {name: text for name, text in base.items() if name not in own}
+    for key, new in changes.items():
+        if key in own:
+            continue
+        old = next(iter(base.values())).split('"""')[1] if key == _SAYS else key
+        changed = {name: text.replace(old, new) for name, text in files.items() if old in text}
+        if not changed:
+            raise ValueError(f"no file has the text {old!r}")
+        files |= changed
+    return files | own

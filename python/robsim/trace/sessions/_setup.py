@@ -15,7 +15,7 @@ import numpy as np
 from robsim._core import ColorClass, Intrinsics, MarkerLayout, PlaneMap, RobotModel, fitting_roles
 from robsim.base.checks import as_float_array, check_float, check_mm_per_px, check_size
 from robsim.base.files import MOST_TOML, parse_toml, read_toml
-from robsim.base.geometry.marker_roles import given_by_role, taken_roles
+from robsim.base.marker_roles import given_by_role, taken_roles
 from robsim.base.text import one_line, quoted
 
 FORMAT = 2

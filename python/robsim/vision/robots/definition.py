@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from robsim._core import MarkerLayout, cos, fitting_roles, sin
 from robsim.base.checks import Floats, check_float, check_int, check_name
-from robsim.base.geometry.marker_roles import ROLES, ByRole, roles_of
-from robsim.base.geometry.polygons import area_and_centroid
+from robsim.base.marker_roles import ROLES, ByRole, roles_of
+from robsim.base.polygons import area_and_centroid
 from robsim.base.text import quoted
 from robsim.base.values import digest, frozen
 from robsim.vision.imaging.images import Pixels, check_pixels

@@ -15,7 +15,7 @@ from PIL import Image
 
 from robsim.base.checks import Floats
 from robsim.base.files import as_folder, naming, read_toml, write_whole
-from robsim.base.geometry.marker_roles import given_by_role
+from robsim.base.marker_roles import given_by_role
 from robsim.base.text import cut, one_line, quoted
 from robsim.base.values import FileVersion
 from robsim.vision.imaging.images import load_image

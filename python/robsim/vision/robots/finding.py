@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
 from robsim.base.checks import Floats
-from robsim.base.geometry.polygons import area_and_centroid, fitted
+from robsim.base.polygons import area_and_centroid, fitted
 from robsim.base.shipped import warn_user
 from robsim.base.text import quoted
 from robsim.vision.imaging.images import Pixels, check_pixels, resized

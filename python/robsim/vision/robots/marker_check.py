@@ -21,7 +21,7 @@ from robsim._core import (
 )
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.checks import Floats
-from robsim.base.geometry.polygons import area_and_centroid, mask
+from robsim.base.polygons import area_and_centroid, mask
 from robsim.base.text import quoted
 from robsim.vision.imaging.images import Pixels, darkened, resized
 from robsim.vision.markers.color_files import as_colors

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim.base.checks import Floats
-from robsim.base.geometry.polygons import area_and_centroid, crossing, depths, samples
+from robsim.base.polygons import area_and_centroid, crossing, depths, samples
 from robsim.base.text import quoted
 
 _MAXIMUM_POINTS = 1000

@@ -3,7 +3,7 @@
 import numpy as np
 
 import robsim
-from robsim.simulation.outside.frame_source import drives_backwards
+from robsim.simulation.frame_source import drives_backwards
 from size_and_power.row import Row
 from size_and_power.trials import Trials, random_of
 

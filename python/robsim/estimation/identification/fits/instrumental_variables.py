@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike
 
 from robsim._core import regression, second_order_recursion
 from robsim.base.checks import Floats
-from robsim.estimation.identification.fits.initial_estimate import axis_with_pole, initial_estimate
-from robsim.estimation.identification.fits.linear import solve
+from robsim.estimation.identification.fits.linear import axis_with_pole, initial_estimate, solve
 from robsim.estimation.identification.fits.model_fit import ModelFit, with_undetermined
 from robsim.estimation.identification.fits.segments import Segment, as_record, split
 from robsim.estimation.identification.fits.unknowns import HEADING, X, Y

@@ -1,10 +1,13 @@
-"""Linear least squares and blockwise QR, for the iterative fits."""
+"""Linear least squares, blockwise QR and first estimates, for the iterative fits."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from robsim._core import regression, second_order_recursion
 from robsim.base.checks import Floats, decompose
+from robsim.estimation.identification.fits.segments import Segment
+from robsim.estimation.identification.fits.unknowns import HEADING, X, Y
 
 _BLOCK = 128
 
@@ -48,3 +51,47 @@ def triangle(matrix: Floats) -> Floats:
         factors = np.linalg.qr(padded.reshape(blocks, _BLOCK, -1), mode="r")
         matrix = np.vstack(list(factors))
     return np.asarray(np.linalg.qr(matrix, mode="r"), dtype=np.float64)
+
+
+# One pole of each axis is 1; these are the candidates for the other one, from fast to slow.
+_POLES = 1 - np.geomspace(1.0, 0.01, 14)
+
+
+def initial_estimate(segments: list[Segment]) -> Floats:
+    """Return theta (3, 5): for each axis the best candidate pole, with b1, b2 and d1 fitted to it.
+
+    It needs no starting value, and noise in the poses does not bias it.
+
+    Parameters
+    ----------
+    segments : list of Segment
+        Segments with short gaps only: headings are interpolated.
+    """
+    return np.array([_best_axis(segments, axis) for axis in (X, Y, HEADING)])
+
+
+def _best_axis(segments: list[Segment], axis: int) -> Floats:
+    candidates = [axis_with_pole(segments, axis, float(pole)) for pole in _POLES]
+    return min(candidates, key=lambda candidate: candidate[1])[0]
+
+
+def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Floats, float]:
+    """Return the parameters (5,) of an axis with the poles 1 and `pole` whose path fits best.
+
+    For given poles the path is linear in b1, b2, d1 and the first two values of each segment.
+    The second result is the sum of squared residuals.
+    """
+    a1, a2 = 1 + pole, -pole
+    parts = []
+    for segment in segments:
+        phi, _ = regression(segment.interpolated(), segment.u)
+        forces = np.zeros((len(segment.u), 5))
+        forces[0, 0] = forces[1, 1] = 1
+        forces[2:, 2:] = phi[:, axis, 2:]
+        responses = second_order_recursion(a1, a2, forces)[segment.seen]
+        columns = np.column_stack([responses, segment.poses[segment.seen, axis]])
+        parts.append(triangle(columns)[2:, 2:])
+    columns = np.vstack(parts)
+    gains, _ = solve(columns[:, :3], columns[:, 3])
+    residuals = columns[:, 3] - columns[:, :3] @ gains
+    return np.hstack([a1, a2, gains]), float(np.square(residuals).sum())

@@ -9,11 +9,10 @@ from concurrent.futures import CancelledError, Future
 from typing import Any
 
 from robsim._core import Frame
-from robsim.gui._driver import State
+from robsim.gui._driver import Playback, State
 from robsim.gui._link import SLOW, Link
-from robsim.gui._playback import Playback
 from robsim.gui.panels.part import Handlers, Part
-from robsim.gui.panels.run.pictures import Shot, past_shot, picture_of
+from robsim.gui.panels.run.camera import Shot, past_shot, picture_of
 
 _GAP = 1 / 30  # s between two answers
 _MOST_KEPT = 64 << 20  # bytes of pictures

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim.gui._link import Link
-from robsim.gui._messages import Refused
+from robsim.gui._link import Link, Refused
 from robsim.gui.panels.part import Handlers, Part
 
 _GAP = 0.1  # s between two updates

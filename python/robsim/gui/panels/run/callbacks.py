@@ -8,13 +8,11 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from robsim.base.text import said_by
-from robsim.gui._link import Link
-from robsim.gui._messages import Refused
-from robsim.gui._playback import Playback
-from robsim.gui.panels.code.editor import open_in_editor
-from robsim.gui.panels.code.lab import lab_link
-from robsim.gui.panels.code.places import name_in, place_in, source_in
+from robsim.gui._driver import Playback
+from robsim.gui._link import Link, Refused
+from robsim.gui.panels.editor import lab_link, open_in_editor
 from robsim.gui.panels.part import Handlers, Part
+from robsim.gui.panels.places import name_in, place_in, source_in
 from robsim.gui.panels.settings.owners import owners_of
 from robsim.simulation.callbacks.errors import callback_of
 from robsim.simulation.callbacks.signatures import CallTimes

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from robsim.base.text import said_by
-from robsim.gui._link import Buffers, Link
-from robsim.gui._messages import Refused
-from robsim.gui._playback import Playback
+from robsim.gui._driver import Playback
+from robsim.gui._link import Buffers, Link, Refused
 from robsim.gui.panels.part import Handlers, Part
 from robsim.gui.panels.record import RunRecord
 from robsim.simulation import Experiment, Simulation

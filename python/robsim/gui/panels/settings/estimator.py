@@ -13,7 +13,7 @@ from robsim.simulation import Experiment, PoseNoise, Simulation, WheelNoise
 
 # At run time it is imported where it is used, since a course can leave it out.
 if TYPE_CHECKING:
-    from robsim.estimation.reference.extended import ExtendedKalmanFilter
+    from robsim.estimation.reference.kalman import ExtendedKalmanFilter
 
 Sigma = tuple[float, float, float]
 
@@ -28,7 +28,7 @@ def why_no_default() -> str | None:
 def default_estimator(runner: Simulation | Experiment) -> ExtendedKalmanFilter:
     """Return an extended Kalman filter for a world."""
     from robsim.estimation.reference.estimator import Prior
-    from robsim.estimation.reference.extended import ExtendedKalmanFilter
+    from robsim.estimation.reference.kalman import ExtendedKalmanFilter
 
     width, height = runner.area
     uniform = (width / math.sqrt(12), height / math.sqrt(12), math.pi / math.sqrt(3))
@@ -56,7 +56,7 @@ def _process_sigma(simulation: Simulation) -> Sigma:
     if isinstance(noise, WheelNoise):
         x, heading = _of_wheels(noise, model)
         return x, x, heading
-    from robsim.estimation.reference.noise import PROCESS_SIGMA
+    from robsim.estimation.reference.estimator import PROCESS_SIGMA
 
     # Without a disturbance 0 is right, but a filter with 0 does not recover from a bounce.
     return PROCESS_SIGMA

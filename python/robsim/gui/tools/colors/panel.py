@@ -11,8 +11,8 @@ from robsim.base.files import as_path
 from robsim.base.text import quoted
 from robsim.gui.tools.colors.training import Region
 from robsim.gui.tools.colors.view import ColorsView
-from robsim.gui.tools.opening import Seen, pictures_of
 from robsim.gui.tools.panel import ToolPanel
+from robsim.gui.tools.pictures import Seen, pictures_of
 from robsim.simulation.options import colors_value
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot

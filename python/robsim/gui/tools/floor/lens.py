@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from robsim.base.checks import check_bool, check_int
 from robsim.base.text import quoted
-from robsim.gui._beside import Beside
+from robsim.gui._worker import Beside
 from robsim.gui.tools.pictures import Picture, Pictures
 from robsim.gui.tools.tool import Acts
 from robsim.lab.calibration.lens import FEWEST, View, lens_of_views, why_missing

@@ -12,12 +12,11 @@ from numpy.typing import ArrayLike
 from robsim.base.checks import check_float
 from robsim.base.files import as_path
 from robsim.base.text import quoted
-from robsim.gui.tools.floor.example import TITLE, tiled_floor
+from robsim.gui.tools.floor.corners import TITLE, tiled_floor
 from robsim.gui.tools.floor.points import FloorDraft
 from robsim.gui.tools.floor.view import FloorView
-from robsim.gui.tools.opening import Seen, pictures_of
 from robsim.gui.tools.panel import ToolPanel
-from robsim.gui.tools.pictures import OnePicture
+from robsim.gui.tools.pictures import OnePicture, Seen, pictures_of
 from robsim.lab.calibration.floor import checked_places
 from robsim.lab.calibration.floor_report import FloorCalibration
 from robsim.lab.calibration.lens_report import LensCalibration

@@ -13,28 +13,60 @@ from robsim._core import PlaneMap
 from robsim.base.checks import check_float
 from robsim.base.files import as_path
 from robsim.base.text import one_line
-from robsim.gui._beside import Beside
-from robsim.gui._link import Link
-from robsim.gui._messages import Messages
-from robsim.gui.tools.floor.corners import snapped
-from robsim.gui.tools.floor.file import refuse_device, replaced
-from robsim.gui.tools.floor.fitting import fit_of, fitted, grid_of, on_work_area
+from robsim.gui._link import Link, Messages, maybe, number, point, switch, text, whole
+from robsim.gui._worker import Beside
+from robsim.gui.tools.floor.corners import FloorSheets, SeenSheets, snapped
+from robsim.gui.tools.floor.fitting import (
+    fit_of,
+    fitted,
+    grid_of,
+    on_work_area,
+    refuse_device,
+    replaced,
+)
 from robsim.gui.tools.floor.lens import LensPictures
-from robsim.gui.tools.floor.messages import MESSAGES
 from robsim.gui.tools.floor.points import MOST, FloorDraft, FloorPoints, checked_pixel
-from robsim.gui.tools.floor.sheets import FloorSheets, SeenSheets
 from robsim.gui.tools.pictures import Pictures
-from robsim.gui.tools.tool import Acts, T, ToolView
+from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView
 from robsim.lab.calibration.floor_report import FloorCalibration
 from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.calibration_file import load_calibration, save_calibration
 from robsim.vision.imaging.images import frame_size
 
+MESSAGES: Messages = {
+    **TOOL_MESSAGES,
+    "magnify": {"at": point, "half": whole, "glass": whole},
+    "add": {"at": point, "reach": number},
+    "choose": {"point": maybe(whole)},
+    "move": {"point": whole, "at": point, "goes_on": switch},
+    "nudge": {"point": whole, "by": point, "goes_on": switch},
+    "snap": {"point": whole, "reach": number},
+    "place": {"point": whole, "x": maybe(number), "y": maybe(number)},
+    "cut": {"point": whole},
+    "clear": {},
+    "fill": {"step": number},
+    "set": {"name": text, "value": number},
+    "by": {"name": text},
+    "sheets": {},
+    "sheet": {"number": whole, "x": maybe(number), "y": maybe(number)},
+    "board": {"pattern": text, "columns": whole, "rows": whole, "square": number},
+    "take": {},
+    "take_all": {},
+    "watch": {"on": switch},
+    "drop": {"picture": maybe(whole)},
+    "use_lens": {},
+    "undo": {},
+    "redo": {},
+    "load": {"file": text},
+    "forget": {},
+    "save": {"file": text},
+}
+
+
 #: What is shown, and what a floor is fitted by: while it is a lens, by the points.
 WAYS = ("points", "sheets", "lens")
 _MOST_HALF = 100  # px of the picture to each side, of what a magnifying glass gets
 _FILL_REACH = 8.0  # px, of where a corner of a grid is expected
-
 Pixel = tuple[float, float]
 
 

@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sized
+from collections.abc import Iterable, Mapping, Sized
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from robsim._core import ColorClass, find_blobs, rgb_to_yuv
 from robsim.base.checks import Floats, check_float, check_int
-from robsim.base.geometry.polygons import area_and_centroid, mask
+from robsim.base.polygons import area_and_centroid, mask
 from robsim.base.text import quoted
-from robsim.gui.tools.history import History
-from robsim.vision.imaging.images import Pixels
+from robsim.gui.tools.panel import History
+from robsim.gui.tools.pictures import over_floor
+from robsim.vision.imaging.images import Pixels, resized
 from robsim.vision.robots.definition import (
     DEFAULT_COLORS,
     RobotDefinition,
+    by_color,
     from_colors,
     roles_by_color,
+)
+from robsim.vision.robots.finding import (
+    MAXIMUM_SIDE,
+    OPAQUE,
+    marker_in,
+    opaque_outline,
+    pixels_of_blob,
 )
 from robsim.vision.robots.polygon_checks import finite_array, geometry_problems, polygon
 
@@ -236,3 +246,144 @@ class RobotDrawing(History[Sketch]):
         if "outline" in changes:
             changes["centre"] = None
         self.go_to(replace(self.sketch, **changes), goes_on=goes_on)
+
+
+_RIM = 0.06  # of the shorter side: what is floor
+_SIGMA = 1.4826  # of a normal distribution, by its median absolute deviation
+_LEAST_SPREAD = 3.0  # levels
+_FAR = 6.0  # spreads from the floor
+_WINDOW = 0.07  # of the shorter side; noise, and seams of the floor, are no robot
+_PAINT = (255, 0, 0)
+_PAINTED = ColorClass("painted", v=(200, 255))
+
+
+def guess_outline(image: Pixels) -> Floats:
+    """Return the convex polygon around what stands out from the floor at the picture's rim.
+
+    Parameters
+    ----------
+    image : array (h, w, 3) of uint8
+        RGB; the robot somewhere within, the floor around it.
+
+    Raises
+    ------
+    ValueError
+        If nothing stands out.
+    """
+    yuv = rgb_to_yuv(image).astype(float)
+    floor = yuv[_rim(image.shape[0], image.shape[1])]
+    middle = np.median(floor, axis=0)
+    spread = np.maximum(_SIGMA * np.median(np.abs(floor - middle), axis=0), _LEAST_SPREAD)
+    distance = np.sqrt(np.square((yuv - middle) / spread).sum(axis=2))
+    window = 2 * round(_WINDOW * min(image.shape[:2]) / 2) + 1
+    stands_out = _mean(distance > _FAR, window) > 0.5
+    painted = np.where(stands_out[..., None], np.array(_PAINT, np.uint8), np.uint8(0))
+    least = max(9, image.shape[0] * image.shape[1] // 400)
+    blobs = find_blobs(painted, [_PAINTED], minimum_area=least, maximum_count=1)["painted"]
+    if not blobs:
+        raise ValueError("nothing stands out from the floor at the picture's rim: draw the outline")
+    across, down = pixels_of_blob(blobs[0], painted, _PAINTED).astype(int).T
+    alpha = np.zeros((*image.shape[:2], 4), np.uint8)
+    alpha[down, across, 3] = 255
+    return opaque_outline(alpha)
+
+
+def guess_marker(image: Pixels, outline: Floats, name: str, colors: Iterable[ColorClass]) -> Floats:
+    """Return a polygon around the largest blob of a colour inside an outline.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or no such colour.
+    """
+    height, width = image.shape[:2]
+    inside = mask(outline, width, height)
+    cut = np.dstack([image, np.where(inside, 255, 0).astype(np.uint8)])
+    return marker_in(cut, name, tuple(colors))
+
+
+def _rim(height: int, width: int) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
+    wide = max(1, round(_RIM * min(height, width)))
+    rim = np.ones((height, width), bool)
+    rim[wide:-wide, wide:-wide] = False
+    return rim
+
+
+def _mean(values: np.ndarray[tuple[int, int], np.dtype[np.bool_]], n: int) -> Floats:
+    """Return the share of true values in a window of n x n around each pixel."""
+    padded = np.pad(values.astype(float), n // 2, mode="edge")
+    sums = np.pad(padded.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
+    found: Floats = sums[n:, n:] - sums[:-n, n:] - sums[n:, :-n] + sums[:-n, :-n]
+    return found / n**2
+
+
+def sketch_of(robot: RobotDefinition) -> Sketch:
+    """Return what there is of a robot."""
+    names = ("image", "size", "alignment", "centre", "maximum_blobs", "outline")
+    return Sketch(markers=by_color(robot), **{name: getattr(robot, name) for name in names})
+
+
+def is_cut_out(pixels: Pixels) -> bool:
+    """Return whether a picture (h, w, 3 or 4) shows a robot with transparent surroundings."""
+    return pixels.shape[2] == 4 and bool((pixels[..., 3] <= OPAQUE).any())
+
+
+def sketch_of_picture(pixels: Pixels, size: float, colors: Iterable[ColorClass]) -> Sketch:
+    """Return a picture (h, w, 3 or 4) with first guesses of all parts, as far as they are found.
+
+    One that is larger than robots are is scaled down.
+
+    Parameters
+    ----------
+    size : float
+        Its width on the work area (px).
+    colors : iterable of ColorClass
+        Those of the markers.
+
+    Raises
+    ------
+    ValueError
+        If it is transparent everywhere.
+    """
+    drawing = RobotDrawing(Sketch(_with_alpha(_reduced(pixels)), size=size))
+    if is_cut_out(drawing.sketch.image):
+        drawing.put(OUTLINE, opaque_outline(drawing.sketch.image))
+    for part, corners in drawing.sketch.parts.items():
+        if not len(corners):
+            try:
+                drawing.put(part, guessed(drawing.sketch, part, colors))
+            except ValueError:
+                break  # it is drawn by hand
+    return drawing.sketch
+
+
+def guessed(sketch: Sketch, part: str, colors: Iterable[ColorClass]) -> Floats:
+    """Return a part as it is found in the picture; ValueError if it is not."""
+    if part == OUTLINE and is_cut_out(sketch.image):
+        return opaque_outline(sketch.image)
+    image = over_floor(sketch.image).image
+    if part == OUTLINE:
+        return guess_outline(image)
+    return guess_marker(image, sketch.outline, part, colors)
+
+
+def cut_out(image: Pixels, square: tuple[float, float, float]) -> Pixels:
+    """Return what a square of a picture shows: its centre and side (px)."""
+    u, v, side = square
+    count = round(side)
+    left, top = (round(middle - side / 2) for middle in (u, v))
+    height, width = image.shape[:2]
+    left, top = min(max(left, 0), width - count), min(max(top, 0), height - count)
+    return np.array(image[top : top + count, left : left + count])
+
+
+def _reduced(image: Pixels) -> Pixels:
+    height, width = image.shape[:2]
+    factor = min(1.0, MAXIMUM_SIDE / max(height, width))
+    return resized(image, *(max(1, round(factor * side)) for side in (width, height)))
+
+
+def _with_alpha(image: Pixels) -> Pixels:
+    if image.shape[2] == 4:
+        return np.array(image)
+    return np.dstack([image, np.full(image.shape[:2], 255, np.uint8)])

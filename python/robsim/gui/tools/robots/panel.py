@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from robsim._core import ColorClass, Frame
 from robsim.base.checks import check_bool
-from robsim.gui.tools.opening import Seen, pictures_of
 from robsim.gui.tools.panel import ToolPanel
+from robsim.gui.tools.pictures import Seen, pictures_of
 from robsim.gui.tools.robots.view import RobotsView
 from robsim.simulation.options import colors_value
 from robsim.vision.imaging.images import Pixels

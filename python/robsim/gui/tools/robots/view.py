@@ -13,19 +13,19 @@ from robsim._core import ColorClass
 from robsim.base.checks import check_float
 from robsim.base.text import quoted
 from robsim.gui._css_colors import css_color
-from robsim.gui._messages import Messages
-from robsim.gui.tools.opening import over_floor
-from robsim.gui.tools.pictures import OnePicture, Picture, Pictures
-from robsim.gui.tools.robots.drawing import OUTLINE, RobotDrawing, Sketch
-from robsim.gui.tools.robots.messages import MESSAGES
-from robsim.gui.tools.robots.sketches import (
+from robsim.gui._link import Messages, number, point, switch, text, whole
+from robsim.gui.tools.pictures import OnePicture, Picture, Pictures, over_floor
+from robsim.gui.tools.robots.drawing import (
+    OUTLINE,
+    RobotDrawing,
+    Sketch,
     cut_out,
     guessed,
     is_cut_out,
     sketch_of,
     sketch_of_picture,
 )
-from robsim.gui.tools.tool import Acts, ToolView
+from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, ToolView
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import (
@@ -36,6 +36,31 @@ from robsim.vision.robots.lookup import (
     user_robots,
 )
 from robsim.vision.robots.user_robots import add_robot, check_new_name
+
+MESSAGES: Messages = {
+    **TOOL_MESSAGES,
+    "load": {"name": text},
+    "square": {"at": point, "side": number},
+    "capture": {},
+    "capture_whole": {},
+    "no_camera": {},
+    "resume": {},
+    "part": {"name": text},
+    "move": {"corner": whole, "at": point, "goes_on": switch},
+    "insert": {"corner": whole, "at": point},
+    "cut": {"corner": whole},
+    "clear": {},
+    "guess": {},
+    "turn": {"degrees": number},
+    "face": {"at": point, "goes_on": switch},
+    "resize": {"size": number},
+    "scale": {"one": point, "other": point, "distance": number},
+    "undo": {},
+    "redo": {},
+    "reset": {},
+    "save": {"name": text, "overwrite": switch},
+}
+
 
 _SQUARE = 0.4  # of the shorter side of a picture
 _SMALLEST = 8.0  # px

@@ -16,7 +16,7 @@ import pytest
 
 from robsim.teach.assignments._own_tests.plugin import Points
 from robsim.teach.assignments.assignment import Assignment
-from robsim.teach.assignments.grading.seeds import key_for, student_for
+from robsim.teach.assignments.grading.references import key_for, student_for
 
 
 def main() -> int:

@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
-from robsim.teach.assignments.results import TestResult
+from robsim.base.text import one_line
+from robsim.teach.assignments.assignment import Assignment, FileTests
+from robsim.teach.assignments.results import ERROR, NOT_RUN, TestResult
+from robsim.teach.errors import AssignmentError
+from robsim.teach.texts import clean_text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,3 +64,130 @@ class OwnTest:
             sentence=sentence,
             **more,
         )
+
+
+_CHILD = "robsim.teach.assignments._own_tests.child"
+_LISTING = 60.0  # s
+_OUT_OF_TIME = "not run: out of time"
+_SAID = 600  # characters of what a child that failed said last
+
+
+def list_own_tests(assignment: Assignment, test: FileTests) -> tuple[OwnTest, ...]:
+    """Return the tests in a file; none of them is run, but the file is.
+
+    Raises
+    ------
+    AssignmentError
+        If pytest cannot load it, or points make no sense.
+    """
+    with _child(assignment, test, None, "", _LISTING) as (lines, status, said):
+        found = tuple(OwnTest.from_dict(data) for kind, data in lines if kind == "test")
+        if status != 0 or not found:
+            broken = [data["text"] for kind, data in lines if kind == "broken"]
+            what = broken[0] if broken else "it has no tests" if status == 5 else said
+            name = test.path.name
+            raise AssignmentError(f"{one_line(name)} cannot be used: {what}", file=name)
+        return found
+
+
+def run_own_tests(
+    assignment: Assignment,
+    test: FileTests,
+    own: tuple[OwnTest, ...],
+    path: str,
+    student: str,
+    seconds: float,
+) -> tuple[TestResult, ...]:
+    """Run a file for a submission, and return a result for each of its tests.
+
+    Parameters
+    ----------
+    assignment, test
+        What is graded.
+    own : tuple of OwnTest
+        The tests of the file.
+    path, student : str
+        What was handed in, and by whom.
+    seconds : float
+        How long they may take together.
+    """
+    with _child(assignment, test, path, student, seconds) as (lines, status, said):
+        done = {data["name"]: data for kind, data in lines if kind == "result"}
+        results = []
+        for one in own:
+            if (data := done.get(one.name)) is not None:
+                del data["name"]
+                results.append(one.result(**data))
+            elif status is None:
+                results.append(one.result(NOT_RUN, _OUT_OF_TIME))
+            else:
+                text = f"the tests of {test.path.name} have ended early: {said}"
+                results.append(one.result(ERROR, text, whose=AssignmentError.whose))
+        return tuple(results)
+
+
+@contextmanager
+def _child(
+    assignment: Assignment, test: FileTests, path: str | None, student: str, seconds: float
+) -> Iterator[tuple[list[tuple[str, dict[str, Any]]], int | None, str]]:
+    """Give what a child has told, its exit status (None = out of time) and its last words."""
+    with tempfile.TemporaryDirectory(prefix="robsim-tests-") as folder:
+        out = Path(folder, "results")
+        request = {
+            "folder": str(assignment.folder),
+            "file": assignment.files.index(test),
+            "submission": path,
+            "student": student,
+            "out": str(out),
+        }
+        work = Path(folder, "work")
+        work.mkdir()
+        status, said = _run(request, work, seconds)
+        yield list(_told(out)), status, said
+
+
+def _run(request: dict[str, Any], folder: Path, seconds: float) -> tuple[int | None, str]:
+    child = subprocess.Popen(
+        [sys.executable, "-P", "-m", _CHILD],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        cwd=folder,
+        start_new_session=True,
+        env={**os.environ, "PYTEST_ADDOPTS": "", "PYTEST_PLUGINS": ""},
+    )
+    try:
+        said, _ = child.communicate(json.dumps(request).encode() + b"\n", timeout=seconds)
+        return child.returncode, _last_words(said)
+    except subprocess.TimeoutExpired:
+        return None, ""
+    finally:
+        _end(child)
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    """End a child that has not ended, with all that it has started."""
+    if child.poll() is None:
+        with suppress(OSError):
+            if sys.platform == "win32":
+                child.kill()  # its workers end with it
+            else:
+                os.killpg(child.pid, signal.SIGKILL)
+    child.communicate()
+
+
+def _last_words(said: bytes) -> str:
+    text = said[-8 * _SAID :].decode("utf-8", "replace").strip()
+    return clean_text(text[-_SAID:]) or "it said nothing"
+
+
+def _told(out: Path) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the lines that are whole."""
+    try:
+        text = out.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return
+    for line in text.splitlines(keepends=True):
+        if line.endswith("\n"):
+            data = json.loads(line)
+            yield data.pop("kind"), data

@@ -12,7 +12,7 @@ import robsim
 from robsim.teach.assignments.assignment import TaskTest
 from robsim.teach.assignments.classes.plan import Plan
 from robsim.teach.assignments.classes.submissions import Handed
-from robsim.teach.assignments.grading import digests
+from robsim.teach.assignments.grading import references as digests
 from robsim.teach.assignments.grading.marking import marked
 from robsim.teach.assignments.grading.work import Job, Row, Unit
 from robsim.teach.assignments.results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult

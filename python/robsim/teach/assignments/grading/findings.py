@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-from robsim.teach.assignments.grading.digests import of_submission
+from robsim.teach.assignments.grading.references import of_submission
 from robsim.teach.assignments.grading.task_runs import RunTest
 from robsim.teach.assignments.results import PASSED
 from robsim.teach.errors import SubmissionError
-from robsim.teach.grading.calls.judging import judged
+from robsim.teach.grading.calling import judged
 
 _DOCTOR = "robsim.teach.doctor._finding:first_finding"
 _SECONDS = 20.0  # that it may take

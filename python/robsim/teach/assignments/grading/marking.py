@@ -9,8 +9,7 @@ from robsim.teach.assignments.assignment import TaskTest
 from robsim.teach.assignments.grading import sentences
 from robsim.teach.assignments.results import FAILED, PARTIAL, PASSED, ScoreResult, TestResult
 from robsim.teach.errors import AssignmentError
-from robsim.teach.tasks.limit import Limit
-from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.score import Limit, Score
 
 _ALL = 1 - 1e-9
 

@@ -6,19 +6,35 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 
-from robsim.base.checks import check_int, check_text
+from robsim.base.checks import Floats, check_int, check_text
 from robsim.base.report import Column, Report, Row, Table
 from robsim.base.spelling import check_names
 from robsim.teach.assignments.assignment import Assignment, TaskTest
 from robsim.teach.assignments.classes.submissions import check_is_one, one_submission
-from robsim.teach.assignments.grading.pictures import picture_of
-from robsim.teach.assignments.grading.references import References, numbers_of
-from robsim.teach.assignments.grading.seeds import seeds_of
+from robsim.teach.assignments.grading.references import References, numbers_of, seeds_of
 from robsim.teach.assignments.grading.task_runs import graded_task
 from robsim.teach.errors import SubmissionError
 from robsim.teach.grading.graded_run import graded_run
 from robsim.teach.texts import clean_text
 from robsim.trace import Trace
+
+
+def picture_of(test: TaskTest, trace: Trace, reference: Trace | None) -> tuple[bytes, str]:
+    """Return a run of a submission, beside that of the reference, as PNG, and what it shows."""
+    from robsim.plotting.beside import as_png, draw_run  # matplotlib takes its time
+
+    task = test.task
+    figure, caption = draw_run(
+        trace, reference, slots=task.slots, goals=task.goals, unscored=task.unscored
+    )
+    return as_png(figure), caption
+
+
+def path_of(trace: Trace) -> list[list[float]]:
+    """Return the path of a run, (N, 2), to a tenth of a pixel of the work area."""
+    path: Floats = trace.pose_true[:, :2]
+    rounded: list[list[float]] = path.round(1).tolist()
+    return rounded
 
 
 @dataclass(frozen=True, kw_only=True)

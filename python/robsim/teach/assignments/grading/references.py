@@ -1,18 +1,51 @@
-"""The reference of a test, run in the same worlds as a submission."""
+"""The worlds of a test: seeds, the reference in them, and digests of what numbers rest on."""
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
 
-from robsim.teach.assignments.assignment import Assignment, TaskTest
-from robsim.teach.assignments.grading.seeds import seeds_of, student_for
+from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
 from robsim.teach.errors import AssignmentError
 from robsim.teach.grading.graded_run import all_here
-from robsim.teach.grading.tasks.task import Task as GradedTask
+from robsim.teach.grading.keys import Key, RunSeeds
+from robsim.teach.grading.task import Task as GradedTask
 from robsim.teach.submissions import Rules, SubmissionFiles
 from robsim.teach.submissions.files import FOLDER
 from robsim.teach.tasks.solutions import MODULE, module_source
 from robsim.trace import Trace
+
+
+def key_for(assignment: Assignment, *, public: bool) -> Key:
+    """Return the key of tests that are public, or not; raise AssignmentError if there is none."""
+    if public:
+        return Key.public()
+    if assignment.key is None:
+        raise AssignmentError(
+            f"{assignment.name} has no key, which the worlds of tests that are not public come "
+            "from: bring back the file key, or write a new one with robsim.teach.Key.new()",
+            file="key",
+        )
+    return assignment.key
+
+
+def student_for(assignment: Assignment, student: str, *, public: bool) -> str:
+    """Return the name that the key is asked with; "" = all have the same worlds."""
+    return student if assignment.own_seeds and not public else ""
+
+
+def seeds_of(assignment: Assignment, test: TaskTest, student: str, run: int) -> RunSeeds:
+    return RunSeeds.of_key(
+        key_for(assignment, public=test.public),
+        student_for(assignment, student, public=test.public),
+        f"{assignment.name}/{test.name}",
+        run,
+        test.task.steps,
+    )
+
 
 _MOST_KEPT = 10_000  # runs
 
@@ -80,3 +113,58 @@ def numbers_of(test: TaskTest, trace: Trace) -> Mapping[str, float]:
         raise AssignmentError(
             f"a run of the test {test.name} cannot be scored: {type(error).__name__}: {error}"
         ) from error
+
+
+_FORMAT = "robsim grading 1"
+
+
+def of_submission(files: SubmissionFiles) -> str:
+    return hashlib.sha256(files.to_message()).hexdigest()
+
+
+def of_test(assignment: Assignment, test: TaskTest | FileTests) -> str:
+    """Return the digest of what the numbers of a test rest on: points and limits are no part."""
+    rules = {
+        "name": assignment.name,
+        "slots": assignment.slots,
+        "functions": assignment.functions,
+        "imports": assignment.imports,
+        "masked": assignment.masked,
+        "given": assignment.given,
+        "given files": _of_files(assignment.files_of_all),
+        "own seeds": assignment.own_seeds,
+        "limits": asdict(assignment.limits),
+        "seconds": assignment.seconds,
+    }
+    own = _of_task(test) if isinstance(test, TaskTest) else _of_file(test)
+    key = None if test.public or assignment.key is None else assignment.key.pseudonym("its digest")
+    return _of([_FORMAT, rules, own, test.public, key])
+
+
+def of_assignment(assignment: Assignment) -> str:
+    """Return the digest of what all its points rest on."""
+    marks = [
+        [test.name, test.points, {name: asdict(limit) for name, limit in test.limits.items()}]
+        for test in assignment.tests
+    ]
+    tests = [of_test(assignment, test) for test in assignment.all_tests]
+    return _of([tests, marks])
+
+
+def _of_task(test: TaskTest) -> list[Any]:
+    reference = {} if test.reference is None else _of_files(test.reference.files)
+    known = {name: list(values) for name, values in test.reference_values.items()}
+    task = test.task
+    return [test.name, repr(task), module_source(task).hex(), reference, known]
+
+
+def _of_file(test: FileTests) -> list[Any]:
+    return [test.path.name, hashlib.sha256(test.path.read_bytes()).hexdigest()]
+
+
+def _of_files(files: Mapping[str, bytes]) -> dict[str, str]:
+    return {name: hashlib.sha256(content).hexdigest() for name, content in sorted(files.items())}
+
+
+def _of(value: Any) -> str:
+    return hashlib.sha256(json.dumps(value, default=repr).encode()).hexdigest()

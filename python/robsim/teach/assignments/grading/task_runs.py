@@ -8,12 +8,11 @@ from dataclasses import dataclass, field, replace
 
 from robsim.teach.assignments.assignment import Assignment, TaskTest
 from robsim.teach.assignments.grading.marking import marked, runs_by_badness
-from robsim.teach.assignments.grading.references import References, numbers_of
-from robsim.teach.assignments.grading.seeds import seeds_of
+from robsim.teach.assignments.grading.references import References, numbers_of, seeds_of
 from robsim.teach.assignments.results import FAILED, NOT_RUN, FailedRun, ScoreResult, TestResult
 from robsim.teach.errors import SubmissionError
 from robsim.teach.grading.graded_run import graded_run
-from robsim.teach.grading.tasks.task import Task as GradedTask
+from robsim.teach.grading.task import Task as GradedTask
 from robsim.teach.submissions import read_submission
 from robsim.teach.tasks.solutions import MODULE, module_source
 from robsim.teach.texts import clean_text

@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from robsim.base.text import said_by
-from robsim.teach.assignments._own_tests.listing import OwnTest
-from robsim.teach.assignments._own_tests.running import run_own_tests
+from robsim.teach.assignments._own_tests.listing import OwnTest, run_own_tests
 from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
 from robsim.teach.assignments.grading.findings import Doctor
-from robsim.teach.assignments.grading.pictures import path_of, picture_of
+from robsim.teach.assignments.grading.playing import path_of, picture_of
 from robsim.teach.assignments.grading.references import References
 from robsim.teach.assignments.grading.task_runs import run_task_test, unmarked
 from robsim.teach.assignments.results import ERROR, TestResult

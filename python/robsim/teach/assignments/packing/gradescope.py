@@ -2,24 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import io
+from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
 
-from robsim.base.files import as_path
+from robsim.base.files import as_path, write_whole
 from robsim.base.text import one_line, quoted
-from robsim.teach.assignments._reading import limits_file
-from robsim.teach.assignments._reading.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
+from robsim.teach.assignments import limits_file
 from robsim.teach.assignments.assignment import Assignment
+from robsim.teach.assignments.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
 from robsim.teach.assignments.classes.plan import plan_of
-from robsim.teach.assignments.packing.archive import write_zip
 from robsim.teach.assignments.packing.public_part import check_assignment_value, limits_alone
 from robsim.teach.tasks.solutions import REFERENCE
 
+_MADE = (1980, 1, 1, 0, 0, 0)  # the first moment that a zip can have
+_REGULAR = 0o100000
+
+
+def write_zip(
+    path: Path, files: Mapping[str, bytes], *, modes: Mapping[str, int] | None = None
+) -> None:
+    """Write files by their paths to a zip, whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The zip; an old one is replaced.
+    files : mapping of str to bytes
+        The files.
+    modes : mapping of str to int, optional
+        Who may do what with some of them. Default: all may read.
+    """
+    import zipfile
+
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, _MADE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # Unix, whose modes these are
+            entry.external_attr = (_REGULAR | (modes or {}).get(name, 0o644)) << 16
+            archive.writestr(entry, files[name])
+    write_whole(path, content.getvalue())
+
+
 #: The folder of the assignment, in that of the autograder.
 ASSIGNMENT = "assignment"
-
 _FILES = Path(__file__).parents[1] / "templates/gradescope"
 _MODES = {"run_autograder": 0o755, "setup.sh": 0o755, f"{ASSIGNMENT}/{KEY}": 0o600}
 

@@ -11,13 +11,13 @@ from typing import Any
 
 from robsim.base.files import read_toml
 from robsim.base.text import one_line, quoted
-from robsim.teach.assignments._own_tests.running import list_own_tests
-from robsim.teach.assignments._reading import limits_file
-from robsim.teach.assignments._reading.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
+from robsim.teach.assignments import limits_file
+from robsim.teach.assignments._own_tests.listing import list_own_tests
 from robsim.teach.assignments.assignment import Assignment, TaskTest
+from robsim.teach.assignments.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
 from robsim.teach.assignments.grading.marking import limit_of
 from robsim.teach.assignments.grading.references import References
-from robsim.teach.assignments.making.folder import SHEET, START
+from robsim.teach.assignments.making import SHEET, START
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.solutions import NAIVE
 

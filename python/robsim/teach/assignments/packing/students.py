@@ -8,7 +8,7 @@ from pathlib import Path
 from robsim.base.files import as_path, write_whole
 from robsim.base.text import one_line
 from robsim.teach.assignments.assignment import Assignment
-from robsim.teach.assignments.packing.archive import write_zip
+from robsim.teach.assignments.packing.gradescope import write_zip
 from robsim.teach.assignments.packing.public_part import check_assignment_value, public_part
 
 

@@ -16,8 +16,7 @@ from robsim.base.text import quoted
 from robsim.simulation import Simulation
 from robsim.simulation.slots import RobotSlots
 from robsim.teach.doctor._errors import problem_of
-from robsim.teach.doctor._reproducibility import replay_problem, together_problem
-from robsim.teach.doctor._run_checks import BUDGET, run_checks
+from robsim.teach.doctor._run_checks import BUDGET, replay_problem, run_checks, together_problem
 from robsim.teach.doctor._situations import Situation
 from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial
 from robsim.teach.doctor.callbacks.scenes import (
@@ -28,7 +27,7 @@ from robsim.teach.doctor.callbacks.scenes import (
     model_parameters,
     simulate,
 )
-from robsim.teach.doctor.callbacks.slot_entry import under_test
+from robsim.teach.doctor.callbacks.single_calls import under_test
 from robsim.teach.doctor.callbacks.steering import steering_findings
 
 MAXIMUM_VOLTAGE = 24.0  # V: no small robot has a battery of more

@@ -19,7 +19,7 @@ from robsim.base.files import as_path
 from robsim.base.report import Column, Row, Table
 from robsim.base.source_line import SourceLine, line_of_error
 from robsim.base.spelling import suggestion
-from robsim.simulation.folders.callback_folder import CallbackFolder
+from robsim.simulation.callback_folder import CallbackFolder
 from robsim.simulation.slots import SLOTS, RobotSlots, WorldSlots, checked_slots
 from robsim.teach.doctor._errors import explained
 from robsim.teach.doctor._run_checks import fresh_callback, load

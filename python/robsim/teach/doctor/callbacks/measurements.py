@@ -18,14 +18,13 @@ from robsim.base.text import quoted
 from robsim.simulation import Simulation
 from robsim.simulation.slots import RobotSlots
 from robsim.teach.doctor._errors import problem_of
-from robsim.teach.doctor._reproducibility import replay_problem, together_problem
-from robsim.teach.doctor._run_checks import run_checks
+from robsim.teach.doctor._run_checks import replay_problem, run_checks, together_problem
 from robsim.teach.doctor._situations import DT, Situation
 from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial
 from robsim.teach.doctor.callbacks.own_covariance import covariance_findings
 from robsim.teach.doctor.callbacks.pose_mistakes import are_right, errors, mistakes
 from robsim.teach.doctor.callbacks.scenes import Scene, Setting, scripted, simulate
-from robsim.teach.doctor.callbacks.slot_entry import under_test
+from robsim.teach.doctor.callbacks.single_calls import under_test
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import GaussianNoise
 from robsim.vision.robots.definition import RobotDefinition

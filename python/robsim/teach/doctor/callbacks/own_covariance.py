@@ -12,7 +12,7 @@ from robsim.base.check_report import Problem
 from robsim.base.checks import Floats
 from robsim.base.report import Column, Row, Table
 from robsim.estimation.evaluation.consistency import nees
-from robsim.teach.doctor._covariance import fault_of_covariance
+from robsim.teach.doctor._run_checks import fault_of_covariance
 from robsim.teach.doctor._trial import EstimatorUnderTest, Trial
 from robsim.teach.doctor.callbacks.pose_mistakes import are_right
 

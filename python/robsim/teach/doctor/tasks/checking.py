@@ -15,9 +15,11 @@ from robsim.teach.doctor._trial import TIME_LIMIT, StdoutCapture
 from robsim.teach.doctor.callbacks.folder import FolderReport, Surroundings, report_of
 from robsim.teach.doctor.callbacks.scenes import Setting
 from robsim.teach.doctor.tasks.drives import drive_findings
-from robsim.teach.doctor.tasks.estimated import state_findings
-from robsim.teach.doctor.tasks.identified import parameter_findings
-from robsim.teach.doctor.tasks.measured import measured_findings
+from robsim.teach.doctor.tasks.estimates import (
+    measured_findings,
+    parameter_findings,
+    state_findings,
+)
 from robsim.teach.doctor.tasks.report import TaskReport
 from robsim.teach.tasks.by_name import task as named_task
 from robsim.teach.tasks.definition import Task

@@ -9,7 +9,7 @@ assert sys.platform != "win32"
 
 from robsim.teach.isolation._layers.layer import Layer, missing_layers
 from robsim.teach.isolation._layers.limits import limit
-from robsim.teach.isolation.request import Request
+from robsim.teach.isolation.limits import Request
 
 
 def shut_in_elsewhere(request: Request) -> list[Layer]:

@@ -8,8 +8,7 @@ import platform
 import struct
 from dataclasses import dataclass
 
-from robsim.teach.isolation._layers.call_numbers import DENIED
-from robsim.teach.isolation._layers.calls import PR_SET_NO_NEW_PRIVS, PR_SET_SECCOMP, prctl
+from robsim.teach.isolation._layers.calls import DENIED, PR_SET_NO_NEW_PRIVS, PR_SET_SECCOMP, prctl
 
 _FILTER = 2  # the mode of seccomp
 _EPERM, _ENOSYS = 1, 38

@@ -15,7 +15,7 @@ from pathlib import Path
 from robsim.teach.isolation._layers import calls, landlock, seccomp, users
 from robsim.teach.isolation._layers.layer import CALLS, FILES, MEMORY, USER, Layer, attempt
 from robsim.teach.isolation._layers.limits import limit
-from robsim.teach.isolation.request import Request
+from robsim.teach.isolation.limits import Request
 
 # What the interpreter and compiled libraries read late. Nothing of a user's is in there.
 _SYSTEM = (

@@ -15,7 +15,7 @@ from typing import NoReturn
 from robsim.teach.isolation._layers.layer import PROCESS, Layer, Layers
 from robsim.teach.isolation._processes.working import settle, tell, work
 from robsim.teach.isolation.ending import NOT_SHUT_IN
-from robsim.teach.isolation.request import Request
+from robsim.teach.isolation.limits import Request
 
 assert sys.platform != "win32"
 

@@ -22,12 +22,11 @@ from typing import Any, NoReturn
 
 from robsim.teach.errors import GraderError
 from robsim.teach.isolation._layers.layer import PROCESS, Layer, Layers, missing_layers
-from robsim.teach.isolation._printed import Printed
 from robsim.teach.isolation._process import WorkerLost, WorkerProcess
 from robsim.teach.isolation._processes.environment import command_for, environment_for
 from robsim.teach.isolation._processes.working import settle, tell, work
-from robsim.teach.isolation.ending import KILLED, NOT_SHUT_IN
-from robsim.teach.isolation.request import Request
+from robsim.teach.isolation.ending import KILLED, NOT_SHUT_IN, Printed
+from robsim.teach.isolation.limits import Request
 
 if sys.platform == "win32":
     import shutil
@@ -36,8 +35,8 @@ if sys.platform == "win32":
         shutil.rmtree(folder, ignore_errors=True)
 else:
     from robsim.teach.isolation._processes.become_worker import become_worker
+    from robsim.teach.isolation._processes.descendants import wait_for_end
     from robsim.teach.isolation._processes.scratch import remove
-    from robsim.teach.isolation._processes.zombies import wait_for_end
 
 _LAST_WORDS = 5.0  # s that may pass between the end of a worker and that of its output
 _AT_ONCE = 1 << 16  # bytes

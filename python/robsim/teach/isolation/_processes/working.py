@@ -15,7 +15,7 @@ from typing import TextIO
 
 from robsim.teach.isolation._layers.layer import Layers
 from robsim.teach.isolation.ending import NO_MEMORY, NOT_SHUT_IN
-from robsim.teach.isolation.request import Request
+from robsim.teach.isolation.limits import Request
 
 
 def settle(scratch: str) -> None:

@@ -34,7 +34,7 @@ from robsim.teach.isolation._processes import scratch
 from robsim.teach.isolation._processes.become_worker import become_worker
 from robsim.teach.isolation._processes.descendants import end_strays
 from robsim.teach.isolation._processes.written import exceeds
-from robsim.teach.isolation.request import Request
+from robsim.teach.isolation.limits import Request
 
 #: Longest request (bytes).
 LONGEST = 1 << 16

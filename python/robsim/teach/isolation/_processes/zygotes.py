@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass
 from robsim.teach.errors import GraderError
 from robsim.teach.isolation._processes import scratch
 from robsim.teach.isolation._processes.environment import command_for, environment_for
-from robsim.teach.isolation.request import Request
+from robsim.teach.isolation.limits import Request
 
 assert sys.platform != "win32"
 

@@ -11,8 +11,7 @@ from types import CodeType
 from typing import Any
 
 from robsim.base.text import one_line
-from robsim.teach.submissions.notebook.cells import Cell
-from robsim.teach.submissions.notebook.magics import AWAIT
+from robsim.teach.submissions.notebook.cells import AWAIT, Cell
 from robsim.teach.submissions.python_text import quiet
 
 #: What runs a simulation, waits for somebody, or draws: a value that calls it is not kept.

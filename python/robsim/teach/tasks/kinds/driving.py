@@ -3,30 +3,66 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from robsim.base.checks import check_float
+from robsim._core import RobotModel
+from robsim.base.checks import Floats, check_float
 from robsim.base.text import quoted
-from robsim.simulation import ParameterMismatch, Scenario, WheelNoise
+from robsim.simulation import Dropout, ParameterMismatch, Scenario, WheelNoise
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.kinds.world import small_world
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
+from robsim.vision.imaging.noise import GaussianNoise
+
+#: Work area and frame (px): a ninth of the pixels, so that many runs are quick.
+AREA, RESOLUTION = (1200, 1200), (400, 400)
+#: Time of a step (s).
+DT = RobotModel().dt
+#: How long the robot is hidden at a time (steps).
+_HIDDEN_STEPS = 3
+
+
+def small_world(
+    *,
+    noise: float,
+    dropout: float = 0.0,
+    area: tuple[int, int] = AREA,
+    resolution: tuple[int, int] = RESOLUTION,
+    **options: Any,
+) -> Scenario:
+    """Return a world in which vision measures the pose, with camera noise (%) and dropouts."""
+    return Scenario(
+        robot="lab",
+        area=area,
+        resolution=resolution,
+        start="random",
+        noise=GaussianNoise(noise) if noise > 0 else None,
+        dropout=Dropout(dropout, steps=_HIDDEN_STEPS) if dropout > 0 else None,
+        measure=True,
+        **options,
+    )
+
+
+def rms(rows: Floats) -> float:
+    """Return the rms length of rows; NaN if there are none."""
+    return float(np.sqrt(np.mean((rows**2).sum(axis=1)))) if len(rows) else float("nan")
+
+
+def rms_of_poses(errors: Floats) -> dict[str, float]:
+    """Return the rms of errors of poses, (N, 3): of the position (px), of the heading (degrees)."""
+    return {"position": rms(errors[:, :2]), "heading": float(np.rad2deg(rms(errors[:, 2:])))}
+
 
 #: What a motor may get (V); without a limit larger voltages are faster, beyond any motor.
 MAXIMUM_VOLTAGE = 1.0
-
 #: Work area and frame (px): small, so that a robot comes to a goal within some 100 steps.
 _AREA, _RESOLUTION = (640, 640), (320, 320)
-
 #: What disturbs the voltages of the motors in each step.
 _PROCESS_NOISE = WheelNoise(0.1)
-
 #: How near to a wall a robot does not come (px): its radius, and some room.
 _WALL = 80
-
 _ROUNDING = 1e-9  # V
 
 

@@ -15,7 +15,7 @@ from robsim.estimation.evaluation.errors import wrapped_error
 from robsim.simulation import PoseNoise, Scenario
 from robsim.simulation.world.scene import HEADINGS
 from robsim.teach.tasks.definition import MOST_STEPS, Task
-from robsim.teach.tasks.kinds.world import AREA, DT, RESOLUTION, rms_of_poses, small_world
+from robsim.teach.tasks.kinds.driving import AREA, DT, RESOLUTION, rms_of_poses, small_world
 from robsim.teach.tasks.score import Score
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace

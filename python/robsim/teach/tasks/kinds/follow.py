@@ -12,8 +12,7 @@ from robsim.base.checks import Floats
 from robsim.control import score_path
 from robsim.control.path_following import as_waypoints
 from robsim.teach.tasks.definition import MASKED
-from robsim.teach.tasks.kinds.driving import MAXIMUM_VOLTAGE, DrivingTask, check_inside
-from robsim.teach.tasks.kinds.world import DT
+from robsim.teach.tasks.kinds.driving import DT, MAXIMUM_VOLTAGE, DrivingTask, check_inside
 from robsim.teach.tasks.score import Score
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace

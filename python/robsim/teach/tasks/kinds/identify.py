@@ -13,7 +13,7 @@ from robsim.base.checks import Floats, check_float, check_int
 from robsim.estimation.identification.regressions import regression_of
 from robsim.simulation import ParameterMismatch, PoseNoise, Scenario
 from robsim.teach.tasks.definition import MOST_STEPS, Task
-from robsim.teach.tasks.kinds.world import DT, rms, rms_of_poses, small_world
+from robsim.teach.tasks.kinds.driving import DT, rms, rms_of_poses, small_world
 from robsim.teach.tasks.score import Score
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace

@@ -12,7 +12,7 @@ from robsim._core import DriveAround
 from robsim.base.checks import check_float
 from robsim.simulation import Scenario
 from robsim.teach.tasks.definition import MASKED, Task
-from robsim.teach.tasks.kinds.world import AREA, DT, rms_of_poses, small_world
+from robsim.teach.tasks.kinds.driving import AREA, DT, rms_of_poses, small_world
 from robsim.teach.tasks.score import Score
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace

@@ -11,8 +11,7 @@ import numpy as np
 from robsim.base.checks import Floats
 from robsim.control import score_pose
 from robsim.control.path_following import as_pose
-from robsim.teach.tasks.kinds.driving import MAXIMUM_VOLTAGE, DrivingTask, check_inside
-from robsim.teach.tasks.kinds.world import DT
+from robsim.teach.tasks.kinds.driving import DT, MAXIMUM_VOLTAGE, DrivingTask, check_inside
 from robsim.teach.tasks.score import Score
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace

@@ -15,11 +15,10 @@ import numpy as np
 from robsim.base.checks import check_bool, check_float, check_int
 from robsim.base.files import as_path
 from robsim.base.text import listed, quoted
-from robsim.campaigns.description import surroundings
 from robsim.campaigns.engines.engine import engine_value
 from robsim.campaigns.engines.executors import DaskClient
+from robsim.campaigns.spec import surroundings
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.limit import Limit
 from robsim.teach.tasks.marks.calibration import (
     SolutionMarks,
     TaskCalibration,
@@ -28,9 +27,9 @@ from robsim.teach.tasks.marks.calibration import (
     solutions_digest,
     task_digest,
 )
-from robsim.teach.tasks.marks.limits import limits_from
+from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from
 from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
-from robsim.teach.tasks.marks.tolerance import bound_rank, fewest_values
+from robsim.teach.tasks.score import Limit
 from robsim.teach.tasks.solutions import NAIVE, REFERENCE, Solution
 
 #: Tests from which the shape of the limits comes, and tests of each wrong solution.

@@ -6,17 +6,19 @@ import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
 from typing import Any
 
+from robsim.base.files import write_whole
 from robsim.base.report import Column, Quantity, Report, Row, Table, interval, percent
-from robsim.base.text import listed, quoted
+from robsim.base.text import listed, one_line, quoted
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.limit import Limit
-from robsim.teach.tasks.marks.tolerance import share_interval
+from robsim.teach.tasks.marks.limits import share_interval
+from robsim.teach.tasks.score import Limit
 from robsim.teach.tasks.solutions import Solution
 
 FORMAT = 1
-
 #: A wrong solution should fail at least so often.
 POWER = 0.95
 
@@ -297,3 +299,42 @@ def _rounded(data: Any) -> Any:
     if isinstance(data, (list, tuple)):
         return [_rounded(value) for value in data]
     return f"{data:.12g}" if isinstance(data, float) else data
+
+
+SHIPPED = Path(__file__).parents[1] / "limits.json"
+
+
+def read_calibrations(file: Path) -> dict[str, TaskCalibration]:
+    """Return what `write_calibrations` wrote.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is something else; the message names the file.
+    """
+    try:
+        records = json.loads(file.read_text(encoding="utf-8"))
+        if not isinstance(records, dict):
+            raise ValueError("it must have names and calibrations")
+        return {name: TaskCalibration.from_record(record) for name, record in records.items()}
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{one_line(file)} has no calibrations: {error}") from None
+
+
+def write_calibrations(file: Path, calibrations: Mapping[str, TaskCalibration]) -> None:
+    """Write calibrations by name, as JSON; readers never get half of the file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    records = {name: calibration.as_record() for name, calibration in calibrations.items()}
+    write_whole(file, (json.dumps(records, indent=1, allow_nan=False) + "\n").encode())
+
+
+@cache
+def shipped_calibrations() -> Mapping[str, TaskCalibration]:
+    return read_calibrations(SHIPPED)

@@ -15,8 +15,7 @@ from robsim.base.checks import Floats
 from robsim.campaigns import CampaignResult, campaign
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.limit import Limit
-from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.score import Limit, Score
 from robsim.teach.tasks.solutions import Solution
 
 _METRIC = "task"

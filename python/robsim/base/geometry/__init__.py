@@ -1,1 +1,0 @@
-"""Plane geometry that several rooms share."""

@@ -1,0 +1,253 @@
+"""The commands ``robsim assignment``: new, calibrate, check and pack."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.command import (
+    Command,
+    argument,
+    command_group,
+    integer_option,
+    number_option,
+    option,
+    switch,
+)
+from robsim.cli.shared import Jobs, Json, engine_of
+
+if TYPE_CHECKING:
+    from robsim.teach.tasks.marks.calibration import TaskCalibration
+Folder = Annotated[Path, argument("FOLDER", "The assignment, as robsim assignment new makes it.")]
+
+
+@contextmanager
+def report_errors() -> Iterator[None]:
+    """Print an error as a sentence, and exit with 2; those of an assignment, too."""
+    from robsim.teach.errors import GradingError
+
+    with errors.report_errors():
+        try:
+            yield
+        except GradingError as error:
+            errors.print_error(error)
+            raise typer.Exit(2) from None
+
+
+CALIBRATE_EXAMPLE = "Example: robsim assignment calibrate hw1 --jobs 2"
+CALIBRATE_HELP = (
+    "Find from which score on there are points, and write limits.json.\n\n"
+    "The right solutions in solutions/ are run as often as it takes for a limit that as good a "
+    "solution hardly ever misses, whatever the scores are distributed like. Then the wrong ones "
+    "are run: in how many tests each has less than full points is printed. Ctrl-C loses nothing: "
+    "the same command goes on."
+)
+
+
+def calibrate(
+    folder: Folder,
+    false_fail: Annotated[
+        float,
+        number_option(
+            "--false-fail",
+            "SHARE",
+            "How often a right solution may have less than full points in a test, at most. A "
+            "tenth of it takes ten times as long.",
+        ),
+    ] = 0.01,
+    confidence: Annotated[
+        float, number_option("--confidence", "SHARE", "In how many calibrations of 1 that is kept.")
+    ] = 0.95,
+    jobs: Jobs = 1,
+) -> None:
+    """Find from which score on there are points, and write limits.json."""
+    with report_errors():
+        calibrate_and_print(folder, jobs=jobs, false_fail=false_fail, confidence=confidence)
+
+
+def calibrate_and_print(
+    folder: Path, *, jobs: int, false_fail: float = 0.01, confidence: float = 0.95
+) -> None:
+    """Calibrate, and say beforehand how long it takes, afterwards what came of it."""
+    from robsim.teach.assignments.assignment import Assignment
+    from robsim.teach.assignments.calibration import (
+        KEPT,
+        calibrate_assignment,
+        seconds_to_calibrate,
+    )
+
+    executor = engine_of(jobs)
+    seconds = seconds_to_calibrate(
+        Assignment.load(folder), false_fail=false_fail, confidence=confidence, processes=jobs
+    )
+    goes_on = (folder / KEPT).is_dir()
+    begin = "what was done is kept; all of it takes" if goes_on else "calibrating takes"
+    errors.print_note(f"{begin} about {_duration(seconds)}; Ctrl-C keeps what is done")
+    sys.stderr.flush()
+    try:
+        found = calibrate_assignment(
+            folder, false_fail=false_fail, confidence=confidence, executor=executor
+        )
+    except KeyboardInterrupt:
+        errors.print_note(f"to go on: robsim assignment calibrate {folder}")
+        raise
+    for calibration, names in _together(found):
+        errors.show(f"{', '.join(names)}: {calibration}")
+        _warn(calibration)
+    errors.say(f"written to {folder / 'limits.json'}")
+
+
+def _duration(seconds: float) -> str:
+    return f"{max(seconds, 1):.0f} s" if seconds < 90 else f"{seconds / 60:.0f} minutes"
+
+
+def _together(found: dict[str, TaskCalibration]) -> list[tuple[TaskCalibration, list[str]]]:
+    """Return each calibration with the names of its tests."""
+    return [
+        (one, [name for name, other in found.items() if other is one])
+        for one in {id(one): one for one in found.values()}.values()
+    ]
+
+
+def _warn(calibration: TaskCalibration) -> None:
+    for one in calibration.missed:
+        errors.print_note(
+            f"warning: wrong/{one.name} gets full points in {100 * (1 - one.rate):.0f} % of the "
+            "tests: give the task more runs or steps, or take the solution out"
+        )
+
+
+NEW_EXAMPLE = "Example: robsim assignment new park hw1"
+NEW_HELP = (
+    "Make the folder of a new assignment.\n\n"
+    "TEMPLATE is park, follow, identify, measure or estimate. The folder gets a key of "
+    "its own, numbers drawn for it, sheet, solutions right and wrong, a public and a hidden test, "
+    "and limits that are calibrated for it, which takes 10 to 30 minutes: Ctrl-C leaves a "
+    "folder that robsim assignment calibrate completes. Its README.md says what is what."
+)
+
+
+def new(
+    template: Annotated[str, argument("TEMPLATE", "What students are to do.")],
+    folder: Annotated[Path, argument("FOLDER", "The folder, which is made.")],
+    name: Annotated[
+        str | None, option("--name", "TEXT", "Name of the assignment. Default: that of the folder.")
+    ] = None,
+    no_calibrate: Annotated[
+        bool, switch("--no-calibrate", "Leave that to robsim assignment calibrate.")
+    ] = False,
+    seed: Annotated[
+        int | None,
+        integer_option(
+            "--seed",
+            "N",
+            "What the numbers are drawn from; the key is always new. Default: another one "
+            "each time.",
+        ),
+    ] = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Make the folder of a new assignment."""
+    from robsim.teach.assignments.making import new_assignment
+
+    with report_errors():
+        made = new_assignment(template, folder, name=name, seed=seed)
+        errors.say(f"written to {folder}: {made.title}, {_drawn(made.tests[0].task.parameters)}")
+        if not no_calibrate:
+            calibrate_and_print(folder, jobs=jobs)
+            errors.say(f"next: robsim assignment check {folder}")
+            return
+    errors.say(f"next: robsim assignment calibrate {folder}")
+
+
+def _drawn(parameters: dict[str, object]) -> str:
+    return ", ".join(f"{key} {value}" for key, value in parameters.items())
+
+
+CHECK_EXAMPLE = "Example: robsim assignment check hw1"
+CHECK_HELP = (
+    "Check an assignment before you rely on it.\n\n"
+    "A class is graded that is made of all that is known: right solutions, one also as a notebook, "
+    "must get all points, wrong ones fewer, and none what is empty, ends its process, hangs, "
+    "patches what scores it, or looks for the truth. The key must be secret, the limits those of "
+    "this task; the sheet must name what is to be written; students must get nothing hidden.\n\n"
+    "It takes a minute or two. The exit status is 0 if all is well, 1 if something is wrong, 2 if "
+    "the assignment cannot be used at all."
+)
+
+
+def check(folder: Folder, jobs: Jobs = 1, as_json: Json = False) -> None:
+    """Check an assignment before you rely on it."""
+    from robsim.teach.assignments.checking import check_assignment
+
+    with report_errors():
+        report = check_assignment(folder, executor=engine_of(jobs), progress=not as_json)
+    errors.show(report.to_json() if as_json else report)
+    if not report.ok:
+        raise typer.Exit(1)
+
+
+PACK_EXAMPLE = "Example: robsim assignment pack hw1 --students hw1-students.zip"
+PACK_HELP = (
+    "Pack an assignment: for students, for Gradescope.\n\n"
+    "Students get the sheet, files to begin with, and the public tests with what the reference "
+    "came to in them: no key, no hidden test, no solution. The autograder has all that grading "
+    "needs, the key as well: give it to nobody but Gradescope."
+)
+
+
+def pack(
+    folder: Folder,
+    students: Annotated[
+        Path | None,
+        option("--students", "ZIP|FOLDER", "Write what students get: a zip, or a folder."),
+    ] = None,
+    gradescope: Annotated[
+        Path | None, option("--gradescope", "ZIP", "Write an autograder for Gradescope.")
+    ] = None,
+    install: Annotated[
+        str | None,
+        option(
+            "--install",
+            "WHEEL|NAME",
+            "With --gradescope: what is installed there, a wheel of robsim, or what pip "
+            "takes, such as robsim==1.2. Default: this version, from where pip finds it.",
+        ),
+    ] = None,
+) -> None:
+    """Pack an assignment: for students, for Gradescope."""
+    from robsim.teach.assignments.assignment import Assignment
+    from robsim.teach.assignments.packing.gradescope import pack_gradescope
+    from robsim.teach.assignments.packing.students import pack_students
+
+    with report_errors():
+        if students is None and gradescope is None:
+            raise ValueError("what is to be packed? --students ZIP, --gradescope ZIP, or both")
+        if install is not None and gradescope is None:
+            raise ValueError("--install is for an autograder: give --gradescope ZIP, too")
+        assignment = Assignment.load(folder)
+        if students is not None:
+            pack_students(assignment, students)
+            errors.say(f"for students: {students}")
+        if gradescope is not None:
+            pack_gradescope(assignment, gradescope, install=install)
+            errors.say(f"for Gradescope, with the key in it: {gradescope}")
+
+
+HELP = (
+    "In this order: new writes a folder, whose assignment.toml and sheet.md are yours to edit; "
+    "calibrate finds from which score on there are points; check grades all that is known to be "
+    "right or wrong, before you rely on it; pack writes what students get, and an autograder for "
+    "Gradescope."
+)
+app = command_group("Start with: robsim assignment new park hw1")
+app.command(cls=Command, help=NEW_HELP, epilog=NEW_EXAMPLE)(new)
+app.command(cls=Command, help=CALIBRATE_HELP, epilog=CALIBRATE_EXAMPLE)(calibrate)
+app.command(cls=Command, help=CHECK_HELP, epilog=CHECK_EXAMPLE)(check)
+app.command(cls=Command, help=PACK_HELP, epilog=PACK_EXAMPLE)(pack)

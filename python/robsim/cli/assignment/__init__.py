@@ -1,1 +1,0 @@
-"""Commands of a teacher's assignment: new, calibrate, check, pack."""

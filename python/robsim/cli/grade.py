@@ -1,0 +1,234 @@
+"""The command ``robsim grade``: submissions graded by an assignment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.command import argument, integer_option, option, switch
+from robsim.cli.shared import Jobs, Json, Out
+
+if TYPE_CHECKING:
+    from robsim.teach.assignments.assignment import Assignment
+    from robsim.teach.assignments.class_result import ClassResult
+    from robsim.teach.isolation.check import IsolationReport
+NO_WORKER, NOT_STRICT = 2, 3  # exit statuses
+
+
+def print_isolation(isolation: str, *, as_json: bool) -> None:
+    """Print what holds; exit with the status that says whether the level can be had."""
+    from robsim.teach.errors import GraderError
+    from robsim.teach.isolation.start import IsolationError
+
+    missing: object = None
+    try:
+        try:
+            report = checked_isolation(isolation)
+        except IsolationError as error:
+            missing, report = error, checked_isolation("auto")
+    except GraderError as error:
+        errors.print_error(error)
+        raise typer.Exit(NO_WORKER) from None
+    errors.show(report.to_json() if as_json else report)
+    if missing is not None:
+        errors.print_error(missing)
+    if missing is not None or (isolation == "strict" and not report.strict):
+        raise typer.Exit(NOT_STRICT)
+
+
+def checked_isolation(isolation: str) -> IsolationReport:
+    """Return what holds at a level, as it was tried out."""
+    from robsim.teach.isolation.check import check_isolation
+
+    with errors.report_errors():
+        return check_isolation(isolation=isolation)  # type: ignore[arg-type]
+
+
+EXAMPLE = "Example: robsim grade hw3 submissions"
+HELP = (
+    "Each is run in a process of its own, which sees the frames and none of the truth. Results are "
+    "written after each test: the same command goes on where it was ended, and runs again only "
+    "what has changed. In the folder of each student are index.html and result.txt for them, and "
+    "teacher.html with all; beside these class.html and class.csv.\n\n"
+    "With --public, for students: the public tests of what they have written.\n\n"
+    "The exit status is 0 if all have all points, 1 if points are missing, 2 if the assignment is "
+    "not complete, broken, or something could not be graded, 3 if submissions cannot be shut in as "
+    "they must.\n\n"
+    "robsim grade --check-isolation says what shuts submissions in on this machine. Tests without "
+    "an assignment: python -m pytest --robsim-submission=PATH TESTS.py."
+)
+_MISSING, _BROKEN = 1, 2  # exit statuses
+
+
+def grade(
+    assignment: Annotated[
+        Path | None, argument("ASSIGNMENT", "The folder of the assignment.")
+    ] = None,
+    submissions: Annotated[
+        Path | None,
+        argument(
+            "SUBMISSIONS",
+            "A folder with one for each student: a folder, a Python file, a notebook or a "
+            "zip; or a single one.",
+        ),
+    ] = None,
+    public: Annotated[bool, switch("--public", "Only the tests that students have, too.")] = False,
+    only: Annotated[
+        list[str] | None, option("--only", "TEST", "Run only this test; may be given twice.")
+    ] = None,
+    jobs: Jobs = 1,
+    isolation: Annotated[
+        str | None,
+        option(
+            "--isolation",
+            "LEVEL",
+            "auto: all that works here; strict: the same, and files, processes, network and "
+            "memory must be closed; process: limits alone; none: a process, and nothing else. "
+            "Default: as the assignment says.",
+        ),
+    ] = None,
+    out: Out = Path("graded"),
+    student: Annotated[
+        str | None,
+        option(
+            "--student",
+            "NAME",
+            "Whose it is, for a single submission. Default: the name of its file or folder.",
+        ),
+    ] = None,
+    columns: Annotated[
+        str,
+        option(
+            "--columns", "PLATFORM", "Columns of class.csv: robsim, moodle, canvas or blackboard."
+        ),
+    ] = "robsim",
+    pseudonyms: Annotated[
+        bool, switch("--pseudonyms", "Nobody's name in the files of the class.")
+    ] = False,
+    gradescope: Annotated[
+        Path | None,
+        option(
+            "--gradescope",
+            "FILE",
+            "Write the result of a single submission as Gradescope reads it, results.json. "
+            "An autograder: robsim assignment pack.",
+        ),
+    ] = None,
+    regrade: Annotated[
+        bool,
+        switch(
+            "--regrade",
+            "Run nothing: mark the results in --out anew, after limits or points changed.",
+        ),
+    ] = False,
+    play: Annotated[
+        str | None,
+        option(
+            "--play",
+            "TEST",
+            "For an appeal: do a run of this test again, which is the same, and write its "
+            "trace and picture.",
+        ),
+    ] = None,
+    gui: Annotated[
+        bool,
+        switch(
+            "--gui",
+            "Also open the run to --play in the panel, in the browser, with the goal of the "
+            "task; it ends when you close its page, or with Ctrl-C.",
+        ),
+    ] = False,
+    run: Annotated[
+        int | None,
+        integer_option("--run", "N", "Which run to --play. Default: the worst one in the results."),
+    ] = None,
+    check_isolation: Annotated[
+        bool,
+        switch(
+            "--check-isolation", "Let a process try to get out, say what held, and grade nothing."
+        ),
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Grade submissions by an assignment."""
+    if check_isolation:
+        print_isolation(isolation or "auto", as_json=as_json)
+        return
+    with _reported():
+        from robsim.cli import marks
+
+        given = _assignment(assignment, isolation)
+        if gui and play is None:
+            raise ValueError("--gui shows the run to --play: give that, too")
+        if regrade:
+            result = marks.marked_anew(given, out, columns, pseudonyms=pseudonyms)
+        else:
+            if submissions is None:
+                raise ValueError("what is to be graded? robsim grade ASSIGNMENT SUBMISSIONS")
+            if play is not None:
+                marks.played(given, submissions, play, run, out, student, is_shown=gui)
+                return
+            chosen = marks.Chosen(
+                submissions=submissions,
+                out=out,
+                public=public,
+                only=only,
+                jobs=jobs,
+                student=student,
+                gradescope=gradescope,
+                columns=columns,
+                pseudonyms=pseudonyms,
+                is_quiet=as_json,
+            )
+            result = marks.graded(given, chosen)
+        marks.show(given, result, out, public=public, as_json=as_json)
+    _exit(result)
+
+
+def _assignment(folder: Path | None, isolation: str | None) -> Assignment:
+    from robsim.base.checks import check_choice
+    from robsim.teach.assignments.assignment import Assignment
+    from robsim.teach.isolation.limits import LEVELS
+
+    if folder is None:
+        raise ValueError(
+            "which assignment? robsim grade ASSIGNMENT SUBMISSIONS; --check-isolation looks at "
+            "this machine"
+        )
+    found = Assignment.load(folder)
+    if isolation is None:
+        return found
+    return replace(found, isolation=check_choice("isolation", isolation, LEVELS))
+
+
+@contextmanager
+def _reported() -> Iterator[None]:
+    """Print an error as a sentence, and exit with the status that says whose it is."""
+    from robsim.teach.errors import GradingError, SubmissionError
+    from robsim.teach.isolation.start import IsolationError
+
+    with errors.report_errors():
+        try:
+            yield
+        except IsolationError as error:
+            errors.print_error(error)
+            raise typer.Exit(NOT_STRICT) from None
+        except SubmissionError as error:  # of a single run
+            errors.print_error(error)
+            raise typer.Exit(_MISSING) from None
+        except GradingError as error:
+            errors.print_error(f"{error.whose}: {error}")
+            raise typer.Exit(_BROKEN) from None
+
+
+def _exit(result: ClassResult) -> None:
+    if result.has_errors:
+        raise typer.Exit(_BROKEN)
+    if not result.is_full:
+        raise typer.Exit(_MISSING)

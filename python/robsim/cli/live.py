@@ -1,0 +1,295 @@
+"""The command ``robsim live``: a robot under a real camera, or the check that all is ready."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from robsim._core import MotorLink
+from robsim.cli import errors, shared
+from robsim.cli.command import integer_option, number_option, option, switch
+from robsim.cli.outcome import finish
+from robsim.cli.sources import WatchedCamera
+from robsim.cli.text import about, parse_control, parse_size
+
+# What a robot of unknown strength may be driven with.
+_VOLTAGE = 1.5  # V
+_SLEW_RATE = 10.0  # V/s
+EXAMPLE = "Example: robsim live --camera simulated --control go-to-point:900,300 --seconds 15"
+HELP = (
+    "Try it without hardware: --camera simulated is a simulated lab in real time. Before a real "
+    "robot drives: --check. The robot is stopped at the end, by Ctrl-C, when a callback fails and "
+    "when a frame is late; the results are kept. Without a controller, yours or --control, it is "
+    "only measured."
+)
+
+
+def live(
+    folder: shared.Callbacks = None,
+    camera: Annotated[
+        str | None,
+        option(
+            "--camera",
+            "SOURCE",
+            "Number of a camera, such as 0; address, such as firewire://, "
+            "gige://192.168.1.20 or http://camera.local/video.mjpg; video file or folder of "
+            "images, played at its own rate; or: simulated.",
+        ),
+    ] = None,
+    motors: Annotated[
+        str | None,
+        option(
+            "--motors",
+            "LINE",
+            "Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD; simulated: "
+            "that of the simulated lab, its default; none: nothing is sent, the default of all "
+            "other cameras.",
+        ),
+    ] = None,
+    check: Annotated[
+        bool,
+        switch(
+            "--check",
+            "Only look, for 3 s, while the robot stands: is the camera good enough? The exit "
+            "status is 1 if it is not.",
+        ),
+    ] = False,
+    control: Annotated[
+        str | None,
+        option(
+            "--control",
+            "NAME[:POINTS]",
+            "A built-in controller in place of the folder's, as in robsim run.",
+        ),
+    ] = None,
+    steps: Annotated[
+        int | None,
+        integer_option(
+            "--steps", "N", "Number of steps. Default: until Ctrl-C, or the end of a file."
+        ),
+    ] = None,
+    seconds: Annotated[
+        float | None, number_option("--seconds", "S", "Duration in s, in its place.")
+    ] = None,
+    maximum_voltage: Annotated[
+        float,
+        number_option(
+            "--max-voltage",
+            "V",
+            f"Largest voltage of a motor in V. Default: {_VOLTAGE:g}.",
+            show_default=False,
+        ),
+    ] = _VOLTAGE,
+    slew_rate: Annotated[
+        float,
+        number_option(
+            "--slew-rate",
+            "V/S",
+            f"Largest change of a voltage in V/s. Default: {_SLEW_RATE:g}.",
+            show_default=False,
+        ),
+    ] = _SLEW_RATE,
+    robot: shared.Robot = None,
+    colors: shared.Colors = None,
+    smoothing: shared.Smoothing = None,
+    area: shared.Area = None,
+    pixels: shared.Pixels = None,
+    positions: shared.Positions = None,
+    calibration: shared.CalibrationFile = None,
+    fps: Annotated[
+        float | None,
+        number_option(
+            "--fps",
+            "RATE",
+            "Frames per second: asked of a camera by number, on FireWire or on GigE; those of "
+            "another address, which tells none; a folder is played at that rate.",
+        ),
+    ] = None,
+    every: Annotated[
+        int | None,
+        integer_option(
+            "--every",
+            "N",
+            "Take only each n-th frame. Default: all, or as many as a step of define_model.py has.",
+        ),
+    ] = None,
+    dt: Annotated[
+        float | None, number_option("--dt", "SECONDS", "1 / RATE, in place of --fps, in s.")
+    ] = None,
+    frame_timeout: Annotated[
+        float | None,
+        number_option(
+            "--frame-timeout",
+            "SECONDS",
+            "Without a fresh frame for so long, the robot is stopped. Default: three frames, "
+            "at least 0.1 s.",
+        ),
+    ] = None,
+    time_limit: shared.CallLimit = None,
+    out: shared.Out = Path("robsim-live"),
+    record: Annotated[
+        bool | None,
+        switch(
+            "--record/--no-record",
+            "Record frames and inputs in a session in that folder, to be replayed. Default: "
+            "yes, but for a file.",
+            show_default=False,
+        ),
+    ] = None,
+    lossless: Annotated[bool, switch("--lossless", "Record the frames without loss.")] = False,
+    unit: shared.Unit = "px",
+    scale: shared.Scale = None,
+    as_json: shared.Json = False,
+) -> None:
+    """Drive a robot under a real camera."""
+    from robsim._core import Limits
+    from robsim.cli.driving import LiveRun, step_of_model
+    from robsim.cli.live import check_and_report
+    from robsim.cli.results import check_folder
+    from robsim.cli.sources import opened, rate_of
+    from robsim.simulation.options import step_count
+
+    with errors.report_errors(folder), _stops_at_signals():
+        if folder is not None and not folder.is_dir():
+            raise FileNotFoundError(f"there is no folder {folder}: robsim new {folder} writes one")
+        if steps is not None and seconds is not None:
+            raise ValueError("--steps and --seconds both end the run: give one of them")
+        _check_number("--seconds", seconds)
+        with about("--max-voltage"):
+            Limits(voltage=maximum_voltage)
+        with about("--slew-rate"):
+            limits = Limits(voltage=maximum_voltage, slew_rate=slew_rate)
+        with about("--steps"):
+            steps = None if steps is None else step_count(steps)
+        controller = parse_control("--control", control)
+        check_folder(out)
+        shared.check_unit(unit, scale, calibration)
+        line = opened(
+            camera,
+            motors,
+            robot=robot,
+            area=parse_size("--area", area),
+            plane_map=shared.parse_plane_map(pixels, positions),
+            calibration=calibration,
+            fps=rate_of(fps, dt),
+            every=every,
+            model_dt=step_of_model(folder),
+        )
+        if check:
+            with line as (device, link):
+                check_and_report(
+                    device, link, out, as_json, robot=robot, colors=colors, smoothing=smoothing
+                )
+            return
+        session = _session(out, record, camera or "")
+        run = LiveRun(steps=steps, seconds=seconds, limits=limits, frame_timeout=frame_timeout)
+        options = {
+            "robot": robot,
+            "colors": colors,
+            "smoothing": smoothing,
+            "time_limit": time_limit,
+            "record": session,
+            "lossless": lossless and session is not None,
+            "control": controller,
+        }
+        run.drive(line, folder, {name: one for name, one in options.items() if one is not None})
+        remark = shared.earlier_run(out)
+    if run.experiment is not None:
+        finish(run.experiment, out, as_json=as_json, more=run.reports, unit=unit, scale=scale)
+        if remark and run.experiment.trace:
+            errors.print_note(remark)
+        if session is not None and (session / "steps.csv").exists():
+            errors.print_note(f"the session is in {session}; with other callbacks, in Python:")
+            errors.print_note(f"  {_replay(session, folder)}")
+    if run.failure is not None:
+        with errors.report_errors(folder):
+            raise run.failure
+
+
+@contextmanager
+def _stops_at_signals() -> Iterator[None]:
+    """Let the end of the terminal, and SIGTERM, end a run as Ctrl-C does."""
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {name: signal.getsignal(getattr(signal, name)) for name in names}
+    for name in names:
+        signal.signal(getattr(signal, name), signal.default_int_handler)
+    try:
+        yield
+    finally:
+        for name, handler in before.items():
+            signal.signal(getattr(signal, name), handler)
+
+
+def _check_number(option: str, value: float | None) -> None:
+    if value is not None and not 0 < value < float("inf"):
+        raise ValueError(f"{option} must be > 0, got {value:g}")
+
+
+def _session(out: Path, record: bool | None, camera: str) -> Path | None:
+    """Return a folder for the session that is not there yet; None = it is not recorded."""
+    from robsim.vision.imaging.video import load_opencv
+
+    if record is False or (record is None and Path(camera).exists()):
+        return None
+    try:
+        load_opencv("recording a session")
+    except ImportError as error:
+        if record:
+            raise
+        errors.print_note(f"not recorded: {error}")
+        return None
+    number = 1
+    while (out / f"session-{number}").exists():
+        number += 1
+    return out / f"session-{number}"
+
+
+def _replay(session: Path, folder: Path | None) -> str:
+    """Return the line of Python that runs a session again."""
+    frames = f"robsim.trace.Session({str(session)!r})"
+    if folder is None:
+        return f"robsim.Experiment({frames}, control=...).run()"
+    return f"robsim.Experiment.from_folder({str(folder)!r}, frames={frames}).run()"
+
+
+_SECONDS = 3.0
+_PICTURE = "check.png"
+
+
+def check_and_report(
+    camera: WatchedCamera, motors: MotorLink | None, out: Path, as_json: bool, **options: Any
+) -> None:
+    """Check a camera, print what was found, and draw it; exit with 1 if it is bad.
+
+    Parameters
+    ----------
+    camera : WatchedCamera
+        The camera.
+    motors : MotorLink or None
+        The line to the robot.
+    out : Path
+        Folder for the picture.
+    as_json : bool
+        Whether to print JSON.
+    **options
+        Those of `robsim.lab.check_camera`.
+    """
+    from robsim import plotting
+    from robsim.cli.results import save_figure
+    from robsim.lab.rehearsal.camera_check import check_camera
+
+    errors.print_note(f"looking for {_SECONDS:g} s; the robot must stand, and nothing drives it")
+    check = check_camera(camera, motors=motors, seconds=_SECONDS, **options)
+    out.mkdir(parents=True, exist_ok=True)
+    picture = out / _PICTURE
+    save_figure(picture, plotting.plot_camera_check(check))
+    errors.show(check.to_json() if as_json else check)
+    if not as_json:
+        errors.say(f"written: {picture}")
+    if not check.ok:
+        raise typer.Exit(1)

@@ -1,1 +1,0 @@
-"""Commands of live cameras: which there are, whether one is good, a run with it."""

@@ -1,0 +1,134 @@
+"""The commands ``robsim tasks``: list, show and try tasks."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robsim.base.text import one_line
+from robsim.cli import errors
+from robsim.cli.command import (
+    Command,
+    argument,
+    command_group,
+    integer_option,
+    number_option,
+    option,
+)
+from robsim.cli.shared import Json
+
+SHOW_EXAMPLE = "Example: robsim tasks show park --to parking"
+SHOW_HELP = (
+    "Show a task: what it asks, what is given, how it is scored.\n\n"
+    "With --to it is written to a folder as sheet.md, with a file for each callback to write, and "
+    "task.py with the values that they are told. Nothing is overwritten there."
+)
+Name = Annotated[
+    str, argument("TASK", "Name of the task, as of robsim tasks list.", show_default=False)
+]
+
+
+def list_tasks() -> None:
+    """List the tasks, and which callbacks they ask for."""
+    from robsim.teach.tasks.by_name import TASKS
+
+    rows = [(name, kind.title, ", ".join(kind.slots)) for name, kind in TASKS.items()]
+    errors.print_rows(("task", "what is to be done", "callbacks"), rows)
+
+
+def show(
+    name: Name,
+    to: Annotated[
+        Path | None,
+        option(
+            "--to", "FOLDER", "Write the sheet and files to start from there; created if needed."
+        ),
+    ] = None,
+) -> None:
+    """Show a task."""
+    from robsim.teach.tasks.by_name import task
+
+    with errors.report_errors():
+        one = task(name)
+        if to is None:
+            _print(one.sheet)
+            return
+        files = one.begin(to)
+    errors.say(f"written to {to}: {', '.join(file.name for file in files)}")
+    errors.say(f"read {to / 'sheet.md'}; then: robsim tasks try {name} {to}")
+
+
+def _print(sheet: str) -> None:
+    """Print Markdown, in a terminal as it is meant to look."""
+    if not sys.stdout.isatty():
+        errors.show(sheet)
+        return
+    from rich.markdown import Markdown
+
+    errors.print_page([Markdown(sheet)])
+
+
+TRY_EXAMPLE = "Example: robsim tasks try park parking --figure park.png"
+TRY_HELP = (
+    "Try a solution of a task, beside a reference in the same runs.\n\n"
+    "It says what the scores come to, and what fails in which line. The exit status is 0 if the "
+    "solution is as good as the reference, 1 if it is not, 2 if there is nothing to try. It is run "
+    "in this process, as your own code: grade those of others with robsim grade."
+)
+
+
+def try_solution(
+    name: Name,
+    path: Annotated[
+        Path,
+        argument(
+            "FILE|FOLDER", "A folder with the callbacks, or the file of one.", show_default=False
+        ),
+    ],
+    runs: Annotated[
+        int | None, integer_option("--runs", "N", "Number of runs. Default: the task's.")
+    ] = None,
+    seed: Annotated[int, integer_option("--seed", "N", "Another number: other runs.")] = 1,
+    time_limit: Annotated[
+        float | None,
+        number_option(
+            "--time-limit", "SECONDS", "Longest duration of a call of a callback. Default: none."
+        ),
+    ] = None,
+    figure: Annotated[
+        Path | None, option("--figure", "FILE", "Draw the worst run there: a PNG, PDF or SVG file.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Try a solution of a task."""
+    from robsim.cli.results import check_figure_name, check_file, save_figure
+    from robsim.teach.tasks.by_name import task
+
+    with errors.report_errors(path if path.is_dir() else path.parent):
+        if figure is not None:
+            check_figure_name(figure)
+            check_file(figure)
+        trial = task(name).try_out(path, runs=runs, seed=seed, time_limit=time_limit)
+        if figure is not None and trial.worst is not None:
+            save_figure(figure, trial.figure())
+    errors.show(trial.to_json() if as_json else trial)
+    if figure is not None:
+        drawn = f"run {trial.worst} is drawn in {figure}"
+        errors.print_note(drawn if trial.worst is not None else "all runs failed: none is drawn")
+    if not trial.is_solved:
+        errors.print_note(f"why: robsim check {one_line(path)} --task {trial.task.name}")
+        raise typer.Exit(1)
+
+
+HELP = (
+    "A task is a world, the callbacks that you write for it, and scores. Show one with --to "
+    "to get its sheet and files to start from; edit them, and try them as often as you like: they "
+    "are run beside a reference, in the same runs."
+)
+app = command_group("Start with: robsim tasks list")
+app.command("list", cls=Command, epilog="Example: robsim tasks list")(list_tasks)
+app.command(cls=Command, help=SHOW_HELP, epilog=SHOW_EXAMPLE)(show)
+app.command("try", cls=Command, help=TRY_HELP, epilog=TRY_EXAMPLE)(try_solution)

@@ -1,1 +1,0 @@
-"""The code of the callbacks: where it stands, how it is edited."""

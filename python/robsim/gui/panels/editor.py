@@ -1,0 +1,162 @@
+"""Opening a file of the user's in an editor, without waiting for it."""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from urllib.parse import quote
+
+from robsim.gui._link import Refused
+
+
+def _plus(file: str, line: int) -> list[str]:
+    return [f"+{line}", file]
+
+
+def _colon(file: str, line: int) -> list[str]:
+    return [f"{file}:{line}"]
+
+
+def _goto(file: str, line: int) -> list[str]:
+    return ["--goto", f"{file}:{line}"]
+
+
+def _named(file: str, line: int) -> list[str]:
+    return ["--line", str(line), file]
+
+
+def _alone(file: str, line: int) -> list[str]:
+    return [file]
+
+
+#: Editors with a window of their own, and how they are told the line.
+_EDITORS: dict[str, Callable[[str, int], list[str]]] = {
+    **dict.fromkeys(("code", "code-insiders", "codium", "cursor", "windsurf"), _goto),
+    **dict.fromkeys(("subl", "sublime_text", "zed", "zeditor", "mate"), _colon),
+    **dict.fromkeys(("gedit", "gnome-text-editor", "xed", "pluma", "geany", "gvim"), _plus),
+    **dict.fromkeys(("emacs", "emacsclient"), _plus),
+    **dict.fromkeys(("kate", "kwrite", "pycharm", "charm", "mousepad"), _named),
+}
+#: Editors that need a terminal, which a panel does not have.
+_IN_TERMINAL = {
+    *("vi", "vim", "nvim", "ex", "ed", "red", "nano", "rnano", "pico", "micro", "emacs-nox", "mg"),
+    *("helix", "hx", "joe", "jed", "jove", "ne", "mcedit", "kak", "tilde", "dte"),
+    "sensible-editor",
+}
+_NO_WINDOW = {"-nw", "--no-window-system", "-t", "--tty"}  # of emacs
+_started: list[subprocess.Popen[bytes]] = []  # they outlive a panel
+
+
+def open_in_editor(file: Path, line: int) -> subprocess.Popen[bytes] | None:
+    """Open a file in ``$VISUAL`` or ``$EDITOR``, or the system's editor, none in a terminal.
+
+    Parameters
+    ----------
+    file : Path
+        The file, an absolute path.
+    line : int
+        The line to show, where the editor can.
+
+    Returns
+    -------
+    Popen or None
+        What was started; None = nothing that can be watched.
+
+    Raises
+    ------
+    Refused
+        If there is no editor.
+    """
+    command = _users_editor(file, line) or _systems_editor(file)
+    if command is None and sys.platform == "win32":
+        os.startfile(file, "edit")  # "open" would run it
+        return None
+    if command is None:
+        raise Refused(
+            "no editor with a window is known here: set VISUAL to one, such as code or gedit, "
+            f"before you start Python, or open {file} yourself"
+        )
+    _started[:] = [editor for editor in _started if editor.poll() is None]
+    try:
+        editor = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,  # it lives on when Python is interrupted or ends
+        )
+    except OSError as error:
+        raise Refused(f"{command[0]} could not be started: {error.strerror}") from None
+    _started.append(editor)
+    return editor
+
+
+def _users_editor(file: Path, line: int) -> list[str] | None:
+    for variable in ("VISUAL", "EDITOR"):
+        try:
+            words = shlex.split(os.environ.get(variable, ""), posix=sys.platform != "win32")
+        except ValueError:
+            continue
+        program = shutil.which(words[0]) if words else None
+        # A batch file would be read by a shell, which takes a file's name for more than that.
+        if program is None or program.lower().endswith((".cmd", ".bat")):
+            continue
+        name = Path(words[0]).stem.lower()
+        if not _needs_terminal(name, program, words[1:]):
+            return [program, *words[1:], *_EDITORS.get(name, _alone)(str(file), line)]
+    return None
+
+
+def _needs_terminal(name: str, program: str, options: list[str]) -> bool:
+    """Return whether an editor runs in a terminal, also under a name such as ``editor``."""
+    if name in _EDITORS:
+        return name.startswith("emacs") and not _NO_WINDOW.isdisjoint(options)
+    return not _IN_TERMINAL.isdisjoint({name, Path(program).resolve().stem})
+
+
+def _systems_editor(file: Path) -> list[str] | None:
+    if sys.platform == "darwin":
+        return ["open", "-t", str(file)]
+    has_screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    program = shutil.which("xdg-open") if has_screen else None
+    return None if program is None else [program, str(file)]
+
+
+def lab_link(file: Path) -> str | None:
+    """Return where JupyterLab shows a file, as the path of a URL; None = it does not."""
+    server = _server()
+    if server is None:
+        return None
+    root, base_url = server
+    try:
+        inside = file.resolve().relative_to(root)
+    except ValueError:  # a file outside of what the server shows
+        return None
+    return f"{base_url}lab/tree/{quote(inside.as_posix())}"
+
+
+@functools.cache
+def _server() -> tuple[Path, str] | None:
+    """Return the folder that the server of this kernel shows, and its base URL.
+
+    A kernel is not told the folder. But each server describes itself in a file under the number of
+    its process, which is the parent of its kernels.
+    """
+    parent = os.environ.get("JPY_PARENT_PID", "")
+    if not parent.isdecimal():
+        return None
+    try:
+        from jupyter_core.paths import jupyter_runtime_dir
+
+        file = Path(jupyter_runtime_dir()) / f"jpserver-{parent}.json"
+        told = json.loads(file.read_text("utf-8"))
+        return Path(told["root_dir"]).resolve(), str(told["base_url"])
+    except (ImportError, OSError, ValueError, KeyError, TypeError):
+        return None  # a kernel of another host, such as VS Code

@@ -1,0 +1,200 @@
+"""Motors behind a serial line or a UDP socket."""
+
+from __future__ import annotations
+
+import atexit
+import sys
+from contextlib import suppress
+from typing import TYPE_CHECKING, Self
+from weakref import WeakSet
+
+from robsim._core import Line, LineError, MotorLink
+from robsim.base.checks import check_float, check_int, check_text
+from robsim.base.text import one_line, quoted
+
+if TYPE_CHECKING:
+    from serial import Serial
+#: s; a robot stops by itself when it hears nothing for so long.
+TTL = 0.3
+#: s; the link stops the robot when it gets no input for so long.
+HOLD = 1.0
+_open: WeakSet[LineMotors] = WeakSet()
+
+
+class LineMotors(MotorLink):
+    """A native link that stops the robot at the end of a ``with`` block and of the program."""
+
+    def __init__(self, line: Line, address: str, *, ttl: float, hold: float) -> None:
+        super().__init__(line, ttl=ttl, hold=hold)
+        self._address = address
+        _open.add(self)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        try:
+            self.close()
+        except OSError as trouble:
+            if error is None:
+                raise
+            error.add_note(f"when the line to the robot was closed: {trouble}")
+
+    def __repr__(self) -> str:
+        state = ", closed" if self.is_closed else ", halted" if self.is_halted else ""
+        return f"<{type(self).__name__} {quoted(self._address)}, ttl={self.ttl:g}{state}>"
+
+
+@atexit.register
+def _stop_all() -> None:
+    links = list(_open)
+    for link in links:  # all are told before one is waited for
+        link.halt()
+    for link in links:
+        with suppress(OSError, RuntimeError):  # the line is cut; of the parent of a forked process
+            link.close()
+
+
+class SerialMotors(LineMotors):
+    """Motors of a robot at a serial line: send them inputs by calling it.
+
+    A native thread repeats the newest input and stops the robot; it needs no interpreter. The
+    robot stops by itself when it hears nothing for `ttl`. It is stopped by `stop`, `close`, the end
+    of a ``with`` block or of the program, and where no input is sent for `hold`.
+
+    It needs pyserial: ``pip install 'robsim[serial]'``. Many boards start anew when their port is
+    opened, and hear nothing for the next seconds.
+
+    Parameters
+    ----------
+    port : str
+        The device, such as ``"/dev/ttyUSB0"``; it is opened for this program alone.
+    baud_rate : int
+        Speed of the line (bit/s).
+    ttl : float
+        Time to live of each input (s), 0.03 to 60: the robot stops by itself when it hears nothing
+        for so long. The newest input is sent again each third of it.
+    hold : float
+        The link stops the robot when no input is sent for so long (s).
+
+    Raises
+    ------
+    robsim.lab.LineError
+        If the port cannot be opened.
+    ImportError
+        If pyserial is not there.
+    """
+
+    def __init__(
+        self, port: str, baud_rate: int = 115200, *, ttl: float = TTL, hold: float = HOLD
+    ) -> None:
+        check_text("port", port)
+        check_int("baud_rate", baud_rate, minimum=1, maximum=100_000_000)
+        check_float("ttl", ttl, "s")
+        check_float("hold", hold, "s", exclusive_minimum=0)
+        self._serial = _opened(port, baud_rate)
+        try:
+            line = Line.of_descriptor(self._serial.fileno(), f"serial line {one_line(port)}")
+            super().__init__(line, port, ttl=ttl, hold=hold)
+        except BaseException:
+            self._serial.close()
+            raise
+
+    def close(self) -> None:
+        """Stop the robot and close the port; the second time it does nothing.
+
+        Raises
+        ------
+        robsim.lab.LineError
+            If the line went wrong since the last input: the robot may not have been told to stop.
+        """
+        try:
+            super().close()
+        finally:
+            self._serial.close()
+
+
+def _opened(port: str, baud_rate: int) -> Serial:
+    if sys.platform == "win32":
+        raise LineError(
+            "SerialMotors is made for Linux and macOS; on Windows, send the inputs with a function "
+            "of your own that writes to pyserial's Serial"
+        )
+    try:
+        from serial import Serial, SerialException
+    except ImportError:
+        raise ImportError(
+            "SerialMotors needs pyserial, which is not installed: pip install 'robsim[serial]'"
+        ) from None
+    try:
+        return Serial(port, baud_rate, exclusive=True)
+    except SerialException as error:
+        raise LineError(
+            f"serial line {one_line(port)} cannot be opened: {_reason(error)}"
+        ) from error
+
+
+def _reason(error: OSError) -> str:
+    reasons = {
+        2: "there is no such device; is the cable plugged in? (python -m serial.tools.list_ports)",
+        11: "another program has opened it",
+        13: "no permission; on Linux, add yourself to the group of the device (often dialout)",
+    }
+    return reasons.get(error.errno or 0, one_line(error))
+
+
+class UdpMotors(LineMotors):
+    """Motors of a robot that listens to UDP: send them inputs by calling it.
+
+    A native thread repeats the newest input and stops the robot; it needs no interpreter. The
+    robot stops by itself when it hears nothing for `ttl`. It is stopped by `stop`, `close`, the end
+    of a ``with`` block or of the program, and where no input is sent for `hold`.
+
+    Parameters
+    ----------
+    address : str
+        Name or number of the robot's host, with the port: ``"192.168.4.1:5005"``,
+        ``"[fe80::1]:5005"``; or without it, if `port` is given.
+    port : int, optional
+        The port that the robot listens at.
+    ttl : float
+        Time to live of each input (s), 0.03 to 60: the robot stops by itself when it hears nothing
+        for so long. The newest input is sent again each third of it.
+    hold : float
+        The link stops the robot when no input is sent for so long (s).
+
+    Raises
+    ------
+    robsim.lab.LineError
+        If there is no such host. Whether a robot listens shows after the first inputs.
+
+    Examples
+    --------
+    >>> with robsim.lab.UdpMotors("192.168.4.1:5005") as motors:
+    ...     motors((0.5, 0.5))
+    """
+
+    def __init__(
+        self, address: str, port: int | None = None, *, ttl: float = TTL, hold: float = HOLD
+    ) -> None:
+        host, number = _host_and_port(check_text("address", address), port)
+        check_float("ttl", ttl, "s")
+        check_float("hold", hold, "s", exclusive_minimum=0)
+        name = f"[{host}]:{number}" if ":" in host else f"{host}:{number}"
+        super().__init__(Line.udp_to(host, number), name, ttl=ttl, hold=hold)
+
+
+def _host_and_port(address: str, port: int | None) -> tuple[str, int]:
+    host = address
+    if port is None:
+        host, _, text = address.rpartition(":")
+        if not (text.isascii() and text.isdigit() and host):
+            raise ValueError(
+                "address must be HOST:PORT, such as '192.168.4.1:5005', or port must be given, "
+                f"got {quoted(address)}"
+            )
+        port = int(text[:6])
+    host = host.removeprefix("[").removesuffix("]")
+    if not host or not host.isprintable():
+        raise ValueError(f"address must name a host, got {quoted(address)}")
+    return host, check_int("port", port, minimum=1, maximum=65535)

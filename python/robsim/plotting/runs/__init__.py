@@ -1,1 +1,0 @@
-"""Runs beside each other: their paths, and what is wrong at each step."""

@@ -1,0 +1,360 @@
+"""Writing and loading a folder of callback files, with checks of names and signatures."""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import os
+import re
+import time
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from os import PathLike
+from pathlib import Path
+from types import MappingProxyType, ModuleType
+from typing import Any
+
+from robsim.base.files import as_folder, copy_files
+from robsim.base.spelling import closest
+from robsim.base.text import one_line, quoted
+from robsim.simulation.callbacks.checks import check_callback
+from robsim.simulation.callbacks.errors import note_failed_file
+from robsim.simulation.modules import FolderModules, reserved_names
+from robsim.simulation.slots import SLOTS
+
+_CUTOFF = 0.8  # a folder has files of the user's own, too
+
+
+def misspelled(names: Iterable[str]) -> dict[str, str]:
+    """Return the names that resemble a slot name, and that slot."""
+    names = list(names)
+    slots = {other: name for name, slot in SLOTS.items() for other in (*slot.other_names, name)}
+    suggestions = {}
+    for name in names:
+        slot = slots.get(closest(name, slots, cutoff=_CUTOFF) or "", name)
+        # control_old.py beside control.py is a backup copy.
+        is_copy = slot in names and re.match(rf"{slot}[\W\d_]", name.lower())
+        if slot != name and not is_copy:
+            suggestions[name] = slot
+    return suggestions
+
+
+_SAVING = 0.05  # s that an editor may need to write a file
+_COARSEST_CLOCK = 2.0  # s between two times that a file can have, on any file system
+TEMPLATES = Path(__file__).with_name("templates")
+Callbacks = dict[str, Callable[..., Any] | bool]
+
+
+def new_folder(folder: str | PathLike[str]) -> list[Path]:
+    """Write the default callbacks to a folder, as templates for the user.
+
+    Parameters
+    ----------
+    folder : path
+        The folder; it is created if needed.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    FileExistsError
+        If one of them exists there; then nothing is written.
+    NotADirectoryError
+        If `folder` is a file.
+    """
+    return copy_files([TEMPLATES / f"{slot}.py" for slot in SLOTS], folder)
+
+
+class CallbackFolder:
+    """A folder with a file for each callback, named after its slot, such as ``control.py``.
+
+    A file defines a function of the same name. ``ENABLED = False`` in it switches it off. Other
+    files of the folder are helper modules, which the callbacks can import by name.
+
+    Parameters
+    ----------
+    folder : path
+        The folder.
+    slots : sequence of str
+        The slots that it may fill; files for others are not executed.
+    given : mapping of str to bytes
+        Helper modules by name, without ``.py``, which count before files of the folder.
+
+    Raises
+    ------
+    TypeError
+        If `folder` is not a path.
+    """
+
+    def __init__(
+        self,
+        folder: str | PathLike[str],
+        slots: Sequence[str] = tuple(SLOTS),
+        given: Mapping[str, bytes] = MappingProxyType({}),
+    ) -> None:
+        self._slots = slots
+        self._given = given
+        self.path = as_folder(folder)
+        self._absolute = self.path.absolute()  # valid after a change of directory
+        self._modules = FolderModules(self.path, self._absolute, {})
+        self._unchanged: list[tuple[str, int, int, int]] | None = None
+
+    def load(self) -> Callbacks:
+        """Read, compile and execute the files; if one fails, the modules loaded before are kept.
+
+        Returns
+        -------
+        dict of str to callable or bool
+            The callbacks by slot. False = switched off, True = the default stage. Slots without a
+            file are missing.
+
+        Raises
+        ------
+        FileNotFoundError, NotADirectoryError
+            If there is no such folder.
+        ValueError, TypeError
+            If it has no callback files, or one of them does not define its callback.
+        Exception
+            Any exception of a file when it is executed, including SyntaxError, with a note that
+            names the file.
+
+        Warns
+        -----
+        UserWarning
+            If the name of a file looks like a misspelled slot name.
+        """
+        sources = self._read()
+        imported = imported_names(sources)
+        for name in taken_names(sources, imported):
+            raise ValueError(f"{self.path / name}.py {TAKEN}")
+        for name, slot in misspelled(sources).items():
+            if name not in imported:
+                message = f"{self.path / name}.py is no callback: did you mean {slot}.py?"
+                warnings.warn_explicit(message, UserWarning, str(self._absolute / f"{name}.py"), 0)
+        modules = FolderModules(self.path, self._absolute, sources)
+        callbacks = self._executed(modules)
+        self._modules, self._unchanged = modules, None
+        return callbacks
+
+    def load_saved(self) -> Callbacks:
+        """Load; an error counts if the files stay what they are, and are not just being saved."""
+        while True:
+            sources = self._read()
+            try:
+                return self.load()
+            except Exception:
+                time.sleep(_SAVING)
+                if self._read() == sources:
+                    raise
+
+    def anew(self) -> tuple[CallbackFolder, Callbacks]:
+        """Return another one with the sources that were loaded last, and its own callbacks.
+
+        Their modules, and those that they import, share nothing with the ones before.
+        """
+        return CallbackFolder.of_sources(
+            self.path, self._absolute, self._modules.sources, self._slots
+        )
+
+    @classmethod
+    def of_sources(
+        cls,
+        path: Path,
+        absolute: Path,
+        sources: Mapping[str, bytes],
+        slots: Sequence[str],
+        builtins: dict[str, Any] | None = None,
+    ) -> tuple[CallbackFolder, Callbacks]:
+        """Return a folder with files that were read before, and its callbacks.
+
+        Parameters are those of `FolderModules`.
+        """
+        other = cls(path, slots)
+        other._absolute = absolute
+        other._modules = FolderModules(path, absolute, sources, builtins)
+        return other, other._executed(other._modules)
+
+    @property
+    def sources(self) -> Mapping[str, bytes]:
+        """The files that were loaded last, by name without ``.py``."""
+        return self._modules.sources
+
+    def _executed(self, modules: FolderModules) -> Callbacks:
+        with modules.importable():
+            return {
+                slot: self._loaded(modules, slot) for slot in self._slots if slot in modules.sources
+            }
+
+    def _loaded(self, modules: FolderModules, slot: str) -> Callable[..., Any] | bool:
+        try:
+            return callback_of_module(modules.execute(slot), slot, self.path / f"{slot}.py")
+        except BaseException as error:
+            note_failed_file(error, slot, str(self._absolute / f"{slot}.py"))
+            raise
+
+    @property
+    def helpers(self) -> set[str]:
+        """Names, without ``.py``, of the helper modules that were there at the last load."""
+        return set(self._modules.helpers)
+
+    @property
+    def files(self) -> set[str]:
+        """Names, without ``.py``, of the Python files of the folder; raises as `changed`."""
+        return set(self._read())
+
+    @property
+    def changed(self) -> set[str]:
+        """Names, without ``.py``, of the files that have changed since they were loaded.
+
+        Raises
+        ------
+        FileNotFoundError, NotADirectoryError, ValueError
+            As `load`, if the folder or all its callbacks have been removed.
+        """
+        state = self._state()
+        if state is not None and state == self._unchanged:
+            return set()
+        now, then = self._read(), self._modules.sources
+        changed = {name for name in now.keys() | then.keys() if now.get(name) != then.get(name)}
+        self._unchanged = None if changed else state
+        return changed
+
+    def _state(self) -> list[tuple[str, int, int, int]] | None:
+        """Return what tells that no file has changed, at a tenth of the cost of reading them.
+
+        None where it does not tell: for a file that was changed just now, since a second change
+        may have the same time.
+        """
+        newest = (time.time() - _COARSEST_CLOCK) * 1e9
+        try:
+            with os.scandir(self._absolute) as entries:
+                files = [(e.name, e.stat()) for e in entries if e.name.endswith(".py")]
+        except OSError:
+            return None  # reading says what is wrong
+        if any(file.st_mtime_ns > newest for _, file in files):
+            return None
+        return [(name, file.st_mtime_ns, file.st_size, file.st_ino) for name, file in files]
+
+    @contextmanager
+    def importable(self) -> Iterator[None]:
+        """Let the callbacks import the helper modules inside the context.
+
+        Other modules of the same names are restored afterwards. Other threads wait at the entry.
+        """
+        with self._modules.importable():
+            yield
+
+    def _read(self) -> dict[str, bytes]:
+        """Return the content of the Python files by name, without ``.py``."""
+        if not self._absolute.exists():
+            raise FileNotFoundError(
+                f"no folder {one_line(self.path)}: robsim new {one_line(self.path)} creates it"
+            )
+        if not self._absolute.is_dir():
+            raise NotADirectoryError(f"{one_line(self.path)} is a file, not a folder of callbacks")
+        # Editors keep temporary files with a leading dot.
+        files = [file for file in self._absolute.glob("*.py") if not file.name.startswith(".")]
+        sources = {file.stem: file.read_bytes() for file in sorted(files) if file.is_file()}
+        if not sources.keys() & set(self._slots):
+            hints = [
+                f"; is {name}.py meant to be {slot}.py?"
+                for name, slot in misspelled(sources).items()
+            ]
+            remedy = f"robsim new {one_line(self.path)} writes them"
+            if len(self._slots) < len(SLOTS):
+                remedy = f"none for {', '.join(self._slots)}"
+            raise ValueError(
+                f"{one_line(self.path)} has no callback files: {remedy}" + "".join(hints)
+            )
+        return {**sources, **self._given}
+
+    def __repr__(self) -> str:
+        return f"<CallbackFolder: {one_line(self.path)}>"
+
+
+def callback_of_module(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] | bool:
+    """Return the callback that a module defines for a slot, checked.
+
+    Parameters
+    ----------
+    module : module
+        The module.
+    slot : str
+        The slot.
+    file : Path
+        Its file, for messages.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it defines none, or what cannot fill the slot.
+    """
+    enabled = getattr(module, "ENABLED", True)
+    if not isinstance(enabled, bool):
+        raise TypeError(f"{one_line(file)}: ENABLED must be True or False, got {quoted(enabled)}")
+    if not enabled:
+        return False
+    wanted = f"{slot}({SLOTS[slot].argument})"
+    if not hasattr(module, slot):
+        raise ValueError(
+            f"{one_line(file)} must define {wanted}; it defines: {_definitions(module, slot)}"
+        )
+    callback = getattr(module, slot)
+    if isinstance(callback, bool) and SLOTS[slot].is_switch:
+        return callback
+    if not callable(callback):
+        raise TypeError(
+            f"{one_line(file)}: {slot} must be a function {wanted}, got {quoted(callback)}"
+        )
+    try:
+        check_callback(slot, callback)
+    except TypeError as error:
+        raise TypeError(f"{one_line(file)}: {error}") from None
+    return callback  # type: ignore[no-any-return]
+
+
+def _definitions(module: ModuleType, slot: str) -> str:
+    """Return the callables that a file itself defines, by similarity to the name of the slot."""
+    names = [
+        name
+        for name, value in vars(module).items()
+        if callable(value) and getattr(value, "__module__", None) == module.__name__
+    ]
+    return ", ".join(sorted(names, key=lambda name: -_similarity(name, slot))) or "no function"
+
+
+def _similarity(name: str, slot: str) -> float:
+    return difflib.SequenceMatcher(None, name.lower(), slot).ratio()
+
+
+#: What is wrong with a file of `taken_names`.
+TAKEN = "has the name of a module that comes with Python or robsim: rename it"
+
+
+def taken_names(names: Iterable[str], imported: set[str]) -> list[str]:
+    """Return the names of files that are imported, and mean modules of Python or robsim."""
+    return sorted(reserved_names(names) & imported)
+
+
+def imported_names(sources: Mapping[str, bytes]) -> set[str]:
+    """Return the top-level names of all modules that the files import."""
+    names: set[str] = set()
+    for name, source in sources.items():
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # compiling the file later warns again
+            try:
+                tree = ast.parse(source)
+            except (SyntaxError, ValueError, RecursionError, MemoryError):
+                continue
+        imported: set[str] = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import):
+                imported |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level and node.module:
+                imported.add(node.module.partition(".")[0])
+        names |= imported - {name}
+    return names

@@ -1,1 +1,0 @@
-"""What is outside: frames that come, inputs that go."""

@@ -1,0 +1,248 @@
+"""`check_assignment`: whether an assignment is fit to grade by."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
+
+from robsim.base.check_report import CheckReport
+from robsim.base.checks import check_bool
+from robsim.base.report import Column, Problem, Row, Table
+from robsim.base.text import listed
+from robsim.campaigns.engines.engine import Engine, engine_value
+from robsim.campaigns.engines.executors import DaskClient
+from robsim.simulation.runner import progress_bar
+from robsim.teach.assignments.assignment import Assignment, TaskTest
+from robsim.teach.assignments.classes.plan import Plan, plan_of
+from robsim.teach.assignments.limits_file import RecordedTest, read_limits
+from robsim.teach.assignments.making import SHEET
+from robsim.teach.assignments.packing.public_part import public_part
+from robsim.teach.assignments.rehearsal import FULL, LESS, NOTHING, Part, cast_of, graded
+from robsim.teach.assignments.results import ERROR, SubmissionResult, TestResult, number
+from robsim.teach.errors import AssignmentError
+from robsim.teach.tasks.marks.calibration import TaskCalibration
+
+#: Who is not what is expected is graded twice more, with other seeds: two of three count.
+_TRIES = 3
+#: Less than that share of the points are none: the limit is the median of the naive solution.
+_LITTLE = 0.1
+_ALL = 1 - 1e-9
+
+
+def check_assignment(
+    folder: str | PathLike[str],
+    *,
+    executor: int | str | Executor | DaskClient | None = None,
+    progress: bool = True,
+) -> CheckReport:
+    """Check whether an assignment is fit to grade by: read it, and grade all that is known.
+
+    Limits must be those of its tasks and solutions, the sheet must name each slot, nothing hidden
+    may be in what students get. Then a class is graded: right solutions, one of them as a notebook,
+    must get all points, wrong ones fewer, and none what is empty, ends its process, hangs, patches
+    what scores it, or looks for the truth in memory; and grading must go on after each.
+
+    Parameters
+    ----------
+    folder : path
+        The folder of the assignment.
+    executor, progress
+        As for `robsim.campaign`.
+
+    Returns
+    -------
+    CheckReport
+        What is wrong, and a table of what was checked.
+
+    Raises
+    ------
+    AssignmentError
+        If the assignment cannot be read, or is not complete.
+    TypeError, ValueError
+        If an argument is wrong.
+
+    Notes
+    -----
+    A right solution has less than full points at the rate that its limits were calibrated for, and
+    a wrong one may pass now and then. So who is not what is expected is graded twice more, with
+    other seeds, and wrong is what was so in two of three.
+    """
+    engine = engine_value(executor)
+    assignment = Assignment.load(folder)
+    check_bool("progress", progress)
+    findings = [*_still(assignment)]
+    plan = plan_of(assignment)
+    with tempfile.TemporaryDirectory(prefix="robsim-check-") as scratch:
+        findings += _rehearsed(plan, Path(scratch), engine, progress)
+    rows = [Row(one.what, [one.expected, one.got, one.verdict]) for one in findings]
+    columns = [Column("expected", "should be"), Column("got", "is"), Column("verdict", "")]
+    return CheckReport(
+        name=assignment.name,
+        problems=tuple(one.problem for one in findings if one.wrong),
+        tables=(Table(key="checks", columns=columns, rows=rows, row_title="what"),),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """Something that was checked.
+
+    Attributes
+    ----------
+    what, expected, got : str
+        What it is, how it should be, how it is.
+    wrong : str
+        What is wrong, and what to do; "" = nothing.
+    """
+
+    what: str
+    expected: str
+    got: str
+    wrong: str = ""
+
+    @property
+    def verdict(self) -> str:
+        return "WRONG" if self.wrong else "well"
+
+    @property
+    def problem(self) -> Problem:
+        return Problem(kind=self.what, sentence=self.wrong)
+
+
+def _still(assignment: Assignment) -> Iterator[Finding]:
+    """Yield what can be said without running anything."""
+    is_needed = any(not test.public for test in assignment.all_tests)
+    key = assignment.key
+    got = "there is none" if key is None else "public" if key.is_public else "secret"
+    wrong = "" if got == "secret" or not is_needed else "hidden tests need a key: Key.new().write"
+    yield Finding(what="key", expected="secret", got=got, wrong=wrong)
+    recorded = read_limits(assignment.folder)
+    for test in assignment.tests:
+        yield _limits(test, recorded.get(test.name, RecordedTest()).calibration)
+    yield _sheet(assignment)
+    yield _public(assignment)
+
+
+def _limits(test: TaskTest, made: TaskCalibration | None) -> Finding:
+    what, expected = f"limits of {test.name}", "calibrated for it"
+    if made is None:
+        wrong = f"{what}: they were not calibrated: robsim assignment calibrate"
+        return Finding(what=what, expected=expected, got="written by hand", wrong=wrong)
+    if test.stale:
+        return Finding(what=what, expected=expected, got="of others", wrong=f"{what}: {test.stale}")
+    got = f"right ones fail in {100 * made.false_fail:g} % at most"
+    return Finding(what=what, expected=expected, got=got)
+
+
+def _sheet(assignment: Assignment) -> Finding:
+    file = assignment.folder / SHEET
+    text = file.read_text("utf-8", "replace") if file.is_file() else ""
+    expected = "names slots and points"
+    if missing := listed(slot for slot in assignment.slots if slot not in text):
+        wrong = f"{SHEET} does not say what {missing} is to do"
+        return Finding(what=SHEET, expected=expected, got=f"not {missing}", wrong=wrong)
+    lines = [re.split(r"\s*\|\s*", line) for line in text.splitlines()]
+    for test in assignment.tests:
+        # A row of the table that a new sheet has; one without it says it in words.
+        told = next((cells[2] for cells in lines if len(cells) > 3 and cells[1] == test.title), "")
+        if told not in ("", number(test.points)):
+            got = f"{told} points for {test.name}"
+            wrong = f"{SHEET} says {got}, and assignment.toml {number(test.points)}"
+            return Finding(what=SHEET, expected=expected, got=got, wrong=wrong)
+    return Finding(what=SHEET, expected=expected, got="names them")
+
+
+def _public(assignment: Assignment) -> Finding:
+    try:
+        files = public_part(assignment)
+    except AssignmentError as error:
+        return Finding(
+            what="for students", expected="nothing hidden", got="refused", wrong=str(error)
+        )
+    return Finding(what="for students", expected="nothing hidden", got=f"{len(files)} files")
+
+
+def _rehearsed(plan: Plan, scratch: Path, executor: Engine, progress: bool) -> Iterator[Finding]:
+    """Yield what came of a class."""
+    parts = cast_of(plan.assignment)
+    bar = progress_bar(total=len(parts), unit="submission") if progress else None
+    tries: dict[str, list[SubmissionResult]] = {part.name: [] for part in parts}
+    # Solutions may be made of what students cannot have; one of the right ones must do without.
+    free = plan_of(replace(plan.assignment, masked=()))
+    for again in range(_TRIES):
+        asked = [part for part in parts if not again or not _is_expected(part, tries[part.name][0])]
+        for by, name in ((plan, "ruled"), (free, "free")):
+            some = [part for part in asked if part.is_free == (by is free)]
+            results = graded(
+                by,
+                some,
+                scratch / f"{again}/{name}",
+                executor=executor,
+                tell=lambda: None if bar is None else bar.update(),
+                again=again,
+            )
+            for part in some:
+                tries[part.name].append(results[part.name])
+    if bar is not None:
+        bar.close()
+    for part in parts:
+        yield _finding(part, tries[part.name])
+
+
+def _counted(part: Part, result: SubmissionResult) -> list[TestResult]:
+    """Return the results that count: right ones must do what the teacher's own tests ask, too.
+
+    These are run by the rules of the assignment, so that who does without them cannot pass.
+    """
+    counts_all = part.expected == FULL and not part.is_free
+    return [test for test in result.tests if counts_all or test.name in part.tests]
+
+
+def _points(part: Part, result: SubmissionResult) -> tuple[float, float]:
+    tests = _counted(part, result)
+    return sum(test.points for test in tests), sum(test.most for test in tests)
+
+
+def _is_expected(part: Part, result: SubmissionResult) -> bool:
+    if any(test.status == ERROR for test in result.tests):
+        return False
+    points, most = _points(part, result)
+    if part.expected == FULL:
+        return points >= _ALL * most
+    if part.expected == LESS:
+        return points < _ALL * most
+    return points <= _LITTLE * most
+
+
+_REMEDIES = {
+    FULL: "is right and should get all points: is it right, are the limits those of this task, do "
+    "your own tests ask for more?",
+    LESS: "is wrong and should get fewer points: more runs or steps tell more",
+    NOTHING: "should get no points",
+}
+
+
+def _finding(part: Part, results: list[SubmissionResult]) -> Finding:
+    bad = [one for one in results if not _is_expected(part, one)]
+    points, most = _points(part, (bad or results)[0])
+    got = f"{number(points)} of {number(most)}"
+    if len(results) > 1:
+        got += f", in {len(bad)} of {len(results)} gradings"
+    is_wrong = 2 * len(bad) > len(results)
+    wrong = ""
+    if is_wrong:
+        wrong = f"{part.name} {_REMEDIES[part.expected]}; it got {got}{_lost(part, bad[0])}"
+    return Finding(what=part.name, expected=part.expected, got=got, wrong=wrong)
+
+
+def _lost(part: Part, result: SubmissionResult) -> str:
+    """Say what was told of the first test that did not give all points."""
+    if part.expected != FULL:
+        return ""
+    lost = [test for test in _counted(part, result) if test.points < _ALL * test.most]
+    return f"; {lost[0].name}: {lost[0].sentence}" if lost else ""

@@ -1,1 +1,0 @@
-"""Checking an assignment before it is used: by grading all that is known to be right or wrong."""

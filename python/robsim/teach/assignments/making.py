@@ -1,0 +1,271 @@
+"""`new_assignment`: the folder of a new assignment."""
+
+from __future__ import annotations
+
+import shutil
+import string
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from robsim.base.checks import check_int, check_name, check_text
+from robsim.base.files import as_folder, write_whole
+from robsim.base.spelling import check_names
+from robsim.base.text import one_line
+from robsim.teach.assignments.assignment import Assignment
+from robsim.teach.assignments.assignment_file import FILE, KEY, SOLUTIONS
+from robsim.teach.grading.keys import Key
+from robsim.teach.tasks.by_name import task
+from robsim.teach.tasks.definition import Task
+from robsim.teach.tasks.solutions import Solution, helpers, starting_files
+
+
+def sheet_for(assignment: Assignment) -> str:
+    return "\n\n".join(_parts(assignment)) + "\n"
+
+
+def _parts(assignment: Assignment) -> Iterator[str]:
+    test = assignment.tests[0]
+    yield test.task.sheet.partition("\n## Try it\n")[0].strip()
+    yield "## Points"
+    yield "\n".join(["| test | points | |", "| --- | --- | --- |", *_rows(assignment)])
+    yield (
+        "Tests that are not public are the same tasks in worlds that nobody knows beforehand; each "
+        "student has others."
+        if assignment.own_seeds
+        else "Tests that are not public are the same tasks in worlds that nobody knows beforehand."
+    )
+    yield "## Try it, hand it in"
+    yield (
+        "Begin with the files in `start/`: copy them to a folder `mine/`. What you hand in is that "
+        "folder, or a zip of it, a single Python file, or a notebook that defines "
+        f"{' and '.join(f'`{slot}`' for slot in assignment.slots)}. Modules of your own lie beside "
+        "these files, not in folders of their own; so do files with data, which "
+        '`open("data.csv")` finds.'
+    )
+    limits = assignment.limits
+    yield (
+        f"A call may take {limits.call:g} s, the first one of a run {limits.first_call:g} s: a run "
+        "in which one takes longer has no points."
+    )
+    yield "```\nrobsim grade . mine --public\n```"
+    yield (
+        "runs the public tests as they will be run when it is graded, and writes a page with "
+        "pictures of what went wrong. `robsim check mine` looks for mistakes in your files."
+    )
+
+
+def _rows(assignment: Assignment) -> Iterator[str]:
+    for test in assignment.tests:
+        who = "public" if test.public else "not public"
+        yield f"| {test.title} | {test.points:g} | {who} |"
+    for file in assignment.files:
+        yield (
+            f"| tests in `{file.path.name}` | those in its `pytest.mark.points` | public |"
+            if file.public
+            else f"| tests in `{file.path.name}` | others | not public |"
+        )
+
+
+@dataclass(frozen=True)
+class Range:
+    """Where a number is drawn from: evenly, and rounded.
+
+    Attributes
+    ----------
+    least, most : float
+        Its limits.
+    digits : int
+        Decimal places.
+    """
+
+    least: float
+    most: float
+    digits: int = 0
+
+    def draw(self, rng: np.random.Generator) -> float:
+        return round(float(rng.uniform(self.least, self.most)), self.digits)
+
+
+_HEADING = Range(-3.1, 3.1, 2)  # rad
+#: What is drawn for each task, and where its parameters stay fair: the shipped solutions are told
+#: apart anywhere in there.
+TEMPLATES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "park": {
+            "goal": (Range(250, 550), Range(250, 550), _HEADING),
+            "noise": Range(8, 12, 1),
+            "dropout": Range(0.12, 0.18, 2),
+            "mismatch": Range(0.08, 0.12, 2),
+        },
+        "follow": {
+            "waypoints": (
+                (Range(400, 460), Range(190, 250)),
+                (Range(190, 240), Range(190, 250)),
+                (Range(190, 240), Range(370, 430)),
+            ),
+            "noise": Range(8, 12, 1),
+            "dropout": Range(0.12, 0.18, 2),
+            "mismatch": Range(0.08, 0.12, 2),
+        },
+        "identify": {
+            "mismatch": Range(0.2, 0.3, 2),
+            "slip": Range(0.08, 0.12, 3),
+            "turn": Range(0.0024, 0.0036, 4),
+        },
+        "measure": {"noise": Range(26, 34, 1), "dropout": Range(0.1, 0.2, 2)},
+        "estimate": {
+            "dropout": Range(0.16, 0.24, 2),
+            "slip": Range(0.24, 0.36, 2),
+            "turn": Range(0.008, 0.012, 3),
+        },
+    }
+)
+
+
+def draw(name: str, rng: np.random.Generator) -> Task:
+    """Return a task with numbers that no other course has."""
+    return task(name, **{key: _drawn(one, rng) for key, one in TEMPLATES[name].items()})
+
+
+def _drawn(ranges: Range | tuple[Any, ...], rng: np.random.Generator) -> Any:
+    if isinstance(ranges, Range):
+        return ranges.draw(rng)
+    return tuple(_drawn(one, rng) for one in ranges)
+
+
+SHEET, START, OWN_TESTS = "sheet.md", "start", "own_tests.py"
+_FILES = Path(__file__).with_name("templates")
+_MOST_SEED = 2**63 - 1
+
+
+def new_assignment(
+    template: str,
+    folder: str | PathLike[str],
+    *,
+    name: str | None = None,
+    seed: int | None = None,
+) -> Assignment:
+    """Make the folder of an assignment, with a new key and numbers of its own.
+
+    Its limits are not calibrated yet: see `calibrate_assignment`.
+
+    Parameters
+    ----------
+    template : str
+        One of `TEMPLATES`, such as ``"park"``.
+    folder : path
+        The folder, which is made.
+    name : str, optional
+        The name of the assignment. Default: that of the folder.
+    seed : int, optional
+        What the numbers are drawn from; the key is always new. Default: an unpredictable one.
+
+    Returns
+    -------
+    Assignment
+        What was made.
+
+    Raises
+    ------
+    FileExistsError
+        If there is such a folder or file.
+    TypeError, ValueError
+        If an argument is wrong; the message names it.
+    """
+    check_names("there is no template", [check_text("template", template)], TEMPLATES, ValueError)
+    place = as_folder(folder)
+    title = check_name("name", place.absolute().name if name is None else name)
+    if seed is not None:
+        check_int("seed", seed, minimum=0, maximum=_MOST_SEED)
+    task = draw(template, np.random.default_rng(seed))
+    try:
+        place.mkdir(parents=True)
+    except FileExistsError:
+        raise FileExistsError(
+            f"{one_line(place)} exists: give another name, or remove it first"
+        ) from None
+    try:
+        _fill(place, task, title)
+        return Assignment.load(place)
+    except BaseException:
+        shutil.rmtree(place, ignore_errors=True)
+        raise
+
+
+def _fill(folder: Path, task: Task, name: str) -> None:
+    """Write the files; the sheet last, which is of what is read then."""
+    values = {
+        "name": _toml(name),
+        "title": _title(task),
+        "folder": one_line(folder),
+        "task": task.name,
+    }
+    Key.new().write(folder / KEY)
+    _write(folder / FILE, _filled("assignment.toml", values | _rules(task)))
+    _write(folder / "README.md", _filled("README.md", values))
+    _write(folder / OWN_TESTS, (_FILES / f"tests/{task.name}.py").read_text(encoding="utf-8"))
+    (folder / START).mkdir()
+    for path, content in starting_files(task).items():
+        write_whole(folder / START / path, content)
+    _write_solutions(folder / SOLUTIONS / task.name, task.solutions)
+    _write(folder / SHEET, sheet_for(Assignment.load(folder)))
+
+
+def _write_solutions(folder: Path, solutions: Sequence[Solution]) -> None:
+    """Write solutions; all can import the helpers of the reference, the first, without a copy."""
+    shared: dict[str, bytes] = {}
+    for one in solutions:
+        place = folder / ("right" if one.is_right else "wrong") / one.name
+        place.mkdir(parents=True)
+        for name, content in one.files.items() - shared.items():
+            write_whole(place / f"{name}.py", content)
+        shared = helpers(solutions[0])
+
+
+def _rules(task: Task) -> dict[str, str]:
+    kind = type(task)
+    return {
+        "title": _toml(_title(task)),
+        "slots": _toml(list(kind.slots)),
+        "given": _toml(kind.given),
+        "masked": _toml([*kind.masked, "robsim.teach.assignments"]),
+        "task": _toml(task.name),
+        "class": f"robsim.teach.{kind.__name__}",
+        "public_title": _toml(f"{kind.title[0].upper()}{kind.title[1:]}"),
+        "hidden_title": _toml(f"{kind.title[0].upper()}{kind.title[1:]}, in other worlds"),
+        "parameters": "\n".join(_parameters(task.parameters)),
+    }
+
+
+def _title(task: Task) -> str:
+    return task.sheet.splitlines()[0].removeprefix("# ")
+
+
+def _parameters(values: Mapping[str, Any]) -> list[str]:
+    return [f"{key} = {_toml(value)}" for key, value in values.items() if value is not None]
+
+
+def _toml(value: Any) -> str:
+    import tomlkit
+
+    return str(tomlkit.item(_listed(value)).as_string())
+
+
+def _listed(value: Any) -> Any:
+    """Return a value with lists for tuples, as TOML has them."""
+    return [_listed(one) for one in value] if isinstance(value, (tuple, list)) else value
+
+
+def _filled(name: str, values: Mapping[str, str]) -> str:
+    text = (_FILES / name).read_text(encoding="utf-8")
+    return string.Template(text).substitute(values)
+
+
+def _write(file: Path, text: str) -> None:
+    write_whole(file, text.encode())

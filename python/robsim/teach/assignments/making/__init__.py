@@ -1,1 +1,0 @@
-"""Making an assignment: a template, numbers drawn for it, and a folder of files."""

@@ -1,0 +1,167 @@
+"""A class made of all that is known to be right, wrong or hostile: what should come of whom."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from robsim.campaigns.engines.engine import Engine
+from robsim.simulation.slots import SLOTS, STEP
+from robsim.teach.assignments.assignment import Assignment
+from robsim.teach.assignments.assignment_file import solutions_for
+from robsim.teach.assignments.classes.class_run import grade_all
+from robsim.teach.assignments.classes.plan import Plan
+from robsim.teach.assignments.classes.submissions import Handed
+from robsim.teach.assignments.results import SubmissionResult
+from robsim.teach.tasks.definition import Task
+from robsim.teach.tasks.solutions import Solution
+
+_FILES = Path(__file__).parent / "templates/hostile"
+#: What stands for doing nothing, of slots that are asked at each step.
+_NOTHING = {"control": "(0.0, 0.0)"}
+
+
+def hostile_submissions(slots: tuple[str, ...]) -> Iterator[tuple[str, dict[str, str]]]:
+    """Yield the name of each, and its files: the text by name."""
+    at_each_step = [slot for slot in slots if SLOTS[slot].when == STEP] or slots
+    for file in sorted(_FILES.glob("*.py")):
+        text = file.read_text(encoding="utf-8")
+        yield file.stem, {f"{slot}.py": _for_slot(text, slot) for slot in at_each_step}
+
+
+def _for_slot(text: str, slot: str) -> str:
+    return text.replace("SLOT", slot).replace("NOTHING", _NOTHING.get(slot, "None"))
+
+
+#: What should come of a submission.
+FULL, LESS, NOTHING = "all points", "fewer points", "no points"
+
+
+@dataclass(frozen=True)
+class Part:
+    """Somebody in the class.
+
+    Attributes
+    ----------
+    name : str
+        Whose it is.
+    files : mapping of str to bytes
+        What is handed in, by name.
+    expected : str
+        What should come of it.
+    tests : tuple of str
+        The names of the tests in which it should.
+    is_free : bool
+        Whether it may have what is masked.
+    """
+
+    name: str
+    files: Mapping[str, bytes]
+    expected: str
+    tests: tuple[str, ...]
+    is_free: bool = False
+
+
+def cast_of(assignment: Assignment) -> list[Part]:
+    """Return all who are in the class of an assignment."""
+    parts: list[Part] = []
+    tests = tuple(test.name for test in assignment.tests)
+    for task in _kinds(assignment):
+        own = tuple(one.name for one in assignment.tests if one.task.name == task.name)
+        solutions = solutions_for(assignment.folder, task)
+        ruled = _ruled(solutions, assignment.masked)
+        parts += (_part(one, own, is_free=one != ruled) for one in solutions)
+        parts.append(_as_notebook(ruled, task, own))
+    parts.append(Part("nothing in it", {"notes.txt": b"to do\n"}, NOTHING, tests))
+    for name, files in hostile_submissions(assignment.slots):
+        contents = {file: text.encode() for file, text in files.items()}
+        parts.append(Part(f"hostile: {name}", contents, NOTHING, tests))
+    return parts
+
+
+def _kinds(assignment: Assignment) -> Iterator[Task]:
+    yield from {test.task.name: test.task for test in assignment.tests}.values()
+
+
+def _ruled(solutions: Sequence[Solution], masked: tuple[str, ...]) -> Solution:
+    """Return the first right solution that does without what is masked, else the reference."""
+    right = [one for one in solutions if one.is_right]
+    for one in right:
+        text = b"\n".join(one.files.values()).decode(errors="replace")
+        if not any(name in text for name in masked):
+            return one
+    return right[0]
+
+
+def _part(solution: Solution, tests: tuple[str, ...], *, is_free: bool) -> Part:
+    kind, expected = ("right", FULL) if solution.is_right else ("wrong", LESS)
+    name = f"{kind}: {solution.name}"
+    return Part(name, _sources(solution.files), expected, tests, is_free=is_free)
+
+
+def _sources(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    return {f"{name}.py": content for name, content in files.items()}
+
+
+def _as_notebook(solution: Solution, task: Task, tests: tuple[str, ...]) -> Part:
+    """Return a solution as a notebook that defines its slots, beside its modules."""
+    slots = [slot for slot in task.slots if slot in solution.files]
+    modules = {name: code for name, code in solution.files.items() if name not in slots}
+    cells = [_cell(solution.files[slot].decode()) for slot in slots]
+    notebook = {"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 5}
+    files = {f"{task.name}.ipynb": json.dumps(notebook).encode(), **_sources(modules)}
+    return Part(f"right: {solution.name}, as a notebook", files, FULL, tests)
+
+
+def _cell(source: str) -> dict[str, object]:
+    return {
+        "cell_type": "code",
+        "execution_count": None,
+        "metadata": {},
+        "outputs": [],
+        "source": source.splitlines(keepends=True),
+    }
+
+
+def graded(
+    plan: Plan,
+    parts: list[Part],
+    folder: Path,
+    *,
+    executor: Engine,
+    tell: Callable[[], None],
+    again: int = 0,
+) -> dict[str, SubmissionResult]:
+    """Grade some of a class, and return their results by name.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is graded.
+    parts : list of Part
+        Who.
+    folder : Path
+        An empty folder, to write in.
+    executor : engine
+        Who grades.
+    tell : callable
+        Is called after each that is done.
+    again : int
+        How often they have been graded before: each time with other seeds.
+    """
+    if not parts:
+        return {}
+    handed = []
+    for number, part in enumerate(parts):
+        place = folder / f"handed/{number}"
+        place.mkdir(parents=True)
+        for name, content in part.files.items():
+            (place / name).write_bytes(content)
+        handed.append(Handed(f"{number} {again}", str(place)))
+    result = grade_all(
+        plan, handed, folder / "out", executor=executor, tell=lambda result, changed: tell()
+    )
+    found = {one.student: one for one in result.results}
+    return {part.name: found[one.student] for part, one in zip(parts, handed, strict=True)}

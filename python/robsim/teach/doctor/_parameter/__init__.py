@@ -1,1 +1,0 @@
-"""The checks of a parameter estimator, each of one property of it."""

@@ -1,1 +1,0 @@
-"""The checks of a state estimator, each of one property of it."""

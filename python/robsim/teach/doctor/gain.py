@@ -1,0 +1,252 @@
+"""What an estimate makes of a measurement: how much of it, and when.
+
+The same drive is tried again with displaced measurements. What changes in the estimate, divided by
+the displacement, is the gain of the filter, whatever its inside looks like.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from robsim.base.check_report import Problem
+from robsim.base.checks import Floats
+from robsim.teach.doctor._lines import line_of_covariance, line_of_measurement
+from robsim.teach.doctor._situations import UNSEEN, pose_difference
+from robsim.teach.doctor._trial import Trial
+from robsim.teach.doctor.trials import Trials, distances
+
+AXES = ("x", "y", "heading")
+SEEN_AT = 80  # the step from which the measurements are displaced
+_OFFSET = np.array((1.0, -1.0, 0.02))  # px, px, rad: two sigma, no outlier
+_FAR = 30.0  # times as far
+_WATCHED = 30  # steps
+_RESPONSE = 1e-6  # of the displacement; less is rounding
+_NO_Q = "no process noise"
+_LOST = 1e6  # px; beyond it a displacement of 1 px is lost in rounding
+_HARDLY = 0.2  # a gain below it leaves a moving robot behind
+
+
+def named(chosen: npt.NDArray[np.bool_]) -> str:
+    return " and ".join(name for name, one in zip(AXES, chosen, strict=True) if one)
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """The changes of an estimate after measurements are displaced, (N, 3), from that step on.
+
+    Attributes
+    ----------
+    change : array (N, 3)
+        In units of the displacement.
+    """
+
+    change: Floats
+
+    @property
+    def gain(self) -> Floats:
+        """The share of the displacement that the estimate takes over at once, (3,)."""
+        return np.asarray(self.change[0])
+
+    @property
+    def delay(self) -> list[int | None]:
+        """The number of steps until each component changes; None = it does not."""
+        moved = abs(self.change) > _RESPONSE
+        return [int(one.argmax()) if one.any() else None for one in moved.T]
+
+
+class Gains:
+    """The responses of an estimator to measurements.
+
+    Parameters
+    ----------
+    trials : Trials
+        Its trials.
+    """
+
+    def __init__(self, trials: Trials) -> None:
+        self._trials = trials
+
+    @cached_property
+    def usual(self) -> Response:
+        """When the robot has been seen for a long time."""
+        return self._response(self._trials.seen, SEEN_AT, _OFFSET, _WATCHED)
+
+    @cached_property
+    def far(self) -> Floats:
+        """The gain (2, 3) of measurements that are displaced far, to either side."""
+        offsets = (_FAR * _OFFSET, -_FAR * _OFFSET)
+        return np.array(
+            [self._response(self._trials.seen, SEEN_AT, one, 1).gain for one in offsets]
+        )
+
+    @cached_property
+    def after_gap(self) -> Floats:
+        """The gain of the first measurement after a while out of sight, (3,)."""
+        return self._response(self._trials.gap, UNSEEN.stop, _OFFSET, 1).gain
+
+    @cached_property
+    def first(self) -> Floats:
+        """The gain of the second measurement (3, 3): of each component on each."""
+        columns = [
+            self._response(self._trials.seen, 1, offset, 1).change[0] * _OFFSET
+            for offset in np.diag(_OFFSET)
+        ]
+        # K(i, j) = change of i / displacement of j
+        return np.asarray(np.array(columns).T / _OFFSET)
+
+    def _response(self, usual: Trial, start: int, offset: Floats, steps: int) -> Response:
+        situation = usual.situation.displaced(offset, start).first(start + steps)
+        trial = self._trials.estimator.try_in(situation)
+        before, after = (one.outputs[start : start + steps, :3] for one in (usual, trial))
+        if len(after) == 0:
+            return Response(np.zeros((1, 3)))
+        with np.errstate(all="ignore"):
+            return Response(pose_difference(after, before[: len(after)]) / _OFFSET)
+
+
+def ignored_problem(trials: Trials, gains: Gains) -> Problem | None:
+    """Return whether measurements have no effect."""
+    if any(one is not None for one in gains.usual.delay):
+        return None
+    if trials.diverged_at is not None and (abs(gains.first) > _RESPONSE).any():
+        return None
+    return Problem(
+        kind="ignores measurement",
+        sentence="its estimate is the same wherever the robot is seen: step.measurement.pose has "
+        "no effect",
+        situation=trials.weaves.name,
+        line=line_of_measurement(trials.estimator),
+    )
+
+
+def unused_problem(trials: Trials, gains: Gains) -> Problem | None:
+    """Return whether a part of the measured pose has no effect."""
+    delays = gains.usual.delay
+    if trials.diverged_at is not None:
+        return None
+    # A gate may leave out one that is displaced little, but not all.
+    reaches = np.max(abs(gains.far), axis=0) > _RESPONSE
+    is_unused = np.array([one is None for one in delays]) & ~reaches
+    if not is_unused.any():
+        return None
+    return Problem(
+        kind="ignores measurement",
+        sentence=f"its estimate of {named(is_unused)} is the same wherever that is measured: use "
+        "all of step.measurement.pose, x, y and heading",
+        situation=trials.weaves.name,
+        line=line_of_measurement(trials.estimator),
+    )
+
+
+def late_problem(trials: Trials, gains: Gains) -> Problem | None:
+    """Return whether the estimate of a step does not contain the measurement of that step."""
+    delays = gains.usual.delay
+    if trials.diverged_at is not None or not any(delays):
+        return None
+    # The median of some measurements does not move with one that stays the largest.
+    at_once = np.max(abs(gains.far), axis=0).tolist()
+    late = [
+        (name, n)
+        for name, n, gain in zip(AXES, delays, at_once, strict=True)
+        if n and gain < _RESPONSE
+    ]
+    if not late:
+        return None
+    names = " and ".join(name for name, _ in late) if len(late) < 3 else "pose"
+    steps = max(n for _, n in late)
+    count = "one step" if steps == 1 else f"{steps} steps"
+    return Problem(
+        kind="measurement late",
+        sentence=f"the {names} that it measures at a step has no effect on its estimate of that "
+        f"step, but {count} later: it uses the measurement of an earlier step, or returns the "
+        "estimate of an earlier step (the prediction before the update): these cannot be told "
+        "apart, as both give the same numbers",
+        situation=trials.weaves.name,
+        k=SEEN_AT,
+        line=line_of_measurement(trials.estimator),
+    )
+
+
+def divergence_problem(trials: Trials, gains: Gains) -> Problem | None:
+    """Return why the estimate is far from the truth though the robot is seen at every step."""
+    k = trials.diverged_at
+    if k is None:
+        return None
+    distance, angle = distances(trials.seen)
+    kind, cause = _cause(gains, is_near=float(distance.max()) < _LOST)
+    line_of = line_of_covariance if kind == _NO_Q else line_of_measurement
+    return Problem(
+        kind=kind,
+        sentence=f"its estimate is {distance[k]:.3g} px and {np.degrees(angle[k]):.0f} degrees "
+        f"off, though the robot is seen at every step: {cause}",
+        situation=trials.weaves.name,
+        k=k,
+        line=line_of(trials.estimator),
+    )
+
+
+def _cause(gains: Gains, *, is_near: bool) -> tuple[str, str]:
+    """Return kind and sentence of a divergence."""
+    K = gains.first
+    own, others = np.diag(K), abs(K - np.diag(np.diag(K)))
+    plane = own[:2]
+    if (own < -_HARDLY).any() and (others < 0.5).all():
+        return (
+            "gain of wrong sign",
+            f"displaced by 1, {named(own < -_HARDLY)} moves by {own.min():.2g} at the second "
+            "step: the innovation is measured - predicted, and is added",
+        )
+    if (abs(plane) < others[:2, :2].max(axis=1)).all():
+        return (
+            "components exchanged",
+            "where the measured x is displaced its y moves, and the other way round: the order is "
+            "x, y, heading",
+        )
+    if abs(own[2]) > 20 or 0 < abs(own[2]) < 1 / 20 < plane.min():
+        return (
+            "heading in degrees",
+            f"a measured heading displaced by 1 rad moves its heading by {own[2]:.3g}: headings "
+            "are in rad, also those of Estimate",
+        )
+    if (own > 1.5).any():
+        return (
+            "gain too large",
+            f"displaced by 1, {named(own > 1.5)} moves by {own.max():.3g} at the second step: a "
+            "gain K is at most 1; check K = P H' / (H P H' + R)",
+        )
+    usual = gains.usual.gain
+    if is_near and (abs(usual) < _HARDLY).all():
+        return (
+            _NO_Q,
+            f"of a displaced measurement it takes over {abs(usual).max():.2g} at step {SEEN_AT} "
+            f"({own.max():.2g} at the second step): it has stopped listening, since its covariance "
+            "has become too small; add the process noise Q at each prediction, P = F P F' + Q, or "
+            "a larger one",
+        )
+    return (
+        "diverges from truth",
+        "its first gains are right, so look at the prediction, units (heading in rad) and the "
+        "order x, y, heading",
+    )
+
+
+def gain_remarks(trials: Trials, gains: Gains) -> Iterator[str]:
+    """Yield what the gain says of a filter that is not ill."""
+    if trials.diverged_at is not None:
+        return
+    gain = gains.usual.gain
+    if np.allclose(gain, 1, atol=1e-9):
+        yield (
+            "it hands the measurement on (its gain is 1): nothing is filtered while the robot is "
+            "seen"
+        )
+    elif (abs(gain) < 0.05).all() and not any(gains.usual.delay):
+        yield (
+            f"it hardly listens to measurements any more (its gain is {abs(gain).max():.2g}): "
+            "correct only if its model is exact, without disturbances, slip and walls"
+        )

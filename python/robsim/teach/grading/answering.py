@@ -1,0 +1,104 @@
+"""The worker's side of calls: a function of the submission gets arrays, and gives some.
+
+Until the submission is loaded, all that is said here comes from the grader, and is trusted.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import socket
+import struct
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._core import RobotModel, WorldState
+from robsim.teach.grading._wire import Channel, Kind
+from robsim.teach.grading.arrays import as_arrays, from_message, to_parts
+from robsim.teach.submissions import Rules, SubmissionFiles, load_slots
+from robsim.teach.texts import error_text
+
+#: Before the arrays of a call: the number of the function.
+NUMBER = struct.Struct("<I")
+
+
+@dataclass(frozen=True)
+class CallSetup:
+    """What a worker is told that answers calls.
+
+    Attributes
+    ----------
+    submission : SubmissionFiles
+        What was read of it; its slots are what may be called, in the order of their numbers.
+    rules : Rules
+        What it may have and import.
+    """
+
+    submission: SubmissionFiles
+    rules: Rules
+
+
+def work(connection: socket.socket, memory: Sequence[int]) -> None:
+    """Do what a worker is for: take a submission, call its functions, say what went wrong."""
+    channel = Channel(connection)
+    kind, body = channel.receive()
+    if kind != Kind.HELLO:
+        raise RuntimeError("the grader must say hello")
+    setup: CallSetup = pickle.loads(body)
+    name: str | None = None
+    try:
+        setup.submission.write_to(os.getcwd())  # its data files, in the scratch folder
+        loaded = load_slots(setup.submission, setup.rules, os.getcwd())
+        names = setup.submission.slots
+        channel.send(Kind.READY, bytes(callable(loaded[name]) for name in names))
+        while True:
+            kind, body = channel.receive()
+            if kind != Kind.CALL:
+                return
+            name = names[NUMBER.unpack_from(body)[0]]
+            arrays = from_message(memoryview(body)[NUMBER.size :])
+            channel.send(Kind.RESULT, *to_parts(_called(name, loaded[name], arrays)))
+    except BaseException as error:  # also what ends Python
+        told = error_text(error, slot=name)
+        with suppress(OSError):
+            channel.send(Kind.ERROR, replace(told, slot=name or told.slot).to_json())
+
+
+def _called(name: str, function: Any, arrays: list[NDArray[Any]]) -> list[NDArray[Any]]:
+    argue = _ARGUMENTS.get(name, _plain)
+    result = function(*argue(arrays))
+    return as_arrays("result", result if type(result) is tuple and argue is _plain else [result])
+
+
+def _plain(arrays: list[NDArray[Any]]) -> list[Any]:
+    return [array[()] for array in arrays]  # those without axes are numbers
+
+
+def _background(arrays: list[NDArray[Any]]) -> list[Any]:
+    return arrays
+
+
+def _world(arrays: list[NDArray[Any]]) -> list[Any]:
+    """Return the record that `evaluate_model` gets, made of what `world_arrays` sends."""
+    pose_1, pose_2, last_u, theta, times, k = arrays
+    t, dt, model_dt = times.tolist()
+    model = RobotModel.from_theta(theta, dt=model_dt)
+    return [WorldState(pose_1, pose_2, last_u, model, k=int(k), t=t, dt=dt)]
+
+
+def world_arrays(world: WorldState) -> list[NDArray[Any]]:
+    """Return the record that `evaluate_model` gets as arrays."""
+    model = world.model
+    times = np.array([world.t, world.dt, model.dt])
+    return [world.pose_1, world.pose_2, world.last_u, model.theta, times, np.array(world.k)]
+
+
+_ARGUMENTS: dict[str, Callable[[list[NDArray[Any]]], list[Any]]] = {
+    "evaluate_model": _world,
+    "adjust_background": _background,
+}

@@ -1,0 +1,299 @@
+"""Calls of a submission's functions: arrays go to a worker, arrays come back, and are checked."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import pickle
+import socket
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._core import WorldState
+from robsim.base.text import quoted
+from robsim.teach.errors import SubmissionError
+from robsim.teach.grading._wire import LIMITS, Channel, Kind
+from robsim.teach.grading._worker import Worker, done
+from robsim.teach.grading.answering import NUMBER, CallSetup, world_arrays
+from robsim.teach.grading.arrays import (
+    MOST_MESSAGE,
+    as_array,
+    as_arrays,
+    from_message,
+    to_parts,
+)
+from robsim.teach.grading.task import Done, Task, hidden_files
+from robsim.teach.submissions import load_slots
+from robsim.teach.texts import clean_text, error_text
+
+_LIMITS = LIMITS | {Kind.RESULT: MOST_MESSAGE}
+_FARTHEST = 1e9  # px, rad: no robot gets there
+#: A shape, with None for an axis of any length; of several results a list of shapes.
+Shape = tuple[int | None, ...]
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the results of a call must be.
+
+    Attributes
+    ----------
+    shapes : list of tuple, or None
+        A shape for each of the results; None = any.
+    finite : bool
+        Whether all numbers must be finite.
+    """
+
+    shapes: list[Shape] | None = None
+    finite: bool = True
+
+    def why_not(self, results: Sequence[NDArray[Any]]) -> str | None:
+        """Return what is wrong with results; None = nothing."""
+        if self.shapes is not None:
+            if len(results) != len(self.shapes):
+                wanted = "one array" if len(self.shapes) == 1 else f"{len(self.shapes)} arrays"
+                return f"the result must be {wanted}, got {len(results)}"
+            for array, shape in zip(results, self.shapes, strict=True):
+                if not _fits(array.shape, shape):
+                    told = str(shape).replace("None", "any")
+                    return f"the result must be an array of shape {told}, got {array.shape}"
+        if self.finite:
+            for array in results:
+                if array.dtype.kind == "f" and not np.isfinite(array).all():
+                    return "the result must be all finite"
+        return None
+
+
+def _fits(shape: tuple[int, ...], wanted: Shape) -> bool:
+    return len(shape) == len(wanted) and all(
+        axis in (None, length) for length, axis in zip(shape, wanted, strict=True)
+    )
+
+
+def wanted(shape: Any, finite: bool) -> Wanted:
+    """Return what a caller wants; raise TypeError or ValueError."""
+    if shape is None:
+        return Wanted(None, finite)
+    shapes = shape if isinstance(shape, list) else [shape]
+    for one in shapes:
+        if not isinstance(one, tuple):
+            raise TypeError(f"shape must be a tuple, or a list of tuples, got {quoted(shape)}")
+        for axis in one:
+            if axis is not None and not (isinstance(axis, (int, np.integer)) and axis >= 0):
+                raise ValueError(f"shape must have lengths, or None, got {quoted(axis)}")
+    return Wanted(list(shapes), finite)
+
+
+class CallWorker(Worker):
+    """A process that answers calls; it knows what each call gives it, and nothing else."""
+
+    _ENTRY = "robsim.teach.grading.answering:work"
+    _LIMITS = _LIMITS
+
+    def refuse(self, slot: str | None, k: int | None, what: str) -> NoReturn:
+        """Raise SubmissionError for a function, or for a slot and a step."""
+        if slot in self._setup.rules.functions:
+            raise SubmissionError(f"{slot}: {what}", slot=slot)
+        super().refuse(slot, k, what)
+
+    def loaded(self) -> frozenset[str]:
+        """Send the submission, wait until it is loaded, and return what of it can be called.
+
+        Raises
+        ------
+        SubmissionError
+            If it cannot be loaded, or not in time.
+        """
+        self._names = self._setup.submission.slots
+        self._called = False
+        body = self._hello()
+        if len(body) != len(self._names) or not {*body} <= {0, 1}:
+            self.refuse(None, None, "the worker has sent a message of another length or kind")
+        return frozenset(name for name, there in zip(self._names, body, strict=True) if there)
+
+    def call(
+        self,
+        name: str,
+        arguments: Sequence[NDArray[Any]],
+        result: Wanted,
+        k: int | None = None,
+    ) -> list[NDArray[Any]]:
+        """Call a function with arrays of `as_array`; `k`: the step, for messages."""
+        seconds = self._limits.call if self._called else self._limits.first_call
+        self._called = True
+        parts = [NUMBER.pack(self._names.index(name)), *to_parts(arguments)]
+        kind, body = self._asked(Kind.CALL, parts, seconds, (name,), k)
+        if kind != Kind.RESULT:
+            self._refuse_kind(kind, body, name, k)
+        try:
+            arrays = from_message(body)
+        except ValueError as error:
+            self.refuse(name, k, f"the worker has sent {error}")
+        if (problem := result.why_not(arrays)) is not None:
+            self.refuse(name, k, problem)
+        return arrays
+
+
+@contextmanager
+def calling(task: Task) -> Iterator[CallWorker]:
+    """Give a worker that answers calls of what a task has, and end it."""
+    with CallWorker(
+        CallSetup(task.submission, task.rules),
+        memory=None,
+        limits=task.limits_of_worker,
+        isolation=task.isolation,
+        hidden=hidden_files(task.rules),
+    ) as worker:
+        yield worker
+
+
+def called(
+    task: Task, name: str, calls: Sequence[Sequence[NDArray[Any]]], result: Wanted
+) -> Done[list[Any]]:
+    """Call a function with each of some lists of arrays; return what each call gives.
+
+    Raises
+    ------
+    SubmissionError
+        If one fails; of several calls the message says which.
+    """
+    with calling(task) as worker:
+        return done(worker, lambda: _called(worker, name, calls, result))
+
+
+def _called(
+    worker: CallWorker, name: str, calls: Sequence[Sequence[NDArray[Any]]], result: Wanted
+) -> list[Any]:
+    worker.loaded()
+    results = []
+    for number, arguments in enumerate(calls, 1):
+        try:
+            arrays = worker.call(name, arguments, result)
+        except SubmissionError as error:
+            if len(calls) == 1:
+                raise
+            message = f"{error} (in call {number} of {len(calls)})"
+            raise SubmissionError(
+                message, slot=error.slot, file=error.file, line=error.line
+            ) from None
+        values = [array[()] for array in arrays]  # those without axes are numbers
+        results.append(values[0] if len(values) == 1 else tuple(values))
+    return results
+
+
+def world_slots(worker: CallWorker) -> dict[str, Callable[[Any], NDArray[Any]]]:
+    """Return callbacks for a simulation here: each asks the worker, with arrays alone."""
+
+    def evaluate_model(world: WorldState) -> NDArray[Any]:
+        arrays = world_arrays(world)
+        (pose,) = worker.call("evaluate_model", arrays, Wanted([(3,)]), world.k)
+        if (abs(pose) > _FARTHEST).any():
+            worker.refuse("evaluate_model", world.k, f"no robot gets to {pose}")
+        return pose
+
+    def adjust_background(background: NDArray[np.uint8]) -> NDArray[Any]:
+        same = Wanted([background.shape])
+        (adjusted,) = worker.call("adjust_background", as_arrays("background", [background]), same)
+        if adjusted.dtype != np.uint8:
+            worker.refuse("adjust_background", None, "the result must be an array of uint8")
+        return adjusted
+
+    known: dict[str, Callable[[Any], NDArray[Any]]] = {
+        "evaluate_model": evaluate_model,
+        "adjust_background": adjust_background,
+    }
+    return {name: known[name] for name in worker.loaded()}
+
+
+_MOST_SAID = 1 << 14  # bytes
+
+
+@dataclass(frozen=True)
+class JudgeSetup(CallSetup):
+    """What a worker is told that has a judge.
+
+    Attributes
+    ----------
+    judge : str
+        ``"module:function"``: it is called with what makes the callbacks anew, by slot, and with
+        the names of the slots, and returns a text.
+    """
+
+    judge: str
+
+
+def work(connection: socket.socket, memory: Sequence[int]) -> None:
+    """Do what a worker is for: take a submission, let the judge look at it, send what that says."""
+    channel = Channel(connection)
+    kind, body = channel.receive()
+    if kind != Kind.HELLO:
+        raise RuntimeError("the grader must say hello")
+    setup: JudgeSetup = pickle.loads(body)
+    module, _, name = setup.judge.partition(":")
+    judge: Callable[..., str] = getattr(importlib.import_module(module), name)
+    try:
+        setup.submission.write_to(os.getcwd())
+
+        def make() -> dict[str, Any]:
+            return load_slots(setup.submission, setup.rules, os.getcwd())
+
+        said = judge(make, setup.submission.slots).encode("utf-8", "backslashreplace")
+        text = np.frombuffer(said[:_MOST_SAID], np.uint8)
+        channel.send(Kind.RESULT, *to_parts([as_array("text", text)]))
+    except BaseException as error:  # also what ends Python
+        with suppress(OSError):
+            channel.send(Kind.ERROR, replace(error_text(error), slot=None).to_json())
+
+
+class JudgeWorker(Worker):
+    """A process in which a judge looks at a submission."""
+
+    _ENTRY = "robsim.teach.grading.calling:work"
+    _LIMITS = LIMITS | {Kind.RESULT: 2 * _MOST_SAID}
+
+    def said(self, seconds: float) -> str:
+        """Return what the judge says, within so many seconds, as text that is harmless."""
+        parts = [pickle.dumps(self._setup)]
+        kind, body = self._asked(Kind.HELLO, parts, seconds, (), None)
+        if kind != Kind.RESULT:
+            self._refuse_kind(kind, body, None, None)
+        try:
+            (text,) = from_message(body)
+        except ValueError as error:
+            self.refuse(None, None, f"the worker has sent {error}")
+        if text.dtype != np.uint8 or text.ndim != 1:
+            self.refuse(None, None, "the worker has sent no text")
+        return clean_text(text.tobytes().decode("utf-8", "replace"))
+
+
+def judged(task: Task, judge: str, seconds: float) -> Done[str]:
+    """Let a judge look at a submission; return what it says, which the submission may have said.
+
+    Parameters
+    ----------
+    task : Task
+        What is looked at.
+    judge : str
+        ``"module:function"`` of robsim's own.
+    seconds : float
+        How long it may take.
+
+    Raises
+    ------
+    SubmissionError
+        If nothing is said in time, or the submission fails.
+    """
+    limits = replace(task.limits_of_worker, run=seconds)
+    with JudgeWorker(
+        JudgeSetup(task.submission, task.rules, judge),
+        memory=None,
+        limits=limits,
+        isolation=task.isolation,
+        hidden=hidden_files(task.rules),
+    ) as worker:
+        return done(worker, lambda: worker.said(seconds))

@@ -1,1 +1,0 @@
-"""Calls of functions and world slots: arrays to a worker, arrays back."""

@@ -1,0 +1,169 @@
+"""What is the same in all runs of a submission, and in all calls of its functions."""
+
+from __future__ import annotations
+
+import dataclasses
+import glob
+import importlib.util
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Generic, Literal, TypeVar
+
+from robsim.simulation import Scenario
+from robsim.simulation.slots import ESTIMATORS, ROBOT, STEP, WORLD, names
+from robsim.teach.isolation import Isolation, Limits
+from robsim.teach.isolation.limits import room_for
+from robsim.teach.submissions import Rules, SubmissionFiles
+
+#: The slots of the world half.
+WORLD_SLOTS = names(half=WORLD)
+#: What a submission may see of the frames: all, the blobs in them alone, nothing; None = all if it
+#: fills `measure`, else nothing.
+Frames = bool | Literal["blobs"] | None
+
+
+def given_to(slots: Iterable[str], frames: Frames) -> str:
+    """Return what a submission that fills some slots sees: "frames", "blobs" or "pose"."""
+    if frames == "blobs":
+        return "blobs"
+    return "frames" if ("measure" in slots if frames is None else frames) else "pose"
+
+
+def rules_of(
+    slots: str | Iterable[str],
+    functions: str | Iterable[str],
+    imports: Iterable[str] | None,
+    masked: Iterable[str],
+    limits: Limits,
+) -> Rules:
+    """Return the rules of an assignment; raise TypeError or ValueError."""
+    rules = Rules.of(
+        slots=slots,
+        functions=functions,
+        imports=imports,
+        masked=masked,
+        files=limits.submission_files,
+        size=limits.submission_size,
+        file_size=limits.submission_file_size,
+    )
+    of_world = [slot for slot in rules.slots if slot in WORLD_SLOTS]
+    if of_world and len(of_world) < len(rules.slots):
+        other = next(slot for slot in rules.slots if slot not in of_world)
+        raise ValueError(
+            f"slots must be of the robot half, or of the world, got {other} and {of_world[0]}: "
+            "what fills the world knows the truth"
+        )
+    return rules
+
+
+def check_samples(slots: Sequence[str], scenario: Scenario) -> None:
+    """Raise ValueError where what has samples of the truth may act on them."""
+    stages = {*names(half=ROBOT, when=STEP)} - ESTIMATORS
+    others = [slot for slot in slots if slot in stages]
+    estimators = [slot for slot in slots if slot in ESTIMATORS]
+    if estimators and others and scenario.identify_from == "truth":
+        raise ValueError(
+            f"slots has {estimators[0]} and {others[0]}, and identify_from is 'truth': the samples "
+            f"tell where the robot is, which {others[0]} must not know; take "
+            "Scenario(identify_from='measurement'), or grade them apart"
+        )
+
+
+R = TypeVar("R")
+
+
+@dataclass(frozen=True)
+class Done(Generic[R]):
+    """What came of a run, or of calls.
+
+    Attributes
+    ----------
+    result : object
+        What it gave.
+    output : str
+        What the submission has printed, cut; what cannot be seen stands as escapes.
+    layers : str
+        What has shut it in, in a line.
+    """
+
+    result: R
+    output: str
+    layers: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What is the same in all graded runs of a submission.
+
+    Attributes
+    ----------
+    submission : SubmissionFiles
+        What was read of it.
+    rules : Rules
+        What it may fill and import.
+    frames : bool, "blobs" or None
+        Whether it sees the frames, or the blobs in them alone; None = the frames, if it fills
+        `measure`.
+    limits : Limits
+        What a run may take.
+    isolation : str
+        How its process is shut in.
+    callbacks : mapping of str to callback
+        What the teacher fills other slots with.
+    """
+
+    submission: SubmissionFiles
+    rules: Rules
+    frames: Frames = None
+    limits: Limits = field(default_factory=Limits)
+    isolation: Isolation = "auto"
+    callbacks: Mapping[str, Any] = field(default_factory=dict)
+
+    def only(self, names: Iterable[str]) -> Task:
+        """Return the same for some of its slots and functions, so that no others are loaded."""
+        names = {*names}
+        rules = self.rules
+        return dataclasses.replace(
+            self,
+            rules=dataclasses.replace(
+                rules,
+                slots=tuple(name for name in rules.slots if name in names),
+                functions=tuple(name for name in rules.functions if name in names),
+            ),
+            submission=dataclasses.replace(
+                self.submission,
+                slots=tuple(name for name in self.submission.slots if name in names),
+            ),
+        )
+
+    @property
+    def limits_of_worker(self) -> Limits:
+        """The limits, with room for the files that were handed in: they are written there, too."""
+        sizes = [len(content) for content in self.submission.sources.values()]
+        return dataclasses.replace(
+            self.limits,
+            file_size=max(self.limits.file_size, *sizes),
+            folder_size=max(self.limits.folder_size, 2 * room_for(sizes)),
+        )
+
+
+def hidden_files(rules: Rules) -> list[str]:
+    """Return the files and folders of the modules that a submission must not have."""
+    hidden = []
+    for name in rules.masked:
+        with suppress(ImportError, ValueError):
+            found = importlib.util.find_spec(name)
+            if found is not None and found.has_location and found.origin is not None:
+                folders = found.submodule_search_locations
+                hidden += list(folders) if folders else _files_of(found.origin)
+    return hidden
+
+
+def _files_of(source: str) -> list[str]:
+    """Return the file of a module, and those that Python keeps of it compiled, or may."""
+    levels = ("", 1, 2)
+    compiled = [importlib.util.cache_from_source(source, optimization=level) for level in levels]
+    others = Path(compiled[0]).parent.glob(f"{glob.escape(Path(source).stem)}.*.pyc")
+    return [source, *compiled, *map(str, others)]

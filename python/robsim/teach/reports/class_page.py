@@ -1,0 +1,211 @@
+"""The page of a class: who has how many points, how they are spread, paths, similar programs."""
+
+from __future__ import annotations
+
+import re
+import statistics
+from collections.abc import Mapping, Sequence
+from urllib.parse import quote
+
+from robsim.teach.assignments.results import (
+    ERROR,
+    NOT_RUN,
+    SubmissionResult,
+    TestResult,
+    fraction_of,
+    number,
+)
+from robsim.teach.reports import words
+from robsim.teach.reports.drawings import histogram
+from robsim.teach.reports.markup import Html, escaped, joined, page, tag
+from robsim.teach.reports.similarity import Passage, SimilarPair
+
+
+def class_page(
+    results: Sequence[SubmissionResult],
+    *,
+    floors: Sequence[Html] = (),
+    pairs: Sequence[SimilarPair] | None = None,
+    links: Mapping[str, str] | None = None,
+) -> str:
+    """Return the page as HTML.
+
+    Parameters
+    ----------
+    results : sequence of SubmissionResult
+        Those of all submissions, at least one.
+    floors : sequence of Html
+        The best paths of tests, as `floor_of` draws them.
+    pairs : sequence of SimilarPair, optional
+        Programs that resemble each other; None = they were not compared.
+    links : mapping of str to str, optional
+        The page of each student, relative to this one.
+    """
+    tests = tests_of(results)
+    title = results[0].title
+    parts = [
+        _head(results),
+        tag("h2", "Points", id="points"),
+        tag("div", *_histograms(results, tests), class_="charts"),
+        tag("h2", "Who has what", id="students"),
+        tag("div", _table(results, tests, links or {}), class_="scroll"),
+        tag("p", _key(), class_="quiet"),
+        tag("h2", "Which tests were hard", id="tests"),
+        tag("div", _hardest(results, tests), class_="scroll"),
+    ]
+    if floors:
+        parts += [tag("h2", "Best runs", id="paths"), tag("div", *floors, class_="charts large")]
+    if pairs is not None:
+        parts += [tag("h2", "Similar programs", id="similar"), *_similar(pairs)]
+    body = tag("div", *parts, class_="page wide")
+    return page(f"{title}: the class", body, script="class.js")
+
+
+def tests_of(results: Sequence[SubmissionResult]) -> list[TestResult]:
+    """Return one of each test, in the order of the assignment."""
+    tests: dict[str, TestResult] = {}
+    for result in results:
+        for test in result.tests:
+            tests.setdefault(test.name, test)
+    return list(tests.values())
+
+
+def _head(results: Sequence[SubmissionResult]) -> Html:
+    points = [result.points for result in results]
+    most = max(result.most for result in results)
+    mean, middle = statistics.fmean(points), statistics.median(points)
+    count = f"{len(results)} submission{'' if len(results) == 1 else 's'}"
+    text = f"{count}; mean {number(mean)}, median {number(middle)} of {number(most)} points"
+    # Each worker may have a user of its own.
+    kinds = {re.sub(r"\buser \d+", "own user", words.isolation_text(each)) for each in results}
+    facts = sorted(kinds - {""})
+    isolation = [tag("p", f"Isolation: {fact}", class_="quiet") for fact in facts]
+    unfinished = sum(not result.is_done for result in results)
+    unread = sum(result.is_unread for result in results)
+    notes = [f"{unfinished} not graded to the end yet."] if unfinished else []
+    notes += [f"{unread} could not be read: the pages of these students say why."] if unread else []
+    return tag(
+        "header",
+        tag("p", "The class", class_="over"),
+        tag("h1", results[0].title),
+        tag("p", text),
+        *isolation,
+        *(tag("p", note, class_="note") for note in notes),
+    )
+
+
+def _histograms(results: Sequence[SubmissionResult], tests: Sequence[TestResult]) -> list[Html]:
+    most = max(result.most for result in results)
+    drawn = [histogram("In all", [result.points for result in results], most)]
+    for test in tests:
+        graded = [each for each in _all_of(results, test) if each.status not in (ERROR, NOT_RUN)]
+        points = [each.points for each in graded]
+        drawn.append(histogram(words.heading(test), points, test.most))
+    return drawn
+
+
+def _all_of(results: Sequence[SubmissionResult], test: TestResult) -> list[TestResult]:
+    return [each for result in results for each in result.tests if each.name == test.name]
+
+
+def _table(
+    results: Sequence[SubmissionResult], tests: Sequence[TestResult], links: Mapping[str, str]
+) -> Html:
+    titles = ["Submission", "Points", *(words.heading(test) for test in tests), "Seconds"]
+    heads = [tag("th", tag("button", title, type="button"), scope="col") for title in titles]
+    rows = [_row(result, tests, links.get(result.student)) for result in results]
+    caption = tag("caption", "Press a heading to sort by it.")
+    body = tag("thead", tag("tr", *heads)), tag("tbody", *rows)
+    return tag("table", caption, *body, class_="sortable")
+
+
+def _row(result: SubmissionResult, tests: Sequence[TestResult], link: str | None) -> Html:
+    name: object = words.person(result.student)
+    if link is not None:
+        name = tag("a", name, href=quote(link, errors="surrogatepass"))
+    total = result.points
+    graded = {test.name: test for test in result.tests}
+    cells = [_cell(graded.get(test.name)) for test in tests]
+    return tag(
+        "tr",
+        tag("th", name, scope="row"),
+        tag("td", tag("b", number(total)), data_value=f"{total:.4f}", class_="right"),
+        *cells,
+        tag("td", f"{result.seconds:.1f}", data_value=f"{result.seconds:.4f}", class_="right"),
+    )
+
+
+def _cell(test: TestResult | None) -> Html:
+    if test is None:
+        return tag("td", "", data_value="-2")
+    word, sign = words.STATUS.get(test.status, (test.status, ""))
+    if test.status in (ERROR, NOT_RUN):
+        return tag("td", f"{sign} {word}", data_value="-1", class_="cell", title=test.sentence)
+    points = test.points
+    share = fraction_of(points, test.most)
+    kind = "all" if share == 1 else "some" if share > 0 else "none"
+    look = {"class_": f"cell {kind}", "title": test.sentence or None}
+    return tag("td", f"{sign} {number(points)}", data_value=f"{points:.4f}", **look)
+
+
+def _key() -> str:
+    return "; ".join(f"{sign} {word}" for word, sign in words.STATUS.values()) + "."
+
+
+def _hardest(results: Sequence[SubmissionResult], tests: Sequence[TestResult]) -> Html:
+    rows = [_hard(test, _of_students(results, test)) for test in tests]
+    titles = ("Test", "Not all points", "Failed runs", "Without all points")
+    heads = [tag("th", title, scope="col") for title in titles]
+    caption = tag("caption", "Who failed which", class_="unseen")
+    return tag("table", caption, tag("thead", tag("tr", *heads)), tag("tbody", *rows))
+
+
+def _of_students(
+    results: Sequence[SubmissionResult], test: TestResult
+) -> list[tuple[str, TestResult]]:
+    return [(r.student, each) for r in results for each in r.tests if each.name == test.name]
+
+
+def _hard(test: TestResult, graded: Sequence[tuple[str, TestResult]]) -> Html:
+    short = [
+        (student, each)
+        for student, each in graded
+        if each.status not in (ERROR, NOT_RUN) and each.points < each.most
+    ]
+    worst_first = sorted(short, key=lambda one: (one[1].points, one[0]))
+    names = ", ".join(
+        f"{words.person(student)} ({number(each.points)})" for student, each in worst_first
+    )
+    runs = sum(len(each.failed) for _, each in graded)
+    kind = "" if test.public else " (hidden)"
+    return tag(
+        "tr",
+        tag("th", words.heading(test) + kind, scope="row"),
+        tag("td", f"{len(short)} of {len(graded)}", class_="few"),
+        tag("td", runs),
+        tag("td", names, class_="names"),
+    )
+
+
+def _similar(pairs: Sequence[SimilarPair]) -> list[Html]:
+    parts = [tag("p", words.HINT, class_="note")]
+    if not pairs:
+        return [*parts, tag("p", "No two programs have a striking part in common.")]
+    return [*parts, *map(_pair, pairs)]
+
+
+def _pair(pair: SimilarPair) -> Html:
+    a, b = pair.first, pair.second
+    shares = f"{100 * pair.share_of_first:.0f} % of {a}, {100 * pair.share_of_second:.0f} % of {b}"
+    summary = tag("summary", tag("b", f"{a} and {b}"), f": {shares}, {pair.lines} lines")
+    shown = [
+        tag("div", _passage(a, left), _passage(b, right), class_="pair")
+        for left, right in pair.passages
+    ]
+    return tag("details", summary, *shown)
+
+
+def _passage(student: str, passage: Passage) -> Html:
+    place = f"{student}, {passage.file}, lines {passage.first_line} to {passage.last_line}"
+    text = Html(f"<pre>\n{escaped(passage.text)}</pre>")
+    return tag("div", joined(tag("p", place, class_="quiet"), text))

@@ -1,0 +1,210 @@
+"""Results for Gradescope: its ``results.json``, as its specification says."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from os import PathLike
+from typing import Any
+
+from robsim.base.checks import check_choice
+from robsim.base.files import as_path, write_whole
+from robsim.teach.assignments.results import ERROR, PASSED, SubmissionResult, TestResult, of_most
+from robsim.teach.reports import words
+from robsim.teach.reports.markup import Html, data_uri, escaped, joined, tag
+from robsim.teach.reports.student_text import for_student
+from robsim.teach.texts import clean_line, clean_text
+
+#: When hidden tests can be shown there. One that is never shown would hide the total for good.
+VISIBILITIES = ("after_published", "after_due_date", "visible")
+#: Bytes of a picture, and of all of them, as they stand in the file.
+MOST_PICTURE, MOST_PICTURES = 200 * 2**10, 2 * 2**20
+
+
+def gradescope(
+    result: SubmissionResult,
+    *,
+    pictures: Mapping[str, bytes] | None = None,
+    hidden: str = "after_published",
+) -> dict[str, Any]:
+    """Return a result as the content of Gradescope's ``results.json``.
+
+    Parameters
+    ----------
+    result : SubmissionResult
+        The result, complete or not.
+    pictures : mapping of str to bytes, optional
+        PNG files by the names of their tests; of public tests they are shown, where they are small
+        enough.
+    hidden : {"after_published", "after_due_date", "visible"}
+        When hidden tests are shown: their points and sentences, and nothing else ever. Until then
+        Gradescope shows no total either.
+
+    Returns
+    -------
+    dict
+        What JSON has: finite numbers, text, lists.
+
+    Raises
+    ------
+    ValueError
+        If `hidden` is none of these.
+
+    References
+    ----------
+    https://gradescope-autograders.readthedocs.io/en/latest/specs/
+    """
+    check_choice("hidden", hidden, VISIBILITIES)
+    theirs = for_student(result)
+    left = _Room(MOST_PICTURES)
+    tests = [_test(result, test, left.taken(test, pictures or {}), hidden) for test in theirs.tests]
+    return {
+        "score": theirs.points,
+        "execution_time": round(theirs.seconds, 3),
+        "output": _output(theirs),
+        # The default there is HTML.
+        "output_format": "text",
+        "test_output_format": "html",
+        "test_name_format": "text",
+        "visibility": "visible",
+        "stdout_visibility": "hidden",
+        "extra_data": {
+            "robsim": dict(theirs.versions),
+            "assignment": theirs.assignment,
+            "isolation": clean_line(words.isolation_text(result), 1000),
+            "submission_digest": theirs.submission_digest,
+            "assignment_digest": theirs.assignment_digest,
+        },
+        "tests": tests,
+    }
+
+
+def gradescope_json(
+    result: SubmissionResult,
+    *,
+    pictures: Mapping[str, bytes] | None = None,
+    hidden: str = "after_published",
+) -> str:
+    """Return `gradescope` as the text of a file, in ASCII."""
+    content = gradescope(result, pictures=pictures, hidden=hidden)
+    return json.dumps(content, indent=1, allow_nan=False) + "\n"
+
+
+def write_gradescope(
+    path: str | PathLike[str],
+    result: SubmissionResult,
+    *,
+    pictures: Mapping[str, bytes] | None = None,
+    hidden: str = "after_published",
+) -> None:
+    """Write `gradescope` to a file, whole: whatever happens, there is the old or the new one.
+
+    Parameters
+    ----------
+    path : path
+        The file; on Gradescope ``/autograder/results/results.json``.
+    result, pictures, hidden
+        As for `gradescope`.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    text = gradescope_json(result, pictures=pictures, hidden=hidden)
+    write_whole(as_path(path), text.encode("ascii"))
+
+
+class _Room:
+    """What is left for pictures."""
+
+    def __init__(self, most: int) -> None:
+        self._left = most
+
+    def taken(self, test: TestResult, pictures: Mapping[str, bytes]) -> str | None:
+        """Return the picture of a test as an address, if it is small enough; else None."""
+        png = pictures.get(test.name) if test.picture is not None else None
+        if png is None:
+            return None
+        address = data_uri(png)
+        if len(address) > min(MOST_PICTURE, self._left):
+            return None
+        self._left -= len(address)
+        return address
+
+
+def _output(result: SubmissionResult) -> str:
+    """Return what is said above all tests: nothing of hidden ones."""
+    public = [test for test in result.tests if test.public]
+    points = of_most(
+        round(sum(test.points for test in public), 2), round(sum(test.most for test in public), 2)
+    )
+    hidden = result.most - sum(test.most for test in public)
+    lines = [f"Public tests: {points}."] if public else []
+    if hidden > 0:
+        lines.append("There are hidden tests, too.")
+    if not result.is_done:
+        lines.append("Not all tests have been run.")
+    lines += map(clean_text, result.notes)
+    if isolation := words.isolation_text(result):
+        lines.append(f"Isolation: {clean_line(isolation, 1000)}")
+    return "\n".join(lines)
+
+
+def _test(
+    result: SubmissionResult, test: TestResult, picture: str | None, hidden: str
+) -> dict[str, Any]:
+    content: dict[str, Any] = {
+        "name": clean_line(test.title),
+        "name_format": "text",
+        "status": "passed" if test.status == PASSED else "failed",
+        "output": _details(result, test, picture),
+        "output_format": "html",
+        "visibility": "visible" if test.public else hidden,
+        "tags": ["public" if test.public else "hidden"],
+        "extra_data": {"test": test.name, "result": test.status},
+    }
+    if test.number:
+        content["number"] = clean_line(test.number)
+    if test.status != ERROR:  # which nobody can win or lose
+        content |= {"score": test.points, "max_score": float(test.most)}
+    return content
+
+
+def _details(result: SubmissionResult, test: TestResult, picture: str | None) -> str:
+    """Return what is said of a test, as HTML without a line break but in what stands as it is."""
+    parts = [
+        tag("p", f"{words.STATUS[test.status][0]}: {words.result_text(test)}")
+        if test.status in words.STATUS
+        else "",
+        *(tag("p", text) for text in (test.sentence, words.blame(test)) if text),
+        _listed(_score(score, test) for score in test.scores if words.has_numbers(test)),
+    ]
+    if picture is not None:
+        parts.append(tag("p", tag("img", src=picture, alt="A run")))
+    if caption := words.caption_text(test):
+        parts.append(tag("p", caption))
+    if test.finding:
+        parts += [tag("p", tag("b", words.FINDING)), _preformatted(test.finding)]
+    if test.failed:
+        parts.append(tag("p", tag("b", words.failed_head(test))))
+        parts.append(_listed(words.failed_texts(test)))
+    if output := test.output.rstrip():
+        parts += [tag("p", tag("b", "What the submission printed")), _preformatted(output)]
+    if test.public:
+        command = tag("code", words.repeat_command(test))
+        parts.append(tag("p", f"{words.REPEAT}: ", command))
+    return str(joined(*parts))
+
+
+def _score(score: Any, test: TestResult) -> str:
+    return f"{score.title}: {words.score_text(score)}: {words.points_text(score, test.most)}"
+
+
+def _listed(texts: Any) -> Html:
+    items = [tag("li", text) for text in texts]
+    return tag("ul", *items) if items else Html("")
+
+
+def _preformatted(text: str) -> Html:
+    return Html(f"<pre>\n{escaped(text)}</pre>")

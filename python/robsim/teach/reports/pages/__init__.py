@@ -1,1 +1,0 @@
-"""Pages in HTML, for students and teachers."""

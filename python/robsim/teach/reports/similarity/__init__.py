@@ -1,1 +1,0 @@
-"""How much submissions resemble each other, as a hint."""
