@@ -46,8 +46,10 @@ def test_no_file_that_is_installed_shows_one():
 
 def shipped(tmp_path, monkeypatch, changes):
     file = tmp_path / "solutions.bin"
-    base = '[base]\n"control.py" = \'\'\'\n"""One."""\nspeed = 1\n\'\'\'\n[right.reference]\n'
-    file.write_bytes(_shipped.pack({tmp_path.name: base + changes}))
+    control = '"control.py" = \'\'\'\n"""One."""\nspeed = 1\n\'\'\'\n'
+    base = f'[base]\n{control}"shared.py" = "other"\n[right.reference]\n'
+    other = '[base]\n"shared.py" = "b = 1"\n'
+    file.write_bytes(_shipped.pack({tmp_path.name: base + changes, "other": other}))
     monkeypatch.setattr(_shipped, "PACKED", file)
     return _shipped.shipped_solutions(tmp_path.name, ("control",))
 
@@ -55,9 +57,15 @@ def shipped(tmp_path, monkeypatch, changes):
 def test_one_is_the_base_with_changes_in_turn(tmp_path, monkeypatch):
     changes = '[wrong.naive]\nsays = "Two."\n"1" = "2"\n"= 2" = "= 3"\n"more.py" = "a = 1"\n'
     reference, naive = shipped(tmp_path, monkeypatch, changes)
-    assert reference.files == {"control": b'"""One."""\nspeed = 1\n'}
-    assert naive.files == {"control": b'"""Two."""\nspeed = 3\n', "more": b"a = 1"}
+    assert reference.files == {"control": b'"""One."""\nspeed = 1\n', "shared": b"b = 1"}
+    assert naive.files["control"] == b'"""Two."""\nspeed = 3\n'
+    assert (naive.files["shared"], naive.files["more"]) == (b"b = 3", b"a = 1")
     assert (reference.is_right, naive.is_right) == (True, False)
+
+
+def test_the_first_and_the_last_words_stand_for_all_between(tmp_path, monkeypatch):
+    _, naive = shipped(tmp_path, monkeypatch, '[wrong.naive]\n"One ... speed" = "Two"\n')
+    assert naive.files["control"] == b'"""Two = 1\n'
 
 
 def test_a_change_of_what_is_not_there_is_refused(tmp_path, monkeypatch):

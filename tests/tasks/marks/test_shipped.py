@@ -12,7 +12,7 @@ NAMES = sorted(files.shipped_calibrations())
 @pytest.mark.parametrize("name", NAMES)
 def test_limits_are_those_of_the_task_and_its_solutions_as_they_are(name):
     shipped = files.shipped_calibrations()[name]
-    assert shipped.stale(task(name)) is None, "run ./run limits"
+    assert shipped.stale(task(name)) is None, "run ./run study limits"
     assert shipped.limits.keys() == {score.name for score in task(name).scores}
     assert shipped.stale(task(name, runs=11)) is not None
     # They promise 1 %, and every wrong solution fails.

@@ -1,8 +1,23 @@
-"""`Solution`: code that solves a task, or does it wrong in a way that students do."""
+"""Solutions of tasks, right and wrong; those that ship are a right one and changes of it.
+
+A file of ``assets/solutions`` has those of a task, in TOML::
+
+    [base]                   # the files of a right solution by name
+    "robot.py" = "park"      # a file that the base of another task has
+    [right.NAME]             # another one: the base with these changes, in turn
+    says = "..."             # the first line of its first file
+    "old" = "new"            # instead of a text, in all files of the base that have it
+    "first ... last" = "new" # instead of all from the first words to the last
+    "control.py" = "..."     # a file of its own
+
+One that has a file for each slot has no others of the base. The wheel has none of these files, but
+``solutions.bin``, in which nobody comes across a solution without looking for one.
+"""
 
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
@@ -10,7 +25,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from robsim.base.checks import check_bool
 from robsim.base.files import as_folder
@@ -191,11 +206,15 @@ def unpack(packed: bytes) -> dict[str, str]:
 @cache
 def shipped_solutions(task: str, slots: tuple[str, ...]) -> tuple[Solution, ...]:
     """Return the solutions of a kind of task that ship with robsim, in the order of their file."""
-    return tuple(with_shared(_solutions(unpack(PACKED.read_bytes())[task], slots)))
+    tasks = {name: tomllib.loads(text) for name, text in unpack(PACKED.read_bytes()).items()}
+    base = tasks[task]["base"]
+    for name, text in base.items():
+        if text in tasks:
+            base[name] = tasks[text]["base"][name]
+    return tuple(with_shared(_solutions(tasks[task], slots)))
 
 
-def _solutions(source: str, slots: tuple[str, ...]) -> Iterator[Solution]:
-    tables = tomllib.loads(source)
+def _solutions(tables: Mapping[str, Any], slots: tuple[str, ...]) -> Iterator[Solution]:
     for kind in ("right", "wrong"):
         for name, changes in tables[kind].items():
             try:
@@ -222,8 +241,13 @@ def _changed(
         if key in own:
             continue
         old = next(iter(base.values())).split('"""')[1] if key == _SAYS else key
-        changed = {name: text.replace(old, new) for name, text in files.items() if old in text}
-        if not changed:
+        changed = {name: _replaced(text, old, new) for name, text in files.items()}
+        if changed == files:
             raise ValueError(f"no file has the text {old!r}")
-        files |= changed
+        files = changed
     return files | own
+
+
+def _replaced(text: str, old: str, new: str) -> str:
+    part = ".*?".join(map(re.escape, old.split(" ... ")))
+    return re.sub(part, lambda _: new, text, flags=re.DOTALL)
