@@ -1,4 +1,8 @@
-"""Calls of a submission's functions: arrays go to a worker, arrays come back, and are checked."""
+"""Calls of a submission's functions: arrays go to a worker, arrays come back, and are checked.
+
+A judge is a function of a trusted module that examines callbacks in the worker. Its result
+comes back as text of the worker, which the grader never trusts: the submission may have written it.
+"""
 
 from __future__ import annotations
 

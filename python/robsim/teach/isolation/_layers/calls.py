@@ -1,4 +1,8 @@
-"""Calls to Linux that Python has no function for."""
+"""Calls to Linux that Python has no function for.
+
+The numbers are those of the headers of Linux (``asm/unistd_64.h``, ``asm-generic/unistd.h``). None
+marks a call that the processor's Linux never had.
+"""
 
 from __future__ import annotations
 
