@@ -24,9 +24,8 @@ import robsim
 from robsim.plotting import style as style
 from robsim.teach import Limit, Task
 from robsim.teach.tasks.marks.calibrate import PILOT_TESTS, WRONG_TESTS
-from robsim.teach.tasks.marks.limits import limits_from
+from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from
 from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
-from robsim.teach.tasks.marks.limits import bound_rank, fewest_values
 from robsim.teach.tasks.solutions import NAIVE, REFERENCE
 
 FIGURE = Path(__file__).parents[1] / "notebooks/site/marks.png"
