@@ -25,18 +25,18 @@ using namespace robsim::bindings;
 
 namespace {
 
-using Numbers = std::array<double, 3>;
-using Matrix = std::array<Numbers, 3>;
+using PoseNumbers = std::array<double, 3>;
+using CovarianceRows = std::array<PoseNumbers, 3>;
 using BlobPair = py::typing::Dict<py::str, Blob>;
 
-Numbers numbers_of(const Measurement& measurement) {
+PoseNumbers numbers_of(const Measurement& measurement) {
   const Pose& pose = measurement.pose;
   return {pose.x, pose.y, pose.heading};
 }
 
-std::optional<Matrix> matrix_of(const std::optional<PoseCovariance>& covariance) {
+std::optional<CovarianceRows> covariance_rows_of(const std::optional<PoseCovariance>& covariance) {
   if (!covariance) return std::nullopt;
-  Matrix matrix;
+  CovarianceRows matrix;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       matrix[i][j] = (*covariance)(static_cast<int>(i), static_cast<int>(j));
@@ -185,7 +185,7 @@ ValueError
       .def_property_readonly(
           "pair", [](const Measurement& self) { return blobs_of(self.pair); },
           "dict of str to Blob or None: by role, the blobs taken for the markers.");
-  const auto make = [](const Numbers& pose, const std::optional<Matrix>& covariance,
+  const auto make = [](const PoseNumbers& pose, const std::optional<CovarianceRows>& covariance,
                        std::optional<double> misfit, std::optional<double> signal_to_noise,
                        const std::optional<PairValue>& pair) {
     const auto array = [](const auto& numbers) { return ArrayLike(py::cast(numbers)); };
@@ -196,7 +196,7 @@ ValueError
   };
   const Fields fields(
       make, Field("", &numbers_of),
-      Field("covariance", [](const Measurement& m) { return matrix_of(m.covariance); }),
+      Field("covariance", [](const Measurement& m) { return covariance_rows_of(m.covariance); }),
       Field("misfit", [](const Measurement& m) { return known(m.misfit); }),
       Field("signal_to_noise", [](const Measurement& m) { return known(m.signal_to_noise); }),
       Field("pair", [](const Measurement& m) { return value_of(m.pair); }));

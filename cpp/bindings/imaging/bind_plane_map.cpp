@@ -17,16 +17,16 @@ using namespace robsim::bindings;
 
 namespace {
 
-using Matrix = PlaneMap::Matrix;
+using ThreeByThree = PlaneMap::Matrix;
 
-Matrix matrix_from(const ArrayLike& value, const std::string& expected) {
+ThreeByThree three_by_three_from(const ArrayLike& value, const std::string& expected) {
   const Doubles m = doubles_from(value, "matrix", Shape{3, 3}, expected + ", shape (3, 3)");
-  Matrix values;
+  ThreeByThree values;
   std::copy_n(m.data(), 9, values.begin());
   return values;
 }
 
-Intrinsics intrinsics_of(const Matrix& m, const Intrinsics::Distortion& distortion) {
+Intrinsics intrinsics_of(const ThreeByThree& m, const Intrinsics::Distortion& distortion) {
   if (m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
     throw py::value_error(
         "matrix must be that of a camera, [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], got " +
@@ -42,17 +42,17 @@ Intrinsics intrinsics_from(const ArrayLike& matrix, const std::optional<ArrayLik
         doubles_from(*distortion, "distortion", Shape{5}, "the five numbers k1, k2, p1, p2, k3");
     std::copy_n(given.data(), values.size(), values.begin());
   }
-  return intrinsics_of(matrix_from(matrix, "a camera's [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"),
-                       values);
+  return intrinsics_of(
+      three_by_three_from(matrix, "a camera's [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"), values);
 }
 
-Matrix camera_matrix(const Intrinsics& self) {
+ThreeByThree camera_matrix(const Intrinsics& self) {
   return {self.focal().x, 0, self.centre().x, 0, self.focal().y, self.centre().y, 0, 0, 1};
 }
 
 std::string text_of(py::handle value) { return py::repr(value).cast<std::string>(); }
 
-std::string rows_text(const Matrix& m) {
+std::string rows_text(const ThreeByThree& m) {
   return text_of(to_array(m.data(), {3, 3}).attr("tolist")());
 }
 
@@ -69,11 +69,12 @@ std::optional<Intrinsics> intrinsics_in(const PlaneMap& self) {
 
 PlaneMap plane_map_from(const std::optional<ArrayLike>& matrix,
                         const std::optional<Intrinsics>& intrinsics) {
-  return PlaneMap(matrix ? matrix_from(*matrix, "a homography") : PlaneMap().matrix(), intrinsics);
+  return PlaneMap(matrix ? three_by_three_from(*matrix, "a homography") : PlaneMap().matrix(),
+                  intrinsics);
 }
 
 std::string repr(const PlaneMap& plane_map) {
-  const Matrix& m = plane_map.matrix();
+  const ThreeByThree& m = plane_map.matrix();
   std::string text = m == PlaneMap().matrix() ? "" : rows_text(m);
   if (plane_map.intrinsics()) {
     text += (text.empty() ? "" : ", ") + ("intrinsics=" + repr(*plane_map.intrinsics()));
@@ -349,7 +350,7 @@ array (2,) or (N, 2)
     Pixels (u, v); NaN where the lens shows nothing.
 )")
       .def("__repr__", py::overload_cast<const PlaneMap&>(&repr));
-  const auto make = [](const Matrix& matrix, const std::optional<Intrinsics>& intrinsics) {
+  const auto make = [](const ThreeByThree& matrix, const std::optional<Intrinsics>& intrinsics) {
     return PlaneMap(matrix, intrinsics);
   };
   const Fields fields(make, Field("matrix", &PlaneMap::matrix),

@@ -49,7 +49,7 @@ py::array_t<double> column(const Laboratory::Record& record, const Get& get) {
   return values;
 }
 
-using Numbers = std::array<double, 1>;
+using OneNumber = std::array<double, 1>;
 
 py::typing::Dict<py::str, py::object> laboratory_columns(const Laboratory& self) {
   Laboratory::Record record;
@@ -60,7 +60,7 @@ py::typing::Dict<py::str, py::object> laboratory_columns(const Laboratory& self)
   using Tick = Laboratory::Tick;
   py::typing::Dict<py::str, py::object> columns;
   columns["first"] = record.first;
-  columns["t"] = column<1>(record, [](const Tick& tick) { return Numbers{tick.time}; });
+  columns["t"] = column<1>(record, [](const Tick& tick) { return OneNumber{tick.time}; });
   columns["pose"] = column<3>(record, [](const Tick& tick) {
     return std::array<double, 3>{tick.pose.x, tick.pose.y, tick.pose.heading};
   });
@@ -68,9 +68,9 @@ py::typing::Dict<py::str, py::object> laboratory_columns(const Laboratory& self)
     return std::array<double, 2>{tick.last_u.u1, tick.last_u.u2};
   });
   columns["hidden"] =
-      column<1>(record, [](const Tick& tick) { return Numbers{1.0 * tick.hidden}; });
-  columns["shown"] =
-      column<1>(record, [](const Tick& tick) { return Numbers{static_cast<double>(tick.shown)}; });
+      column<1>(record, [](const Tick& tick) { return OneNumber{1.0 * tick.hidden}; });
+  columns["shown"] = column<1>(
+      record, [](const Tick& tick) { return OneNumber{static_cast<double>(tick.shown)}; });
   return columns;
 }
 

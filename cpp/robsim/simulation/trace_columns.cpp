@@ -32,7 +32,7 @@ Fields covariances(const std::string& prefix) {
 
 // The 15 parameters of the robot model, row by row of theta. The model is that of a pose: a1 and a2
 // are plain numbers, b1 and b2 are for 1 V, d1 is a length or an angle.
-Fields parameters() {
+Fields model_parameters() {
   Fields fields;
   for (const auto& [axis, unit] : {std::pair{"X", "px"}, {"Y", "px"}, {"P", "rad"}}) {
     for (const std::string name : {"a1", "a2"}) fields.push_back({name + axis, ""});
@@ -44,7 +44,7 @@ Fields parameters() {
 
 // Their standard errors, divided by those of the equation noise.
 Fields standard_errors_unscaled() {
-  Fields fields = parameters();
+  Fields fields = model_parameters();
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::string noise = i < 10 ? "px" : "rad";
     const std::string& unit = fields[i].unit;
@@ -114,7 +114,7 @@ std::vector<TraceGroup> make_schema() {
                                "looked for.")),
       group("covariance", {3, 3}, covariances("cov_"),
             "Covariance of the estimated pose (N, 3, 3)."),
-      group("parameters", {3, 5}, parameters(),
+      group("parameters", {3, 5}, model_parameters(),
             "Online estimate of the model's parameters (N, 3, 5), NaN without an estimator."),
       group("standard_errors_unscaled", {3, 5}, standard_errors_unscaled(),
             "Standard errors of the parameters (N, 3, 5), for equation noise of standard "

@@ -13,7 +13,7 @@ namespace robsim {
 namespace {
 
 // A fit whose markers end further from the blobs than this (frame px) has left them.
-constexpr double farthest = 3;
+constexpr double farthest_from_blobs = 3;
 
 double frame_scale(const Pose& pose, const PlaneMap& map) {
   return 1 / std::sqrt(map.area_scale(map.to_pixel({pose.x, pose.y})));
@@ -63,7 +63,7 @@ void weigh(Measurement& measurement, const MarkerLayout& markers, const ImageVie
   measurement.covariance = covariance;
 }
 
-bool is_good(const PoseFit& fit) { return fit.has_converged && fit.moved <= farthest; }
+bool is_good(const PoseFit& fit) { return fit.has_converged && fit.moved <= farthest_from_blobs; }
 
 // A robot that is drawn at so many headings, and in whole pixels, is elsewhere than its picture by
 // up to half of such a step: variance step^2/12.

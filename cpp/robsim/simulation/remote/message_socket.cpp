@@ -39,7 +39,7 @@ constexpr int not_blocking = MSG_DONTWAIT;
 #endif
 
 constexpr std::size_t buffer_bytes = 1 << 16;
-constexpr double longest_wait = 0.2;  // s: a signal that comes just before a wait does not end it
+constexpr double longest_poll = 0.2;  // s: a signal that comes just before a wait does not end it
 
 bool is_for_later(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
@@ -155,12 +155,12 @@ std::size_t MessageSocket::receive_some(char* to, std::size_t size, double deadl
   }
 }
 
-// Until it can be read from, or written to, or a signal has come, or for `longest_wait`.
+// Until it can be read from, or written to, or a signal has come, or for `longest_poll`.
 void MessageSocket::wait_for(short events, double deadline) const {
   const double left = deadline - monotonic_now();
   if (left <= 0) throw MessageTimeout("no whole message in time");
   pollfd waited{descriptor_, events, 0};
-  const double milliseconds = std::ceil(1000 * std::min(left, longest_wait));
+  const double milliseconds = std::ceil(1000 * std::min(left, longest_poll));
   const int ready = ::poll(&waited, 1, static_cast<int>(milliseconds));
   if (ready > 0) return;
   if (ready < 0 && errno != EINTR) throw_error(errno);

@@ -11,14 +11,14 @@ namespace robsim {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
 // Two of each colour, in the order of their names.
 std::vector<Point> recorded_blobs(const BlobsByColor& blobs) {
   std::vector<Point> centroids;
   for (const auto& [color, found] : blobs) {
     for (std::size_t i = 0; i < 2; ++i) {
-      centroids.push_back(i < found.size() ? found[i].centroid : Point{nan, nan});
+      centroids.push_back(i < found.size() ? found[i].centroid : Point{not_known, not_known});
     }
   }
   return centroids;

@@ -39,9 +39,9 @@ void SharedFrames::let_go(Image&) {}
 namespace {
 
 #ifdef MAP_POPULATE
-constexpr int at_once = MAP_POPULATE;  // all pages: one by one they take longer than the copy
+constexpr int all_at_once = MAP_POPULATE;  // all pages: one by one they take longer than the copy
 #else
-constexpr int at_once = 0;
+constexpr int all_at_once = 0;
 #endif
 
 void* mapped(void* at, std::size_t size, int protection, int flags, int descriptor, off_t offset) {
@@ -52,7 +52,7 @@ void* mapped(void* at, std::size_t size, int protection, int flags, int descript
 
 // Puts memory of this process in the place of shared one, with the same content.
 void make_private(void* memory, std::size_t size) {
-  constexpr int own = MAP_PRIVATE | MAP_ANONYMOUS | at_once;
+  constexpr int own = MAP_PRIVATE | MAP_ANONYMOUS | all_at_once;
   void* const copy = mapped(nullptr, size, PROT_READ | PROT_WRITE, own, -1, 0);
   std::memcpy(copy, memory, size);
 #ifdef __linux__
@@ -75,7 +75,7 @@ Image SharedFrames::image(int slot) {
   Image& known = images_.at(static_cast<std::size_t>(slot));
   if (known.empty()) {
     const std::size_t size = slot_bytes_;
-    void* const memory = mapped(nullptr, size, PROT_READ, MAP_SHARED | at_once, descriptor_,
+    void* const memory = mapped(nullptr, size, PROT_READ, MAP_SHARED | all_at_once, descriptor_,
                                 static_cast<off_t>(static_cast<std::size_t>(slot) * size));
     const std::shared_ptr<void> owner(memory, [size](void* p) { ::munmap(p, size); });
     const ImageView view{static_cast<const std::uint8_t*>(memory), width_, height_,

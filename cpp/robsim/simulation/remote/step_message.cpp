@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::uint32_t most_states = 1024;
 constexpr std::uint32_t most_blobs = 512;
-constexpr double farthest = 1e9;    // px, rad: no robot gets there
-constexpr double asymmetry = 1e-6;  // of a covariance, of its largest number: rounding
+constexpr double farthest_place = 1e9;  // px, rad: no robot gets there
+constexpr double asymmetry = 1e-6;      // of a covariance, of its largest number: rounding
 constexpr auto all_stages = parameters_bit | measure_bit | estimate_bit | control_bit;
 
 // What a message has, as bits.
@@ -124,10 +124,10 @@ void check(const Pose& pose, const char* what, StageBit stage) {
   const double values[] = {pose.x, pose.y, pose.heading};
   check_finite(values, 3, what, stage);
   for (const double value : values) {
-    if (std::abs(value) <= farthest) continue;
-    throw MessageError(
-        std::string(what) + " must be within " + to_text(farthest) + ", got " + to_text(value),
-        stage);
+    if (std::abs(value) <= farthest_place) continue;
+    throw MessageError(std::string(what) + " must be within " + to_text(farthest_place) + ", got " +
+                           to_text(value),
+                       stage);
   }
 }
 

@@ -32,14 +32,14 @@ constexpr double blur_spread = 0.3;    // of its logarithm
 constexpr double apart_spread = 0.05;  // of the distance between the markers
 constexpr double growth_spread = 0.5;  // frame px
 
-constexpr int most_steps = 4;
+constexpr int most_fit_steps = 4;
 constexpr int most_robust_steps = 8;
 constexpr int most_blur_steps = 10;
 constexpr double blur_found = 0.1;        // change of the logarithm of the blur in a step
 constexpr double longest_step = 1.5;      // frame px
 constexpr double still = 0.005;           // a step that is the last one
 constexpr double negligible = 0.4;        // the same, in standard deviations of the unknowns
-constexpr double converged = 0.1;         // a step that may be the last one
+constexpr double converged_step = 0.1;    // a step that may be the last one
 constexpr double gather_again = 0.8;      // moves of which the distances are out of date
 constexpr double mostly_explained = 0.3;  // of the misfit, what a step of light may leave
 constexpr int least_part = 30;            // pixels of a marker in a light of their own
@@ -71,7 +71,7 @@ class Fit {
   }
 
   std::optional<PoseFit> run() {
-    if (!gather_edges() || !iterate(most_steps)) return std::nullopt;
+    if (!gather_edges() || !iterate(most_fit_steps)) return std::nullopt;
     const double factor = misfit();
     if (find_light_steps(factor > suspicious)) {
       Fit in_two_lights = *this;
@@ -243,7 +243,7 @@ class Fit {
       if (!std::isfinite(length)) return false;
       // The step in standard deviations: s^2 = g' N^-1 g
       const bool is_negligible = gradient.dot(step) < negligible * negligible;
-      has_converged_ = length < converged || is_negligible;
+      has_converged_ = length < converged_step || is_negligible;
       if (length > longest_step) step *= longest_step / length;
       take(step);
       is_blur_found = std::fabs(step[3]) < blur_found;
