@@ -1,9 +1,6 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
-#include "robsim/base/elementary/exponential.hpp"
-#include "robsim/base/elementary/polar.hpp"
-#include "robsim/base/elementary/sine.hpp"
-#include "robsim/base/random/counter_random.hpp"
+#include "robsim/base/elementary/elementary.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -7,8 +7,6 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/estimation/least_squares.hpp"
-#include "robsim/estimation/rank.hpp"
-#include "robsim/estimation/recursion.hpp"
 #include "robsim/simulation/robot/parameter_estimator.hpp"
 
 namespace py = pybind11;

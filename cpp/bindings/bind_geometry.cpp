@@ -1,6 +1,6 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/geometry.hpp"
 
 namespace py = pybind11;
 using namespace robsim::bindings;

@@ -6,8 +6,8 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
+#include "robsim/model/motion.hpp"
 #include "robsim/model/robot_model.hpp"
-#include "robsim/model/simulated_path.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -8,11 +8,8 @@
 #include <functional>
 #include <limits>
 
-#include "robsim/base/elementary/exponential.hpp"
-#include "robsim/base/elementary/polar.hpp"
-#include "robsim/base/elementary/sine.hpp"
-#include "robsim/base/geometry/pose.hpp"
-#include "robsim/base/random/counter_random.hpp"
+#include "robsim/base/elementary/elementary.hpp"
+#include "robsim/base/geometry.hpp"
 
 namespace robsim {
 namespace {

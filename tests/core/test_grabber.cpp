@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 namespace {

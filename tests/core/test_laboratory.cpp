@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 namespace {

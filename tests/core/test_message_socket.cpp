@@ -15,7 +15,7 @@
 #include <limits>
 #include <thread>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 namespace {

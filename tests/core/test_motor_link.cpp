@@ -14,7 +14,7 @@
 #include <limits>
 #include <thread>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/lab/motors/motor_receiver.hpp"
 #include "robsim/lab/motors/protocol.hpp"
 #include "robsim/lab/motors/watchdog.hpp"

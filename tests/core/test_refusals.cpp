@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "robsim/base/geometry/polygon.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/estimation/least_squares.hpp"
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/model/robot_model.hpp"

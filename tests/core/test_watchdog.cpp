@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 namespace {

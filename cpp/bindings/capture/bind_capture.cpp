@@ -12,7 +12,7 @@
 #include "capture/python_camera.hpp"
 #include "python/interpreter.hpp"
 #include "python/public_names.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/lab/capture/grabber.hpp"
 #include "robsim/lab/capture/image_stream.hpp"
 #include "robsim/lab/capture/whole_jpeg.hpp"

@@ -10,8 +10,7 @@
 #include <thread>
 
 #include "python/interpreter.hpp"
-#include "robsim/base/threads/native_thread.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/lab/capture/capture_device.hpp"
 
 namespace robsim::bindings {

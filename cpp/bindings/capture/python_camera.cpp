@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "python/interpreter.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim::bindings {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "python/annotations.hpp"
-#include "robsim/base/geometry/polygon.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/imaging/image.hpp"
 #include "robsim/model/robot_model.hpp"
 #include "robsim/vision/locate.hpp"

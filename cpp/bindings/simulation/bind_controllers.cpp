@@ -5,7 +5,7 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
-#include "robsim/model/unicycle.hpp"
+#include "robsim/model/motion.hpp"
 #include "robsim/simulation/robot/controllers.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
 

@@ -9,7 +9,7 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/lab/motors/motor_link.hpp"
-#include "robsim/model/unicycle.hpp"
+#include "robsim/model/motion.hpp"
 #include "robsim/simulation/seam/native_work.hpp"
 #include "robsim/simulation/world/external_world.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"

@@ -1,8 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 
 namespace robsim {
+
+/// What full rank is, for all estimates from regressors. Their columns are scaled to length 1;
+/// singular values up to this fraction of the largest are rounding errors. An unknown is not
+/// determined if more than this fraction of the square of its direction belongs to these.
+constexpr double rank_tolerance = 1e-10;
 
 struct LeastSquaresFit {
   Eigen::VectorXd theta;  // NaN where the data do not determine a parameter
@@ -27,5 +33,10 @@ LeastSquaresFit least_squares(
     const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>&
         phi,
     const Eigen::Ref<const Eigen::VectorXd>& y);
+
+/// s(k) = a1 s(k-1) + a2 s(k-2) + force(k), column by column of row-major arrays; s is 0 before the
+/// first row.
+void second_order_recursion(double a1, double a2, const double* force, double* s, std::size_t rows,
+                            std::size_t columns);
 
 }  // namespace robsim

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/geometry.hpp"
 
 namespace robsim {
 

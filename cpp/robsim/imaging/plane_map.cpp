@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/imaging/fit_homography.hpp"
 
 namespace robsim {

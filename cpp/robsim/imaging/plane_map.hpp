@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/imaging/intrinsics.hpp"
 
 namespace robsim {

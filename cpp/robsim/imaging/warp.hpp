@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/imaging/image.hpp"
 
 namespace robsim {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/imaging/image.hpp"
 #include "robsim/vision/pixels/components.hpp"
 #include "robsim/vision/pixels/row_classifier.hpp"

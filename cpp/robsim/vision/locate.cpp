@@ -6,10 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robsim/base/elementary/exponential.hpp"
-#include "robsim/base/elementary/polar.hpp"
-#include "robsim/base/elementary/sine.hpp"
-#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/elementary/elementary.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

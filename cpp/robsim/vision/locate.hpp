@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "robsim/base/geometry/polygon.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/vision/find_blobs.hpp"
 #include "robsim/vision/fit/pose_fit.hpp"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/geometry.hpp"
 
 namespace robsim {
 

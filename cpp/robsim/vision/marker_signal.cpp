@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robsim/base/elementary/exponential.hpp"
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/elementary/elementary.hpp"
+#include "robsim/base/geometry.hpp"
 
 namespace robsim {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robsim/base/elementary/sine.hpp"
+#include "robsim/base/elementary/elementary.hpp"
 #include "robsim/vision/fit/weighted_centroid.hpp"
 #include "robsim/vision/marker_signal.hpp"
 

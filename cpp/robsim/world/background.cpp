@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

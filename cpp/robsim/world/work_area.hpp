@@ -1,6 +1,6 @@
 #pragma once
 
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/imaging/image.hpp"
 
 namespace robsim {

@@ -18,8 +18,7 @@
 #include <thread>
 #include <utility>
 
-#include "robsim/base/threads/native_thread.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "virtual_bus/bus_memory.hpp"
 
 namespace robsim {

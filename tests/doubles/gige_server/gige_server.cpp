@@ -15,8 +15,7 @@
 #include <utility>
 
 #include "raw/from_rgb.hpp"
-#include "robsim/base/threads/native_thread.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/lab/capture/gige/discovery.hpp"
 #include "robsim/lab/capture/gige/pixel_format_of.hpp"
 

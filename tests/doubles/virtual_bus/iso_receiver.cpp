@@ -14,7 +14,7 @@
 #include <cstring>
 
 #include "raw/from_rgb.hpp"
-#include "robsim/base/threads/native_thread.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/imaging/image.hpp"
 
 namespace robsim::virtual_bus {

@@ -17,16 +17,16 @@ _LONGEST_IN_CPP = 120  # s
 _LONGEST_TEST = 120  # s; whoever waits longer for what a fault keeps from happening has caught it
 #: Folders of tests that take long, by the folder of the fault; other faults: folders of its name.
 _RELATED = {
-    "base": "files trace robots simulation fuzz digests",
+    "base": "files geometry trace robots simulation fuzz digests",
     "assignments": "assignments cli",
     "bindings": "bindings simulation threads fuzz vision",
     "calibration": "calibration live",
     "cameras": "capture live",
     "capture": "capture live",
     "cli": "cli",
+    "elementary": "elementary simulation digests world",
     "estimation": "estimation identification simd digests",
     "evaluation": "evaluation reference statistics",
-    "geometry": "geometry simulation digests",
     "grading": "grading assignments",
     "identification": "identification doctor statistics",
     "imaging": "imaging capture fuzz simd vision",
@@ -37,7 +37,6 @@ _RELATED = {
     "motors": "motors live simulation",
     "rehearsal": "live",
     "reports": "assignments",
-    "random": "simulation digests world",
     "simd": "simd vision world",
     "sessions": "sessions live",
     "submissions": "grading fuzz",

@@ -8,8 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "robsim/base/threads/native_thread.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/lab/capture/frame_clock.hpp"
 
 namespace robsim {

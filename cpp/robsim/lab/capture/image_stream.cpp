@@ -35,7 +35,7 @@ std::optional<ImageStream::Taken> ImageStream::take(double) { return std::nullop
 #include <utility>
 #include <vector>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/lab/capture/multipart.hpp"
 #include "robsim/lab/capture/whole_jpeg.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "robsim/base/threads/native_thread.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 #ifndef _WIN32
 #include <fcntl.h>

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "robsim/base/elementary/sine.hpp"
-#include "robsim/base/geometry/pose.hpp"
-#include "robsim/base/random/counter_random.hpp"
+#include "robsim/base/elementary/elementary.hpp"
+#include "robsim/base/geometry.hpp"
 
 namespace robsim {
 

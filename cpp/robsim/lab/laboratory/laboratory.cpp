@@ -6,8 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robsim/base/threads/native_thread.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

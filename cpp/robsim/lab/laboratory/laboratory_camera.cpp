@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

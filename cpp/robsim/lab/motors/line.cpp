@@ -44,8 +44,7 @@ void Line::Wake::ring() const {}
 #include <system_error>
 #include <utility>
 
-#include "robsim/base/text/to_text.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

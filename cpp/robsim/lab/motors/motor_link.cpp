@@ -10,8 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "robsim/base/text/to_text.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/lab/motors/protocol.hpp"
 
 namespace robsim {

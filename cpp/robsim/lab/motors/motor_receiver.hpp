@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "robsim/base/threads/native_thread.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/lab/motors/event_log.hpp"
 #include "robsim/lab/motors/line.hpp"
 #include "robsim/lab/motors/received_input.hpp"

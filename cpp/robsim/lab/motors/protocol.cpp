@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

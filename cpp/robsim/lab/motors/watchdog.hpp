@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "robsim/base/threads/native_thread.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

@@ -25,7 +25,7 @@ MessageSocket::Message MessageSocket::receive(double) { return {}; }
 #include <system_error>
 #include <utility>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

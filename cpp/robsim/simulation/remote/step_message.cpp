@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

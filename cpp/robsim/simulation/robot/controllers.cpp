@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "robsim/base/random/counter_random.hpp"
-#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/elementary/elementary.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

@@ -1,6 +1,6 @@
 #include "robsim/simulation/world/disturbance.hpp"
 
-#include "robsim/base/random/counter_random.hpp"
+#include "robsim/base/elementary/elementary.hpp"
 
 namespace robsim {
 

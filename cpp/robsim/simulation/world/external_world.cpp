@@ -3,8 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "robsim/base/text/to_text.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/simulation/seam/native_work.hpp"
 
 namespace robsim {

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "robsim/base/random/counter_random.hpp"
+#include "robsim/base/elementary/elementary.hpp"
 #include "robsim/simulation/seam/native_work.hpp"
 
 namespace robsim {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

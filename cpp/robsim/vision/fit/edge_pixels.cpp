@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robsim/base/elementary/sine.hpp"
+#include "robsim/base/elementary/elementary.hpp"
 #include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/base/simd/lanes.hpp"
 #include "robsim/base/simd/target.hpp"

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "robsim/base/elementary/sine.hpp"
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/elementary/elementary.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/base/simd/lanes.hpp"
 
 namespace robsim::fit {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "robsim/base/geometry/polygon.hpp"
+#include "robsim/base/geometry.hpp"
 
 namespace robsim {
 

@@ -7,9 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "robsim/base/elementary/exponential.hpp"
-#include "robsim/base/elementary/polar.hpp"
-#include "robsim/base/elementary/sine.hpp"
+#include "robsim/base/elementary/elementary.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
 #include "robsim/vision/fit/light_slope.hpp"
 #include "robsim/vision/fit/light_step.hpp"

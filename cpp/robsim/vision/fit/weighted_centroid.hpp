@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/imaging/image.hpp"
 
 namespace robsim {

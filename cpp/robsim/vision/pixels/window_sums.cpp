@@ -1,7 +1,6 @@
 #include "robsim/vision/pixels/window_sums.hpp"
 
-#include "robsim/base/simd/avx2.hpp"
-#include "robsim/base/simd/avx512.hpp"
+#include "robsim/base/simd/avx.hpp"
 #include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/vision/pixels/bit_row.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "robsim/base/simd/avx2.hpp"
+#include "robsim/base/simd/avx.hpp"
 
 #if ROBSIM_HAS_AVX2_CODE
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "robsim/base/simd/avx512.hpp"
+#include "robsim/base/simd/avx.hpp"
 
 #if ROBSIM_HAS_AVX512_CODE
 

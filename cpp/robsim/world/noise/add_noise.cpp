@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "robsim/base/random/counter_random.hpp"
-#include "robsim/base/simd/avx2.hpp"
-#include "robsim/base/simd/avx512.hpp"
+#include "robsim/base/elementary/elementary.hpp"
+#include "robsim/base/simd/avx.hpp"
 #include "robsim/base/simd/cpu_path.hpp"
 
 namespace robsim {

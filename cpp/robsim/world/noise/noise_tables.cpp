@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "robsim/base/elementary/exponential.hpp"
+#include "robsim/base/elementary/elementary.hpp"
 
 namespace robsim {
 

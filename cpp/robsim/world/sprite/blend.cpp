@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "robsim/base/simd/avx2.hpp"
+#include "robsim/base/simd/avx.hpp"
 #include "robsim/base/simd/cpu_path.hpp"
 
 namespace robsim::sprite {

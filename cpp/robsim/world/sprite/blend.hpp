@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/world/sprite/sprite.hpp"
 
 namespace robsim::sprite {

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "robsim/base/elementary/polar.hpp"
-#include "robsim/base/elementary/sine.hpp"
-#include "robsim/base/text/to_text.hpp"
+#include "robsim/base/elementary/elementary.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

@@ -4,7 +4,7 @@
 #include <mutex>
 #include <vector>
 
-#include "robsim/base/geometry/pose.hpp"
+#include "robsim/base/geometry.hpp"
 #include "robsim/imaging/image.hpp"
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/world/sprite/blend.hpp"

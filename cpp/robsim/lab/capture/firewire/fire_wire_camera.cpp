@@ -13,7 +13,7 @@
 #include <string>
 #include <utility>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/imaging/raw/to_rgb.hpp"
 
 namespace robsim::fire_wire {

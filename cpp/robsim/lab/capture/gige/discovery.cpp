@@ -19,7 +19,7 @@
 #include <cstring>
 #include <utility>
 
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 

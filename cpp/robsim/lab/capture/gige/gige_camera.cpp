@@ -5,8 +5,7 @@
 #include <thread>
 #include <utility>
 
-#include "robsim/base/threads/native_thread.hpp"
-#include "robsim/base/timing/monotonic.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/imaging/raw/to_rgb.hpp"
 #include "robsim/lab/capture/gige/frame_ids.hpp"
 #include "robsim/lab/capture/gige/pixel_format_of.hpp"

@@ -1,3 +1,4 @@
+// What differs from system to system: numbers as text, the clock, threads.
 #pragma once
 
 #include <functional>
@@ -8,6 +9,15 @@
 #include <utility>
 
 namespace robsim {
+
+/// A number as messages show it: with ten digits that count, whatever its size.
+std::string to_text(double value);
+
+/// Time of a clock that nobody sets, and that Python's time.monotonic() shows, too (s).
+double monotonic_now();
+
+/// Sleeps until this time of it (s).
+void sleep_until(double time);
 
 /// A thread that no signal comes to: Ctrl-C must wake the interpreter's own.
 std::thread start_thread(std::function<void()> work);

@@ -25,4 +25,12 @@ std::vector<PathDerivatives> path_sensitivities(const AxisMatrix& theta,
                                                 const Eigen::Ref<const Path>& path,
                                                 const Eigen::Ref<const Inputs>& u);
 
+/// The robot on wheels that do not slip sideways: it drives where it is headed.
+/// Along a straight line, and in its heading, it moves as the RobotModel does.
+struct Unicycle {
+  /// The pose of step k from those of steps k-1 and k-2 and the input of step k-1.
+  Pose operator()(const RobotModel& model, const Pose& pose_1, const Pose& pose_2,
+                  const Input& u) const;
+};
+
 }  // namespace robsim

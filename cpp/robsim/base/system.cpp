@@ -1,4 +1,10 @@
-#include "robsim/base/threads/native_thread.hpp"
+#include "robsim/base/system.hpp"
+
+#include <chrono>
+#include <iomanip>
+#include <locale>
+#include <sstream>
+#include <thread>
 
 #ifdef _WIN32
 #include <process.h>
@@ -9,6 +15,25 @@
 #endif
 
 namespace robsim {
+
+std::string to_text(double value) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::setprecision(10) << value;
+  return text.str();
+}
+
+namespace {
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+}  // namespace
+
+double monotonic_now() { return Seconds(Clock::now().time_since_epoch()).count(); }
+
+void sleep_until(double time) {
+  const auto left = std::chrono::duration_cast<Clock::duration>(Seconds(time - monotonic_now()));
+  std::this_thread::sleep_for(left);
+}
 
 #ifdef _WIN32
 
