@@ -6,7 +6,7 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
-#include "robsim/imaging/frame.hpp"
+#include "robsim/imaging/plane_map.hpp"
 #include "robsim/vision/light/relative_classifier.hpp"
 #include "robsim/vision/marker_blobs.hpp"
 

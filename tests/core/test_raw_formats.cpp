@@ -7,7 +7,7 @@
 
 #include "raw/from_rgb.hpp"
 #include "robsim/base/simd/cpu_path.hpp"
-#include "robsim/imaging/raw/to_rgb.hpp"
+#include "robsim/imaging/raw/pixel_format.hpp"
 
 namespace robsim {
 namespace {

@@ -1,5 +1,5 @@
 // Images of which each pixel comes from a place of its own in another.
-#include "robsim/imaging/warp.hpp"
+#include "robsim/imaging/resampling.hpp"
 
 #include <gtest/gtest.h>
 

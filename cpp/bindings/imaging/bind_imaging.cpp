@@ -11,9 +11,8 @@
 #include "python/public_names.hpp"
 #include "python/signature.hpp"
 #include "python/values.hpp"
-#include "robsim/imaging/frame.hpp"
-#include "robsim/imaging/reduce.hpp"
-#include "robsim/imaging/warp.hpp"
+#include "robsim/imaging/plane_map.hpp"
+#include "robsim/imaging/resampling.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -6,7 +6,7 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/signature.hpp"
-#include "robsim/imaging/raw/to_rgb.hpp"
+#include "robsim/imaging/raw/pixel_format.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -7,7 +7,7 @@
 #include <limits>
 #include <tuple>
 
-#include "robsim/imaging/frame.hpp"
+#include "robsim/imaging/plane_map.hpp"
 
 namespace robsim::bindings {
 

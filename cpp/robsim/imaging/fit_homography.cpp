@@ -1,4 +1,4 @@
-#include "robsim/imaging/fit_homography.hpp"
+#include "robsim/imaging/plane_map.hpp"
 
 #include <Eigen/LU>
 #include <Eigen/QR>

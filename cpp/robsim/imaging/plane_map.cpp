@@ -6,7 +6,6 @@
 #include <string>
 
 #include "robsim/base/system.hpp"
-#include "robsim/imaging/fit_homography.hpp"
 
 namespace robsim {
 

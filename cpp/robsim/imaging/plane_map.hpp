@@ -1,11 +1,13 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "robsim/base/geometry.hpp"
+#include "robsim/imaging/image.hpp"
 #include "robsim/imaging/intrinsics.hpp"
 
 namespace robsim {
@@ -58,6 +60,24 @@ class PlaneMap {
   Matrix to_world_;
   Matrix to_pixel_;
   std::shared_ptr<const Intrinsics> intrinsics_;  // shared: each frame has a copy of the map
+};
+
+/// The homography from pixels to positions with the least sum of squared distances on the work
+/// area, by Gauss-Newton iterations from the linear solution; coordinates are normalised as in
+/// Hartley, "In defense of the eight-point algorithm", PAMI 1997. At least five points.
+/// Throws std::invalid_argument if they do not determine it, or do not belong together.
+PlaneMap::Matrix fit_homography(const std::vector<Point>& pixels,
+                                const std::vector<Point>& positions);
+
+/// What the camera delivers: everything the robot half knows about the world.
+struct Frame {
+  Image image;
+  std::optional<double> t;          // s; none of its own: it is one sample time after the last one
+  std::optional<double> t_arrival;  // s, by the same clock: when it reached this computer
+  std::optional<double> epoch;      // s, monotonic: t = 0 of this clock
+  std::int64_t index = 0;
+  PlaneMap plane_map;
+  int headings = 0;  // that the robot is drawn in, at whole pixels; 0 = any, as a camera sees it
 };
 
 }  // namespace robsim

@@ -1,11 +1,10 @@
-#include "robsim/imaging/raw/bayer_rows.hpp"
+#include "robsim/imaging/raw/rows.hpp"
 
 #include <cstddef>
 #include <cstring>
 
 #include "robsim/base/simd/cpu_path.hpp"
-#include "robsim/imaging/raw/interleave_avx2.hpp"
-#include "robsim/imaging/raw/row_blocks.hpp"
+#include "robsim/imaging/raw/blocks.hpp"
 
 namespace robsim::raw {
 

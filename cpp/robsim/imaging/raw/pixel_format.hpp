@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "robsim/imaging/image.hpp"
+
 namespace robsim {
 
 /// How cameras send pixels, by the orders of IIDC and GigE Vision. Bytes in memory:
@@ -60,5 +62,12 @@ struct RawView {
 /// there are fewer than `bytes_of` them.
 RawView raw_view(const std::uint8_t* data, std::size_t bytes, PixelFormat format, int width,
                  int height);
+
+/// The pixels of a camera as RGB8. YUV is that of IIDC and JPEG (ITU-R BT.601, all of 0 .. 255), to
+/// within a level of its real numbers; the chroma of two or four pixels is that of each. Of a
+/// Bayer filter the missing colours are the means of the two or four neighbours that have them,
+/// mirrored at the edges. Grey has three equal channels.
+/// Throws std::invalid_argument as `check_size`, and if the sizes or the strides do not fit.
+void to_rgb(const RawView& raw, const WritableView& rgb);
 
 }  // namespace robsim

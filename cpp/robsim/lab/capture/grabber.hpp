@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "robsim/imaging/frame.hpp"
+#include "robsim/imaging/plane_map.hpp"
 #include "robsim/lab/capture/capture_device.hpp"
 
 namespace robsim {

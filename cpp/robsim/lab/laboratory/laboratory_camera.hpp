@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "robsim/imaging/warp.hpp"
+#include "robsim/imaging/resampling.hpp"
 #include "robsim/lab/capture/capture_device.hpp"
 #include "robsim/lab/laboratory/camera_faults.hpp"
 #include "robsim/lab/laboratory/laboratory.hpp"

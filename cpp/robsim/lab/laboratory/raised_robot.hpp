@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "robsim/imaging/warp.hpp"
+#include "robsim/imaging/resampling.hpp"
 #include "robsim/world/scene.hpp"
 
 namespace robsim {

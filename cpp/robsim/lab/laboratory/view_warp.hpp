@@ -1,6 +1,6 @@
 #pragma once
 
-#include "robsim/imaging/warp.hpp"
+#include "robsim/imaging/resampling.hpp"
 #include "robsim/world/scene.hpp"
 
 namespace robsim {

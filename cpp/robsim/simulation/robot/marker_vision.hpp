@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "robsim/imaging/frame.hpp"
+#include "robsim/imaging/plane_map.hpp"
 #include "robsim/vision/marker_blobs.hpp"
 
 namespace robsim {

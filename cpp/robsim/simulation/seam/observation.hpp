@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "robsim/imaging/frame.hpp"
+#include "robsim/imaging/plane_map.hpp"
 #include "robsim/model/robot_model.hpp"
 #include "robsim/vision/locate.hpp"
 

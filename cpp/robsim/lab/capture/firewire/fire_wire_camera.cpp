@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "robsim/base/system.hpp"
-#include "robsim/imaging/raw/to_rgb.hpp"
+#include "robsim/imaging/raw/pixel_format.hpp"
 
 namespace robsim::fire_wire {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "robsim/base/system.hpp"
-#include "robsim/imaging/raw/to_rgb.hpp"
+#include "robsim/imaging/raw/pixel_format.hpp"
 #include "robsim/lab/capture/gige/frame_ids.hpp"
 #include "robsim/lab/capture/gige/pixel_format_of.hpp"
 

@@ -7,6 +7,17 @@
 
 namespace robsim::raw {
 
+/// Turns a row of grey pixels into RGB8. Reads and writes nothing beyond the row.
+void mono8_row(const std::uint8_t* raw, int width, std::uint8_t* rgb);
+
+/// Of the high byte first, the lowest `bits` of the two in use.
+void mono16_row(const std::uint8_t* raw, int width, int bits, std::uint8_t* rgb);
+
+/// Turns a row of pixels into RGB8. Reads and writes nothing beyond the row.
+void yuv411_row(const std::uint8_t* raw, int width, std::uint8_t* rgb);
+void yuv422_row(const std::uint8_t* raw, int width, std::uint8_t* rgb);
+void yuv444_row(const std::uint8_t* raw, int width, std::uint8_t* rgb);
+
 /// Turns the rows of a Bayer frame into RGB8, from the first one downwards. Reads nothing beyond
 /// the rows.
 class BayerRows {

@@ -9,6 +9,11 @@
 
 namespace robsim {
 
+/// The image made smaller by whole factors, each pixel the mean of a block, until another factor
+/// would make it narrower than `width`; what a factor leaves over at the right and below is
+/// dropped. The same pixels where nothing is to be done.
+Image reduced(const Image& image, int width);
+
 /// Makes an image from another one, each pixel at a place of its own there: bilinear, to 1/256 px.
 /// What lies outside is grey.
 class Warp {
