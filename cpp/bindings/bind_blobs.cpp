@@ -7,8 +7,8 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/plane_map.hpp"
-#include "robsim/vision/light/relative_classifier.hpp"
-#include "robsim/vision/marker_blobs.hpp"
+#include "robsim/vision/marker_width.hpp"
+#include "robsim/vision/pixels/relative_classifier.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -8,7 +8,7 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/simulation/seam/native_work.hpp"
-#include "robsim/vision/color/color_training.hpp"
+#include "robsim/vision/color/color_class.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -10,14 +10,12 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
-#include "robsim/imaging/grey_noise.hpp"
 #include "robsim/simulation/robot/robot_software.hpp"
 #include "robsim/simulation/seam/native_work.hpp"
+#include "robsim/vision/color/image_statistics.hpp"
 #include "robsim/vision/explain_detection.hpp"
-#include "robsim/vision/frame_faults.hpp"
-#include "robsim/vision/marker_signal.hpp"
-#include "robsim/vision/refine.hpp"
-#include "robsim/vision/second_chance.hpp"
+#include "robsim/vision/marker_width.hpp"
+#include "robsim/vision/second_look.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

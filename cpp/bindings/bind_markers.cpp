@@ -9,7 +9,7 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/plane_map.hpp"
-#include "robsim/vision/marker_blobs.hpp"
+#include "robsim/vision/marker_width.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

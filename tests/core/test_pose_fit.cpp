@@ -14,9 +14,8 @@
 
 #include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
-#include "robsim/vision/fit/light_slope.hpp"
 #include "robsim/vision/fit/light_step.hpp"
-#include "robsim/vision/fit/weighted_centroid.hpp"
+#include "robsim/vision/second_look.hpp"
 
 namespace robsim {
 namespace {

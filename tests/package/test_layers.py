@@ -26,11 +26,10 @@ CPP = {
     "world": {"base/system", "base/geometry", "imaging", "world/sprite"},
     "vision/color": {"base/system", "imaging"},
     "vision/pixels": {"base/simd", "imaging", "vision/color"},
-    "vision/fit": {"base/simd", "base/elementary", "base/geometry", "imaging", "vision/color"},
-    "vision/light": {"base/simd", "imaging", "vision/color", "vision/pixels"},
+    "vision/fit": {"base/simd", "base/elementary", "base/geometry", "imaging"},
     "vision": {
         *("base/system", "base/elementary", "base/geometry", "imaging"),
-        *("vision/color", "vision/pixels", "vision/light", "vision/fit"),
+        *("vision/color", "vision/pixels", "vision/fit"),
     },
     "lab/capture": {"base/system", "imaging"},
     "lab/capture/firewire": {"base/system", "imaging", "imaging/raw", "lab/capture"},

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "robsim/imaging/plane_map.hpp"
 #include "robsim/vision/locate.hpp"
 
 namespace robsim {
@@ -24,5 +25,9 @@ std::optional<std::string> small_markers_remark(double width, double noise);
 /// whose channels are in OpenCV's order, BGR, of a red and a blue marker. Markers of about the same
 /// area never tell.
 bool fits_exchanged(const Detection& detection);
+
+/// Looks in the frame for the cause of a detection without a measurement: a dark or overexposed
+/// picture in place of "no red blob", markers too small to be found.
+void examine_frame(Detection& detection, const ImageView& image, const PlaneMap& plane_map);
 
 }  // namespace robsim

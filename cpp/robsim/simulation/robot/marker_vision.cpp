@@ -3,9 +3,8 @@
 #include <utility>
 
 #include "robsim/simulation/seam/native_work.hpp"
-#include "robsim/vision/frame_faults.hpp"
-#include "robsim/vision/refine.hpp"
-#include "robsim/vision/second_chance.hpp"
+#include "robsim/vision/explain_detection.hpp"
+#include "robsim/vision/second_look.hpp"
 
 namespace robsim {
 

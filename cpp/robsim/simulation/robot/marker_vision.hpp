@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "robsim/imaging/plane_map.hpp"
-#include "robsim/vision/marker_blobs.hpp"
+#include "robsim/vision/marker_width.hpp"
 
 namespace robsim {
 

@@ -7,6 +7,11 @@
 
 namespace robsim::fit {
 
+/// Whether the light changes clearly from one side of a marker to the other: a quick look at what
+/// the fit leaves. The fit must have been updated.
+/// Method: score test (Rao, 1948) of a light that has a slope.
+bool has_light_slope(const EdgeFit& marker);
+
 /// A line in the picture across which the light changes, as at the edge of a shadow: the pixels
 /// with normal . (u, v) > offset lie beyond it (frame px).
 struct LightStep {

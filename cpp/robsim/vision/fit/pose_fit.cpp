@@ -9,7 +9,6 @@
 
 #include "robsim/base/elementary/elementary.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
-#include "robsim/vision/fit/light_slope.hpp"
 #include "robsim/vision/fit/light_step.hpp"
 
 namespace robsim {

@@ -1,5 +1,9 @@
 #pragma once
 
+#include "robsim/imaging/plane_map.hpp"
+#include "robsim/vision/find_blobs.hpp"
+#include "robsim/vision/locate.hpp"
+
 namespace robsim {
 
 /// Signal-to-noise figure of the markers' edges from which a pose can be trusted, and below which
@@ -17,5 +21,16 @@ double expected_signal_to_noise(double width, double noise);
 /// The width of markers from which a pose can be trusted at this noise (frame px): that of the
 /// figure 4, but no less than 2 px, below which they are hardly ever found.
 double trusted_width(double noise);
+
+/// Width of the smaller marker in the middle of a width x height frame (px): the side of a square
+/// of its area. NaN if the areas are not known.
+double marker_width(const MarkerLayout& markers, const PlaneMap& plane_map, int width, int height);
+
+/// The options of find_blobs that find the markers of a robot, in noise, too, in an image of this
+/// plane map: a smoothing window of 0.28 of the width of the smaller marker where it is smallest, 3
+/// to 7 px, but none for markers below 7 px in an image without noise; a minimum area of 1/8 of
+/// that marker; the maximum number of blobs of the layout. Without known areas: the defaults.
+BlobOptions marker_blobs(const MarkerLayout& markers, const PlaneMap& plane_map,
+                         const ImageView& image);
 
 }  // namespace robsim
