@@ -7,8 +7,8 @@
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
-#include "robsim/world/noise/visual_noise.hpp"
-#include "robsim/world/renderer.hpp"
+#include "robsim/world/scene.hpp"
+#include "robsim/world/visual_noise.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -1,5 +1,5 @@
 // The distributions that the noise tables stand for, summed up exactly from the tables.
-#include "robsim/world/noise/noise_tables.hpp"
+#include "robsim/world/visual_noise.hpp"
 
 #include <gtest/gtest.h>
 

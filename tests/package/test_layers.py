@@ -21,9 +21,7 @@ CPP = {
     "imaging": {"base/system", "base/geometry"},
     "imaging/raw": {"base/simd", "imaging"},
     "model": {"base/system", "base/elementary", "base/geometry"},
-    "world/noise": {"base/system", "base/simd", "base/elementary", "imaging"},
-    "world/sprite": {"base/system", "base/simd", "base/elementary", "base/geometry", "imaging"},
-    "world": {"base/system", "base/geometry", "imaging", "world/sprite"},
+    "world": {"base/system", "base/simd", "base/elementary", "base/geometry", "imaging"},
     "vision/color": {"base/system", "imaging"},
     "vision/pixels": {"base/simd", "imaging", "vision/color"},
     "vision/fit": {"base/simd", "base/elementary", "base/geometry", "imaging"},
@@ -37,7 +35,7 @@ CPP = {
     "lab/motors": {"base/system", "model"},
     "simulation/seam": {"imaging", "model", "vision"},
     "simulation/world": {
-        *("base/system", "base/elementary", "lab/motors", "model", "world", "world/noise"),
+        *("base/system", "base/elementary", "lab/motors", "model", "world"),
         "simulation/seam",
     },
     "simulation/robot": {
@@ -48,7 +46,7 @@ CPP = {
     "simulation": {"base/system", "simulation/seam", "simulation/robot"},
     "lab/laboratory": {
         *("base/system", "base/elementary", "base/geometry", "imaging", "model", "world"),
-        *("world/noise", "lab/capture", "lab/motors", "simulation/seam", "simulation/world"),
+        *("lab/capture", "lab/motors", "simulation/seam", "simulation/world"),
     },
 }
 

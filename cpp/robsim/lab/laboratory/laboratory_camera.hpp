@@ -10,8 +10,8 @@
 #include "robsim/lab/laboratory/camera_faults.hpp"
 #include "robsim/lab/laboratory/laboratory.hpp"
 #include "robsim/lab/laboratory/raised_robot.hpp"
-#include "robsim/world/noise/visual_noise.hpp"
-#include "robsim/world/renderer.hpp"
+#include "robsim/world/scene.hpp"
+#include "robsim/world/visual_noise.hpp"
 
 namespace robsim {
 

@@ -9,8 +9,8 @@
 #include "robsim/simulation/seam/slot.hpp"
 #include "robsim/simulation/seam/world.hpp"
 #include "robsim/simulation/world/disturbance.hpp"
-#include "robsim/world/noise/visual_noise.hpp"
-#include "robsim/world/renderer.hpp"
+#include "robsim/world/scene.hpp"
+#include "robsim/world/visual_noise.hpp"
 #include "robsim/world/work_area.hpp"
 
 namespace robsim {

@@ -1,4 +1,4 @@
-#include "robsim/world/noise/add_noise.hpp"
+#include "robsim/world/add_noise.hpp"
 
 #include <algorithm>
 #include <cstring>

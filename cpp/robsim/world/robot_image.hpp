@@ -7,8 +7,7 @@
 #include "robsim/base/geometry.hpp"
 #include "robsim/imaging/image.hpp"
 #include "robsim/imaging/plane_map.hpp"
-#include "robsim/world/sprite/blend.hpp"
-#include "robsim/world/sprite/sprite.hpp"
+#include "robsim/world/sprite.hpp"
 
 namespace robsim {
 

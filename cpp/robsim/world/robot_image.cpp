@@ -1,4 +1,4 @@
-#include "robsim/world/sprite/robot_image.hpp"
+#include "robsim/world/robot_image.hpp"
 
 #include <algorithm>
 #include <cmath>

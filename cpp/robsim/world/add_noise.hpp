@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "robsim/world/noise/noise_tables.hpp"
+#include "robsim/world/visual_noise.hpp"
 
 namespace robsim {
 
