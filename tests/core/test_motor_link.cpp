@@ -17,7 +17,7 @@
 #include "robsim/base/system.hpp"
 #include "robsim/lab/motors/motor_receiver.hpp"
 #include "robsim/lab/motors/protocol.hpp"
-#include "robsim/lab/motors/watchdog.hpp"
+#include "robsim/lab/motors/safety.hpp"
 
 namespace robsim {
 namespace {

@@ -1,5 +1,5 @@
 // Who calls when nobody feeds it, and when not.
-#include "robsim/lab/motors/watchdog.hpp"
+#include "robsim/lab/motors/safety.hpp"
 
 #include <gtest/gtest.h>
 

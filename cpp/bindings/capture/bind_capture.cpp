@@ -15,7 +15,6 @@
 #include "robsim/base/system.hpp"
 #include "robsim/lab/capture/grabber.hpp"
 #include "robsim/lab/capture/image_stream.hpp"
-#include "robsim/lab/capture/whole_jpeg.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "python/interpreter.hpp"
-#include "robsim/lab/capture/camera_feature.hpp"
+#include "robsim/lab/capture/capture_device.hpp"
 
 namespace robsim::bindings {
 

@@ -15,9 +15,8 @@
 #include "capture/open_in_thread.hpp"
 #include "python/interpreter.hpp"
 #include "python/public_names.hpp"
-#include "robsim/lab/capture/gige/discovery.hpp"
-#include "robsim/lab/capture/gige/frame_ids.hpp"
 #include "robsim/lab/capture/gige/gige_camera.hpp"
+#include "robsim/lab/capture/gige/gige_vision.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

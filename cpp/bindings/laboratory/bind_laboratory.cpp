@@ -10,7 +10,6 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "robsim/lab/laboratory/laboratory_camera.hpp"
-#include "robsim/lab/laboratory/view_warp.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

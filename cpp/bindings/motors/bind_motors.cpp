@@ -10,11 +10,10 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
-#include "robsim/lab/motors/limits.hpp"
 #include "robsim/lab/motors/motor_link.hpp"
 #include "robsim/lab/motors/motor_receiver.hpp"
 #include "robsim/lab/motors/protocol.hpp"
-#include "robsim/lab/motors/watchdog.hpp"
+#include "robsim/lab/motors/safety.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

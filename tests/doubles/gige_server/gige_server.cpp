@@ -16,8 +16,8 @@
 
 #include "raw/from_rgb.hpp"
 #include "robsim/base/system.hpp"
-#include "robsim/lab/capture/gige/discovery.hpp"
-#include "robsim/lab/capture/gige/pixel_format_of.hpp"
+#include "robsim/lab/capture/gige/aravis.hpp"
+#include "robsim/lab/capture/gige/gige_vision.hpp"
 
 namespace robsim {
 

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "robsim/lab/capture/capture_device.hpp"
-#include "robsim/lab/capture/gige/handles.hpp"
+#include "robsim/lab/capture/gige/aravis.hpp"
 
 namespace robsim {
 

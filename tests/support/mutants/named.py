@@ -8,7 +8,7 @@ from mutants.fault import Fault
 
 #: Name, file, what stands there once, what stands there instead.
 _NAMED = [
-    ("watchdog off", "cpp/robsim/lab/motors/watchdog.cpp", "    on_expiry();\n", "\n"),
+    ("watchdog off", "cpp/robsim/lab/motors/safety.cpp", "    on_expiry();\n", "\n"),
     (
         "time to live ignored",
         "cpp/robsim/lab/motors/motor_receiver.cpp",
@@ -17,7 +17,7 @@ _NAMED = [
     ),
     (
         "voltage limit off",
-        "cpp/robsim/lab/motors/limits.cpp",
+        "cpp/robsim/lab/motors/safety.cpp",
         "wanted = scaled(u, voltage)",
         "wanted = u",
     ),

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "robsim/lab/motors/received_input.hpp"
+#include "robsim/lab/motors/motor_receiver.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
 
 namespace robsim {

@@ -4,12 +4,60 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include "robsim/base/system.hpp"
 
 namespace robsim {
+
+namespace {
+
+// The third component of what a homography makes of a pixel: its sign changes at the horizon.
+double depth(const PlaneMap& map, const Point& pixel) {
+  const PlaneMap::Matrix& m = map.matrix();
+  const Point ideal = map.ideal(pixel);
+  return m[6] * ideal.x + m[7] * ideal.y + m[8];
+}
+
+}  // namespace
+
+Warp view_warp(const Scene& scene, int width, int height, const PlaneMap& plane_map) {
+  constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+  const bool is_seen_in_front = depth(plane_map, {(width - 1) / 2.0, (height - 1) / 2.0}) > 0;
+  return Warp(width, height, scene.width(), scene.height(), [&](const Point& pixel) -> Point {
+    if ((depth(plane_map, pixel) > 0) != is_seen_in_front) return {nowhere, nowhere};
+    return scene.camera().to_pixel(plane_map.to_world(pixel));
+  });
+}
+
+RaisedRobot::RaisedRobot(std::shared_ptr<const Scene> scene, std::shared_ptr<const Warp> warp)
+    : scene_(std::move(scene)),
+      warp_(std::move(warp)),
+      black_{Image(scene_->width(), scene_->height()), 0},
+      white_{Image(scene_->width(), scene_->height()), 255} {
+  for (Cutout* cutout : {&black_, &white_}) cutout->fill(cutout->image.box());
+}
+
+void RaisedRobot::Cutout::fill(const PixelBox& box) {
+  if (box.empty()) return;
+  const WritableView view = image.writable_view();
+  for (int v = box.top; v < box.bottom; ++v) {
+    std::memset(view.row(v) + std::ptrdiff_t{3} * box.left, color,
+                std::size_t{3} * static_cast<std::size_t>(box.right - box.left));
+  }
+}
+
+void RaisedRobot::draw(const Pose& pose, const WritableView& frame) {
+  PixelBox box;
+  for (Cutout* cutout : {&black_, &white_}) {
+    box = scene_->draw_robot(pose, {}, cutout->image.writable_view());
+  }
+  if (box.empty()) return;
+  warp_->lay_over(black_.image.view(), white_.image.view(), box, frame);
+  for (Cutout* cutout : {&black_, &white_}) cutout->fill(box);
+}
 
 namespace {
 

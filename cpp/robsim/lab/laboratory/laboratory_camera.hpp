@@ -9,11 +9,36 @@
 #include "robsim/lab/capture/capture_device.hpp"
 #include "robsim/lab/laboratory/camera_faults.hpp"
 #include "robsim/lab/laboratory/laboratory.hpp"
-#include "robsim/lab/laboratory/raised_robot.hpp"
 #include "robsim/world/scene.hpp"
 #include "robsim/world/visual_noise.hpp"
 
 namespace robsim {
+
+/// From a scene, seen from above, to the frame of a camera elsewhere, by the map of its pixels.
+Warp view_warp(const Scene& scene, int width, int height, const PlaneMap& plane_map);
+
+/// The robot's flat top, at a height above the floor, as a camera elsewhere sees it.
+class RaisedRobot {
+ public:
+  /// `warp` leads from the scene, seen from above, to the frame: that of the plane at the height.
+  RaisedRobot(std::shared_ptr<const Scene> scene, std::shared_ptr<const Warp> warp);
+
+  /// Draws it over a frame of the floor.
+  void draw(const Pose& pose, const WritableView& frame);
+
+ private:
+  // The scene with nothing but the robot, before one colour.
+  struct Cutout {
+    Image image;
+    std::uint8_t color;
+
+    void fill(const PixelBox& box);
+  };
+
+  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const Warp> warp_;
+  Cutout black_, white_;
+};
 
 struct LaboratoryCameraOptions {
   std::shared_ptr<const Warp> warp;  // from the scene to the frame; null: the scene is the frame

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "robsim/base/system.hpp"
-#include "robsim/lab/motors/event_log.hpp"
 #include "robsim/lab/motors/line.hpp"
+#include "robsim/lab/motors/protocol.hpp"
 
 namespace robsim {
 

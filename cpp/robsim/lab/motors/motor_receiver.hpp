@@ -5,11 +5,21 @@
 #include <vector>
 
 #include "robsim/base/system.hpp"
-#include "robsim/lab/motors/event_log.hpp"
 #include "robsim/lab/motors/line.hpp"
-#include "robsim/lab/motors/received_input.hpp"
+#include "robsim/lab/motors/protocol.hpp"
+#include "robsim/model/robot_model.hpp"
 
 namespace robsim {
+
+/// What a robot has received, and acts on, at any time.
+class ReceivedInput {
+ public:
+  virtual ~ReceivedInput() = default;
+
+  /// The mean of the input between two times (monotonic, s): 0 while it was stopped. From any
+  /// thread.
+  virtual Input mean(double from, double to) const = 0;
+};
 
 /// How many lines a robot has heard.
 struct LineCounts {

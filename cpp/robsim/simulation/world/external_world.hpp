@@ -5,8 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "robsim/lab/motors/limits.hpp"
-#include "robsim/lab/motors/watchdog.hpp"
+#include "robsim/lab/motors/safety.hpp"
 #include "robsim/simulation/seam/world.hpp"
 
 namespace robsim {

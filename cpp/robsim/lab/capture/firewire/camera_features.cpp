@@ -1,4 +1,4 @@
-#include "robsim/lab/capture/firewire/camera_features.hpp"
+#include "robsim/lab/capture/firewire/fire_wire_camera.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,9 @@
 
 #include <dc1394/dc1394.h>
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,5 +44,9 @@ class CameraHandle {
 
 /// Throws CaptureError unless a call of the library went well: "could not set the frame rate: ...".
 void check(dc1394error_t error, const std::string& action);
+
+/// The fastest speed between this computer and a camera: of its card, of the camera, and of what is
+/// between them, as the kernel knows it. Nothing where it does not tell.
+std::optional<dc1394speed_t> link_speed(std::uint64_t guid);
 
 }  // namespace robsim::fire_wire

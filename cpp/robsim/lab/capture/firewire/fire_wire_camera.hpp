@@ -1,5 +1,7 @@
 #pragma once
 
+#include <dc1394/dc1394.h>
+
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -8,11 +10,17 @@
 #include <vector>
 
 #include "robsim/lab/capture/capture_device.hpp"
-#include "robsim/lab/capture/firewire/camera_features.hpp"
 #include "robsim/lab/capture/firewire/fire_wire_bus.hpp"
 #include "robsim/lab/capture/firewire/video_choice.hpp"
 
 namespace robsim::fire_wire {
+
+/// Sets what is asked, and everything else to manual, with the value that it has. Throws
+/// CaptureError that names the feature and its limits.
+void set_features(dc1394camera_t* camera, const std::vector<FeatureWish>& wishes);
+
+/// All that the camera has.
+std::vector<FeatureState> features_of(dc1394camera_t* camera);
 
 struct CameraOptions {
   std::string choice;  // as CameraHandle takes it

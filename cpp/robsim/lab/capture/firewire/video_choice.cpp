@@ -14,7 +14,6 @@
 #include <tuple>
 
 #include "robsim/lab/capture/firewire/fire_wire_bus.hpp"
-#include "robsim/lab/capture/firewire/link_speed.hpp"
 
 namespace robsim::fire_wire {
 

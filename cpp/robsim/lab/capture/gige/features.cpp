@@ -1,4 +1,4 @@
-#include "robsim/lab/capture/gige/features.hpp"
+#include "robsim/lab/capture/gige/settings.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,8 +7,8 @@
 
 #include "robsim/base/system.hpp"
 #include "robsim/imaging/raw/pixel_format.hpp"
-#include "robsim/lab/capture/gige/frame_ids.hpp"
-#include "robsim/lab/capture/gige/pixel_format_of.hpp"
+#include "robsim/lab/capture/gige/aravis.hpp"
+#include "robsim/lab/capture/gige/gige_vision.hpp"
 
 namespace robsim {
 

@@ -10,7 +10,7 @@
 
 #include "robsim/imaging/raw/pixel_format.hpp"
 #include "robsim/lab/capture/capture_device.hpp"
-#include "robsim/lab/capture/gige/discovery.hpp"
+#include "robsim/lab/capture/gige/gige_vision.hpp"
 #include "robsim/lab/capture/gige/settings.hpp"
 
 namespace robsim {

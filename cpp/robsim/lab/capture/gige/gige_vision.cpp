@@ -1,16 +1,16 @@
 // Discovery of the GigE Vision Control Protocol (GVCP): one datagram asks, each camera answers with
 // its first registers.
-#include "robsim/lab/capture/gige/discovery.hpp"
+#include "robsim/lab/capture/gige/gige_vision.hpp"
 
 #include <arpa/inet.h>
-#include <ifaddrs.h>
 #include <net/if.h>
-#include <netdb.h>
 #include <netinet/in.h>
-#include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
+#include <ifaddrs.h>
+#include <netdb.h>
+#include <poll.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
