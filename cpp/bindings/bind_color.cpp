@@ -7,7 +7,7 @@
 #include "python/numpy.hpp"
 #include "python/public_names.hpp"
 #include "python/values.hpp"
-#include "robsim/simulation/seam/native_work.hpp"
+#include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/vision/color/color_class.hpp"
 
 namespace py = pybind11;

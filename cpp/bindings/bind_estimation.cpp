@@ -7,7 +7,7 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/estimation/least_squares.hpp"
-#include "robsim/simulation/robot/parameter_estimator.hpp"
+#include "robsim/simulation/robot/stages.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -11,7 +11,7 @@
 #include "python/public_names.hpp"
 #include "python/values.hpp"
 #include "robsim/simulation/robot/robot_software.hpp"
-#include "robsim/simulation/seam/native_work.hpp"
+#include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/vision/color/image_statistics.hpp"
 #include "robsim/vision/explain_detection.hpp"
 #include "robsim/vision/marker_width.hpp"

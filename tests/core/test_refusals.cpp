@@ -14,7 +14,7 @@
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/model/robot_model.hpp"
 #include "robsim/simulation/robot/controllers.hpp"
-#include "robsim/simulation/trace_columns.hpp"
+#include "robsim/simulation/trace.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
 #include "robsim/vision/color/color_class.hpp"
 #include "robsim/vision/locate.hpp"

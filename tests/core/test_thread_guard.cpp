@@ -10,8 +10,6 @@
 #include <string>
 #include <thread>
 
-#include "robsim/simulation/seam/run_guard.hpp"
-
 namespace robsim {
 namespace {
 

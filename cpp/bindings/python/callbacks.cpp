@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "python/remote_halves.hpp"
-#include "robsim/simulation/robot/default_stages.hpp"
+#include "robsim/simulation/robot/stages.hpp"
 
 namespace robsim::bindings {
 

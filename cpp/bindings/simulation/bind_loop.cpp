@@ -8,7 +8,7 @@
 #include "python/public_names.hpp"
 #include "python/remote_halves.hpp"
 #include "robsim/simulation/loop.hpp"
-#include "robsim/simulation/seam/native_work.hpp"
+#include "robsim/simulation/seam/thread_guard.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

@@ -1,7 +1,7 @@
 #include <pybind11/stl.h>
 
 #include "python/public_names.hpp"
-#include "robsim/simulation/trace_columns.hpp"
+#include "robsim/simulation/trace.hpp"
 
 namespace py = pybind11;
 using namespace robsim;

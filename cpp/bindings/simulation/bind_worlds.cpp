@@ -10,7 +10,7 @@
 #include "python/values.hpp"
 #include "robsim/lab/motors/motor_link.hpp"
 #include "robsim/model/motion.hpp"
-#include "robsim/simulation/seam/native_work.hpp"
+#include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/simulation/world/external_world.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
 #include "simulation/fields.hpp"

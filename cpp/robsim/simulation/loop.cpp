@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robsim/simulation/seam/native_work.hpp"
+#include "robsim/simulation/seam/thread_guard.hpp"
 
 namespace robsim {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <iterator>
-
-#include "robsim/simulation/trace_columns.hpp"
+#include <stdexcept>
+#include <utility>
 
 namespace robsim {
 
@@ -86,6 +86,155 @@ void Trace::clear() {
     std::fill(column.memory_->begin(), column.memory_->end(), column.missing_);
   }
   rows_.store(0, std::memory_order_release);
+}
+
+namespace {
+
+using std::string_literals::operator""s;
+
+using Fields = std::vector<TraceField>;
+
+const Fields pose_fields = {{"x", "px"}, {"y", "px"}, {"heading", "rad"}};
+
+Fields poses(const std::string& suffix) {
+  Fields fields = pose_fields;
+  for (TraceField& field : fields) field.name += "_" + suffix;
+  return fields;
+}
+
+Fields covariances(const std::string& prefix) {
+  Fields fields;
+  for (const TraceField& row : pose_fields) {
+    for (const TraceField& column : pose_fields) {
+      fields.push_back({prefix + row.name + "_" + column.name, row.unit + " " + column.unit});
+    }
+  }
+  return fields;
+}
+
+// The 15 parameters of the robot model, row by row of theta. The model is that of a pose: a1 and a2
+// are plain numbers, b1 and b2 are for 1 V, d1 is a length or an angle.
+Fields model_parameters() {
+  Fields fields;
+  for (const auto& [axis, unit] : {std::pair{"X", "px"}, {"Y", "px"}, {"P", "rad"}}) {
+    for (const std::string name : {"a1", "a2"}) fields.push_back({name + axis, ""});
+    for (const std::string name : {"b1", "b2"}) fields.push_back({name + axis, unit + "/V"s});
+    fields.push_back({"d1"s + axis, unit});
+  }
+  return fields;
+}
+
+// Their standard errors, divided by those of the equation noise.
+Fields standard_errors_unscaled() {
+  Fields fields = model_parameters();
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::string noise = i < 10 ? "px" : "rad";
+    const std::string& unit = fields[i].unit;
+    fields[i] = {"standard_error_unscaled_" + fields[i].name, unit.empty()    ? "1/" + noise
+                                                              : unit == noise ? ""
+                                                                              : "1/V"};
+  }
+  return fields;
+}
+
+TraceGroup group(std::string name, std::vector<std::size_t> shape, Fields fields,
+                 std::string description) {
+  TraceGroup group;
+  group.name = std::move(name);
+  group.shape = std::move(shape);
+  group.fields = std::move(fields);
+  group.description = std::move(description);
+  return group;
+}
+
+TraceGroup flag(const std::string& name, std::string description) {
+  TraceGroup flag = group(name, {}, {{name, ""}}, std::move(description));
+  flag.is_flag = true;
+  flag.missing = 0;
+  return flag;
+}
+
+TraceGroup simulated(TraceGroup group) {
+  group.in_simulated = true;
+  return group;
+}
+
+TraceGroup recorded(TraceGroup group) {
+  group.in_recorded = true;
+  return group;
+}
+
+TraceGroup zero_where_missing(TraceGroup group) {
+  group.missing = 0;
+  return group;
+}
+
+std::vector<TraceGroup> make_schema() {
+  return {
+      group("t", {}, {{"t", "s"}}, "Time (N,) (s): that of the frames, if they have one."),
+      simulated(group("pose_true", {3}, poses("true"),
+                      "True pose (N, 3): x, y (work-area px), heading (rad).")),
+      simulated(group("u", {2}, {{"u1", "V"}, {"u2", "V"}},
+                      "Input that was given at the step (N, 2): left and right voltage (V).")),
+      simulated(flag("bounced", "The robot met a wall in this step (N,).")),
+      recorded(group("pose_measured", {3}, poses("measured"),
+                     "Measured pose (N, 3), NaN where the robot was not seen.")),
+      group("pose_held", {3}, poses("held"),
+            "Last measured pose (N, 3), NaN before the first, and while nothing measures."),
+      group("pose_estimated", {3}, poses("estimated"),
+            "Estimated pose (N, 3), NaN without a state estimator."),
+      group("covariance_measured", {3, 3}, covariances("cov_measured_"),
+            "Covariance of the measured pose (N, 3, 3), NaN where it is not known."),
+      group("misfit", {}, {{"misfit", ""}},
+            "Misfit of the measurement (N,): factor on its variance, 1 = what the fit leaves is "
+            "noise."),
+      group("signal_to_noise", {}, {{"signal_to_noise", ""}},
+            "Signal-to-noise figure of the markers' edges (N,): from 4 on a pose can be trusted."),
+      zero_where_missing(group("missed", {}, {{"missed", ""}},
+                               "Why the default measurement did not see the robot (N,): number of "
+                               "the reason, in words `missed_reasons`; 0 = it was seen, or not "
+                               "looked for.")),
+      group("covariance", {3, 3}, covariances("cov_"),
+            "Covariance of the estimated pose (N, 3, 3)."),
+      group("parameters", {3, 5}, model_parameters(),
+            "Online estimate of the model's parameters (N, 3, 5), NaN without an estimator."),
+      group("standard_errors_unscaled", {3, 5}, standard_errors_unscaled(),
+            "Standard errors of the parameters (N, 3, 5), for equation noise of standard "
+            "deviation 1 px, 1 px and 1 rad; NaN if the estimator gives none."),
+      zero_where_missing(group("view", {2}, {{"x_view", "px"}, {"y_view", "px"}},
+                               "Place of the camera's view (N, 2): 0 unless the area is "
+                               "unlimited (work-area px).")),
+      zero_where_missing(group("noise", {2}, {{"noise_gaussian", "%"}, {"noise_uniform", "%"}},
+                               "Noise of the camera (N, 2): Gaussian and uniform (%).")),
+      group("last_u", {2}, {{"last_u1", "V"}, {"last_u2", "V"}},
+            "Input that the robot got since the step before (N, 2), if the source of the frames "
+            "knew better than the controller (V); otherwise NaN."),
+      flag("hidden", "The robot was hidden from the camera in this step (N,)."),
+      flag("interrupted",
+           "The robot was stopped after the step before: this one does not follow from its input "
+           "(N,)."),
+      group("t_arrival", {}, {{"t_arrival", "s"}},
+            "When the frame reached this computer (N,), by the clock of `t` (s)."),
+      group("t_sent", {}, {{"t_sent", "s"}},
+            "When the input went out (N,), by the clock of `t` (s)."),
+  };
+}
+
+}  // namespace
+
+const std::vector<TraceGroup>& trace_schema() {
+  static const std::vector<TraceGroup> schema = make_schema();
+  return schema;
+}
+
+const TraceGroup& trace_group(const std::string& name) {
+  const auto& schema = trace_schema();
+  const auto found = std::find_if(schema.begin(), schema.end(),
+                                  [&](const TraceGroup& group) { return group.name == name; });
+  if (found == schema.end()) {
+    throw std::invalid_argument("there is no group of columns '" + name + "'");
+  }
+  return *found;
 }
 
 }  // namespace robsim

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "robsim/base/system.hpp"
-#include "robsim/simulation/robot/default_stages.hpp"
+#include "robsim/simulation/robot/stages.hpp"
 
 namespace robsim {
 

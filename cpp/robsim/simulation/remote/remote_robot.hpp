@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "robsim/simulation/remote/step_message.hpp"
-#include "robsim/simulation/robot/parameter_estimator.hpp"
+#include "robsim/simulation/robot/stages.hpp"
 
 namespace robsim {
 

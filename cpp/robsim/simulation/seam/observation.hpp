@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 #include "robsim/imaging/plane_map.hpp"
@@ -46,6 +47,15 @@ class Camera {
 
   /// The frame of the newest step.
   virtual Frame frame() = 0;
+};
+
+/// What fills a slot: a native component or a callable of the interpreter's. Empty = off.
+template <typename Signature>
+struct Slot {
+  std::function<Signature> call;
+  bool is_interpreted = false;
+
+  explicit operator bool() const { return static_cast<bool>(call); }
 };
 
 }  // namespace robsim

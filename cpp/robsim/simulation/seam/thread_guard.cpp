@@ -2,15 +2,33 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 #ifndef _WIN32
 #include <pthread.h>
 #endif
 
-#include "robsim/simulation/seam/native_work.hpp"
-
 namespace robsim {
+
+namespace {
+InterpreterLock interpreter_lock{[]() -> void* { return nullptr; }, [](void*) {}};
+
+// Beside a busy thread it takes 5 ms to get the interpreter back. This many pixels are drawn, get
+// their noise, or are searched for blobs within 0.1 ms.
+constexpr std::int64_t few_pixels = 300 * 300;
+}  // namespace
+
+void set_interpreter_lock(const InterpreterLock& lock) { interpreter_lock = lock; }
+
+NativeWork::NativeWork() : released_(interpreter_lock.release()) {}
+
+NativeWork::NativeWork(std::int64_t pixels)
+    : released_(pixels > few_pixels ? interpreter_lock.release() : nullptr) {}
+
+NativeWork::~NativeWork() {
+  if (released_) interpreter_lock.acquire(released_);
+}
 
 namespace {
 
@@ -69,6 +87,39 @@ void ThreadGuard::refuse(std::uint64_t owner) const {
   if (owner == 0) return;
   if (is_lost(thread_of(owner))) throw std::runtime_error(lost_);
   if (is_run(owner)) throw std::runtime_error(in_use_);
+}
+
+RunGuard::RunGuard()
+    : ThreadGuard(
+          "another thread is running this simulation or experiment: wait until it has finished; "
+          "its trace, n_steps and stage can be read meanwhile; a callback that starts threads of "
+          "its own reads for them what they need of step",
+          "another thread was running this simulation or experiment when the process was forked, "
+          "and only half of a step is here: make another one in this process") {}
+
+RunGuard::Run::Run(RunGuard& guard) : guard_(guard), run_(guard.checked_idle()) {
+  guard_.state_ = State::running;
+}
+
+RunGuard::Run::~Run() { guard_.state_ = State::idle; }
+
+const RunGuard& RunGuard::checked_idle() const {
+  if (!is_running()) return *this;
+  throw std::runtime_error(
+      "this simulation or experiment is already running: a callback or another thread cannot run "
+      "it too");
+}
+
+bool RunGuard::stop() {
+  if (!is_running()) return false;  // in a forked process
+  State running = State::running;
+  return state_.compare_exchange_strong(running, State::stopping) || running == State::stopping;
+}
+
+void RunGuard::check_idle(const char* what) const {
+  if (is_running()) {
+    throw std::runtime_error(std::string(what) + " cannot be changed during a run");
+  }
 }
 
 }  // namespace robsim

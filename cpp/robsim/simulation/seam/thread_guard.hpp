@@ -7,6 +7,31 @@
 
 namespace robsim {
 
+/// How to give up and take back what an interpreter around the core lets one thread hold at a time.
+struct InterpreterLock {
+  void* (*release)();      // null if this thread does not hold it
+  void (*acquire)(void*);  // what release returned
+};
+
+/// Says how, once, when the core is loaded. Without it no interpreter is there.
+void set_interpreter_lock(const InterpreterLock& lock);
+
+/// Gives the interpreter up for its life, if this thread holds it: around long work that needs
+/// none.
+class NativeWork {
+ public:
+  NativeWork();
+
+  /// The same around work on so many pixels, if that is long.
+  explicit NativeWork(std::int64_t pixels);
+  ~NativeWork();
+  NativeWork(const NativeWork&) = delete;
+  NativeWork& operator=(const NativeWork&) = delete;
+
+ private:
+  void* released_;
+};
+
 /// Says which thread has an object that changes: one for a run, or, in between, one after the other
 /// for a look. A thread may claim what it has already.
 class ThreadGuard {
@@ -55,6 +80,44 @@ class ThreadGuard {
 
   std::string in_use_, lost_;
   mutable std::atomic<std::uint64_t> owner_{0};  // 2 number of the thread + 1 in a run; 0 = none
+};
+
+/// Lets one thread run the loop at a time, and any thread ask it to stop.
+class RunGuard : public ThreadGuard {
+ public:
+  RunGuard();
+
+  /// Marks the loop as running for its life.
+  class Run {
+   public:
+    /// Throws std::runtime_error if it is running already.
+    explicit Run(RunGuard& guard);
+    ~Run();
+    Run(const Run&) = delete;
+    Run& operator=(const Run&) = delete;
+
+   private:
+    RunGuard& guard_;
+    ThreadGuard::Run run_;
+  };
+
+  bool is_running() const { return is_in_run(); }
+
+  /// Throws std::runtime_error that says what cannot be changed, if a run is under way.
+  void check_idle(const char* what) const;
+
+  /// Asks the run under way to end, and no later one; false if there is none.
+  bool stop();
+
+  /// True if the run under way was asked to end.
+  bool is_stopped() const { return state_ == State::stopping; }
+
+ private:
+  enum class State { idle, running, stopping };
+
+  const RunGuard& checked_idle() const;
+
+  std::atomic<State> state_{State::idle};
 };
 
 }  // namespace robsim

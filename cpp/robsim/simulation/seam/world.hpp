@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "robsim/simulation/seam/observation.hpp"
-#include "robsim/simulation/seam/run_guard.hpp"
+#include "robsim/simulation/seam/thread_guard.hpp"
 
 namespace robsim {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "robsim/base/system.hpp"
-#include "robsim/simulation/seam/native_work.hpp"
+#include "robsim/simulation/seam/thread_guard.hpp"
 
 namespace robsim {
 

@@ -1,19 +1,36 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "robsim/simulation/seam/run_guard.hpp"
-#include "robsim/simulation/seam/slot.hpp"
+#include "robsim/model/robot_model.hpp"
+#include "robsim/simulation/seam/observation.hpp"
+#include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/simulation/seam/world.hpp"
-#include "robsim/simulation/world/disturbance.hpp"
 #include "robsim/world/scene.hpp"
 #include "robsim/world/visual_noise.hpp"
 #include "robsim/world/work_area.hpp"
 
 namespace robsim {
+
+/// What moves the robot beside its model: normal noise on the pose, and on what the motors get.
+struct Disturbance {
+  Eigen::Matrix3d pose_factor = Eigen::Matrix3d::Zero();  // L, covariance of a step = L L'
+  std::array<double, 2> input_sigma = {0, 0};             // V
+  bool is_on = false;                                     // one of them is not 0
+  std::uint64_t seed = 0;
+
+  /// What the motors get in step k in place of u.
+  Input disturbed(const Input& u, std::int64_t k) const;
+
+  /// Where the robot is in step k in place of the pose.
+  Pose disturbed(const Pose& pose, std::int64_t k) const;
+};
 
 /// What a robot model gets to compute the pose of step k.
 struct WorldState {

@@ -1,4 +1,4 @@
-#include "robsim/simulation/robot/parameter_estimator.hpp"
+#include "robsim/simulation/robot/stages.hpp"
 
 #include <stdexcept>
 #include <utility>
@@ -27,5 +27,18 @@ bool RecursiveEstimator::write_standard_errors_unscaled(double* errors) const {
   filters_->write_standard_errors_unscaled(errors);
   return true;
 }
+
+RobotModel default_model() { return RobotModel(); }
+
+std::shared_ptr<ParameterEstimator> default_parameter_estimator(const RobotModel&) {
+  return std::make_shared<RecursiveEstimator>(std::make_shared<GuardedLeastSquares>(5, 3));
+}
+
+std::optional<AxisMatrix> update_estimator(const StepPointer& step) {
+  if (!step->sample) return std::nullopt;
+  return step->estimator->update(*step);
+}
+
+std::optional<Measurement> locate_markers(const StepPointer& step) { return step->detect(); }
 
 }  // namespace robsim
