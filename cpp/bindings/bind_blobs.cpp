@@ -4,7 +4,7 @@
 
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/vision/marker_width.hpp"

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "python/names.hpp"
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/vision/color/color_class.hpp"

@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/estimation/least_squares.hpp"
 #include "robsim/simulation/robot/stages.hpp"

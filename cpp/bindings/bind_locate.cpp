@@ -8,7 +8,7 @@
 
 #include "python/by_role.hpp"
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/simulation/robot/robot_software.hpp"
 #include "robsim/simulation/seam/thread_guard.hpp"

@@ -4,9 +4,8 @@
 #include <tuple>
 
 #include "python/by_role.hpp"
-#include "python/names.hpp"
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/vision/marker_width.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/model/motion.hpp"
 #include "robsim/model/robot_model.hpp"

@@ -6,7 +6,7 @@
 
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "robsim/world/scene.hpp"
 #include "robsim/world/visual_noise.hpp"
 

@@ -11,7 +11,7 @@
 #include "capture/capture_errors.hpp"
 #include "capture/python_camera.hpp"
 #include "python/interpreter.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "robsim/base/system.hpp"
 #include "robsim/lab/capture/grabber.hpp"
 #include "robsim/lab/capture/image_stream.hpp"

@@ -2,10 +2,19 @@
 
 #include <pybind11/pybind11.h>
 
-#include "capture/device_text.hpp"
+#include <string>
+
 #include "robsim/lab/capture/capture_device.hpp"
 
 namespace robsim::bindings {
+
+/// Text of a device, which may be in any coding, or cut: what is no UTF-8 becomes U+FFFD.
+inline pybind11::str device_text(const std::string& text) {
+  PyObject* const decoded =
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace");
+  if (!decoded) throw pybind11::error_already_set();
+  return pybind11::reinterpret_steal<pybind11::str>(decoded);
+}
 
 /// Raises the error of robsim.lab that a fault stands for.
 inline void raise_in_python(const CaptureError& error) {

@@ -3,7 +3,6 @@
 #include <functional>
 #include <unordered_map>
 
-#include "python/remote_halves.hpp"
 #include "robsim/simulation/robot/stages.hpp"
 
 namespace robsim::bindings {

@@ -1,11 +1,17 @@
 // Python callables as stages: their calls, their errors, their results.
 #pragma once
 
+#include <pybind11/stl.h>
+
 #include <stdexcept>
+#include <string>
 #include <unordered_map>
+#include <utility>
 
 #include "python/numpy.hpp"
 #include "robsim/simulation/loop.hpp"
+#include "robsim/simulation/remote/remote_robot.hpp"
+#include "robsim/simulation/remote/remote_world.hpp"
 #include "robsim/simulation/robot/controllers.hpp"
 
 namespace robsim::bindings {
@@ -152,6 +158,47 @@ class SlottedLoop : public Loop, public SlotValues {
   void let_go();
 
   StepObject step_object;  // empty between two runs
+};
+
+// The halves of a loop in two processes, with the callables that exchange their messages.
+
+/// They do not keep the callables alive: the values do, where the garbage collector sees them.
+class PythonRemoteRobot : public RemoteRobot, public SlotValues {
+ public:
+  PythonRemoteRobot(Options options, const py::object& exchange, const py::object& refuse)
+      : RemoteRobot(std::move(options), by(exchange), refusal(refuse)) {
+    values = {{"exchange", exchange}, {"refuse", refuse}};
+  }
+
+ private:
+  static Exchange by(py::handle exchange) {
+    return [exchange](const std::string& message, const ImageView* pixels, const char* slot,
+                      std::int64_t k) {
+      py::object following = py::none();
+      if (pixels) following = image_array(copy_of(*pixels));
+      return exchange(py::bytes(message), following, slot, k).cast<std::string>();
+    };
+  }
+  static Refuse refusal(py::handle refuse) {
+    return [refuse](const char* slot, std::int64_t k, const std::string& what) {
+      refuse(slot, k, what);
+    };
+  }
+};
+
+class PythonRemoteWorld : public RemoteWorld, public SlotValues {
+ public:
+  PythonRemoteWorld(Options options, const py::object& exchange)
+      : RemoteWorld(std::move(options), by(exchange)) {
+    values = {{"exchange", exchange}};
+  }
+
+ private:
+  static Exchange by(py::handle exchange) {
+    return [exchange](const std::string& message) {
+      return exchange(py::bytes(message)).cast<std::optional<std::string>>();
+    };
+  }
 };
 
 }  // namespace robsim::bindings

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "python/annotations.hpp"
 #include "robsim/base/geometry.hpp"
 #include "robsim/imaging/image.hpp"
 #include "robsim/model/robot_model.hpp"
@@ -21,6 +20,65 @@
 namespace robsim::bindings {
 
 namespace py = pybind11;
+
+// What help and the stub say of arguments that take more than one type. They accept any value:
+// conversions say what is wrong with it.
+inline bool is_anything(PyObject* value) { return value != nullptr; }
+
+/// What numpy makes an array of: a pose, points, inputs, a matrix.
+class ArrayLike : public py::object {
+ public:
+  PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, is_anything)
+};
+
+/// The pixels of an image.
+class PixelArray : public py::object {
+ public:
+  PYBIND11_OBJECT_DEFAULT(PixelArray, py::object, is_anything)
+};
+
+/// A Frame or the pixels of an image.
+class ImageLike : public py::object {
+ public:
+  PYBIND11_OBJECT_DEFAULT(ImageLike, py::object, is_anything)
+};
+
+/// A Measurement or its pose.
+class MeasurementLike : public py::object {
+ public:
+  PYBIND11_OBJECT_DEFAULT(MeasurementLike, py::object, is_anything)
+};
+
+/// A box of pixels: left, top, right, bottom.
+class Region : public py::object {
+ public:
+  PYBIND11_OBJECT_DEFAULT(Region, py::object, is_anything)
+};
+
+}  // namespace robsim::bindings
+
+template <>
+struct pybind11::detail::handle_type_name<robsim::bindings::ArrayLike> {
+  static constexpr auto name = const_name("numpy.typing.ArrayLike");
+};
+template <>
+struct pybind11::detail::handle_type_name<robsim::bindings::PixelArray> {
+  static constexpr auto name = const_name("numpy.typing.NDArray[numpy.uint8]");
+};
+template <>
+struct pybind11::detail::handle_type_name<robsim::bindings::ImageLike> {
+  static constexpr auto name = const_name("robsim.Frame | numpy.typing.NDArray[numpy.uint8]");
+};
+template <>
+struct pybind11::detail::handle_type_name<robsim::bindings::MeasurementLike> {
+  static constexpr auto name = const_name("robsim.Measurement | numpy.typing.ArrayLike");
+};
+template <>
+struct pybind11::detail::handle_type_name<robsim::bindings::Region> {
+  static constexpr auto name = const_name("collections.abc.Sequence[int]");
+};
+
+namespace robsim::bindings {
 
 using Shape = std::vector<py::ssize_t>;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -98,6 +156,17 @@ T choice_from(const std::string& name, const std::string& chosen,
     names += (names.empty() ? "'" : ", '") + std::string(key) + "'";
   }
   throw py::value_error(name + " must be one of " + names + ", got '" + chosen + "'");
+}
+
+constexpr std::size_t longest_name = 40;  // characters, as in _base/checks.py
+
+/// Returns a name that can be shown anywhere: in a table, in a terminal, as the head of a column.
+/// `what` it is the name of, for the message.
+inline std::string name_from(const pybind11::str& name, const std::string& what = "name") {
+  if (py::len(name) - 1 < longest_name && name.attr("isprintable")().cast<bool>()) return name;
+  const py::str start = name[py::slice(0, longest_name, 1)];
+  throw py::value_error(what + " must be 1 to 40 printable characters, got " +
+                        std::string(py::repr(start)) + (py::len(name) > longest_name ? "..." : ""));
 }
 
 }  // namespace robsim::bindings

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/model/motion.hpp"
 #include "robsim/simulation/robot/controllers.hpp"

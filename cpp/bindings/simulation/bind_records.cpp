@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/simulation/robot/step.hpp"
 #include "robsim/simulation/world/external_world.hpp"

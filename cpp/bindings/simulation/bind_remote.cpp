@@ -1,7 +1,7 @@
+#include "python/callbacks.hpp"
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
-#include "python/remote_halves.hpp"
+#include "python/signature.hpp"
 #include "robsim/simulation/remote/message_socket.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
 

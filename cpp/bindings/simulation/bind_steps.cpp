@@ -4,7 +4,7 @@
 
 #include "python/callbacks.hpp"
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "simulation/fields.hpp"
 

@@ -9,10 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "capture/camera_features.hpp"
 #include "capture/capture_errors.hpp"
-#include "capture/device_text.hpp"
-#include "capture/open_in_thread.hpp"
+#include "capture/native_camera.hpp"
 #include "python/interpreter.hpp"
 #include "robsim/lab/capture/firewire/fire_wire_camera.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "robsim/lab/laboratory/laboratory_camera.hpp"
 
 namespace py = pybind11;

@@ -8,7 +8,7 @@
 
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/lab/motors/motor_link.hpp"
 #include "robsim/lab/motors/motor_receiver.hpp"

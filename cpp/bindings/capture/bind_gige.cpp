@@ -9,12 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "capture/camera_features.hpp"
 #include "capture/capture_errors.hpp"
-#include "capture/device_text.hpp"
-#include "capture/open_in_thread.hpp"
+#include "capture/native_camera.hpp"
 #include "python/interpreter.hpp"
-#include "python/public_names.hpp"
+#include "python/signature.hpp"
 #include "robsim/lab/capture/gige/gige_camera.hpp"
 #include "robsim/lab/capture/gige/gige_vision.hpp"
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "python/numpy.hpp"
-#include "python/public_names.hpp"
 #include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/plane_map.hpp"
