@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 # Each room and the rooms that it may include; none includes one that includes it. A file of base is
-# a room of its own.
+# a separate room.
 CPP = {
     "base/simd": set(),
     "base/system": set(),

@@ -21,8 +21,8 @@ namespace robsim::bindings {
 
 namespace py = pybind11;
 
-// What help and the stub say of arguments that take more than one type. They accept any value:
-// conversions say what is wrong with it.
+// Types in help and in the stub for arguments of more than one type. They accept any value, because
+// the conversions raise the errors.
 inline bool is_anything(PyObject* value) { return value != nullptr; }
 
 /// What numpy makes an array of: a pose, points, inputs, a matrix.

@@ -1,4 +1,4 @@
-// What differs from system to system: numbers as text, the clock, threads.
+// Functions of the operating system: numbers as text, the clock, threads.
 #pragma once
 
 #include <functional>

@@ -30,7 +30,7 @@ _COMMANDS = {
     "check": ("check", "Check your callbacks: what is wrong, in which situation and line."),
     "grade": ("grade", "Grade submissions by an assignment."),
     "track": ("track", "Track the robot in a video file or a folder of images."),
-    "cameras": ("sources", "List the cameras of this computer, what is missing, and why."),
+    "cameras": ("sources", "List the cameras of this computer, and why others are missing."),
     "live": ("live", "Drive a robot under a real camera, with the callbacks of a folder."),
     "notebooks": ("notebooks", "Copy the notebooks for students into a folder."),
     "bench": ("simulated.bench", "Measure how fast robsim is on this machine."),
@@ -42,7 +42,7 @@ _COMMANDS = {
         "calibration.app",
         "Calibrate a camera: its lens, and where it looks at the floor from.",
     ),
-    "tasks": ("tasks", "Tasks to solve: what they ask, and how good a solution is."),
+    "tasks": ("tasks", "Tasks to solve: their sheets, and the scores of a solution."),
     "robots": ("robots", "Show, add and choose robots."),
     "colors": ("colors", "Show, train and test the colour classes that vision detects."),
 }

@@ -201,7 +201,7 @@ def cameras(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """List the cameras of this computer, what is missing, and why."""
+    """List the cameras of this computer, and why others are missing."""
     from robsim.lab.cameras.finding import find_cameras
 
     with errors.report_errors():

@@ -8,7 +8,7 @@ A file of ``assets/solutions`` has those of a task, in TOML::
     says = "..."             # the first line of its first file
     "old" = "new"            # instead of a text, in all files of the base that have it
     "first ... last" = "new" # instead of all from the first words to the last
-    "control.py" = "..."     # a file of its own
+    "control.py" = "..."     # another file
 
 One that has a file for each slot has no others of the base. The wheel has none of these files, but
 ``solutions.bin``, in which nobody comes across a solution without looking for one.

@@ -1,6 +1,6 @@
 """Calls to Linux that Python has no function for.
 
-The numbers are those of the headers of Linux (``asm/unistd_64.h``, ``asm-generic/unistd.h``). None
+The numbers come from the headers of Linux (``asm/unistd_64.h``, ``asm-generic/unistd.h``). None
 marks a call that the processor's Linux never had.
 """
 
