@@ -49,8 +49,8 @@ std::optional<BlobPair> blobs_of(const std::optional<MarkerPair>& pair) {
 }
 
 MarkerPair pair_from(const ByRole<Blob>& blobs) {
-  const MarkerRoles roles = roles_of(blobs, "pair");
-  const auto [first, second] = in_order(blobs, roles, "pair");
+  const MarkerRoles roles = roles_of(blobs, "seen");
+  const auto [first, second] = in_order(blobs, roles, "seen");
   return {first, second, roles};
 }
 
@@ -150,9 +150,9 @@ misfit : float, optional
 signal_to_noise : float, optional
     How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
     3 there is none.
-pair : dict of str to Blob, optional
-    By role, ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``: the blobs that were taken for
-    the markers.
+seen : dict of str to Blob, optional
+    What was seen of the robot's markers, by role, ``"right"`` and ``"left"``, or ``"front"`` and
+    ``"back"``: of a `BlobMarker` the blob that was taken for it. Its colour is its identity.
 
 Raises
 ------
@@ -162,7 +162,7 @@ ValueError
   measurement
       .def(py::init(&make_measurement), py::arg("pose"), py::kw_only(),
            py::arg("covariance") = py::none(), py::arg("misfit") = py::none(),
-           py::arg("signal_to_noise") = py::none(), py::arg("pair") = py::none())
+           py::arg("signal_to_noise") = py::none(), py::arg("seen") = py::none())
       .def_property_readonly(
           "pose", [](const Measurement& self) { return to_array(self.pose); },
           "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).")
@@ -181,8 +181,8 @@ ValueError
           "signal_to_noise", [](const Measurement& self) { return known(self.signal_to_noise); },
           "float or None: of the markers' edges; from 4 on a pose can be trusted.")
       .def_property_readonly(
-          "pair", [](const Measurement& self) { return blobs_of(self.pair); },
-          "dict of str to Blob or None: by role, the blobs taken for the markers.");
+          "seen", [](const Measurement& self) { return blobs_of(self.pair); },
+          "dict of str to Blob or None: by role, what was taken for the markers.");
   const auto make = [](const PoseNumbers& pose, const std::optional<CovarianceRows>& covariance,
                        std::optional<double> misfit, std::optional<double> signal_to_noise,
                        const std::optional<PairValue>& pair) {
@@ -197,7 +197,7 @@ ValueError
       Field("covariance", [](const Measurement& m) { return covariance_rows_of(m.covariance); }),
       Field("misfit", [](const Measurement& m) { return known(m.misfit); }),
       Field("signal_to_noise", [](const Measurement& m) { return known(m.signal_to_noise); }),
-      Field("pair", [](const Measurement& m) { return value_of(m.pair); }));
+      Field("seen", [](const Measurement& m) { return value_of(m.pair); }));
   define_equality(measurement, fields);
   define_hash(measurement, fields);
   define_pickle(measurement, fields);
@@ -265,12 +265,12 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
       .def_readonly("measurement", &Detection::measurement,
                     "Measurement or None: None = not detected, see `reason`.")
       .def_property_readonly(
-          "pair",
+          "seen",
           [](const Detection& self) -> std::optional<BlobPair> {
             if (!self.first || !self.second) return std::nullopt;
             return by_role<Blob>(self.markers.roles, py::cast(*self.first), py::cast(*self.second));
           },
-          "dict of str to Blob or None: by role, the blobs taken for the markers; if no pair is "
+          "dict of str to Blob or None: by role, what was taken for the markers; if no pair is "
           "accepted,\nthose most like them.")
       .def_readonly("misfit", &Detection::misfit,
                     "float: misfit of the pair, from 0 = perfect; inf without a pair. That of the "
@@ -278,10 +278,6 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
       .def_readonly("runner_up", &Detection::runner_up,
                     "float: misfit of the second best pair that is accepted; inf if there is none. "
                     "Near the\nmisfit, the choice is ambiguous.")
-      .def_readonly(
-          "exchanged_misfit", &Detection::exchanged,
-          "float: misfit of the pair if each blob were that of the other marker: smaller in "
-          "mirrored\nframes, if the areas of the markers differ.")
       .def_readonly("false_alarms", &Detection::false_alarms,
                     "float: how many pairs of the other blobs would fit as well by chance, if they "
                     "lay\nanywhere; a pair is accepted up to 0.005.")

@@ -1032,9 +1032,9 @@ class Measurement:
     signal_to_noise : float, optional
         How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
         3 there is none.
-    pair : dict of str to Blob, optional
-        By role, ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``: the blobs that were taken for
-        the markers.
+    seen : dict of str to Blob, optional
+        What was seen of the robot's markers, by role, ``"right"`` and ``"left"``, or ``"front"`` and
+        ``"back"``: of a `BlobMarker` the blob that was taken for it. Its colour is its identity.
     
     Raises
     ------
@@ -1047,7 +1047,7 @@ class Measurement:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, pose: numpy.typing.ArrayLike, *, covariance: numpy.typing.ArrayLike | None = None, misfit: float | None = None, signal_to_noise: float | None = None, pair: collections.abc.Mapping[str, Blob] | None = None) -> None:
+    def __init__(self, pose: numpy.typing.ArrayLike, *, covariance: numpy.typing.ArrayLike | None = None, misfit: float | None = None, signal_to_noise: float | None = None, seen: collections.abc.Mapping[str, Blob] | None = None) -> None:
         ...
     def __reduce__(self) -> tuple[typing.Any, tuple[type], typing.Any]:
         ...
@@ -1067,14 +1067,14 @@ class Measurement:
         float or None: factor on the variance, 1 where the fit leaves noise alone.
         """
     @property
-    def pair(self) -> dict[str, Blob] | None:
-        """
-        dict of str to Blob or None: by role, the blobs taken for the markers.
-        """
-    @property
     def pose(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).
+        """
+    @property
+    def seen(self) -> dict[str, Blob] | None:
+        """
+        dict of str to Blob or None: by role, what was taken for the markers.
         """
     @property
     def signal_to_noise(self) -> float | None:
@@ -1115,12 +1115,6 @@ class Detection:
         float: distance between the two blobs (work-area px); NaN without a pair.
         """
     @property
-    def exchanged_misfit(self) -> float:
-        """
-        float: misfit of the pair if each blob were that of the other marker: smaller in mirrored
-        frames, if the areas of the markers differ.
-        """
-    @property
     def explanation(self) -> str:
         """
         str: a sentence on the result, with the numbers that decided.
@@ -1143,12 +1137,6 @@ class Detection:
         has the measurement.
         """
     @property
-    def pair(self) -> dict[str, Blob] | None:
-        """
-        dict of str to Blob or None: by role, the blobs taken for the markers; if no pair is accepted,
-        those most like them.
-        """
-    @property
     def reason(self) -> str | None:
         """
         str or None: why there is no measurement: ``"no blobs"``, ``"no red blob"``,
@@ -1161,6 +1149,12 @@ class Detection:
         """
         float: misfit of the second best pair that is accepted; inf if there is none. Near the
         misfit, the choice is ambiguous.
+        """
+    @property
+    def seen(self) -> dict[str, Blob] | None:
+        """
+        dict of str to Blob or None: by role, what was taken for the markers; if no pair is accepted,
+        those most like them.
         """
 class MissedDetections:
     """

@@ -28,7 +28,7 @@ LOOKS = """
     def control(step):
         sees = there(lambda: step.frame) + 2 * there(lambda: step.blobs)
         knows = there(lambda: step.measurement) + 2 * there(lambda: step.detection)
-        knows += 4 * there(lambda: step.measurement.pair) + 8 * there(lambda: step.sample)
+        knows += 4 * there(lambda: step.measurement.seen) + 8 * there(lambda: step.sample)
         return sees / 10, knows / 10
     """
 

@@ -52,7 +52,7 @@ def test_large_markers_are_not_drawn_to_the_nearer_side(pose, radius):
     assert np.hypot(*(found.measurement.pose[:2] - pose[:2])) < 0.02
     assert abs(found.measurement.pose[2] - pose[2]) < 1e-4
     # The mere middle of what is seen is off by what a large marker makes of the perspective.
-    middles = [MAP.to_world(blob.centroid) for blob in found.pair.values()]
+    middles = [MAP.to_world(blob.centroid) for blob in found.seen.values()]
     corners = [placed(point, pose) for point in (RED, BLUE)]
     off = np.linalg.norm(np.subtract(middles, corners).mean(axis=0))
     assert off > 0.3 if radius == 50 else off < 0.05

@@ -128,15 +128,15 @@ def test_a_pair_is_by_role():
         "blue": [Blob("blue", centroid=(100, 100), **place)],
     }
     found = detect(blobs, layout)
-    assert list(found.pair) == ["front", "back"]
+    assert list(found.seen) == ["front", "back"]
     assert (
-        found.pair == found.measurement.pair == {"front": blobs["red"][0], "back": blobs["blue"][0]}
+        found.seen == found.measurement.seen == {"front": blobs["red"][0], "back": blobs["blue"][0]}
     )
     np.testing.assert_allclose(found.measurement.pose, (120, 100, 0), atol=1e-9)
     assert pickle.loads(pickle.dumps(found.measurement)) == found.measurement
     assert "back marker" in detect({"red": blobs["red"]}, layout).explanation
-    with pytest.raises(ValueError, match=r"pair.*roles"):
-        robsim.Measurement((1, 2, 3), pair={"red": blobs["red"][0], "blue": blobs["blue"][0]})
+    with pytest.raises(ValueError, match=r"seen.*roles"):
+        robsim.Measurement((1, 2, 3), seen={"red": blobs["red"][0], "blue": blobs["blue"][0]})
 
 
 # --- a robot
@@ -193,7 +193,7 @@ def test_it_is_saved_loaded_and_tracked_by_a_file_of_these_colours(tmp_path):
     assert np.degrees(np.abs(error[:, 2])).max() < 1
     assert set(trace.blobs) == set(NAMES)
     assert trace.info.marker_colors == NAMES
-    assert sim.last_step.measurement.pair["front"] in sim.last_step.blobs["green"]
+    assert sim.last_step.measurement.seen["front"] in sim.last_step.blobs["green"]
     with pytest.raises(ValueError, match="green and orange"):
         simulation(colors=robsim.load_colors()).run(1)
 
@@ -208,7 +208,7 @@ def test_it_is_found_in_a_frame_also_in_dim_light():
         assert found.measurement is not None, found.explanation
         assert found.by_second_chance == (seen is not frame)
         np.testing.assert_allclose(found.measurement.pose, (300, 400, 0.7), atol=atol)
-        assert [blob.color for blob in found.measurement.pair.values()] == list(NAMES)
+        assert [blob.color for blob in found.measurement.seen.values()] == list(NAMES)
 
 
 def test_what_is_missing_is_called_by_its_name(tmp_path):

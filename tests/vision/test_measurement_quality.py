@@ -32,18 +32,18 @@ def test_it_has_covariance_misfit_signal_to_noise_and_pair():
     assert (np.linalg.eigvalsh(measurement.covariance) > 0).all()
     assert 1 <= measurement.misfit < 1.5
     assert 15 < measurement.signal_to_noise < 25
-    assert measurement.pair == step.detection.pair
-    assert measurement.pair["right"] in step.blobs["red"]
+    assert measurement.seen == step.detection.seen
+    assert measurement.seen["right"] in step.blobs["red"]
     assert copy.deepcopy(measurement) == measurement
     assert hash(copy.copy(measurement)) == hash(measurement)
 
 
 def test_what_is_not_known_is_none():
     plain = robsim.Measurement((1, 2, 3))
-    assert (plain.covariance, plain.misfit, plain.signal_to_noise, plain.pair) == 4 * (None,)
+    assert (plain.covariance, plain.misfit, plain.signal_to_noise, plain.seen) == 4 * (None,)
     assert eval(repr(plain), {"Measurement": robsim.Measurement}) == plain
     blob = Blob("red", area=3, centroid=(1, 2), bounding_box=(0, 0, 3, 3))
-    known = {"misfit": 1.5, "signal_to_noise": 9, "pair": {"right": blob, "left": blob}}
+    known = {"misfit": 1.5, "signal_to_noise": 9, "seen": {"right": blob, "left": blob}}
     measurement = robsim.Measurement((1, 2, 3), covariance=np.eye(3), **known)
     np.testing.assert_array_equal(measurement.covariance, np.eye(3))
     assert not measurement.covariance.flags.writeable

@@ -146,7 +146,7 @@ def test_false_alarms_are_the_pairs_to_be_expected_by_chance(rng):
     }
     others = {
         color: areas[color][[b != best for b in blobs[color]]]
-        for color, best in (("red", detection.pair["right"]), ("blue", detection.pair["left"]))
+        for color, best in (("red", detection.seen["right"]), ("blue", detection.seen["left"]))
     }
     sums = others["red"][others["red"] <= 1][:, None] + others["blue"][others["blue"] <= 1]
     rest = np.clip(detection.misfit - sums, 0, 1)

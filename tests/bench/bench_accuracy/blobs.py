@@ -51,8 +51,8 @@ class BlobMethods:
         found = self._detect(frame, blobs)
         if found.measurement is None:
             return None
-        assert found.pair is not None
-        weighted = (self._weighted(frame, blob) for blob in found.pair.values())
+        assert found.seen is not None
+        weighted = (self._weighted(frame, blob) for blob in found.seen.values())
         return _pose(self._detect(frame, {blob.color: [blob] for blob in weighted}))
 
     def opencv(self, frame: Frame) -> Floats | None:

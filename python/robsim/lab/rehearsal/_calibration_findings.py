@@ -53,7 +53,7 @@ def marker_pair(
     found = []
     for role, name in markers.colors.items():
         largest = max(blobs.get(name, ()), key=lambda blob: blob.area, default=None)
-        blob = detection.pair[role] if detection.pair else largest
+        blob = detection.seen[role] if detection.seen else largest
         if blob is None:
             return None
         found.append(blob.centroid)

@@ -193,8 +193,8 @@ class CameraLook:
 
     def _found(self, detection: Detection) -> dict[str, Blob]:
         """Return the blobs of a robot that was detected, by colour."""
-        assert detection.pair is not None
-        return {blob.color: blob for blob in detection.pair.values()}
+        assert detection.seen is not None
+        return {blob.color: blob for blob in detection.seen.values()}
 
     def _others(self, blobs: Mapping[str, Sequence[Blob]], detection: Detection) -> int:
         """Return how many blobs there are as large as markers, besides the two."""

@@ -159,8 +159,8 @@ def train_markers(
         if detection.measurement is None:
             missed.append(f"in frame {k} {detection.explanation}")
             continue
-        assert detection.pair is not None
-        for blob in detection.pair.values():
+        assert detection.seen is not None
+        for blob in detection.seen.values():
             try:
                 samples[blob.color].add(k, frame, _inner_box(blob))
             except ValueError as error:
