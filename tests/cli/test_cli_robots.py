@@ -154,9 +154,11 @@ def test_add_with_all_options(tmp_path):
     robot = load_robot("mine")
     assert (robot.size, robot.alignment) == (100, -90)
     np.testing.assert_array_equal(
-        robot.markers["left"], [(240, 240), (319.5, 240), (319, 319), (240, 319)]
+        robot.markers["left"].polygon, [(240, 240), (319.5, 240), (319, 319), (240, 319)]
     )
-    np.testing.assert_array_equal(robot.markers["right"], [(80, 240), (160, 240), (160, 320)])
+    np.testing.assert_array_equal(
+        robot.markers["right"].polygon, [(80, 240), (160, 240), (160, 320)]
+    )
     np.testing.assert_array_equal(robot.outline[0], (-0.5, -0.5))
     np.testing.assert_array_equal(robot.centre, (190, 210))
 
@@ -249,6 +251,6 @@ def test_a_robot_of_other_colours_is_added_and_shown():
     options = "--colors", "colors.toml", "--marker-colors", "green,orange"
     said = done("add", "fruit", "photo.png", *options)
     assert re.search("front +green, 576 px.*\n +back +orange, 576 px", said)
-    assert load_robot("fruit").marker_colors == {"front": "green", "back": "orange"}
+    assert load_robot("fruit").marker_layout().colors == {"front": "green", "back": "orange"}
     assert "green, 576" in done("show", "fruit", "--colors", "colors.toml")
     refused("add", "other", "photo.png", *options[:2], "--marker-colors", "green")

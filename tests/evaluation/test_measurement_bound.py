@@ -126,7 +126,7 @@ def test_the_bound_is_in_px_of_the_work_area():
     frame, robot = shown(480, POSES[0])
     noise = robsim.GaussianNoise(10)
     bound = measurement_bound(frame, POSES[0], robot, noise=noise)
-    polygons = [2 * robot.to_robot_frame(polygon) for polygon in robot.markers.values()]
+    polygons = [2 * robot.to_robot_frame(one.polygon) for one in robot.markers.values()]
     large = Frame(frame.image, plane_map=PlaneMap.scaled((480, 480), (2400, 2400)))
     # The origin of both areas is the centre of a px of the area.
     x, y, heading = POSES[0]

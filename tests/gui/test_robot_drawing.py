@@ -129,7 +129,7 @@ def test_a_centre_that_was_given_stays_until_there_is_another_outline(user_folde
     lab = robsim.load_robot("lab")
     with robsim.gui.robot_panel(robot="lab") as tool:
         drawing = tool._view.drawing
-    drawing.insert("red", 0, lab.markers["right"][0] + 1)
+    drawing.insert("red", 0, lab.markers["right"].polygon[0] + 1)
     np.testing.assert_array_equal(drawing.definition("mine").centre, lab.centre)
     drawing.move("outline", 0, lab.outline[0] + 1)
     assert np.abs(drawing.centre - lab.centre).max() > 1

@@ -41,9 +41,9 @@ def test_the_outline_is_about_that_of_the_robot(name, noise):
 def test_the_markers_are_those_of_the_robot():
     robot, image, pose = picture("lab")
     outline = guess_outline(image)
-    for role, color in robot.marker_colors.items():
-        found = guess_marker(image, outline, color, load_colors())
-        assert overlap(found, placed(robot, robot.markers[role], pose), image) > 0.6
+    for marker in robot.markers.values():
+        found = guess_marker(image, outline, marker.color, load_colors())
+        assert overlap(found, placed(robot, marker.polygon, pose), image) > 0.6
 
 
 def test_a_bare_floor_has_no_robot():

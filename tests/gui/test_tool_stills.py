@@ -62,7 +62,7 @@ def robot_still(tool):
 
 
 def test_corners_are_drawn_where_they_are(robot_tool):
-    corner = robot_tool.value.markers["right"][0]
+    corner = robot_tool.value.markers["right"].polygon[0]
     moved = np.add(corner, (0, 14))
     assert not is_near(robot_still(robot_tool).at(corner), RED_INK, 20)
     robot_tool.message("part", name="red")

@@ -250,8 +250,8 @@ def test_a_robot_that_is_cut_out_is_drawn_on_at_once(robots):
     drawn = robots.drawing.definition("seen")
     assert drawn.size == lab.size
     assert drawn.radius == pytest.approx(lab.radius, rel=0.1)
-    (red,) = (drawn.markers[role] for role, name in drawn.marker_colors.items() if name == "red")
-    middle = lab.markers["right"].mean(axis=0)
+    (red,) = (one.polygon for one in drawn.markers.values() if one.color == "red")
+    middle = lab.markers["right"].polygon.mean(axis=0)
     np.testing.assert_allclose(red.mean(axis=0) / scale, middle, atol=3)
 
 

@@ -11,7 +11,7 @@ from drawn_robots import box, painted
 from robsim import load_robot
 from robsim.plotting import plot_robot
 from robsim.plotting import style as style
-from robsim.vision import RobotDefinition, robot_from_image
+from robsim.vision import BlobMarker, RobotDefinition, robot_from_image
 
 RED, BLUE = box(240, 240, 319, 319), box(80, 200, 159, 279)
 
@@ -68,8 +68,10 @@ def test_nothing_covers_anything_with_markers_in_front_and_behind():
         size=100.0,
         alignment=180.0,
         outline=box(0, 0, 399, 399),
-        markers={"front": front, "back": back},
-        marker_colors={"front": "fluorescent green", "back": "orange"},
+        markers={
+            "front": BlobMarker(front, "fluorescent green"),
+            "back": BlobMarker(back, "orange"),
+        },
     )
     drawn = plot_robot(toy)
     drawn.figure.canvas.draw()

@@ -5,7 +5,7 @@ import pytest
 
 from drawn_robots import COLORS, box, painted, random_robot
 from robsim import ColorClass, load_colors
-from robsim.vision import RobotDefinition, check_colors
+from robsim.vision import BlobMarker, RobotDefinition, check_colors
 
 pytestmark = pytest.mark.kernels
 
@@ -16,8 +16,8 @@ EDGE = box(-0.5, -0.5, 399.5, 399.5)
 def robot(image, **changed):
     values = {"name": "toy", "image": image, "size": 120.0, "alignment": 90.0}
     values |= {"outline": EDGE, "red": RED, "blue": BLUE} | changed
-    markers = {"right": values.pop("red"), "left": values.pop("blue")}
-    return RobotDefinition(markers=markers, **values)
+    red, blue = (BlobMarker(values.pop(color), color) for color in ("red", "blue"))
+    return RobotDefinition(markers={"right": red, "left": blue}, **values)
 
 
 @pytest.fixture

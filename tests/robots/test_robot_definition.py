@@ -11,7 +11,14 @@ import pytest
 from PIL import Image
 
 from robsim import Simulation, load_robot
-from robsim.vision import RobotDefinition, check_colors, robot_from_image, robot_names, save_robot
+from robsim.vision import (
+    BlobMarker,
+    RobotDefinition,
+    check_colors,
+    robot_from_image,
+    robot_names,
+    save_robot,
+)
 
 pytestmark = pytest.mark.kernels
 
@@ -38,8 +45,8 @@ GOOD = {
 def definition(**changed):
     values = {"name": "toy", "image": PICTURE, "size": 40.0, "alignment": 0.0}
     values |= {"outline": EDGE, "red": RED, "blue": BLUE} | changed
-    markers = {"front": values.pop("red"), "back": values.pop("blue")}
-    return RobotDefinition(markers=markers, **values)
+    red, blue = (BlobMarker(values.pop(color), color) for color in ("red", "blue"))
+    return RobotDefinition(**({"markers": {"front": red, "back": blue}} | values))
 
 
 def turned(alignment, size=40.0):
@@ -109,9 +116,8 @@ def test_to_robot_frame(alignment, points, expected):
     assert robot.radius == pytest.approx(2 * np.hypot(9.5, 4.5))
 
 
-def test_centre_and_unit():
+def test_centre_and_scale():
     robot = definition()
-    assert robot.unit == 2
     np.testing.assert_array_equal(robot.to_robot_frame([[9.5, 4.5]]), [[0, 0]])
     moved = definition(centre=[0, 0])
     np.testing.assert_array_equal(moved.to_robot_frame([[1, 2]]), [[2, 4]])
@@ -122,7 +128,10 @@ def test_centre_and_unit():
 def test_the_locator_of_the_toy():
     # alignment 90: markers at (15.5, 7.5) and (3.5, 7.5), 3 picture pixels square
     robot = turned(90)
-    reversed_markers = {role: polygon[::-1] for role, polygon in robot.markers.items()}
+    reversed_markers = {
+        role: replace(marker, polygon=marker.polygon[::-1])
+        for role, marker in robot.markers.items()
+    }
     for one in (robot, replace(robot, markers=reversed_markers)):
         markers = one.marker_layout()
         np.testing.assert_allclose(markers.positions["right"], [-6, 12])
@@ -140,8 +149,8 @@ def test_a_written_robot_is_loaded_back(folder):
     np.testing.assert_array_equal(robot.image, PICTURE)
     np.testing.assert_array_equal(robot.centre, [9.5, 4.5])
     np.testing.assert_array_equal(robot.outline, EDGE)
-    np.testing.assert_array_equal(robot.markers["right"], RED)
-    np.testing.assert_array_equal(robot.markers["left"], BLUE)
+    np.testing.assert_array_equal(robot.markers["right"].polygon, RED)
+    np.testing.assert_array_equal(robot.markers["left"].polygon, BLUE)
     assert load_robot(str(folder())).name == "toy"
     np.testing.assert_array_equal(load_robot(folder(centre=None)).centre, [9.5, 4.5])
     sim = Simulation(robot=folder(), area=(200, 100))
@@ -233,7 +242,7 @@ def test_an_unknown_robot():
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_a_wrong_value_is_named(name, values):
-    said = r"markers\['front'\]" if name == "red" else name
+    said = "polygon" if name == "red" else name
     for value in values:
         with pytest.raises(WRONG, match=rf"^{said} must "):
             definition(**{name: value})
@@ -279,8 +288,8 @@ def test_polygons_that_just_fit():
     beside = definition(red=[[5, 6], [8, 6], [8, 9], [5, 9]])  # a common edge
     assert beside.marker_layout().distance == pytest.approx(6)
     twice = definition(red=[RED[0], *RED, RED[0]])
-    np.testing.assert_array_equal(twice.markers["front"], RED)
-    assert len(definition(red=circle(1000)).markers["front"]) == 1000
+    np.testing.assert_array_equal(twice.markers["front"].polygon, RED)
+    assert len(definition(red=circle(1000)).markers["front"].polygon) == 1000
 
 
 # --- a value: equal by content, unchangeable, read once
@@ -302,7 +311,7 @@ def test_equal_by_content():
         {"blue": [[2, 6], [5, 6], [5, 8]]},
         {"centre": [9, 4]},
         {"maximum_blobs": 8},
-        {"marker_colors": {"front": "green", "back": "blue"}},
+        {"markers": {**robot.markers, "front": BlobMarker(RED, "green")}},
     ):
         assert robot != definition(**changed), changed
     for copied in (copy.deepcopy(robot), pickle.loads(pickle.dumps(robot)), replace(robot)):
@@ -318,7 +327,12 @@ def test_nobody_can_change_it():
     with pytest.raises(AttributeError):
         robot.size = 5
     for kept in (robot, pickle.loads(pickle.dumps(robot))):
-        for array in (kept.image, kept.centre, kept.outline, *kept.markers.values()):
+        for array in (
+            kept.image,
+            kept.centre,
+            kept.outline,
+            *(one.polygon for one in kept.markers.values()),
+        ):
             assert array.flags.c_contiguous
             with pytest.raises(ValueError, match="read-only"):
                 array[0] = 1

@@ -22,15 +22,16 @@ FIVE_POINTED = np.array(
 
 
 def by_color(robot):
-    return {robot.marker_colors[role]: polygon for role, polygon in robot.markers.items()}
+    return {marker.color: marker.polygon for marker in robot.markers.values()}
 
 
 def assert_fits(robot, color, mask):
     """The marker's polygon has the area and the centroid of the mask."""
     down, right = np.nonzero(mask)
     layout = robot.marker_layout()
-    (role,) = (role for role, name in robot.marker_colors.items() if name == color)
-    assert layout.areas[role] == pytest.approx(len(down) * robot.unit**2)
+    (role,) = (role for role, name in layout.colors.items() if name == color)
+    unit = robot.size / robot.image.shape[1]
+    assert layout.areas[role] == pytest.approx(len(down) * unit**2)
     (place,) = robot.to_robot_frame([(right.mean(), down.mean())])
     np.testing.assert_allclose(layout.positions[role], place, atol=1e-6)
 

@@ -27,8 +27,8 @@ def test_the_outline_holds_the_robot_and_little_more(name):
     solid = robot.image[..., 3] > 230
     assert (solid & ~within).sum() <= 0.002 * solid.sum()
     assert within.sum() < 1.15 * solid.sum()
-    for polygon in robot.markers.values():
-        patch = covered(polygon, robot.image)
+    for marker in robot.markers.values():
+        patch = covered(marker.polygon, robot.image)
         assert (within & patch).sum() == patch.sum()
         assert (robot.image[patch, 3] > 230).all()
 

@@ -91,8 +91,8 @@ def test_what_is_added_is_what_is_loaded(rng):
         assert (robot.size, robot.alignment) == (drawn.size, drawn.alignment)
         for name in ("centre", "outline"):
             np.testing.assert_allclose(getattr(robot, name), getattr(drawn, name), atol=0.0051)
-        for role, polygon in drawn.markers.items():
-            np.testing.assert_allclose(robot.markers[role], polygon, atol=0.0051)
+        for role, marker in drawn.markers.items():
+            np.testing.assert_allclose(robot.markers[role].polygon, marker.polygon, atol=0.0051)
 
 
 def test_given_values_override_those_of_the_source(photo):
@@ -101,7 +101,7 @@ def test_given_values_override_those_of_the_source(photo):
                       outline=box(5, 5, 470, 470), ignore_colors=True)  # fmt: skip
     assert (robot.name, robot.size, robot.alignment) == ("mine", 90, -90)
     np.testing.assert_array_equal(robot.centre, (240, 250))
-    np.testing.assert_array_equal(robot.markers["left"], RED)
+    np.testing.assert_array_equal(robot.markers["left"].polygon, RED)
     np.testing.assert_array_equal(robot.outline, box(5, 5, 470, 470))
     assert add_robot("other", photo, size=90).size == 90
 
@@ -124,7 +124,10 @@ def test_a_large_robot_is_scaled_down():
     image = np.repeat(np.repeat(lab.image, 3, axis=0), 3, axis=1)[:, 60:-60]  # high
     moved = 1 - np.array((60, 0))
     points = {name: 3 * getattr(lab, name) + moved for name in ("centre", "outline")}
-    points["markers"] = {role: 3 * polygon + moved for role, polygon in lab.markers.items()}
+    points["markers"] = {
+        role: replace(marker, polygon=3 * marker.polygon + moved)
+        for role, marker in lab.markers.items()
+    }
     robot = add_robot("mine", replace(lab, image=image, size=120 * 1320 / 1440, **points))
     assert max(robot.image.shape) == 1000
     assert robot.marker_layout().distance == pytest.approx(43, abs=0.05)

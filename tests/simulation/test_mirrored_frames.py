@@ -8,7 +8,7 @@ import pytest
 import robsim
 from drawn_robots import box, painted
 from robsim.simulation.frame_source import drives_backwards
-from robsim.vision import RobotDefinition
+from robsim.vision import BlobMarker, RobotDefinition
 from sizes import thorough
 
 pytestmark = pytest.mark.long
@@ -81,7 +81,7 @@ def unlike(rng, kind):
         size=120,
         alignment=90,
         outline=199.5 + 195 * np.column_stack((np.cos(rim), np.sin(rim))),
-        markers={"right": red, "left": blue},
+        markers={"right": BlobMarker(red, "red"), "left": BlobMarker(blue, "blue")},
     )
 
 

@@ -46,7 +46,10 @@ def robot(i):
         size=100.0 + i,
         alignment=0.0,
         outline=[(0, 0), (39, 0), (39, 19), (0, 19)],
-        markers={"front": square(22, 4, 10), "back": square(4, 4, 10)},
+        markers={
+            "front": robots.BlobMarker(square(22, 4, 10), "red"),
+            "back": robots.BlobMarker(square(4, 4, 10), "blue"),
+        },
     )
 
 

@@ -84,7 +84,7 @@ def marker_polygons(robot):
     """The red and the blue marker in the robot's frame: forward, right (work-area px)."""
     if robot == "lab":
         lab = robsim.load_robot("lab")
-        return tuple(lab.to_robot_frame(polygon) for polygon in lab.markers.values())
+        return tuple(lab.to_robot_frame(one.polygon) for one in lab.markers.values())
     red = np.array([(34, 1), (22, 19), (6, 12), (6, -10), (22, -17)], float)
     return red, _rectangle((-34, -14), (-14, 12))  # in front and behind
 

@@ -117,7 +117,7 @@ def _robot(folder: Path) -> Any:
         "outline": np.asarray(robot.outline),
         "alignment": robot.alignment,
         "centre": np.asarray(robot.centre),
-        "markers": {marker: np.asarray(polygon) for marker, polygon in robot.markers.items()},
+        "markers": {role: np.asarray(one.polygon) for role, one in robot.markers.items()},
     }
 
 

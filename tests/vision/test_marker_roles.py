@@ -12,6 +12,7 @@ from robsim import ColorClass
 from robsim.gui import robot_panel
 from robsim.vision import (
     Blob,
+    BlobMarker,
     MarkerLayout,
     RobotDefinition,
     add_robot,
@@ -34,6 +35,7 @@ PAINTS = ((30, 150, 60, 255), (245, 130, 20, 255))
 NAMES = ("green", "orange")
 BY_ROLE = {"front": "green", "back": "orange"}
 FRONT, BACK = box(240, 150, 320, 250), box(80, 160, 160, 240)
+GREEN, ORANGE = BlobMarker(FRONT, "green"), BlobMarker(BACK, "orange")
 SQUARE = np.array([(-5.0, -5), (5, -5), (5, 5), (-5, 5)])
 
 
@@ -46,8 +48,7 @@ def robot(**changed):
         "size": 120,
         "alignment": 0,
         "outline": 199.5 + 195 * np.column_stack((np.cos(rim), np.sin(rim))),
-        "markers": {"back": BACK, "front": FRONT},
-        "marker_colors": BY_ROLE,
+        "markers": {"back": ORANGE, "front": GREEN},
     }
     return RobotDefinition(**(values | changed))
 
@@ -145,31 +146,56 @@ def test_a_pair_is_by_role():
 def test_a_definition_keeps_the_order_and_cannot_be_changed():
     fruit = robot()
     assert list(fruit.markers) == ["front", "back"]
-    assert fruit.marker_colors == asdict(fruit)["marker_colors"] == BY_ROLE
+    assert fruit.marker_layout().colors == BY_ROLE
+    assert fruit.markers == asdict(fruit)["markers"] == {"front": GREEN, "back": ORANGE}
     with pytest.raises(TypeError):
-        fruit.markers["front"] = BACK
+        fruit.markers["front"] = ORANGE
+    with pytest.raises(AttributeError):
+        fruit.markers["front"].color = "red"
     for again in (replace(fruit), pickle.loads(pickle.dumps(fruit))):
         assert again == fruit
         assert hash(again) == hash(fruit)
-    assert fruit != robot(marker_colors={})
-    assert robot(marker_colors={}).marker_colors == {"front": "red", "back": "blue"}
+    assert fruit != robot(markers={"front": BlobMarker(FRONT, "red"), "back": ORANGE})
+    assert GREEN == pickle.loads(pickle.dumps(GREEN)) != BlobMarker(FRONT, "orange")
 
 
 def test_a_definition_whose_roles_are_wrong():
-    aside = {"right": FRONT, "left": np.add(BACK, (0, 30))}
+    aside = {"right": GREEN, "left": BlobMarker(np.add(BACK, (0, 30)), "orange")}
     for changed, words in (
         ({"alignment": 180}, "front marker"),
-        ({"markers": {"right": FRONT, "left": BACK}}, "marker_colors"),
-        ({"markers": aside, "marker_colors": {}}, "right marker"),
-        ({"markers": {"red": FRONT, "blue": BACK}}, "markers"),
-        ({"markers": {"front": FRONT}}, "markers"),
-        ({"marker_colors": {"red": "green", "blue": "orange"}}, "marker_colors"),
-        ({"marker_colors": {"front": "green", "back": "green"}}, "marker_colors"),
-        ({"markers": {"front": FRONT, "back": 5}}, r"markers\['back'\]"),
-        ({"markers": {"front": FRONT, "back": FRONT - 9}}, "front marker.*back marker.*overlap"),
+        ({"markers": aside}, "right marker"),
+        ({"markers": {"red": GREEN, "blue": ORANGE}}, "markers"),
+        ({"markers": {"front": GREEN}}, "markers"),
+        ({"markers": {"front": GREEN, "back": BlobMarker(BACK, "green")}}, "different colours"),
+        ({"markers": {"front": GREEN, "back": BACK}}, r"markers\['back'\].*BlobMarker"),
+        (
+            {"markers": {"front": GREEN, "back": BlobMarker(FRONT - 9, "orange")}},
+            "front marker.*back marker.*overlap",
+        ),
     ):
-        with pytest.raises(ValueError, match=words):
+        with pytest.raises((TypeError, ValueError), match=words):
             robot(**changed)
+
+
+def test_files_name_the_kind_of_a_marker_and_one_that_is_not_there_is_refused(tmp_path):
+    save_robot(tmp_path / "fruit", robot())
+    file = tmp_path / "fruit/robot.toml"
+    whole = robsim.Scenario(robot=robot()).to_toml()
+    for text, load in (
+        (file.read_text(), lambda text: file.write_text(text) and load_robot(file.parent)),
+        (whole, lambda text: robsim.Scenario.from_toml(text).robot),
+    ):
+        green = 'color = "green"\n'
+        named = load(text.replace(green, green + 'kind = "blob"\n'))
+        assert load(text).markers == named.markers == robot().markers
+        assert load(text.replace(green, "")).markers["front"].color == "red"
+        for wrong, words in (
+            ('kind = "tag36h11"\n', r"markers\.front\.kind must be one of 'blob', got 'tag36h11'"),
+            ("identity = 3\n", r"markers\.front has no key 'identity'"),
+            ("color = 3\n", r"markers\.front: color"),
+        ):
+            with pytest.raises(ValueError, match=words):
+                load(text.replace(green, wrong))
 
 
 @pytest.mark.long
@@ -177,8 +203,7 @@ def test_it_is_saved_loaded_and_tracked_by_a_file_of_these_colours(tmp_path):
     save_colors(tmp_path / "colors.toml", COLORS)
     save_robot(tmp_path / "fruit", robot())
     loaded = load_robot(tmp_path / "fruit")
-    assert loaded.marker_colors == BY_ROLE
-    np.testing.assert_array_equal(loaded.markers["back"], BACK)
+    assert loaded.markers == {"front": GREEN, "back": ORANGE}
     sim = simulation(
         robot=loaded,
         colors=tmp_path / "colors.toml",
@@ -230,7 +255,7 @@ def test_a_scenario_and_a_session_keep_the_names(tmp_path):
     positions = MarkerLayout.from_positions({"front": (20, 0), "back": (-20, 0)}, colors=BY_ROLE)
     scenario = robsim.Scenario(robot=robot(), colors=COLORS, markers=positions, measure=True)
     read = robsim.Scenario.from_toml(scenario.to_toml())
-    assert read.robot.marker_colors == BY_ROLE
+    assert read.robot == robot()
     assert read.markers == positions
     frames = [robsim.Frame(simulation().frame.image, t=0.1 * k) for k in range(2)]
     options = {"colors": COLORS, "robot": robot(), "measure": True}
@@ -269,22 +294,23 @@ def test_the_roles_of_a_draft_follow_from_its_heading(alignment, colors, user_fo
     image = robot().image
     for names in (("green", "orange"), ("orange", "green")):
         made = robot_from_image("a", image, alignment=alignment, colors=COLORS, marker_colors=names)
-        assert list(made.marker_colors.items()) == list(colors.items())
+        assert list(made.marker_layout().colors.items()) == list(colors.items())
         assert check_colors(made, COLORS).ok
-    assert add_robot("b", made, colors=COLORS).marker_colors == colors
-    assert add_robot("c", robot(), alignment=alignment, colors=COLORS).marker_colors == colors
+    assert add_robot("b", made, colors=COLORS).marker_layout().colors == colors
+    turned = add_robot("c", robot(), alignment=alignment, colors=COLORS)
+    assert turned.marker_layout().colors == colors
     tool = robot_panel(robot=robot(), colors=COLORS)
     tool.turn(alignment)
-    assert tool.value.marker_colors == colors
+    assert tool.value.marker_layout().colors == colors
     tool.draw("orange", FRONT)
     with pytest.raises(ValueError, match=r"green.*orange|orange.*green"):
         _ = tool.value
     add_robot("d", robot(), colors=COLORS)
     rotate_robot("d", alignment)
     turned = load_robot("d")
-    assert list(turned.marker_colors.items()) == list(colors.items())
+    assert list(turned.marker_layout().colors.items()) == list(colors.items())
     (role,) = (role for role, color in colors.items() if color == "green")
-    np.testing.assert_array_equal(turned.markers[role], FRONT)
+    np.testing.assert_array_equal(turned.markers[role].polygon, FRONT)
 
 
 @pytest.mark.long
@@ -294,19 +320,18 @@ def test_comments_in_a_file_survive_new_roles(user_folder):
     file.write_text(file.read_text().replace('color = "red"', 'color = "red"  # matt paper'))
     rotate_robot("mine", 90)
     text = file.read_text()
-    assert load_robot("mine").marker_colors == {"front": "blue", "back": "red"}
+    assert load_robot("mine").marker_layout().colors == {"front": "blue", "back": "red"}
     assert '[markers.back]\ncolor = "red"  # matt paper\n' in text
     assert "alignment = 180.0   # degrees clockwise" in text
     assert "[markers.right]" not in text
     rotate_robot("mine", -90)
-    assert load_robot("mine").marker_colors == {"right": "red", "left": "blue"}
+    assert load_robot("mine").marker_layout().colors == {"right": "red", "left": "blue"}
 
 
 def test_another_robots_markers_get_other_colours_and_polygons(user_folder):
-    known = robot(marker_colors={"front": "red", "back": "blue"})
+    known = robot(markers={"front": BlobMarker(FRONT, "red"), "back": BlobMarker(BACK, "blue")})
     options = {"marker_colors": ("green", "orange"), "colors": COLORS}
     made = add_robot("mine", known, markers={"orange": BACK + 1}, **options)
-    assert made.marker_colors == {"front": "green", "back": "orange"}
-    np.testing.assert_array_equal(made.markers["back"], BACK + 1)
+    assert made.markers == {"front": GREEN, "back": BlobMarker(BACK + 1, "orange")}
     with pytest.raises(ValueError, match=r"markers.*green and orange"):
         add_robot("other", known, markers={"red": BACK}, **options)

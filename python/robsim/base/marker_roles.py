@@ -30,6 +30,9 @@ class ByRole(Mapping[str, T], Generic[T]):
     def __len__(self) -> int:
         return len(self._values)
 
+    def __hash__(self) -> int:
+        return hash(tuple(self._values.items()))
+
     def __repr__(self) -> str:
         return repr(self._values)
 

@@ -84,9 +84,9 @@ def frame(
         _write_image(file, simulation.frame.image)
     errors.say(f"frame of the robot {simulation.robot.name} written to {file}")
     seen = simulation.robot
-    for role, polygon in seen.markers.items():
-        marker = f"{role} marker ({seen.marker_colors[role]})"
-        errors.say(f"  {marker}: {_marker_region(simulation, polygon, start)}")
+    for role, marker in seen.markers.items():
+        region = _marker_region(simulation, marker.polygon, start)
+        errors.say(f"  {role} marker ({marker.color}): {region}")
 
 
 @app.command("list", cls=Command, epilog="Example: robsim colors list")

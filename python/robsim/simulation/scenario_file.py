@@ -34,7 +34,7 @@ from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, Pos
 from robsim.simulation.world.scene import Floor
 from robsim.vision.imaging.images import Pixels, png_bytes
 from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
-from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.definition import BlobMarker, RobotDefinition, markers_of_tables
 from robsim.vision.robots.lookup import as_robot, robot_names, shipped_robots
 
 if TYPE_CHECKING:
@@ -193,21 +193,16 @@ _TABLES: dict[type, dict[str, _Key]] = {
         "maximum_blobs": _COUNT,
         "image": _IMAGE,
     },
+    BlobMarker: {"color": _Key(_text), "polygon": _array("px of the image")},
 }
 
-# What each marker has, in a table of its role such as [markers.right]: the key, and the attribute
-# that has it by role.
-_BY_ROLE: dict[type, dict[str, tuple[str, _Key]]] = {
-    MarkerLayout: {
-        "color": ("colors", _Key(_text)),
-        "position": ("positions", _array("px, forward and right of the centre", is_needed=True)),
-        "area": ("areas", _number("px^2")),
-        "polygon": ("polygons", _array("px, its corners")),
-    },
-    RobotDefinition: {
-        "color": ("marker_colors", _Key(_text)),
-        "polygon": ("markers", _array("px of the image", is_needed=True)),
-    },
+# What a MarkerLayout has in a table of each role such as [markers.right]: the key, and the
+# attribute that has it by role.
+_BY_ROLE: dict[str, tuple[str, _Key]] = {
+    "color": ("colors", _Key(_text)),
+    "position": ("positions", _array("px, forward and right of the centre")),
+    "area": ("areas", _number("px^2")),
+    "polygon": ("polygons", _array("px, its corners")),
 }
 _MAKERS: dict[type, Callable[..., Any]] = {
     RobotModel: RobotModel.from_theta,
@@ -307,22 +302,22 @@ def _table(value: Any, has_kind: bool) -> Any:
     if isinstance(value, MarkerLayout):
         _add_markers(table, value)
     if isinstance(value, RobotDefinition):
-        table.add("markers", _add_markers(tomlkit.table(is_super_table=True), value))
+        table.add("markers", tomlkit.table(is_super_table=True))
+        for role, marker in value.markers.items():
+            table["markers"].add(role, _table(marker, has_kind=False))
     return table
 
 
-def _add_markers(tables: Any, value: MarkerLayout | RobotDefinition) -> Any:
-    """Add a table for each role, and return them all."""
+def _add_markers(tables: Any, layout: MarkerLayout) -> None:
+    """Add a table for each role."""
     import tomlkit
 
-    by_role = _BY_ROLE[type(value)].items()
-    given = {name: (key, getattr(value, attribute)) for name, (attribute, key) in by_role}
-    for role in given["color"][1]:
+    for role in layout.roles:
         table = tomlkit.table()
-        for name, (key, values) in given.items():
+        for name, (attribute, key) in _BY_ROLE.items():
+            values = getattr(layout, attribute)
             _add(table, name, key, values and values[role])
         tables.add(role, table)
-    return tables
 
 
 def _add(table: Any, name: str, key: _Key, value: Any) -> None:
@@ -446,20 +441,21 @@ def _value_of(table: dict[str, Any], kinds: tuple[type, ...]) -> Any:
     if missing:
         raise ValueError(f"{missing[0]} is missing")
     arguments = {name: keys[name].read(name, value) for name, value in table.items()}
-    if kind in _BY_ROLE:
-        arguments |= _markers_of(tables, _BY_ROLE[kind])
+    if kind is MarkerLayout:
+        arguments |= _layout_of(tables)
+    if kind is RobotDefinition:
+        arguments["markers"] = markers_of_tables(tables)
     return _MAKERS.get(kind, kind)(**arguments)
 
 
-def _markers_of(tables: Any, keys: dict[str, tuple[str, _Key]]) -> dict[str, dict[str, Any]]:
-    """Return what the tables of both markers give, by role."""
-    given = given_by_role("markers", tables, {name: name for name in keys})
-    missing = [name for name, (_, key) in keys.items() if key.is_needed and name not in given]
-    if missing:
-        raise ValueError(f"{missing[0]} is missing")
+def _layout_of(tables: Any) -> dict[str, dict[str, Any]]:
+    """Return what the tables of both markers of a layout give, by role."""
+    given = given_by_role("markers", tables, {name: name for name in _BY_ROLE})
+    if "position" not in given:
+        raise ValueError("position is missing")
     read: dict[str, dict[str, Any]] = {}
     for name, values in given.items():
-        attribute, key = keys[name]
+        attribute, key = _BY_ROLE[name]
         read[attribute] = {role: key.read(f"{role}.{name}", one) for role, one in values.items()}
     return read
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from robsim._core import Frame
 from robsim.base.checks import Floats
-from robsim.vision import RobotDefinition
+from robsim.vision import BlobMarker, RobotDefinition
 
 _ID = 0
 _MODULES = 8  # of the black square's side; a white one around it on each side
@@ -58,8 +58,10 @@ class AprilTag:
             outline=_box(0, 0, last, last),
             # A robot must have two markers; nobody looks for these.
             markers={
-                "right": _box(_MODULE, half + _MODULE, last - _MODULE, last - _MODULE),
-                "left": _box(_MODULE, _MODULE, last - _MODULE, half - _MODULE),
+                "right": BlobMarker(
+                    _box(_MODULE, half + _MODULE, last - _MODULE, last - _MODULE), "red"
+                ),
+                "left": BlobMarker(_box(_MODULE, _MODULE, last - _MODULE, half - _MODULE), "blue"),
             },
         )
 

@@ -393,7 +393,7 @@ def _inverse(information: Floats) -> Floats:
 def marker_polygons(robot: Any) -> list[Floats]:
     """Return the polygons of the markers in the robot's frame."""
     if hasattr(robot, "to_robot_frame"):
-        return [robot.to_robot_frame(polygon) for polygon in robot.markers.values()]
+        return [robot.to_robot_frame(marker.polygon) for marker in robot.markers.values()]
     if not isinstance(robot, (list, tuple)) or not robot:
         raise TypeError(
             "robot must be a RobotDefinition or a sequence of the markers' polygons, "

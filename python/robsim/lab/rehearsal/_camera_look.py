@@ -142,8 +142,7 @@ class CameraLook:
     ) -> None:
         self.markers: MarkerLayout = robot.marker_layout()
         self._corners = {
-            color: robot.to_robot_frame(robot.markers[role])
-            for role, color in self.markers.colors.items()
+            marker.color: robot.to_robot_frame(marker.polygon) for marker in robot.markers.values()
         }
         self._colors = {color.name: color for color in colors}
         self._smoothing = smoothing

@@ -47,9 +47,9 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     ax = style.panel(ax, _figure_size(robot))
     _show_image(ax, robot)
     _draw_polygon(ax, robot.outline, _OUTLINE, "outline")
-    for role, color in robot.marker_colors.items():
-        label = no_formula(f"{role} marker ({color})")
-        _draw_polygon(ax, robot.markers[role], style.drawn_color(color), label)
+    for role, marker in robot.markers.items():
+        label = no_formula(f"{role} marker ({marker.color})")
+        _draw_polygon(ax, marker.polygon, style.drawn_color(marker.color), label)
     _draw_distance(ax, robot)
     _draw_heading(ax, robot)
     _draw_scale(ax, robot)
@@ -93,7 +93,7 @@ def _draw_polygon(axes: Axes, corners: Floats, color: str, label: str) -> None:
 
 def _draw_distance(axes: Axes, robot: RobotDefinition) -> None:
     """Draw the line between the markers' centroids, with its length."""
-    centroids = np.array([area_and_centroid(p)[1] for p in robot.markers.values()])
+    centroids = np.array([area_and_centroid(m.polygon)[1] for m in robot.markers.values()])
     axes.plot(
         *centroids.T,
         color=_DARK,
@@ -124,7 +124,8 @@ def _draw_heading(axes: Axes, robot: RobotDefinition) -> None:
     """Draw the centre, and the arrow to the side that faces right after the alignment."""
     assert robot.centre is not None
     forward = _forward(robot)
-    length = min(0.8 * robot.radius / robot.unit, 0.95 * _reach(axes, robot.centre, forward))
+    outline = robot.radius / robot.size * robot.image.shape[1]  # its reach (image px)
+    length = min(0.8 * outline, 0.95 * _reach(axes, robot.centre, forward))
     tip = robot.centre + length * forward
     axes.annotate(
         "",
@@ -170,7 +171,7 @@ def _draw_scale(axes: Axes, robot: RobotDefinition) -> None:
     step = 10.0 ** np.floor(np.log10(robot.size / 6))
     length = step * max(n for n in (1, 2, 5) if n * step <= robot.size / 6)
     left, down = 0.03 * robot.image.shape[1], 0.965 * height
-    right = left + length / robot.unit
+    right = left + length / robot.size * robot.image.shape[1]
     halo = style.haloed(2.5)
     axes.plot([left, right], [down, down], color=_DARK, linewidth=2.5, path_effects=halo)
     axes.annotate(

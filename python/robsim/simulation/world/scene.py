@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from functools import cache, cached_property, lru_cache
+from dataclasses import dataclass, field
+from functools import cache, lru_cache
 from threading import Lock
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from robsim._core import Scene
 from robsim.base.shipped import ASSETS
 from robsim.base.text import quoted
-from robsim.base.values import digest, frozen
+from robsim.base.values import Value, frozen
 from robsim.simulation.callbacks.errors import failed, refused
 from robsim.vision.imaging.images import SHADOW, Pixels, darkened, lightened, load_image, resized
 from robsim.vision.robots.definition import RobotDefinition
@@ -94,7 +95,8 @@ def draw_red_square(background: Pixels) -> Pixels:
     return background
 
 
-class Floor:
+@dataclass(frozen=True, eq=False)
+class Floor(Value):
     """A user's floor, of the size of the work area: a value.
 
     Parameters
@@ -103,20 +105,10 @@ class Floor:
         The floor; it is copied.
     """
 
-    def __init__(self, pixels: Pixels) -> None:
-        self.pixels: Pixels = frozen(pixels)
+    pixels: Pixels = field(repr=False)
 
-    @cached_property
-    def _content(self) -> bytes:
-        return digest(self.pixels)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Floor):
-            return NotImplemented
-        return self is other or self._content == other._content
-
-    def __hash__(self) -> int:
-        return hash(self._content)
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pixels", frozen(self.pixels))
 
 
 def make_scene(

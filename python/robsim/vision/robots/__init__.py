@@ -1,7 +1,7 @@
 """Robots: their definitions (image, outline, markers), where they are stored, the default one."""
 
 from robsim.base.doors import present as _present
-from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.definition import BlobMarker, RobotDefinition
 from robsim.vision.robots.files import save_robot
 from robsim.vision.robots.finding import robot_from_image
 from robsim.vision.robots.lookup import (
@@ -15,6 +15,7 @@ from robsim.vision.robots.marker_check import check_colors
 from robsim.vision.robots.user_robots import add_robot, remove_robot, rotate_robot
 
 __all__ = [
+    "BlobMarker",
     "RobotDefinition",
     "add_robot",
     "check_colors",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -11,20 +11,49 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import MarkerLayout, cos, fitting_roles, sin
-from robsim.base.checks import Floats, check_float, check_int, check_name
+from robsim.base.checks import Floats, check_choice, check_float, check_int, check_name
 from robsim.base.marker_roles import ROLES, ByRole, roles_of
 from robsim.base.polygons import area_and_centroid
+from robsim.base.spelling import check_names
 from robsim.base.text import quoted
-from robsim.base.values import digest, frozen
+from robsim.base.values import Value, frozen
 from robsim.vision.imaging.images import Pixels, check_pixels
 from robsim.vision.robots.polygon_checks import finite_array, geometry_problems, polygon
 
 #: The colours of the markers of a robot that names no others.
 DEFAULT_COLORS = tuple(MarkerLayout(distance=1, offset=0).colors.values())
+#: The kinds of markers, as files call them.
+_KINDS = ("blob",)
+
+
+@dataclass(frozen=True, eq=False)
+class BlobMarker(Value):
+    """A marker of one colour, which vision sees as a blob: a value.
+
+    Parameters
+    ----------
+    polygon : array (N, 2)
+        Polygon around it (px of the robot's image): right, down from the centre of the top left
+        pixel.
+    color : str
+        Name of its colour class: one of a colour file. It tells the marker from others.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or shape; the message names it.
+    """
+
+    polygon: Floats = field(repr=False)
+    color: str
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "polygon", frozen(polygon("polygon", self.polygon)))
+        check_name("color", self.color)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RobotDefinition:
+class RobotDefinition(Value):
     """What a robot looks like from above: a value, which never changes.
 
     Definitions of the same content are equal and have the same hash. The arrays are read-only
@@ -42,17 +71,13 @@ class RobotDefinition:
         Clockwise rotation of the image (degrees) after which the robot faces right.
     outline : array (N, 2)
         Polygon around the robot (image px): right, down from the centre of the top left pixel.
-    markers : dict of str to array (N, 2)
-        Polygons around the two markers (image px) by their roles, which say where they sit:
-        ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``.
+    markers : dict of str to BlobMarker
+        The two markers by their roles, which say where they sit: ``"right"`` and ``"left"``, or
+        ``"front"`` and ``"back"``. Their colours must differ.
     centre : array (2,), optional
         The robot's centre (image px). Default: the centre of the image.
     maximum_blobs : int
         Number of the largest blobs of each colour among which the markers are searched.
-    marker_colors : dict of str to str, optional
-        By role, the names of the markers' colour classes: those of a colour file, such as
-        ``{"front": "green", "back": "orange"}``. Default: the right or front marker is red, the
-        other one blue.
 
     Raises
     ------
@@ -68,10 +93,9 @@ class RobotDefinition:
     size: float
     alignment: float
     outline: Floats = field(repr=False)
-    markers: Mapping[str, Floats] = field(repr=False)
+    markers: Mapping[str, BlobMarker]
     centre: Floats | None = None
     maximum_blobs: int = 64
-    marker_colors: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         image = check_pixels("image", self.image, 4)
@@ -88,21 +112,14 @@ class RobotDefinition:
         self._check_geometry()
 
     def _check_markers(self) -> None:
-        roles = roles_of("markers", self.markers)
-        polygons = {
-            role: frozen(polygon(f"markers[{role!r}]", self.markers[role])) for role in roles
-        }
-        given = self.marker_colors
-        if isinstance(given, Mapping) and not given:
-            given = dict(zip(roles, DEFAULT_COLORS, strict=True))
-        if roles_of("marker_colors", given) != roles:
-            raise ValueError(
-                f"marker_colors must have the roles of the markers, {' and '.join(roles)}, got "
-                f"{quoted(list(given))}"
-            )
-        names = check_color_names("marker_colors", [given[role] for role in roles])
-        object.__setattr__(self, "markers", ByRole(polygons))
-        object.__setattr__(self, "marker_colors", ByRole(dict(zip(roles, names, strict=True))))
+        markers = {role: self.markers[role] for role in roles_of("markers", self.markers)}
+        for role, marker in markers.items():
+            if not isinstance(marker, BlobMarker):
+                raise TypeError(
+                    f"markers[{role!r}] must be a robsim.vision.BlobMarker, got {quoted(marker)}"
+                )
+        check_color_names("colors of markers", [marker.color for marker in markers.values()])
+        object.__setattr__(self, "markers", ByRole(markers))
 
     def _check_geometry(self) -> None:
         height, width = self.image.shape[:2]
@@ -113,44 +130,13 @@ class RobotDefinition:
             centre=self.centre,
             outline=self.outline,
             markers={
-                f"{role} marker ({self.marker_colors[role]})": polygon
-                for role, polygon in self.markers.items()
+                f"{role} marker ({marker.color})": marker.polygon
+                for role, marker in self.markers.items()
             },
         )
         if problems:
             raise ValueError("; ".join(problems))
         self.marker_layout()  # raises if the roles are not true
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, RobotDefinition):
-            return NotImplemented
-        return self is other or self._content == other._content
-
-    def __hash__(self) -> int:
-        return hash(self._content)
-
-    def __copy__(self) -> RobotDefinition:
-        return self
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> RobotDefinition:
-        return self
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        for name, value in state.items():
-            object.__setattr__(self, name, _frozen(value))
-
-    @cached_property
-    def _content(self) -> tuple[object, ...]:
-        """All that the definition says, without its arrays."""
-        return tuple(_digest(getattr(self, field.name)) for field in fields(self))
-
-    @property
-    def unit(self) -> float:
-        """Width of an image pixel on the work area (px)."""
-        return float(self.size / self.image.shape[1])
 
     def to_robot_frame(self, points: ArrayLike) -> Floats:
         """Transform positions in the image into the robot's frame.
@@ -172,7 +158,8 @@ class RobotDefinition:
         """
         assert self.centre is not None
         positions = finite_array("points", points, (-1, 2))
-        return _rotated((positions - self.centre) * self.unit, self.alignment)
+        unit = float(self.size / self.image.shape[1])  # of a px of the image (work-area px)
+        return _rotated((positions - self.centre) * unit, self.alignment)
 
     @cached_property
     def radius(self) -> float:
@@ -186,9 +173,9 @@ class RobotDefinition:
     @cached_property
     def _marker_layout(self) -> MarkerLayout:
         return MarkerLayout.from_markers(
-            {role: self.to_robot_frame(polygon) for role, polygon in self.markers.items()},
+            {role: self.to_robot_frame(marker.polygon) for role, marker in self.markers.items()},
             maximum_blobs=self.maximum_blobs,
-            colors=self.marker_colors,
+            colors={role: marker.color for role, marker in self.markers.items()},
         )
 
 
@@ -229,15 +216,38 @@ def from_colors(
     polygons = {color: polygon(f"markers[{color!r}]", given) for color, given in markers.items()}
     roles = roles_by_color(polygons, alignment)
     return RobotDefinition(
-        markers={role: polygons[color] for color, role in roles.items()},
-        marker_colors={role: color for color, role in roles.items()},
+        markers={role: BlobMarker(polygons[color], color) for color, role in roles.items()},
         alignment=alignment,
         **parts,
     )
 
 
 def by_color(robot: RobotDefinition) -> dict[str, Floats]:
-    return {robot.marker_colors[role]: polygon for role, polygon in robot.markers.items()}
+    return {marker.color: marker.polygon for marker in robot.markers.values()}
+
+
+def markers_of_tables(tables: Any) -> dict[str, BlobMarker]:
+    """Return the markers that a file has in a table for each role, such as ``[markers.right]``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If there are not the tables of two roles, or one is wrong; the message names it.
+    """
+    markers = {}
+    for role, color in zip(roles_of("markers", tables), DEFAULT_COLORS, strict=True):
+        name, table = f"markers.{role}", tables[role]
+        if not isinstance(table, Mapping):
+            raise TypeError(f"{name} must be a table, got {quoted(table)}")
+        check_names(f"{name} has no key", table, ("kind", "color", "polygon"), ValueError)
+        check_choice(f"{name}.kind", table.get("kind", _KINDS[0]), _KINDS)
+        if "polygon" not in table:
+            raise ValueError(f"{name}.polygon is missing")
+        try:
+            markers[role] = BlobMarker(table["polygon"], table.get("color", color))
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{name}: {error}") from error
+    return markers
 
 
 def check_color_names(argument: str, names: Any) -> tuple[str, str]:
@@ -260,17 +270,3 @@ def _rotated(positions: Floats, alignment: float) -> Floats:
     along, across = cos(angle), sin(angle)
     # (forward, right) = R(alignment) (right, down), R clockwise as y points down
     return np.column_stack((along * right - across * down, across * right + along * down))
-
-
-def _frozen(value: Any) -> Any:
-    """Return the value of a field that nobody can change: a pickled array is writable again."""
-    if isinstance(value, ByRole):
-        return ByRole({role: _frozen(one) for role, one in value.items()})
-    return frozen(value) if isinstance(value, np.ndarray) else value
-
-
-def _digest(value: Any) -> Any:
-    """Return what is the same for equal values of a field, and has a hash."""
-    if isinstance(value, ByRole):
-        return tuple((role, _digest(one)) for role, one in value.items())
-    return digest(value) if isinstance(value, np.ndarray) else value

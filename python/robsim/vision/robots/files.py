@@ -15,11 +15,10 @@ from PIL import Image
 
 from robsim.base.checks import Floats
 from robsim.base.files import as_folder, naming, read_toml, write_whole
-from robsim.base.marker_roles import given_by_role
 from robsim.base.text import cut, one_line, quoted
 from robsim.base.values import FileVersion
 from robsim.vision.imaging.images import load_image
-from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.definition import RobotDefinition, markers_of_tables
 
 #: The definition file of a robot folder, and the image beside it.
 TOML = "robot.toml"
@@ -28,7 +27,6 @@ _OTHER_IMAGE = "robot-2.png"  # while a definition that uses the first one is re
 
 _KEYS = {"name", "image", "size", "alignment", "outline", "markers"}
 _OPTIONAL = {"centre", "maximum_blobs"}
-_MARKER_KEYS = {"color": "marker_colors", "polygon": "markers"}  # and what they are of a robot
 
 _TEXT = """\
 # The appearance of a robot from above. Written by robsim; it may be edited by hand.
@@ -154,10 +152,7 @@ def _image_name(file: FileVersion) -> str:
 @lru_cache(maxsize=16)
 def _definition(file: FileVersion, image: FileVersion) -> RobotDefinition:
     values: dict[str, Any] = read_toml(file.path)
-    given = given_by_role("markers", values["markers"], _MARKER_KEYS)
-    if "markers" not in given:
-        raise ValueError(f"markers must have a polygon each, got {quoted(values['markers'])}")
-    values |= given
+    values["markers"] = markers_of_tables(values["markers"])
     return RobotDefinition(**{**values, "image": load_image(image.path, mode="RGBA")})
 
 
@@ -174,9 +169,9 @@ def _as_text(robot: RobotDefinition, image: str) -> str:
         outline=_points(robot.outline),
         maximum_blobs=robot.maximum_blobs,
     )
-    for role, polygon in robot.markers.items():
-        color = tomlkit.string(robot.marker_colors[role]).as_string()
-        text += _MARKER.format(role=role, color=color, polygon=_points(polygon))
+    for role, marker in robot.markers.items():
+        color = tomlkit.string(marker.color).as_string()
+        text += _MARKER.format(role=role, color=color, polygon=_points(marker.polygon))
     return text
 
 

@@ -159,7 +159,10 @@ def reduced(robot: RobotDefinition) -> RobotDefinition:
         image=small,
         centre=_in_scale(robot.centre, scale),
         outline=_in_scale(robot.outline, scale),
-        markers={role: _in_scale(polygon, scale) for role, polygon in robot.markers.items()},
+        markers={
+            role: replace(marker, polygon=_in_scale(marker.polygon, scale))
+            for role, marker in robot.markers.items()
+        },
     )
 
 

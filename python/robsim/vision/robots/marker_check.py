@@ -80,16 +80,17 @@ def _in_shadow(image: Pixels) -> Pixels:
 def _problems(view: _View, classes: dict[str, ColorClass]) -> list[str]:
     problems = []
     robot = view.robot
-    for role, name in robot.marker_colors.items():
+    for role, marker in robot.markers.items():
+        name = marker.color
         if name not in classes:
             problems.append(
                 f"{role} marker ({name}): there is no colour {name}, only {', '.join(classes)}: "
                 f"give colours that have a {name}, or give the robot other marker_colors"
             )
-        elif problem := view.problem(robot.markers[role], classes[name]):
+        elif problem := view.problem(marker.polygon, classes[name]):
             problems.append(f"{role} marker ({name}): {problem}")
     return problems or view.location_problems(
-        [classes[name] for name in robot.marker_colors.values()]
+        [classes[marker.color] for marker in robot.markers.values()]
     )
 
 
@@ -258,7 +259,7 @@ def _body(robot: RobotDefinition) -> tuple[Floats, Floats]:
     scale = np.array((columns / width, rows / height))
     is_body = small[..., 3] > _OPAQUE
     for marker in robot.markers.values():
-        polygon = (marker + 0.5) * scale - 0.5
+        polygon = (marker.polygon + 0.5) * scale - 0.5
         centroid = area_and_centroid(polygon)[1]
         is_body &= ~mask(centroid + _AROUND_MARKER * (polygon - centroid), columns, rows)
     down, right = np.nonzero(is_body)

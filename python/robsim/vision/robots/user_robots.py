@@ -152,7 +152,7 @@ def _changed(
         **check_markers_by_color(markers, names),
     }
     parts = {field.name: getattr(robot, field.name) for field in fields(robot)} | changes
-    del parts["markers"], parts["marker_colors"]
+    del parts["markers"]
     return from_colors(polygons, **parts)
 
 
@@ -197,12 +197,12 @@ def _set_roles(document: TOMLDocument, robot: RobotDefinition, alignment: float)
     import tomlkit
 
     roles = roles_by_color(by_color(robot), alignment)
-    if all(roles[color] == role for role, color in robot.marker_colors.items()):
+    if all(roles[marker.color] == role for role, marker in robot.markers.items()):
         return
     tables: Any = document["markers"]
     renamed = tomlkit.table(is_super_table=True)
-    for old, color in robot.marker_colors.items():
-        renamed.append(roles[color], tables[old])
+    for old, marker in robot.markers.items():
+        renamed.append(roles[marker.color], tables[old])
     document["markers"] = renamed
 
 
