@@ -217,6 +217,7 @@ EXAMPLES = {
     "Estimate.covariance": lambda: np.eye(3),
     "instrumental_variables.u": lambda: trace().u,
     "Key.noise_keys.frames": lambda: 3,
+    "BlobMarker.polygon": lambda: [(0, 0), (9, 0), (9, 9)],
     "MarkerLayout.from_markers.markers": lambda: lab_robot().marker_layout().polygons,
     "MarkerLayout.from_positions.positions": lambda: {"right": (0, 9), "left": (0, 0)},
     "output_error.u": lambda: trace().u,
