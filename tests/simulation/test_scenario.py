@@ -1,4 +1,5 @@
 import dataclasses
+import inspect
 import pickle
 
 import numpy as np
@@ -8,6 +9,7 @@ from hypothesis import given, settings
 import robsim
 from refusals import IMAGE
 from robsim import Replay, Scenario, Simulation, Spin
+from robsim.simulation.scenario import OPTIONS, RobotOptions, WorldOptions
 from scenarios import FULL, scenarios
 from sizes import thorough
 
@@ -38,6 +40,17 @@ def test_every_option_counts():
         assert plain.replace(**{name: getattr(changed, name)}) == changed
     assert set(FULL.changes()) == {field.name for field in dataclasses.fields(FULL)}
     assert list(plain.changes()) == ["robot"]
+
+
+def test_each_option_is_of_the_world_or_of_a_robot_and_a_simulation_takes_both():
+    world, robot = ({f.name for f in dataclasses.fields(of)} for of in (WorldOptions, RobotOptions))
+    assert not world & robot
+    assert sorted(OPTIONS) == sorted(world | robot)
+    assert set(OPTIONS) <= set(inspect.signature(Simulation).parameters)
+    assert world == {
+        *("area", "resolution", "boundary", "headings", "noise", "camera_delay", "background"),
+        "seed",
+    }
 
 
 # --- normal forms

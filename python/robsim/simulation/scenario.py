@@ -50,9 +50,112 @@ _SWITCHES = tuple(name for name, slot in SLOTS.items() if slot.is_switch)
 BOUNDARIES = ("bounce", "unlimited")
 SOURCES = tuple(POSES)
 
+#: All options in the order of a file: digests of campaigns and of tasks are of its bytes.
+OPTIONS = (
+    *("robot", "area", "resolution", "boundary", "headings", "noise", "dropout", "process_noise"),
+    *("mismatch", "camera_delay", "motor_delay", "background", "start", "seed", "colors"),
+    *("markers", "smoothing", "identify_from", "model", "evaluate_model", "estimate_parameters"),
+    *("measure", "control"),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorldOptions:
+    """What a world has, whatever robots are in it: its floor, its camera, its seed."""
+
+    area: tuple[int, int] = (1200, 1200)
+    resolution: tuple[int, int] | None = None
+    boundary: str = "bounce"
+    headings: int | None = HEADINGS
+    noise: Noise | None = None
+    camera_delay: int = 0
+    background: options.Background = None
+    seed: Seed = None
+
+    def _world_forms(self) -> dict[str, Any]:
+        """Return what is kept in another form than it may be given; raise for what is wrong."""
+        check_choice("boundary", self.boundary, BOUNDARIES)
+        as_native_noise(self.noise)
+        return {
+            "area": check_size("area", self.area),
+            "resolution": options.resolution_value(self.resolution),
+            "headings": options.headings_value(self.headings),
+            "camera_delay": options.camera_delay_value(self.camera_delay),
+            "background": options.background_value(self.background),
+            "seed": seed_value(self.seed),
+        }
+
+    @property
+    def _floor(self) -> Floor | None:
+        """The floor in its own size; None = the one that ships with robsim."""
+        assert self.background is None or isinstance(self.background, Floor)
+        return self.background
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotOptions:
+    """What each robot of a world has for itself: its body, what disturbs it, its software."""
+
+    robot: str | PathLike[str] | RobotDefinition | None = None
+    dropout: Dropout | None = None
+    process_noise: PoseNoise | WheelNoise | None = None
+    mismatch: ParameterMismatch | None = None
+    motor_delay: float = 0
+    start: ArrayLike | None = None
+    colors: options.Colors = None
+    markers: options.Markers = None
+    smoothing: int | None = None
+    identify_from: str = "truth"
+    model: RobotModel | RobotParameters | None = None
+    evaluate_model: Unicycle | None = None
+    estimate_parameters: bool = False
+    measure: bool = False
+    control: Spin | DriveAround | Replay | None = _CONTROL
+
+    def _robot_forms(self) -> dict[str, Any]:
+        """Return what is kept in another form than it may be given; raise for what is wrong."""
+        check_choice("identify_from", self.identify_from, SOURCES)
+        as_dropout(self.dropout)
+        check_process_noise(self.process_noise)
+        check_mismatch(self.mismatch)
+        options.model_value(self.model)
+        smoothing = options.smoothing_value(self.smoothing)
+        return {
+            "robot": as_robot(self.robot),
+            "motor_delay": options.motor_delay_value(self.motor_delay),
+            "colors": options.colors_value(self.colors, smoothing),
+            "markers": options.markers_value(self.markers),
+            "smoothing": smoothing,
+            **{name: options.switch_value(name, getattr(self, name)) for name in _SWITCHES},
+            "control": _CONTROL if self.control is None else self.control,
+        }
+
+    @property
+    def _robot_definition(self) -> RobotDefinition:
+        """The robot, as read."""
+        assert isinstance(self.robot, RobotDefinition)
+        return self.robot
+
+    @property
+    def _model(self) -> RobotModel | None:
+        """The model; None = that of the default parameters, unless a callback says otherwise."""
+        return RobotModel(self.model) if isinstance(self.model, RobotParameters) else self.model
+
+    @property
+    def _color_classes(self) -> tuple[ColorClass, ...]:
+        """The colours to detect, as read."""
+        assert isinstance(self.colors, tuple)
+        return self.colors
+
+    @property
+    def _marker_layout(self) -> MarkerLayout:
+        """Geometry of the markers for the default measurement."""
+        assert self.markers is None or isinstance(self.markers, MarkerLayout)
+        return self.markers or self._robot_definition.marker_layout()
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Scenario:
+class Scenario(WorldOptions, RobotOptions):
     """All that describes a simulated world and its run: the options of `Simulation` that are data.
 
     A value: scenarios with the same content are equal, whatever they were made from. What is given
@@ -145,95 +248,14 @@ class Scenario:
     >>> others = [scenario.replace(seed=seed) for seed in range(10)]
     """
 
-    robot: str | PathLike[str] | RobotDefinition | None = None
-    area: tuple[int, int] = (1200, 1200)
-    resolution: tuple[int, int] | None = None
-    boundary: str = "bounce"
-    headings: int | None = HEADINGS
-    noise: Noise | None = None
-    dropout: Dropout | None = None
-    process_noise: PoseNoise | WheelNoise | None = None
-    mismatch: ParameterMismatch | None = None
-    camera_delay: int = 0
-    motor_delay: float = 0
-    background: options.Background = None
-    start: ArrayLike | None = None
-    seed: Seed = None
-    colors: options.Colors = None
-    markers: options.Markers = None
-    smoothing: int | None = None
-    identify_from: str = "truth"
-    model: RobotModel | RobotParameters | None = None
-    evaluate_model: Unicycle | None = None
-    estimate_parameters: bool = False
-    measure: bool = False
-    control: Spin | DriveAround | Replay | None = _CONTROL
-
     def __post_init__(self) -> None:
-        for name, value in self._normal_forms().items():
+        for name, value in (self._world_forms() | self._robot_forms()).items():
             object.__setattr__(self, name, value)
         for name in options.KINDS:
             options.check_is_data(name, getattr(self, name))
-
-    def _normal_forms(self) -> dict[str, Any]:
-        """Return what is kept in another form than it may be given; raise for what is wrong."""
-        area = check_size("area", self.area)
-        is_bounded = check_choice("boundary", self.boundary, BOUNDARIES) == "bounce"
-        check_choice("identify_from", self.identify_from, SOURCES)
-        as_native_noise(self.noise)
-        as_dropout(self.dropout)
-        check_process_noise(self.process_noise)
-        check_mismatch(self.mismatch)
-        options.model_value(self.model)
-        smoothing = options.smoothing_value(self.smoothing)
-        robot = as_robot(self.robot)
-        resolution = options.resolution_value(self.resolution)
-        options.check_images(area, resolution, robot)
-        return {
-            "robot": robot,
-            "area": area,
-            "resolution": resolution,
-            "headings": options.headings_value(self.headings),
-            "camera_delay": options.camera_delay_value(self.camera_delay),
-            "motor_delay": options.motor_delay_value(self.motor_delay),
-            "background": options.background_value(self.background),
-            "start": options.start_value(self.start, area if is_bounded else None),
-            "seed": seed_value(self.seed),
-            "colors": options.colors_value(self.colors, smoothing),
-            "markers": options.markers_value(self.markers),
-            "smoothing": smoothing,
-            **{name: options.switch_value(name, getattr(self, name)) for name in _SWITCHES},
-            "control": _CONTROL if self.control is None else self.control,
-        }
-
-    @property
-    def _robot_definition(self) -> RobotDefinition:
-        """The robot, as read."""
-        assert isinstance(self.robot, RobotDefinition)
-        return self.robot
-
-    @property
-    def _model(self) -> RobotModel | None:
-        """The model; None = that of the default parameters, unless a callback says otherwise."""
-        return RobotModel(self.model) if isinstance(self.model, RobotParameters) else self.model
-
-    @property
-    def _color_classes(self) -> tuple[ColorClass, ...]:
-        """The colours to detect, as read."""
-        assert isinstance(self.colors, tuple)
-        return self.colors
-
-    @property
-    def _marker_layout(self) -> MarkerLayout:
-        """Geometry of the markers for the default measurement."""
-        assert self.markers is None or isinstance(self.markers, MarkerLayout)
-        return self.markers or self._robot_definition.marker_layout()
-
-    @property
-    def _floor(self) -> Floor | None:
-        """The floor in its own size; None = the one that ships with robsim."""
-        assert self.background is None or isinstance(self.background, Floor)
-        return self.background
+        options.check_images(self.area, self.resolution, self._robot_definition)
+        within = self.area if self.boundary == "bounce" else None
+        object.__setattr__(self, "start", options.start_value(self.start, within))
 
     @classmethod
     def of(cls, trace: Trace) -> Scenario:
@@ -316,7 +338,7 @@ class Scenario:
         dict
             Name to value. `robot` is always there: its default is each user's own.
         """
-        defaults = {field.name: field.default for field in dataclasses.fields(self)}
+        defaults = {name: getattr(Scenario, name) for name in OPTIONS}
         defaults |= {"robot": None, "colors": as_colors(None)}
         values = {name: getattr(self, name) for name in defaults}
         return {name: value for name, value in values.items() if value != defaults[name]}
@@ -404,6 +426,3 @@ class Scenario:
         if isinstance(self.background, Floor):
             shown["background"] = f"<array of shape {self.background.pixels.shape}>"
         return f"Scenario({', '.join(f'{name}={text}' for name, text in shown.items())})"
-
-
-OPTIONS = tuple(field.name for field in dataclasses.fields(Scenario))

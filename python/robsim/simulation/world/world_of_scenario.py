@@ -23,11 +23,11 @@ from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import as_native_noise
 
 if TYPE_CHECKING:
-    from robsim.simulation.scenario import Scenario
+    from robsim.simulation.scenario import RobotOptions, Scenario, WorldOptions
 
 
-def frame_size(scenario: Scenario) -> tuple[int, int]:
-    return scenario.resolution or scenario.area
+def frame_size(options: WorldOptions) -> tuple[int, int]:
+    return options.resolution or options.area
 
 
 def new_world(scenario: Scenario) -> _core.SimulatedWorld:
@@ -42,19 +42,19 @@ def new_world(scenario: Scenario) -> _core.SimulatedWorld:
     )
 
 
-def apply_noise(world: _core.SimulatedWorld, scenario: Scenario) -> None:
-    world.set_noise(as_native_noise(scenario.noise))
+def apply_noise(world: _core.SimulatedWorld, options: WorldOptions) -> None:
+    world.set_noise(as_native_noise(options.noise))
 
 
-def apply_dropout(world: _core.SimulatedWorld, scenario: Scenario) -> None:
-    """Give a world the dropout of a scenario."""
-    dropout = as_dropout(scenario.dropout)
+def apply_dropout(world: _core.SimulatedWorld, options: RobotOptions) -> None:
+    """Give a world the dropout of its robot."""
+    dropout = as_dropout(options.dropout)
     world.set_dropout(dropout.probability, dropout.steps)
 
 
-def apply_process_noise(world: _core.SimulatedWorld, scenario: Scenario) -> None:
-    """Give a world the process noise of a scenario."""
-    noise = check_process_noise(scenario.process_noise)
+def apply_process_noise(world: _core.SimulatedWorld, options: RobotOptions) -> None:
+    """Give a world the process noise of its robot."""
+    noise = check_process_noise(options.process_noise)
     factor = noise.factor if isinstance(noise, PoseNoise) else np.zeros((3, 3))
     sigma = noise.sigma if isinstance(noise, WheelNoise) else 0.0
     world.set_disturbance(factor, np.broadcast_to(sigma, 2).tolist())
@@ -121,14 +121,16 @@ def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.S
     )
 
 
-def _true_model(scenario: Scenario, seed: np.random.SeedSequence, belief: RobotModel) -> RobotModel:
-    """Return the model of the world: that of the scenario, or what the robot half believes in."""
-    model = scenario._model or belief
+def _true_model(
+    options: RobotOptions, seed: np.random.SeedSequence, belief: RobotModel
+) -> RobotModel:
+    """Return the model of the world: that of the options, or what the robot half believes in."""
+    model = options._model or belief
     if model.dt != belief.dt:
         raise ValueError(
             f"define_model must give a model with the dt of the world, {model.dt:g} s, got "
             f"{belief.dt:g}"
         )
-    if scenario.mismatch is None:
+    if options.mismatch is None:
         return model
-    return scenario.mismatch.draw(model, np.random.default_rng(stream(seed, "mismatch")))
+    return options.mismatch.draw(model, np.random.default_rng(stream(seed, "mismatch")))
