@@ -9,6 +9,7 @@ from hypothesis import given, settings
 import robsim
 from refusals import IMAGE
 from robsim import Replay, Scenario, Simulation, Spin
+from robsim.base.seeds import STREAMS, stream, stream_number
 from robsim.simulation.scenario import OPTIONS, RobotOptions, WorldOptions
 from scenarios import FULL, scenarios
 from sizes import thorough
@@ -126,6 +127,18 @@ def test_seeds_are_data():
     one, other = (Scenario(seed=np.random.default_rng(3)) for _ in "12")
     assert one == other
     assert type(one.seed) is int
+
+
+def test_the_streams_of_a_robot_do_not_depend_on_how_many_there_are():
+    seed = child_seed()
+    for i, name in enumerate(STREAMS):  # of the one robot, as ever
+        key = (*seed.spawn_key, i)
+        assert stream(seed, name).spawn_key == stream(seed, name, 0).spawn_key == key
+    numbers = [stream_number(seed, name, robot) for robot in range(50) for name in STREAMS]
+    assert len(set(numbers)) == len(numbers)
+    assert numbers[: len(STREAMS)] == [stream_number(seed, name) for name in STREAMS]
+    assert stream(seed, "start", 3).spawn_key == (*seed.spawn_key, 2**16, 3, STREAMS.index("start"))
+    assert stream(seed, "start", 3).entropy == seed.entropy
 
 
 def test_the_seed_gives_the_run_that_the_given_one_gave():

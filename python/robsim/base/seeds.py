@@ -41,6 +41,7 @@ STREAMS = (
     *("controller", "noise", "start", "user", "dropout", "disturbance", "mismatch"),
     "faults",
 )
+_ROBOTS = 2**16  # the spawn key under which robots 1, 2, ... have theirs: of no stream
 
 
 def seed_sequence(seed: Seed) -> np.random.SeedSequence:
@@ -85,15 +86,20 @@ def seed_value(seed: Seed) -> int | SeedRecord | None:
     return seed
 
 
-def stream(seed: np.random.SeedSequence, name: str) -> np.random.SeedSequence:
-    """Return the seed of a named stream, always the same for the same `seed` and `name`."""
-    key = (*seed.spawn_key, STREAMS.index(name))
+def stream(seed: np.random.SeedSequence, name: str, robot: int = 0) -> np.random.SeedSequence:
+    """Return the seed of a named stream, always the same for the same arguments.
+
+    So a stream of one of several robots does not depend on how many there are. What is of the
+    world, "noise" and "faults", it has under robot 0.
+    """
+    own = (_ROBOTS, robot) if robot else ()
+    key = (*seed.spawn_key, *own, STREAMS.index(name))
     return np.random.SeedSequence(seed.entropy, spawn_key=key)
 
 
-def stream_number(seed: np.random.SeedSequence, name: str) -> int:
+def stream_number(seed: np.random.SeedSequence, name: str, robot: int = 0) -> int:
     """Return a named stream as the 64-bit number that seeds the C++ core."""
-    return int(stream(seed, name).generate_state(1, np.uint64)[0])
+    return int(stream(seed, name, robot).generate_state(1, np.uint64)[0])
 
 
 def random_bits(seed: int | np.random.SeedSequence) -> Iterator[int]:
