@@ -1,9 +1,9 @@
 // @ts-check
 // What a host calls: render({model, el}). Of the model it uses get, send, on and off alone.
-import { renderColors } from "./colors.js";
-import { renderFloor } from "./floor.js";
+import { renderColors } from "./tools/colors.js";
+import { renderFloor } from "./tools/floor.js";
 import { renderPanel } from "./panel.js";
-import { renderRobots } from "./robots.js";
+import { renderRobots } from "./tools/robots.js";
 import { make } from "./base/dom.js";
 import { guardFromDrops } from "./tools/load.js";
 

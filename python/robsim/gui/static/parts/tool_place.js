@@ -3,8 +3,8 @@
 import { makeButton, makeTextButton } from "../base/buttons.js";
 import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
-import { renderColors } from "../colors.js";
-import { renderRobots } from "../robots.js";
+import { renderColors } from "../tools/colors.js";
+import { renderRobots } from "../tools/robots.js";
 
 const TOOLS_OF_RUN = {
   robots: { button: "define_robot", render: renderRobots },

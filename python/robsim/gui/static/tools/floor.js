@@ -1,18 +1,18 @@
 // @ts-check
 // The panel that calibrates a floor: points on its picture, under a magnifying glass, or sheets.
-import { markChosen, moveByArrows } from "./base/buttons.js";
-import { make } from "./base/dom.js";
-import { makeField } from "./base/fields.js";
-import { text } from "./base/texts.js";
-import { makePicture } from "./camera/picture.js";
-import { makeFilm } from "./tools/film.js";
-import { drawBoards, makeLensBoard } from "./tools/floor/board.js";
-import { makeChosenGlass, makeHoverGlass } from "./tools/floor/glasses.js";
-import { makeGrid, pixelToPlace } from "./tools/floor/grid.js";
-import { makeMarks, timesOf } from "./tools/floor/marks.js";
-import { makeFloorArea, makeFloorFile, makeFloorResult } from "./tools/floor/result.js";
-import { makePointBar, makePointTable, makeSheetTable } from "./tools/floor/table.js";
-import { renderTool } from "./tools/tool.js";
+import { markChosen, moveByArrows } from "../base/buttons.js";
+import { make } from "../base/dom.js";
+import { makeField } from "../base/fields.js";
+import { text } from "../base/texts.js";
+import { makePicture } from "../camera/picture.js";
+import { makeFilm } from "./film.js";
+import { drawBoards, makeLensBoard } from "./floor/board.js";
+import { makeChosenGlass, makeHoverGlass } from "./floor/glasses.js";
+import { makeGrid, pixelToPlace } from "./floor/grid.js";
+import { makeMarks, timesOf } from "./floor/marks.js";
+import { makeFloorArea, makeFloorFile, makeFloorResult } from "./floor/result.js";
+import { makePointBar, makePointTable, makeSheetTable } from "./floor/table.js";
+import { renderTool } from "./tool.js";
 
 const WAYS = ["points", "sheets", "lens"];
 

@@ -1,8 +1,8 @@
 // @ts-check
 // How a colour would do in other light and noise, and what would do better.
-import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { makeTextButton } from "../../base/buttons.js";
+import { make } from "../../base/dom.js";
+import { text } from "../../base/texts.js";
 
 const PARTS = 100; // %
 

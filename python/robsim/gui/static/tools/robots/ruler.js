@@ -1,9 +1,9 @@
 // @ts-check
 // Two points of known distance on the picture, from which its size follows.
-import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { distance } from "../base/geometry.js";
-import { text } from "../base/texts.js";
+import { makeTextButton } from "../../base/buttons.js";
+import { make } from "../../base/dom.js";
+import { distance } from "../../base/geometry.js";
+import { text } from "../../base/texts.js";
 
 const REACH_OF_END = 16; // px on the screen
 const END = 5; // px on the screen

@@ -1,7 +1,7 @@
 // @ts-check
 // The yellow square of what is captured: it is dragged, and its corners make it larger.
-import { ARROWS } from "../base/arrows.js";
-import { distance } from "../base/geometry.js";
+import { ARROWS } from "../../base/arrows.js";
+import { distance } from "../../base/geometry.js";
 
 const REACH_OF_CORNER = 16; // px on the screen
 const SMALLEST = 8; // px of the picture

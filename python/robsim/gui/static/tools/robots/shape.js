@@ -1,8 +1,8 @@
 // @ts-check
 // Which robot it is: its list, its heading, its size, its name.
-import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { makeTextButton } from "../../base/buttons.js";
+import { make } from "../../base/dom.js";
+import { text } from "../../base/texts.js";
 
 const TURNS = [-10, -1, 1, 10]; // degrees
 

@@ -1,8 +1,8 @@
 // @ts-check
 // What is drawn of a robot: the outline, then both markers; what is wrong with it.
-import { makeTextButton, markChosen, moveByArrows } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { makeTextButton, markChosen, moveByArrows } from "../../base/buttons.js";
+import { make } from "../../base/dom.js";
+import { text } from "../../base/texts.js";
 
 /** What a part is called: a marker by its role, as soon as it has one, and its colour. */
 function nameOfPart(part, { roles }) {

@@ -1,8 +1,8 @@
 // @ts-check
 // The ranges as text, as they stand in a colour file: edited, copied, saved.
-import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { makeTextButton } from "../../base/buttons.js";
+import { make } from "../../base/dom.js";
+import { text } from "../../base/texts.js";
 
 export function makeThresholds(context) {
   const area = make("textarea", { className: "robsim-code robsim-thresholds", name: "thresholds",

@@ -1,7 +1,7 @@
 // @ts-check
 // The polygons of a robot on its picture: corners that are dragged, put on edges, removed.
-import { ARROWS } from "../base/arrows.js";
-import { distance } from "../base/geometry.js";
+import { ARROWS } from "../../base/arrows.js";
+import { distance } from "../../base/geometry.js";
 
 const REACH = { mouse: 10, touch: 22 }; // px on the screen that a corner takes
 const CORNER = 4.5; // px on the screen

@@ -1,8 +1,8 @@
 // @ts-check
 // The colour classes: which one is trained, a new one, how each region that it has fits it.
-import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { makeTextButton } from "../../base/buttons.js";
+import { make } from "../../base/dom.js";
+import { text } from "../../base/texts.js";
 
 const WELL = 0.5; // of a region that is in the class
 

@@ -1,7 +1,7 @@
 // @ts-check
 // A rectangle that is drawn on the picture with the pointer, or moved by keys.
-import { ARROWS } from "../base/arrows.js";
-import { painter } from "../base/dom.js";
+import { ARROWS } from "../../base/arrows.js";
+import { painter } from "../../base/dom.js";
 
 const FIRST = 0.05; // of the picture: a region that the keys begin with
 

@@ -1,10 +1,10 @@
 // @ts-check
 // The histograms of Y, U and V of a region, with the ranges of a class, whose ends are dragged.
-import { asFloats } from "../base/buffers.js";
-import { make, painter } from "../base/dom.js";
-import { heldValue } from "../base/held_value.js";
-import { text } from "../base/texts.js";
-import { color } from "../base/theme.js";
+import { asFloats } from "../../base/buffers.js";
+import { make, painter } from "../../base/dom.js";
+import { heldValue } from "../../base/held_value.js";
+import { text } from "../../base/texts.js";
+import { color } from "../../base/theme.js";
 
 const CHANNELS = ["y", "u", "v"];
 const LEVELS = 256;

@@ -1,16 +1,16 @@
 // @ts-check
 // The panel that trains colours: a region of the picture, ranges, what they find.
-import { make } from "./base/dom.js";
-import { makeField } from "./base/fields.js";
-import { text } from "./base/texts.js";
-import { makePicture } from "./camera/picture.js";
-import { makeChannels } from "./tools/channels.js";
-import { makeClasses } from "./tools/classes.js";
-import { makeFilm } from "./tools/film.js";
-import { makeRegionTool } from "./tools/region.js";
-import { makeScore } from "./tools/score.js";
-import { makeThresholds } from "./tools/thresholds.js";
-import { renderTool } from "./tools/tool.js";
+import { make } from "../base/dom.js";
+import { makeField } from "../base/fields.js";
+import { text } from "../base/texts.js";
+import { makePicture } from "../camera/picture.js";
+import { makeChannels } from "./colors/channels.js";
+import { makeClasses } from "./colors/classes.js";
+import { makeFilm } from "./film.js";
+import { makeRegionTool } from "./colors/region.js";
+import { makeScore } from "./colors/score.js";
+import { makeThresholds } from "./colors/thresholds.js";
+import { renderTool } from "./tool.js";
 
 const OPTIONS = [
   { name: "percentile", kind: "range", low: 0, high: 49, step: 1, unit: "%" },

@@ -1,14 +1,14 @@
 // @ts-check
 // The panel that defines a robot: what is captured, what is drawn on it.
-import { make } from "./base/dom.js";
-import { makePicture } from "./camera/picture.js";
-import { makeFilm } from "./tools/film.js";
-import { makePolygons } from "./tools/polygons.js";
-import { makeRobotParts } from "./tools/robot_parts.js";
-import { makeRobotShape } from "./tools/robot_shape.js";
-import { makeRuler } from "./tools/ruler.js";
-import { makeSquare } from "./tools/square.js";
-import { renderTool } from "./tools/tool.js";
+import { make } from "../base/dom.js";
+import { makePicture } from "../camera/picture.js";
+import { makeFilm } from "./film.js";
+import { makePolygons } from "./robots/polygons.js";
+import { makeRobotParts } from "./robots/parts.js";
+import { makeRobotShape } from "./robots/shape.js";
+import { makeRuler } from "./robots/ruler.js";
+import { makeSquare } from "./robots/square.js";
+import { renderTool } from "./tool.js";
 
 export function renderRobots(host) {
   return renderTool(host, "robots", (context) => {
