@@ -179,7 +179,7 @@ def check_a_tool_takes_a_file_and_trains_a_colour(chromium, server):
     lab.page.mouse.down()
     lab.page.mouse.move(*(at + 8 for at in middle), steps=4)
     lab.page.mouse.up()
-    lab.page.wait_for_selector(".robsim-class-mark[style*='rgb(255, 0, 0)']")
+    lab.page.wait_for_selector(".robsim-class[style*='rgb(255, 0, 0)']")
     lab.run(1)
     assert "ColorClass('red'" in lab.output(1)
     context.close()

@@ -41,14 +41,16 @@ def test_node_can_read_it(tmp_path):
 
 
 TEXTS = json.loads((STATIC / "texts.json").read_text("utf-8"))
-CODE = {file.name: file.read_text("utf-8") for file in STATIC.rglob("*.js")}
+CODE = {str(file.relative_to(STATIC)): file.read_text("utf-8") for file in STATIC.rglob("*.js")}
+#: Functions whose first text is the name of one.
+ASKING = r"text|makeButton|makeWords|makeHint|makeAct\(context"
 
 
 def test_every_text_that_is_asked_for_is_there():
     asked = {
         (file, name)
         for file, code in CODE.items()
-        for name in re.findall(r'\b(?:text|makeButton)\(\s*"([^"]+)"(?!, \{\}, )', code)
+        for name in re.findall(rf'\b(?:{ASKING})[(,]\s*"([^"]+)"(?!, \{{\}}, )', code)
     }
     assert len(asked) > 50
     assert {(file, name) for file, name in asked if name not in TEXTS} == set()

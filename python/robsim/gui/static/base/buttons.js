@@ -1,7 +1,8 @@
 // @ts-check
 // Buttons and groups of them.
-import { make } from "./dom.js";
+import { make, set } from "./dom.js";
 import { icon } from "./icons.js";
+import { listenToKeys } from "./keys.js";
 import { text } from "./texts.js";
 
 /** A button with an icon, its text, and what it does in more words. */
@@ -28,17 +29,34 @@ export function showButton(button, name) {
   button.replaceChildren(icon(name), ...(button.classList.contains("robsim-icon") ? [] : [label]));
 }
 
+/** A group of which one is chosen, by a click or the arrow keys: `choose(value)` is called. */
+export function makeRadios(className, ariaLabel, choose) {
+  const element = make("div", { className, role: "radiogroup", ariaLabel });
+  moveByArrows(element, ({ ariaDisabled, value }) => ariaDisabled == "true" || choose(value));
+  const makeOne = ({ value }) =>
+    make("button", { type: "button", role: "radio", value, onclick: () => choose(value) });
+  let [names, all] = ["", ""]; // that are shown
+  /** Show some options, {value, textContent, ...}, of which one is chosen. */
+  const show = (options, chosen) => {
+    const before = [names, all];
+    [names, all] = [options.map(({ value }) => value), [options, chosen]].map(JSON.stringify);
+    if (all == before[1]) return;
+    if (names != before[0]) element.replaceChildren(...options.map(makeOne));
+    options.forEach((option, i) => set(element.children[i], option));
+    markChosen(element, "aria-checked", (button) => button.value == chosen);
+  };
+  return { element, show };
+}
+
 /** Let the arrow keys, Home and End move between the buttons of a group; one of them takes Tab. */
 export function moveByArrows(group, choose) {
   const ways = { ArrowLeft: -1, ArrowUp: -1, ArrowRight: 1, ArrowDown: 1 };
-  group.addEventListener("keydown", (event) => {
+  listenToKeys(group, (event) => {
     const buttons = [...group.children];
     const at = buttons.indexOf(document.activeElement);
     const ends = { Home: 0, End: buttons.length - 1 };
     const to = ends[event.key] ?? (at + ways[event.key] + buttons.length) % buttons.length;
-    if (at < 0 || Number.isNaN(to)) return;
-    event.preventDefault();
-    event.stopPropagation();
+    if (at < 0 || Number.isNaN(to)) return false;
     buttons[to].focus();
     choose(buttons[to]);
   });

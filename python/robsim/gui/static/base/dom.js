@@ -1,15 +1,36 @@
 // @ts-check
 // Elements, and painting once per animation frame.
 
-/** Make an element with attributes (`on...` handlers are properties) and children. */
+/** Make an element with attributes and children. */
 export function make(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
+  set(element, attributes);
+  element.append(...children);
+  return element;
+}
+
+/** Set attributes of an element; `on...` handlers are properties. */
+export function set(element, attributes) {
   for (const [name, value] of Object.entries(attributes)) {
     if (name in element) element[name] = value;
     else element.setAttribute(name, value);
   }
-  element.append(...children);
-  return element;
+}
+
+/** Let an element say something; it is not touched if it says that already. */
+export function say(element, words) {
+  if (element.textContent != words) element.textContent = words;
+}
+
+/** Give a canvas the pixels of its box; return whether it had others. */
+export function fitCanvas(canvas) {
+  const { width, height } = canvas.getBoundingClientRect();
+  const sides = [width - canvas.offsetWidth + canvas.clientWidth,
+    height - canvas.offsetHeight + canvas.clientHeight].map((side) =>
+    Math.max(1, Math.round(side * devicePixelRatio)));
+  if (sides[0] == canvas.width && sides[1] == canvas.height) return false;
+  [canvas.width, canvas.height] = sides;
+  return true;
 }
 
 /** Return a function that asks for a paint in the next animation frame, however often called. */

@@ -1,6 +1,6 @@
 // @ts-check
 // Controls as Python describes them: a choice, a range, a switch.
-import { markChosen, moveByArrows } from "./buttons.js";
+import { makeRadios } from "./buttons.js";
 import { make } from "./dom.js";
 import { heldValue } from "./held_value.js";
 import { makeSlider, showSlider } from "./slider.js";
@@ -12,7 +12,7 @@ const MOST_SEGMENTS = 3; // more of them become a list that opens
  * Make the field of a control: `show` a value that Python tells, `allow` it to be set unless a
  * reason is given; `refuse` is called with why not.
  */
-export function makeField(control, send, refuse) {
+export function makeField(control, send, refuse = () => {}) {
   const { name, kind, choices } = control;
   const isShort = kind == "choice" && choices.length <= MOST_SEGMENTS;
   const made = MAKERS[isShort ? "segments" : kind](control, refuse);
@@ -38,26 +38,20 @@ const choiceText = (name, value) =>
   text(`control.${name}.${value}`, {}, text(`choice.${value}`, {}, value));
 
 function makeSegments({ name, choices }, refuse) {
-  const buttons = choices.map(({ value, disabled }) => {
-    const textContent = choiceText(name, value);
-    const button = make("button", { type: "button", role: "radio", value, textContent });
-    button.title = disabled ?? text(`control.${name}.${value}.title`, {}, "");
-    if (disabled) button.setAttribute("aria-description", disabled);
-    button.setAttribute("aria-disabled", String(disabled != null));
-    return button;
-  });
-  const element = make("div", { className: "robsim-segments", role: "radiogroup" }, ...buttons);
-  const listen = (set) => {
-    const choose = (button) => {
-      const { value, disabled } = choices.find((choice) => choice.value == button.value);
-      if (disabled) refuse(disabled);
-      else set(value);
-    };
-    buttons.forEach((button) => button.addEventListener("click", () => choose(button)));
-    moveByArrows(element, (button) => button.ariaDisabled == "true" || choose(button));
+  let told = () => {};
+  const choose = (wanted) => {
+    const { value, disabled } = choices.find((choice) => String(choice.value) == wanted);
+    if (disabled) refuse(disabled);
+    else told(value);
   };
-  const show = (value) => markChosen(element, "aria-checked", (button) => button.value == value);
-  return { element, listen, show };
+  const { element, show } = makeRadios("robsim-segments", "", choose);
+  const options = choices.map(({ value, disabled }) => ({
+    value, textContent: choiceText(name, value), ariaDisabled: String(disabled != null),
+    title: disabled ?? text(`control.${name}.${value}.title`, {}, ""),
+    ...(disabled && { ariaDescription: disabled }),
+  }));
+  const listen = (set) => (told = set);
+  return { element, listen, show: (value) => show(options, value) };
 }
 
 function makeSelect({ name, choices }) {

@@ -1,6 +1,6 @@
 // @ts-check
 // What has to be said about the picture: that it is a past one, that the robot was not seen.
-import { make } from "../base/dom.js";
+import { make, say } from "../base/dom.js";
 import { text } from "../base/texts.js";
 
 export function makeBadges(context) {
@@ -10,14 +10,14 @@ export function makeBadges(context) {
   past.className = "robsim-chip robsim-active";
   past.onclick = () => context.look(null);
   const missed = make("div", { className: "robsim-chip robsim-warning" });
-  const say = (element, content) => {
-    if (element.textContent != content) element.textContent = content;
-    if (element.hidden == Boolean(content)) element.hidden = !content;
+  const tell = (element, words) => {
+    say(element, words);
+    element.hidden = !words;
   };
   const show = () => {
     const { frame } = context;
-    say(past, frame?.past ? text("past_step", { k: frame.k }) : "");
-    say(missed, frame ? pictureRemark(frame) : "");
+    tell(past, frame?.past ? text("past_step", { k: frame.k }) : "");
+    tell(missed, frame ? pictureRemark(frame) : "");
   };
   context.on("frame", show);
   show();

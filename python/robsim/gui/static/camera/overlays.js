@@ -1,7 +1,7 @@
 // @ts-check
 // What is drawn over the camera's picture: each overlay has a name, and can be switched.
 import { ellipse, fromRobot } from "../base/geometry.js";
-import { drawDot, drawLine } from "./strokes.js";
+import { drawArrow, drawBox, drawDot, drawLine } from "./strokes.js";
 import { makeTrail } from "./trail.js";
 
 const TRACED_STEPS = 150; // steps of which the objects are shown
@@ -47,12 +47,8 @@ function drawGoal(scene, goal, color) {
   drawDot(scene, [x, y], color);
   if (goal.length < 3) return;
   const tip = scene.place(fromRobot(goal, [1.35 * robotReach(scene), 0]));
-  const turn = Math.atan2(tip[1] - y, tip[0] - x); // on the canvas
-  const [begin, ...head] = [[radius, 0], [-9 * scene.unit, -6 * scene.unit], [0, 0],
-    [-9 * scene.unit, 6 * scene.unit]].map((point, i) =>
-    fromRobot([...(i ? tip : [x, y]), turn], point));
-  drawLine(scene, [begin, tip], color, { width: 2.5 });
-  drawLine(scene, head, color, { width: 2.5 });
+  const begin = fromRobot([x, y, Math.atan2(tip[1] - y, tip[0] - x)], [radius, 0]);
+  drawArrow(scene, begin, tip, color, { width: 2.5 });
 }
 
 function outlineAt(scene, pose, color, options) {
@@ -102,8 +98,8 @@ function drawTruth(scene) {
 function drawBoxes(scene) {
   for (const [name, ...sides] of scene.frame.boxes) {
     const [left, top, right, bottom] = sides.map((side, i) => side + (i < 2 ? -0.5 : 0.5));
-    const corners = [[left, top], [right, top], [right, bottom], [left, bottom]].map(scene.pixel);
-    drawLine(scene, corners, scene.classColors.get(name) ?? name, { isClosed: true });
+    const color = scene.classColors.get(name) ?? name;
+    drawBox(scene, scene.pixel([left, top]), scene.pixel([right, bottom]), color);
   }
 }
 

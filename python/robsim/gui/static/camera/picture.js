@@ -1,7 +1,8 @@
 // @ts-check
 // A picture on a canvas: zoomed, moved, drawn on. What else the pointer does there is its owner's.
 import { makeTextButton } from "../base/buttons.js";
-import { make, painter } from "../base/dom.js";
+import { fitCanvas, make, painter } from "../base/dom.js";
+import { listenToKeys } from "../base/keys.js";
 import { text } from "../base/texts.js";
 import { color } from "../base/theme.js";
 import { watchGestures } from "./gestures.js";
@@ -114,23 +115,10 @@ function listenTo(canvas, { context, lens, tool, zoomed }) {
     zoomed(() => lens.zoomAt([canvas.width / 2, canvas.height / 2], factor));
   const larger = zoomBy(1.25);
   const keys = { "+": larger, "=": larger, "-": zoomBy(0.8), 0: () => zoomed(lens.reset) };
-  canvas.onkeydown = (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (keys[event.key]) keys[event.key]();
-    else if (!context.frame || !tool.key(event)) return;
-    event.preventDefault();
-    if (event.key != "Escape") event.stopPropagation(); // that stops the robot too
-  };
-}
-
-/** Give the canvas the pixels of its box; return whether it had others. */
-function fitCanvas(canvas) {
-  const box = canvas.getBoundingClientRect();
-  const sides = [box.width, box.height].map((side) =>
-    Math.max(1, Math.round(side * devicePixelRatio)));
-  if (sides[0] == canvas.width && sides[1] == canvas.height) return false;
-  [canvas.width, canvas.height] = sides;
-  return true;
+  listenToKeys(canvas, (event) => {
+    if (!keys[event.key]) return context.frame != null && tool.key(event);
+    keys[event.key]();
+  });
 }
 
 /** How wide the picture is on the screen, in device pixels; no wider than the camera's. */

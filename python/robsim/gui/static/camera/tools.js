@@ -1,8 +1,8 @@
 // @ts-check
 // Where the robot is to go: a point that is clicked, a path that is drawn, both also by keys.
-import { ARROWS } from "../base/arrows.js";
 import { makeTextButton } from "../base/buttons.js";
 import { make } from "../base/dom.js";
+import { ARROWS } from "../base/keys.js";
 import { text } from "../base/texts.js";
 import { makeDraft } from "./draft.js";
 import { drawLine } from "./strokes.js";

@@ -1,5 +1,6 @@
 // @ts-check
 // Mouse, fingers, wheel and keys on a chart.
+import { listenToKeys } from "../base/keys.js";
 
 const CLICK_SLIP = 4; // px that a pointer may move
 const DOT_REACH = 8; // px to a dot that is meant
@@ -46,7 +47,7 @@ export function listenToGestures(chart, board) {
   over.addEventListener("dblclick", () => resetChart(chart, board));
   const turned = (event) => turnWheel(chart, board, event, at(event));
   over.addEventListener("wheel", turned, { passive: false });
-  over.addEventListener("keydown", (event) => pressKey(chart, board, event));
+  listenToKeys(over, (event) => pressKey(chart, board, event));
   over.addEventListener("blur", () => board.point(null, null));
 }
 
@@ -118,7 +119,7 @@ function turnWheel(chart, board, event, at) {
 
 function pressKey(chart, board, event) {
   const { axis, context } = board;
-  if (event.ctrlKey || event.metaKey || event.altKey || !chart.plot) return;
+  if (!chart.plot) return false;
   const here = axis.cursor ?? context.looking ?? Math.min(axis.count - 1, Math.floor(axis.last));
   const move = (k) => board.point(k, chart, true);
   const steps = event.shiftKey ? KEY_JUMP : 1;
@@ -134,12 +135,11 @@ function pressKey(chart, board, event) {
     "-": () => axis.zoom(here, 1 / KEY_ZOOM),
     Enter: () => context.look(here),
     Escape: () => {
+      event.stopPropagation(); // the robot drives on
       board.point(null, null);
       resetChart(chart, board);
     },
   };
-  if (!keys[event.key]) return;
-  event.preventDefault();
-  event.stopPropagation(); // they mean something else in the rest of the panel
+  if (!keys[event.key]) return false;
   keys[event.key]();
 }

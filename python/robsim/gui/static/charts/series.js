@@ -64,12 +64,6 @@ export class Series {
     return this.turned;
   };
 
-  /** Whether there is a number in any step. */
-  get isKnown() {
-    const [low, high] = this.extremes.range(0, this.count);
-    return low <= high;
-  }
-
   /** Return the extremes of the steps from `first` to `last`; low > high if there are none. */
   range(first, last) {
     const from = Math.max(0, Math.ceil(first));

@@ -1,6 +1,7 @@
 // @ts-check
 // What a step holds, as a tree; each level is asked for when it is opened.
-import { make } from "../base/dom.js";
+import { make, say } from "../base/dom.js";
+import { listenToKeys } from "../base/keys.js";
 import { text } from "../base/texts.js";
 import { makeCopyButton } from "./source.js";
 
@@ -28,7 +29,7 @@ export function makeInspector(context) {
   let waiting = 0;
   const ask = () => {
     const remark = isReadable() ? "" : text("inspector.too_fast");
-    if (note.textContent != remark) note.textContent = remark; // each change lays the page out
+    say(note, remark);
     if (remark || waiting || element.offsetParent === null) return;
     waiting = setTimeout(() => {
       [waiting, asked] = [0, performance.now()];
@@ -102,16 +103,14 @@ function makeTree(ask, chosen) {
     const first = element.firstElementChild;
     if (first && !element.querySelector("[tabindex='0']")) focus(first, false);
   };
-  element.onkeydown = (event) => {
+  listenToKeys(element, (event) => {
     const item = event.target.closest?.("[role=treeitem]");
-    if (!item || !TREE_KEYS[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
-    event.preventDefault();
-    event.stopPropagation();
+    if (!item || !TREE_KEYS[event.key]) return false;
     const all = [...element.querySelectorAll("[role=treeitem]")];
     const shown = all.filter((one) => one.offsetParent);
     const next = TREE_KEYS[event.key](item, shown, toggle);
     if (next) focus(next);
-  };
+  });
   return { element, fill, opened: () => [...opened.values()] };
 }
 

@@ -1,7 +1,7 @@
 // @ts-check
 // What is wrong, or to be done first: over the picture, where the eye is.
 import { makeButton } from "../base/buttons.js";
-import { isPage, make } from "../base/dom.js";
+import { isPage, make, say } from "../base/dom.js";
 import { icon } from "../base/icons.js";
 import { text } from "../base/texts.js";
 
@@ -19,7 +19,7 @@ export function makeTrouble(context, press) {
     hint.hidden = state != "paused" || steps > 0;
     const words = noPicture ? text("remark.no_picture", noPicture) : remarkOf(context);
     remark.hidden = !words || what != null;
-    if (remark.textContent != words) remark.textContent = words;
+    say(remark, words);
   };
   context.on("state", show);
   const miss = (head) => {

@@ -1,7 +1,7 @@
 // @ts-check
 // Which picture is shown: live or frozen, or one of a recording.
 import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
+import { make, say } from "../base/dom.js";
 import { makeSlider, showSlider } from "../base/slider.js";
 import { text } from "../base/texts.js";
 
@@ -28,10 +28,10 @@ export function makeFilm(context) {
   };
   context.on("state", ({ over }) => {
     ended.hidden = !over;
-    if (ended.textContent != over) ended.textContent = over;
+    say(ended, over);
   });
   context.on("setup", show);
   context.on("state", show);
   context.on("frame", (head) => (name.textContent = head.name));
-  return { element };
+  return element;
 }

@@ -1,30 +1,32 @@
 // @ts-check
-// What all tools do with messages: the newest picture, what is laid over it, the state.
+// What all tools are: a picture with hands on it, what stands below and beside it; what is done
+// with messages, keys and files.
 import { asPicture } from "../base/buffers.js";
 import { makeContext } from "../base/context.js";
 import { make } from "../base/dom.js";
 import { makeFlow } from "../base/flow.js";
 import { makeNotes } from "../parts/notes.js";
+import { makeFilm } from "./film.js";
+import { makeHandedPicture } from "./hands.js";
+import { makeHistory } from "./history.js";
 import { makeLoad } from "./load.js";
 import { makeToolTitle } from "./title.js";
 
+const TYPING = "textarea, input:not([type=range], [type=checkbox])";
+
 /**
- * Render a tool: `parts(context)` returns `view`, the element of the picture, with its `width`,
- * what is `below`, and the elements `beside` it.
+ * Render a tool. `build({context, picture, film, history})` returns its `hands`, see hands.js, and
+ * elements: those `over` the picture and at its `foot`, what is `below` it, those `beside` it.
  */
-export function renderTool({ el, send }, name, parts) {
+export function renderTool({ el, send }, name, build) {
   const context = makeContext(el, send);
   makeFlow(context, () => begin());
-  const { view, below, width, beside } = parts(context);
-  const notes = makeNotes(context);
-  const load = makeLoad(context);
-  const left = make("div", { className: "robsim-left" }, makeToolTitle(context, name),
-    make("div", { className: "robsim-view" }, view), load.element, below);
-  const right = make("div", { className: "robsim-right robsim-tool-side" }, ...beside);
-  const about = { className: `robsim-panel robsim-tool robsim-tool-${name}`, tabIndex: -1 };
-  const panel = make("div", about, left, right, notes.element);
-  load.listen(panel);
-  el.append(panel);
+  const hands = [];
+  const picture = makeHandedPicture(context, `${name}_picture`, hands);
+  const [film, history] = [makeFilm(context), makeHistory(context)];
+  const made = build({ context, picture, film, history });
+  hands.push(...made.hands);
+  el.append(layOut(context, name, picture, made));
 
   let newest = null; // the head of the last frame that has come
   const arrived = (head) => {
@@ -37,8 +39,24 @@ export function renderTool({ el, send }, name, parts) {
       return;
     context.emit(head.type, head, buffers);
   };
-  const begin = () => send({ type: "hello", width: width() });
+  const begin = () => send({ type: "hello", width: picture.width() });
   return { arrived, receive, begin, end: context.end };
+}
+
+function layOut(context, name, picture, { over = [], foot = [], below, beside }) {
+  const load = makeLoad(context);
+  const view = make("div", { className: "robsim-camera" }, picture.canvas,
+    make("div", { className: "robsim-camera-bar" }, picture.whole), ...over,
+    make("div", { className: "robsim-camera-foot" }, ...foot));
+  const left = make("div", { className: "robsim-left" }, makeToolTitle(context, name),
+    make("div", { className: "robsim-view" }, view), load.element, below);
+  const right = make("div", { className: "robsim-right robsim-tool-side" }, ...beside);
+  const about = { className: `robsim-panel robsim-tool robsim-tool-${name}`, tabIndex: -1 };
+  const panel = make("div", about, left, right, makeNotes(context).element);
+  panel.addEventListener("keydown", (event) =>
+    event.target.matches(TYPING) && event.stopPropagation()); // what is typed is nothing else
+  load.listen(panel);
+  return panel;
 }
 
 function takeToolState(context, head) {

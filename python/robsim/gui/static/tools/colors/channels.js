@@ -1,27 +1,26 @@
 // @ts-check
 // The histograms of Y, U and V of a region, with the ranges of a class, whose ends are dragged.
 import { asFloats } from "../../base/buffers.js";
-import { make, painter } from "../../base/dom.js";
+import { fitCanvas, make, painter } from "../../base/dom.js";
 import { heldValue } from "../../base/held_value.js";
+import { ARROWS, listenToDrags, listenToKeys } from "../../base/keys.js";
 import { text } from "../../base/texts.js";
 import { color } from "../../base/theme.js";
 
 const CHANNELS = ["y", "u", "v"];
 const LEVELS = 256;
-const HEIGHT = 72; // px
 const GRIP = 12; // px beside an end that take it
 
-/** `tell(ranges)` is told three [lower, upper], both included. */
-export function makeChannels(context, tell) {
+/** Python is told three [lower, upper], both included. */
+export function makeChannels(context) {
   let counts = null; // 3 x 256
-  let ranges = null;
+  let ranges = null; // of the chosen class
   const canvases = CHANNELS.map((name) =>
     make("canvas", { className: "robsim-channel", tabIndex: 0, role: "slider",
       ariaLabel: text(`channel.${name}`) }));
   const outputs = CHANNELS.map(() => make("output", { className: "robsim-number" }));
-  const paint = () => canvases.forEach((canvas, i) =>
-    paintChannel(canvas, context.el, counts?.subarray(LEVELS * i, LEVELS * (i + 1)), ranges?.[i]));
-  const later = painter(paint);
+  const later = painter(() => canvases.forEach((canvas, i) =>
+    paintChannel(canvas, context.el, counts?.subarray(LEVELS * i, LEVELS * (i + 1)), ranges?.[i])));
   const show = (shown) => {
     ranges = shown;
     outputs.forEach((output, i) => {
@@ -32,82 +31,71 @@ export function makeChannels(context, tell) {
   };
   // Compared as texts: Python's answer is another array.
   const held = heldValue(make("span"), (words) => show(words && JSON.parse(words)),
-    (words) => tell(JSON.parse(words)));
+    (words) => context.send({ type: "ranges", ranges: JSON.parse(words) }));
   const setEnd = (i, end, level) => {
     const next = ranges.map((range) => [...range]);
-    next[i][end] = end == 0 ? Math.min(level, next[i][1]) : Math.max(level, next[i][0]);
+    const inside = Math.min(Math.max(Math.round(level), 0), LEVELS - 1);
+    next[i][end] = end == 0 ? Math.min(inside, next[i][1]) : Math.max(inside, next[i][0]);
     held.set(JSON.stringify(next));
   };
-  canvases.forEach((canvas, i) => listen(canvas, () => ranges?.[i], (end, level) =>
-    setEnd(i, end, Math.min(Math.max(Math.round(level), 0), LEVELS - 1))));
+  canvases.forEach((canvas, i) =>
+    listen(canvas, () => ranges?.[i], (end, level) => setEnd(i, end, level)));
 
   context.on("histograms", (_, [buffer]) => {
     counts = asFloats(buffer);
     later();
   });
-  context.on("state", ({ region }) => {
-    if (region) return;
-    counts = null;
+  context.on("state", ({ region, classes, chosen }) => {
+    const told = classes.find(({ name }) => name == chosen)?.ranges;
+    held.tell(told ? JSON.stringify(told) : null);
+    if (!region) counts = null;
     later();
   });
   context.on("theme", later);
   const resizes = new ResizeObserver(later);
   canvases.forEach((canvas) => resizes.observe(canvas));
-  context.onEnd(() => resizes.disconnect());
-  context.onEnd(later.cancel);
-  context.onEnd(held.end);
+  for (const end of [() => resizes.disconnect(), later.cancel, held.end]) context.onEnd(end);
   const rows = CHANNELS.map((name, i) =>
     make("div", { className: "robsim-channel-row", title: text(`channel.${name}.title`) },
       make("span", { className: "robsim-quiet", textContent: name.toUpperCase() }),
       canvases[i], outputs[i]));
-  return {
-    element: make("div", { className: "robsim-channels" }, ...rows),
-    show: (told) => held.tell(told ? JSON.stringify(told) : null),
-  };
+  return make("div", { className: "robsim-channels" }, ...rows);
 }
 
 /** Let the ends of a range be dragged; arrow keys move the lower one, with Shift the upper one. */
 function listen(canvas, range, set) {
-  let end = null;
-  const level = (event) => {
-    const box = canvas.getBoundingClientRect();
-    return ((event.clientX - box.left) / box.width) * LEVELS - 0.5;
+  const level = ({ clientX }) => {
+    const { left, width } = canvas.getBoundingClientRect();
+    return ((clientX - left) / width) * LEVELS - 0.5;
   };
+  /** The nearest end, and how far away it is (px). */
   const nearest = (event) => {
+    const to = level(event);
+    const away = range().map((value) => Math.abs(value - to) * (canvas.clientWidth / LEVELS));
+    const end = away[0] < away[1] || (away[0] == away[1] && to < range()[0]) ? 0 : 1;
+    return [end, away[end]];
+  };
+  canvas.addEventListener("pointermove", (event) => {
+    const isNear = range() && nearest(event)[1] < GRIP;
+    canvas.style.cursor = isNear ? "ew-resize" : "default";
+  });
+  listenToDrags(canvas, (event) => {
     if (!range()) return null;
-    const box = canvas.getBoundingClientRect();
-    const away = range().map((value) => Math.abs(value - level(event)) * (box.width / LEVELS));
-    const found = away[0] < away[1] || (away[0] == away[1] && level(event) < range()[0]) ? 0 : 1;
-    return away[found] < GRIP || event.type == "pointerdown" ? found : null;
-  };
-  canvas.onpointerdown = (event) => {
-    if (event.button) return;
-    end = nearest(event);
-    if (end == null) return;
-    canvas.setPointerCapture(event.pointerId);
+    const [end] = nearest(event);
     set(end, level(event));
-  };
-  canvas.onpointermove = (event) => {
-    canvas.style.cursor = nearest(event) == null ? "default" : "ew-resize";
-    if (end != null) set(end, level(event));
-  };
-  canvas.onpointerup = canvas.onpointercancel = () => (end = null);
-  canvas.onkeydown = (event) => {
-    const step = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
-    if (!step || !range()) return;
-    event.preventDefault();
-    event.stopPropagation();
-    const which = event.shiftKey ? 1 : 0;
-    set(which, range()[which] + step);
-  };
+    return { move: (to) => set(end, level(to)) };
+  });
+  listenToKeys(canvas, ({ key, shiftKey }) => {
+    if (!(key in ARROWS) || !range()) return false;
+    const [right, down] = ARROWS[key];
+    const end = shiftKey ? 1 : 0;
+    set(end, range()[end] + right - down);
+  });
 }
 
 function paintChannel(canvas, el, counts, range) {
-  const ratio = devicePixelRatio;
-  const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-  const height = Math.round(HEIGHT * ratio);
-  if (canvas.width != width || canvas.height != height)
-    [canvas.width, canvas.height] = [width, height];
+  fitCanvas(canvas);
+  const { width, height } = canvas;
   const pen = canvas.getContext("2d");
   const ink = (name) => color(el, `--robsim-${name}`);
   pen.fillStyle = ink("raised");
@@ -119,9 +107,10 @@ function paintChannel(canvas, el, counts, range) {
   }
   if (counts) paintBars(pen, counts, { x, height, fill: ink("quiet") });
   if (!range) return;
+  const line = 2 * devicePixelRatio;
   pen.fillStyle = ink("accent");
   for (const at of [x(range[0]), x(range[1] + 1)])
-    pen.fillRect(Math.min(Math.max(at - ratio, 0), width - 2 * ratio), 0, 2 * ratio, height);
+    pen.fillRect(Math.min(Math.max(at - line / 2, 0), width - line), 0, line, height);
 }
 
 function paintBars(pen, counts, { x, height, fill }) {

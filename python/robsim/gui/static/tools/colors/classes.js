@@ -1,55 +1,37 @@
 // @ts-check
 // The colour classes: which one is trained, a new one, how each region that it has fits it.
-import { makeTextButton } from "../../base/buttons.js";
+import { makeRadios, makeTextButton } from "../../base/buttons.js";
 import { make } from "../../base/dom.js";
 import { text } from "../../base/texts.js";
+import { makeAct, makePart, makeRow, makeTextField } from "../pieces.js";
 
 const WELL = 0.5; // of a region that is in the class
 
 export function makeClasses(context) {
-  const list = make("div",
-    { className: "robsim-classes", role: "radiogroup", ariaLabel: text("classes") });
-  const name = make("input", { className: "robsim-text-field", name: "new_class", maxLength: 40,
-    placeholder: text("new_class"), ariaLabel: text("new_class") });
   const choose = (value) => value && context.send({ type: "choose", name: value });
+  const list = makeRadios("robsim-classes", text("classes"), choose);
+  const name = makeTextField("new_class", () => {},
+    { maxLength: 40, placeholder: text("new_class"),
+      onkeydown: ({ key }) => key == "Enter" && add() });
   const add = () => {
     choose(name.value.trim());
     name.value = "";
   };
-  name.onkeydown = (event) => {
-    event.stopPropagation();
-    if (event.key == "Enter") add();
-  };
-  const remove = makeTextButton("remove_class", "", () => context.send({ type: "remove" }));
-  const bar = make("div", { className: "robsim-tool-row" }, name,
-    makeTextButton("add_class", "", add), remove);
+  const remove = makeAct(context, "remove_class", "", () => ({ type: "remove" }));
   const drift = make("div", { className: "robsim-drift" });
-
-  const show = () => {
-    const { classes, chosen } = context.state;
-    const names = classes.map((one) => one.name);
-    const shown = names.includes(chosen) ? classes : [...classes, { name: chosen, css: "" }];
-    const hasFocus = list.matches(":focus-within");
-    list.replaceChildren(...shown.map((one) => classButton(one, one.name == chosen, choose)));
-    if (hasFocus) list.querySelector("[aria-checked=true]").focus();
+  context.on("state", ({ classes, chosen }) => {
     const current = classes.find((one) => one.name == chosen);
+    const shown = current ? classes : [...classes, { name: chosen, css: "transparent" }];
+    list.show(shown.map(optionOf), chosen);
     remove.disabled = !current;
     drift.replaceChildren(...driftRows(current?.drift ?? []));
-  };
-  context.on("state", show);
-  return { element: make("div", { className: "robsim-tool-part" }, list, bar, drift) };
+  });
+  return makePart(list.element, makeRow(name, makeTextButton("add_class", "", add), remove), drift);
 }
 
 /** A class; one that is not trained yet has no colour. */
-function classButton({ name, css }, isChosen, choose) {
-  const mark = make("span", { className: "robsim-class-mark" });
-  mark.style.background = css;
-  const button = make("button", { type: "button", className: "robsim-class", role: "radio",
-    title: text("choose_class.title", { name }) }, mark, name);
-  button.setAttribute("aria-checked", String(isChosen));
-  button.onclick = () => choose(name);
-  return button;
-}
+const optionOf = ({ name, css }) => ({ value: name, textContent: name, className: "robsim-class",
+  style: `--robsim-class: ${css}`, title: text("choose_class.title", { name }) });
 
 /** What each region looks like, where the class has several: light that changes shows. */
 function driftRows(drift) {

@@ -1,20 +1,16 @@
 // @ts-check
 // How a colour would do in other light and noise, and what would do better.
-import { makeTextButton } from "../../base/buttons.js";
 import { make } from "../../base/dom.js";
 import { text } from "../../base/texts.js";
+import { makeAct, makePart, makeRow } from "../pieces.js";
 
 const PARTS = 100; // %
 
 export function makeScore(context) {
-  const ask = makeTextButton("score", "", () => {
-    said.textContent = text("score_wait");
-    context.send({ type: "score" });
-  });
+  const ask = makeAct(context, "score");
+  ask.addEventListener("click", () => (said.textContent = text("score_wait")));
   const said = make("span", { className: "robsim-quiet", role: "status" });
-  const take = makeTextButton("take_proposed", "", () => {
-    if (proposed) context.send({ type: "ranges", ranges: proposed });
-  });
+  const take = makeAct(context, "take_proposed", "", () => ({ type: "ranges", ranges: proposed }));
   take.hidden = true;
   const table = make("table", { className: "robsim-table robsim-score", hidden: true });
   let proposed = null;
@@ -40,8 +36,7 @@ export function makeScore(context) {
     if (asked) said.textContent = "";
     asked = "";
   });
-  const row = make("div", { className: "robsim-tool-row" }, ask, said, take);
-  return { element: make("div", { className: "robsim-tool-part" }, row, table) };
+  return makePart(makeRow(ask, said, take), table);
 }
 
 const percent = (rate) => Math.round(PARTS * rate);

@@ -1,12 +1,12 @@
 // @ts-check
 // A magnifying glass: the camera's own pixels around a point, and the points with their crosses.
-import { make, painter } from "../../base/dom.js";
+import { fitCanvas, make, painter } from "../../base/dom.js";
+import { drawCross } from "../../camera/strokes.js";
 import { makeDetail } from "./detail.js";
 
 const GLASS_GRID = 7; // times as large: from here on the pixels have edges
 const SLACK = 10; // pixels of the camera beyond the glass, for when it is moved
 const MOST_HALF = 100; // pixels of the camera to each side
-const GAP_OF_CROSS = 3; // px on the screen, which leaves the point itself to be seen
 
 /**
  * `glass` is its number; `zoom()` how many px of the screen a pixel of the camera is; `marks()` the
@@ -22,7 +22,8 @@ export function makeGlass(context, { glass, zoom, marks, label = "" }) {
   };
   const detail = makeDetail(context, { glass, half, changed: later });
   const paint = () => {
-    if (!middle || !context.frame?.picture || !fitGlass(canvas)) return;
+    if (!middle || !context.frame?.picture || !canvas.clientWidth) return;
+    fitCanvas(canvas);
     const scale = zoom() * devicePixelRatio;
     const view = {
       pen: canvas.getContext("2d"), scale, unit: devicePixelRatio,
@@ -50,16 +51,6 @@ export function makeGlass(context, { glass, zoom, marks, label = "" }) {
   };
 }
 
-/** Give the canvas the pixels of its box; return whether it is seen. */
-function fitGlass(canvas) {
-  const sides = [canvas.clientWidth, canvas.clientHeight].map((side) =>
-    Math.round(side * devicePixelRatio));
-  if (!sides[0] || !sides[1]) return false;
-  if (sides[0] != canvas.width || sides[1] != canvas.height)
-    [canvas.width, canvas.height] = sides;
-  return true;
-}
-
 /** The picture as it was sent, which is coarser, wherever there are no pixels yet. */
 function paintGround({ pen, scale, at }, canvas, { picture, size }) {
   pen.fillStyle = "#222";
@@ -76,20 +67,9 @@ function paintDetail({ pen, scale, at, unit }, { box, image }) {
   pen.drawImage(image, left, top, box[2] * scale, box[3] * scale);
 }
 
-function paintCross({ pen, at, unit }, { at: pixel, ink, isIt }) {
-  const [x, y] = at(pixel);
-  const long = (isIt ? 400 : 9) * unit;
-  const gap = GAP_OF_CROSS * unit;
-  pen.beginPath();
-  for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
-    pen.moveTo(x + gap * dx, y + gap * dy);
-    pen.lineTo(x + long * dx, y + long * dy);
-  }
-  for (const [width, color] of [[3, "#000a"], [1.2, ink]]) {
-    pen.lineWidth = width * unit;
-    pen.strokeStyle = color;
-    pen.stroke();
-  }
-  pen.fillStyle = ink;
-  pen.fillRect(x - unit / 2, y - unit / 2, unit, unit);
+function paintCross(view, { at, ink, isIt }) {
+  const [x, y] = view.at(at);
+  drawCross(view, [x, y], ink, { long: isIt ? 400 : 9, width: 1.2 });
+  view.pen.fillStyle = ink;
+  view.pen.fillRect(x - view.unit / 2, y - view.unit / 2, view.unit, view.unit);
 }

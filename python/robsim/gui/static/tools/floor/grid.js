@@ -1,7 +1,7 @@
 // @ts-check
 // The floor's grid on the picture: lines each so many mm, numbers, axes; bent as the lens bends it.
-import { facing, inverseMap, project } from "../../base/geometry.js";
-import { distorting, idealPixel } from "../../camera/intrinsics.js";
+import { areaToPixel, pixelToArea } from "../../camera/projection.js";
+import { drawLabel, strokePath } from "../../camera/strokes.js";
 
 const PIECES = 48; // of a line
 const FLOOR_INK = "#ffd60a";
@@ -23,24 +23,22 @@ export function makeGrid(context) {
       strokeAll(scene, [lines.border], FLOOR_INK, 2.2);
       lines.axes.forEach((axis, i) => drawAxis(scene, axis, AXIS_INKS[i], "xy"[i]));
       const taken = [];
-      for (const label of lines.labels) drawLabel(scene, { ...label, taken });
+      for (const label of lines.labels)
+        if (isNear(label.at, grid.size)) drawLabel(scene, { ...label, ink: FLOOR_INK, taken });
     },
   };
 }
 
 /** Return what takes a place on the floor to a pixel of the camera. */
-export function placeToPixel({ map, intrinsics, size, scale }) {
-  const middle = idealPixel(intrinsics, [size[0] / 2, size[1] / 2]);
-  const faced = facing(map, middle);
-  const back = facing(inverseMap(map), project(faced, middle));
-  const bent = distorting(intrinsics);
-  return ([x, y]) => bent(project(back, [x / scale, y / scale]));
+function placeToPixel(grid) {
+  const toPixel = areaToPixel(grid);
+  return (place) => toPixel(place.map((side) => side / grid.scale));
 }
 
 /** Return what takes a pixel of the camera to a place on the floor. */
-export function pixelToPlace({ map, intrinsics, size, scale }) {
-  const faced = facing(map, idealPixel(intrinsics, [size[0] / 2, size[1] / 2]));
-  return (pixel) => project(faced, idealPixel(intrinsics, pixel)).map((side) => side * scale);
+export function pixelToPlace(grid) {
+  const toArea = pixelToArea(grid);
+  return (pixel) => toArea(pixel).map((side) => side * grid.scale);
 }
 
 function linesOf(grid) {
@@ -73,7 +71,8 @@ function linesOf(grid) {
 
 const said = (value, { unit }) => (value ? String(Number(value.toPrecision(6))) : `0 ${unit}`);
 
-function strokeAll({ pen, pixel, unit, frame }, lines, ink, width) {
+function strokeAll(scene, lines, ink, width) {
+  const { pen, pixel, frame } = scene;
   pen.beginPath();
   for (const line of lines) {
     let isOn = false;
@@ -85,11 +84,7 @@ function strokeAll({ pen, pixel, unit, frame }, lines, ink, width) {
       isOn = isSeen;
     }
   }
-  for (const [wide, color] of [[width + 1.6, "#0007"], [width, ink]]) {
-    pen.lineWidth = wide * unit;
-    pen.strokeStyle = color;
-    pen.stroke();
-  }
+  strokePath(scene, ink, { width });
 }
 
 /** Whether a pixel is in the picture, or near it: no lens shows what is far outside. */
@@ -112,25 +107,4 @@ function drawAxis(scene, line, ink, name) {
   pen.fill();
   const words = { at: line.at(-1), words: name, beside: name == "x" ? [0.5, 1] : [1, 0.5] };
   drawLabel(scene, { ...words, ink, isStrong: true });
-}
-
-/** Write a text beside a pixel, on a dark ground; not over those that are `taken`. */
-export function drawLabel({ pen, pixel, unit, frame }, label) {
-  const { at, words, beside, ink = FLOOR_INK, isStrong = false, taken } = label;
-  if (!isNear(at, frame.size)) return;
-  const [x, y] = pixel(at);
-  pen.font = `${isStrong ? 700 : 500} ${(isStrong ? 13 : 11) * unit}px system-ui, sans-serif`;
-  const wide = pen.measureText(words).width + 6 * unit;
-  const tall = (isStrong ? 17 : 14) * unit;
-  const left = x - wide / 2 + beside[0] * (wide / 2 + 5 * unit);
-  const top = y - tall / 2 + beside[1] * (tall / 2 + 5 * unit);
-  if (taken?.some(([l, t, w, h]) =>
-    left < l + w && l < left + wide && top < t + h && t < top + tall)) return;
-  taken?.push([left, top, wide, tall]);
-  pen.fillStyle = "#000a";
-  pen.fillRect(left, top, wide, tall);
-  pen.fillStyle = ink;
-  pen.textAlign = "center";
-  pen.textBaseline = "middle";
-  pen.fillText(words, left + wide / 2, top + tall / 2 + unit / 2);
 }

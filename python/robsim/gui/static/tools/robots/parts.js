@@ -1,8 +1,9 @@
 // @ts-check
 // What is drawn of a robot: the outline, then both markers; what is wrong with it.
-import { makeTextButton, markChosen, moveByArrows } from "../../base/buttons.js";
-import { make } from "../../base/dom.js";
+import { makeRadios } from "../../base/buttons.js";
+import { say } from "../../base/dom.js";
 import { text } from "../../base/texts.js";
+import { makeAct, makeHint, makeList, makePart, makeRow } from "../pieces.js";
 
 /** What a part is called: a marker by its role, as soon as it has one, and its colour. */
 function nameOfPart(part, { roles }) {
@@ -10,41 +11,28 @@ function nameOfPart(part, { roles }) {
   return text(`part.${roles[part] ?? "marker"}`, { color: part });
 }
 
-export function makeRobotParts(context) {
+export function makeRobotParts({ context, history }) {
   const choose = (name) => context.send({ type: "part", name });
-  const buttonOf = (value) => make("button", {
-    type: "button", role: "radio", value, onclick: () => choose(value) });
-  const parts = make("div", { className: "robsim-segments", role: "radiogroup",
-    ariaLabel: text("parts") });
-  const show = (state) => {
-    const names = Object.keys(state.parts);
-    const shown = [...parts.children].map((button) => button.value);
-    if (names.join("\n") != shown.join("\n")) parts.replaceChildren(...names.map(buttonOf));
-    for (const button of parts.children) {
-      button.textContent = nameOfPart(button.value, state);
-      button.disabled = state.mode != "draw";
-    }
-  };
-  moveByArrows(parts, (button) => choose(button.value));
-  const act = (name) => makeTextButton(name, "", () => context.send({ type: name }));
-  const [guess, clear, undo, redo] = ["guess", "clear", "undo", "redo"].map(act);
-  const problems = make("ul", { className: "robsim-problems", role: "status" });
-  const hint = make("p", { className: "robsim-quiet robsim-tool-hint" });
+  const parts = makeRadios("robsim-segments", text("parts"), choose);
+  const [guess, clear] = ["guess", "clear"].map((name) => makeAct(context, name));
+  const problems = makeList();
+  const hint = makeHint("hint.draw");
   context.on("state", (state) => {
-    show(state);
-    markChosen(parts, "aria-checked", (button) => button.value == state.part);
-    undo.disabled = !state.can_undo;
-    redo.disabled = !state.can_redo;
-    hint.textContent = text(`hint.${state.mode}`);
-    const words = state.problems.map((textContent) => make("li", { textContent }));
-    problems.replaceChildren(...words);
-    problems.hidden = !words.length || state.mode != "draw";
-    for (const button of [guess, clear]) button.disabled = state.mode != "draw";
+    const disabled = state.mode != "draw";
+    parts.show(Object.keys(state.parts).map((value) =>
+      ({ value, textContent: nameOfPart(value, state), disabled })), state.part);
+    say(hint, text(`hint.${state.mode}`));
+    problems.show(disabled ? [] : state.problems);
+    guess.disabled = clear.disabled = disabled;
   });
   const next = () => {
     const names = Object.keys(context.state.parts);
     choose(names[(names.indexOf(context.state.part) + 1) % names.length]);
+    return true;
   };
-  const row = make("div", { className: "robsim-tool-row" }, parts, guess, clear, undo, redo);
-  return { element: make("div", { className: "robsim-tool-part" }, row, hint), problems, next };
+  return {
+    element: makePart(makeRow(parts.element, guess, clear, ...history), hint),
+    problems: problems.element,
+    hand: { key: ({ key }) => key == "Enter" && context.state.mode == "draw" && next() },
+  };
 }

@@ -1,0 +1,113 @@
+// @ts-check
+// What the sides of all tools are made of: rows, words, buttons, fields, tables, what is wrong.
+import { makeTextButton } from "../base/buttons.js";
+import { make, say } from "../base/dom.js";
+import { text } from "../base/texts.js";
+
+const box = (className) => (...children) => make("div", { className }, ...children);
+export const makePart = box("robsim-tool-part");
+export const makeRow = box("robsim-tool-row");
+export const makeFields = box("robsim-tool-fields");
+
+export const makeWords = (name) =>
+  make("span", { className: "robsim-quiet", textContent: text(name) });
+
+export const makeHint = (name) =>
+  make("p", { className: "robsim-quiet robsim-tool-hint", textContent: text(name) });
+
+/** A button that sends a message, if there is one: of its own name if no other is given. */
+export const makeAct = (context, name, kind = "", message = () => ({ type: name }), words = name) =>
+  makeTextButton(name, kind, () => {
+    const told = message();
+    if (told) context.send(told);
+  }, words);
+
+/** A field; `take(words)` is called after a change. */
+export function makeTextField(name, take, about = {}) {
+  const field = make("input", { className: "robsim-text-field", name, ariaLabel: text(name),
+    onchange: () => take(field.value.trim()), ...about });
+  return field;
+}
+
+/** A field with arrows for a number, which `take` gets. */
+export function makeNumberField(name, take, about = {}) {
+  const tell = () => Number.isFinite(field.valueAsNumber) && take(field.valueAsNumber);
+  const field = makeTextField(name, tell, { type: "number", step: "any", ...about });
+  return field;
+}
+
+/** A field in which a number is typed; what is none is marked, and not taken; null = empty. */
+export function makeDecimalField(name, take, about = {}) {
+  const tell = () => {
+    const value = readNumber(field);
+    if (value !== undefined) take(value);
+  };
+  const field = makeTextField(name, tell, { inputMode: "decimal", autocomplete: "off", ...about });
+  return field;
+}
+
+/** The number in a field; null if it is empty, `instead` if it is none: that is marked. */
+export function readNumber(field, instead = undefined) {
+  const words = field.value.trim();
+  const found = Number(words.replace(",", ".").replace("\u2212", "-"));
+  const isNumber = Number.isFinite(found);
+  field.ariaInvalid = String(!isNumber);
+  field.title = isNumber ? "" : text("no_number");
+  if (!isNumber) return instead;
+  return words ? found : null;
+}
+
+/** Show a value in a field, unless something is typed there, or is no number yet. */
+export function showIn(field, value) {
+  if (document.activeElement != field && field.ariaInvalid != "true") field.value = value;
+}
+
+export const asWords = (value) => (value == null ? "" : String(Number(value.toFixed(3))));
+
+/** The fields of a place, `tell(x, y)`; `known()` is that before; `label` begins a text. */
+export function makePlaceFields({ number, prefix, label, known, tell }, about = {}) {
+  const fields = ["x", "y"].map((axis) => makeDecimalField(`${prefix}${axis}_${number}`, () =>
+    tell(...fields.map((field, i) => readNumber(field, known()?.[i] ?? null))),
+  { ariaLabel: text(`${label}.${axis}`, { number }), ...about }));
+  return fields;
+}
+
+export const makeCell = (...children) => make("td", {}, ...children);
+
+export function makeTable(columns) {
+  const body = make("tbody");
+  const head = columns.map((name) =>
+    make("th", { scope: "col", textContent: name && text(`floor_column.${name}`) }));
+  const table = make("table", { className: "robsim-points" },
+    make("thead", {}, make("tr", {}, ...head)), body);
+  return { table, body };
+}
+
+/** A small button of a row, which takes it away. */
+export const makeCut = (label, onclick) => make("button", { type: "button", onclick,
+  className: "robsim-point-cut", textContent: "\u00d7", ariaLabel: label, title: label });
+
+/** A list of sentences, such as problems; it is hidden while there are none. */
+export function makeList(about = { className: "robsim-problems", role: "status" }) {
+  const element = make("ul", { ...about, hidden: true });
+  const show = (words) => {
+    const shown = [...element.children].map(({ textContent }) => textContent);
+    element.hidden = !words.length;
+    if (shown.join("\n") == words.join("\n")) return;
+    element.replaceChildren(...words.map((textContent) => make("li", { textContent })));
+  };
+  return { element, show };
+}
+
+const LOOKS = { good: "robsim-good", poor: "robsim-warning", bad: "robsim-bad" };
+
+/** How good something is, in a word or a few. */
+export function makeVerdict() {
+  const element = make("span", { className: "robsim-chip", role: "status" });
+  const show = (kind, words) => {
+    element.className = `robsim-chip ${LOOKS[kind] ?? ""}`;
+    element.hidden = !words;
+    say(element, words);
+  };
+  return { element, show };
+}
