@@ -2,10 +2,10 @@
 // A picture on a canvas: zoomed, moved, drawn on. What else the pointer does there is its owner's.
 import { makeTextButton } from "../base/buttons.js";
 import { fitCanvas, make, painter } from "../base/dom.js";
+import { watchGestures } from "../base/gestures.js";
 import { listenToKeys } from "../base/keys.js";
 import { text } from "../base/texts.js";
 import { color } from "../base/theme.js";
-import { watchGestures } from "./gestures.js";
 import { makeLens } from "./lens.js";
 import { makeWidthTeller } from "./width.js";
 
@@ -109,7 +109,8 @@ function listenTo(canvas, { context, lens, tool, zoomed }) {
     dragEnd: () => isTools && tool.dragEnd(),
     giveUp: () => isTools && tool.giveUp(),
     zoom: (at, factor) => zoomed(() => lens.zoomAt(at, factor)),
-    isZoomed: () => lens.zoom > 1,
+    takesWheel: () => lens.zoom > 1,
+    ratio: () => canvas.width / canvas.getBoundingClientRect().width,
   });
   const zoomBy = (factor) => () =>
     zoomed(() => lens.zoomAt([canvas.width / 2, canvas.height / 2], factor));

@@ -1,90 +1,52 @@
 // @ts-check
 // Mouse, fingers, wheel and keys on a chart.
+import { watchGestures } from "../base/gestures.js";
 import { listenToKeys } from "../base/keys.js";
 
-const CLICK_SLIP = 4; // px that a pointer may move
 const DOT_REACH = 8; // px to a dot that is meant
-const WHEEL_ZOOM = 0.002; // natural logarithm of the zoom for a px of the wheel
-const WHEEL_UNITS = [1, 16, 400]; // px for deltaMode: pixel, line, page
 const KEY_ZOOM = 0.7;
 const KEY_JUMP = 10; // steps, with Shift
 
 /** Let a chart of a board be moved by the user. */
 export function listenToGestures(chart, board) {
   const { over } = chart;
-  const touches = new Map(); // pointer -> where it is
-  let moved = 0;
-
-  const at = (event) => {
-    const { left, top } = over.getBoundingClientRect();
-    return { x: event.clientX - left, y: event.clientY - top };
-  };
-
-  over.addEventListener("pointerdown", (event) => {
-    if (event.button) return;
-    over.setPointerCapture(event.pointerId);
-    if (!touches.size) moved = 0;
-    touches.set(event.pointerId, at(event));
+  const painted = (act) => (...what) => chart.plot && act(chart, board, ...what);
+  watchGestures(over, {
+    hover: painted(pointAt), click: painted(pickStep), doubleClick: painted(resetChart),
+    drag: painted(dragChart), zoom: painted(zoomChart),
+    slide: painted((_, { axis }, by) => axis.pan(by / chart.plot.perStep)),
+    takesWheel: () => true,
   });
-  over.addEventListener("pointermove", (event) => {
-    const [now, before] = [at(event), touches.get(event.pointerId)];
-    if (!chart.plot) return;
-    if (!before) return pointAt(chart, board, now);
-    moved += Math.hypot(now.x - before.x, now.y - before.y);
-    if (touches.size == 2) pinchSteps(chart, board, touches, event.pointerId, now);
-    else if (moved > CLICK_SLIP) dragChart(chart, board, before, now);
-    touches.set(event.pointerId, now);
-  });
-  const release = (event) => {
-    if (!touches.delete(event.pointerId) || event.type == "pointercancel") return;
-    if (moved <= CLICK_SLIP && !touches.size) pickStep(chart, board, at(event));
-  };
-  over.addEventListener("pointerup", release);
-  over.addEventListener("pointercancel", release);
-  over.addEventListener("pointerleave", (event) => {
-    if (event.pointerType == "mouse") board.point(null, null);
-  });
-  over.addEventListener("dblclick", () => resetChart(chart, board));
-  const turned = (event) => turnWheel(chart, board, event, at(event));
-  over.addEventListener("wheel", turned, { passive: false });
   listenToKeys(over, (event) => pressKey(chart, board, event));
   over.addEventListener("blur", () => board.point(null, null));
 }
 
-const isOnValues = (chart, { x }) => x < chart.box.left;
+const isOnValues = (chart, [x]) => x < chart.box.left;
 
 function pointAt(chart, board, at) {
-  const isInside = !isOnValues(chart, at) && at.x <= chart.box.left + chart.box.width;
+  if (!at) return board.point(null, null);
+  const isInside = !isOnValues(chart, at) && at[0] <= chart.box.left + chart.box.width;
   chart.over.style.cursor = isInside ? "crosshair" : "ns-resize";
-  board.point(isInside ? chart.plot.step(at.x) : null, chart);
+  board.point(isInside ? chart.plot.step(at[0]) : null, chart);
 }
 
 function dragChart(chart, board, before, now) {
   if (isOnValues(chart, before)) {
     const { plot } = chart;
-    const shift = plot.value(before.y) - plot.value(now.y);
+    const shift = plot.value(before[1]) - plot.value(now[1]);
     chart.range = [plot.low + shift, plot.high + shift];
     board.later();
-  } else board.axis.pan((before.x - now.x) / chart.plot.perStep);
-}
-
-/** Keep the steps under two fingers under them. */
-function pinchSteps(chart, { axis }, touches, moving, now) {
-  const resting = [...touches].find(([id]) => id != moving)[1];
-  const before = touches.get(moving);
-  const apart = (one) => Math.max(Math.abs(one.x - resting.x), 1);
-  const factor = apart(before) / apart(now);
-  axis.zoom(chart.plot.step(resting.x), factor);
+  } else board.axis.pan((before[0] - now[0]) / chart.plot.perStep);
 }
 
 /** Show the frame of the step under the pointer, or of a black dot near it. */
 function pickStep(chart, board, at) {
-  if (!chart.plot || isOnValues(chart, at)) return;
-  const k = Math.round(nearestHeld(chart, at) ?? chart.plot.step(at.x));
+  if (isOnValues(chart, at)) return;
+  const k = Math.round(nearestHeld(chart, at) ?? chart.plot.step(at[0]));
   if (k >= 0 && k < board.axis.count) board.context.look(k);
 }
 
-function nearestHeld({ shown, plot }, { x, y }) {
+function nearestHeld({ shown, plot }, [x, y]) {
   const held = shown.find(({ name }) => name == "held")?.series;
   if (!held) return null;
   let [nearest, least] = [null, DOT_REACH];
@@ -102,18 +64,11 @@ function resetChart(chart, board) {
   board.axis.follow();
 }
 
-function turnWheel(chart, board, event, at) {
-  if (!chart.plot) return;
-  event.preventDefault();
-  const unit = WHEEL_UNITS[event.deltaMode];
-  if (Math.abs(event.deltaX) > Math.abs(event.deltaY))
-    return board.axis.pan((event.deltaX * unit) / chart.plot.perStep);
-  const strength = event.ctrlKey ? 5 : 1; // a pinch on a touch pad
-  const factor = Math.exp(Math.min(Math.max(event.deltaY * unit * WHEEL_ZOOM * strength, -1), 1));
-  if (!isOnValues(chart, at)) return board.axis.zoom(chart.plot.step(at.x), factor);
+function zoomChart(chart, board, at, factor) {
   const { plot } = chart;
-  const about = plot.value(at.y);
-  chart.range = [about + (plot.low - about) * factor, about + (plot.high - about) * factor];
+  if (!isOnValues(chart, at)) return board.axis.zoom(plot.step(at[0]), 1 / factor);
+  const about = plot.value(at[1]);
+  chart.range = [plot.low, plot.high].map((end) => about + (end - about) / factor);
   board.later();
 }
 

@@ -1,7 +1,8 @@
 // @ts-check
-// Pointers, the wheel: clicks, drags, pinches, in device pixels of a canvas.
-import { distance } from "../base/geometry.js";
+// Pointers, the wheel: clicks, drags, pinches, on a canvas.
+import { distance } from "./geometry.js";
 
+const WHEEL_UNITS = [1, 30, 400]; // px for deltaMode: pixel, line, page
 const CLICK_SLOP = { mouse: 4, pen: 6, touch: 10 }; // px on the screen that a click may move
 
 /** Whether the wheel would scroll something, so that it is not ours. */
@@ -17,7 +18,8 @@ function canScroll(element, amount) {
 /**
  * Call handlers with what is done on a canvas: `click`, `doubleClick`, `dragStart`, `drag` (from,
  * to), `dragEnd`, `giveUp` (a drag turns into something else), `hover` (a point, or null), `zoom`
- * (at, factor), `move` (by); `isZoomed` says whether the wheel is ours for sure.
+ * (at, factor), `slide` (by, to the right), as far as there are such. Points are px on the screen
+ * times `ratio()`; `takesWheel()` says whether the wheel is ours for sure.
  */
 export function watchGestures(canvas, handlers) {
   const pointers = new Map(); // pointers that are down -> where
@@ -25,12 +27,12 @@ export function watchGestures(canvas, handlers) {
   let isDrag = false;
 
   const point = (event) => {
-    const box = canvas.getBoundingClientRect();
-    const ratio = canvas.width / box.width;
-    return [(event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio];
+    const { left, top } = canvas.getBoundingClientRect();
+    const ratio = handlers.ratio?.() ?? 1;
+    return [(event.clientX - left) * ratio, (event.clientY - top) * ratio];
   };
   const end = () => {
-    if (isDrag) handlers.giveUp();
+    if (isDrag) handlers.giveUp?.();
     isDrag = false;
     pressed = null;
   };
@@ -50,7 +52,7 @@ export function watchGestures(canvas, handlers) {
     pointers.set(event.pointerId, point(event));
     if (pointers.size > 1) end();
     else {
-      const slop = devicePixelRatio * (CLICK_SLOP[event.pointerType] ?? 4);
+      const slop = (handlers.ratio?.() ?? 1) * (CLICK_SLOP[event.pointerType] ?? 4);
       pressed = { at: point(event), slop };
     }
   };
@@ -62,14 +64,14 @@ export function watchGestures(canvas, handlers) {
     if (pointers.size == 2) pinch(event, to);
     if (pressed && !isDrag && distance(pressed.at, to) > pressed.slop) {
       isDrag = true;
-      handlers.dragStart(pressed.at);
+      handlers.dragStart?.(pressed.at);
     }
     if (isDrag) handlers.drag(from, to);
     pointers.set(event.pointerId, to);
   };
   canvas.onpointerup = (event) => {
     if (!pointers.delete(event.pointerId)) return;
-    if (isDrag) handlers.dragEnd();
+    if (isDrag) handlers.dragEnd?.();
     else if (pressed) handlers.click(pressed.at);
     isDrag = false;
     pressed = null;
@@ -81,12 +83,14 @@ export function watchGestures(canvas, handlers) {
   canvas.onpointerleave = (event) => pointers.has(event.pointerId) || handlers.hover(null);
   canvas.ondblclick = (event) => handlers.doubleClick(point(event));
   const wheel = (event) => {
-    const isOurs = event.ctrlKey || handlers.isZoomed() || document.activeElement == canvas;
+    const isOurs = event.ctrlKey || handlers.takesWheel() || document.activeElement == canvas;
     if (!isOurs && canScroll(canvas, event.deltaY)) return;
     event.preventDefault();
-    const lines = event.deltaMode ? 30 : 1; // px a line
+    const unit = WHEEL_UNITS[event.deltaMode];
+    const isSideways = Math.abs(event.deltaX) > Math.abs(event.deltaY);
+    if (handlers.slide && isSideways) return handlers.slide(event.deltaX * unit);
     const speed = event.ctrlKey ? 0.01 : 0.0015; // a pinch on a touch pad comes in small numbers
-    handlers.zoom(point(event), Math.exp(-speed * lines * event.deltaY));
+    handlers.zoom(point(event), Math.exp(-speed * unit * event.deltaY));
   };
   canvas.addEventListener("wheel", wheel, { passive: false });
 }
