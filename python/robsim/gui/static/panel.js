@@ -66,8 +66,8 @@ function layOut(context, camera, place) {
   const over = [makeKeyboard(context, transport, timeline).element, makeNotes(context).element,
     trouble.lost];
   const panel = make("div", { className: "robsim-panel", tabIndex: -1 },
-    make("div", { className: "robsim-left" }, ...left.map((part) => part.element)),
-    make("div", { className: "robsim-right" },
+    make("div", { className: "robsim-left robsim-column" }, ...left.map((part) => part.element)),
+    make("div", { className: "robsim-right robsim-column" },
       make("div", { className: "robsim-right-top" }, tabs.list, place.buttons), tabs.sheets));
   return [panel, place.element, ...over]; // what lies over it is seen beside a tool, too
 }

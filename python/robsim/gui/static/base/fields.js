@@ -65,14 +65,16 @@ function makeSelect({ name, choices }) {
   return { element, listen, show: (value) => (element.value = value) };
 }
 
-function makeRange({ name, low, high, step, unit }) {
+/** A slider; its places may be other numbers than the values: `valueAt`, `placeOf`. */
+function makeRange({ name, low, high, step, unit, valueAt = Number, placeOf = Number, wordsOf }) {
   const element = makeSlider(name, { min: low, max: high, step });
   const output = make("output");
   const digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
-  const listen = (set) => element.addEventListener("input", () => set(Number(element.value)));
+  const listen = (set) => element.addEventListener("input", () => set(valueAt(element.value)));
   const show = (value) => {
-    output.textContent = [value.toFixed(digits), unit].filter(Boolean).join("\u202f");
-    showSlider(element, value, output.textContent);
+    output.textContent = wordsOf?.(value)
+      ?? [value.toFixed(digits), unit].filter(Boolean).join("\u202f");
+    showSlider(element, placeOf(value), output.textContent);
   };
   return { element, output, listen, show };
 }

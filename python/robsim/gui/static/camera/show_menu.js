@@ -7,7 +7,7 @@ import { isShown } from "./overlays.js";
 
 export function makeShowMenu(context, overlays) {
   const list = make("div", { role: "group", ariaLabel: text("show"), hidden: true });
-  list.className = "robsim-card robsim-show-list";
+  list.className = "robsim-surface robsim-card robsim-show-list";
   const open = (isOpen) => {
     list.hidden = !isOpen;
     button.setAttribute("aria-expanded", String(isOpen));

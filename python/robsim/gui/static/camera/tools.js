@@ -143,8 +143,8 @@ function makeHint(finish, leave) {
   const words = make("span");
   const done = makeTextButton("path_done", "robsim-primary", finish);
   const cancel = makeTextButton("path_cancel", "", leave);
-  const element = make("div", { className: "robsim-camera-hint", hidden: true }, words, done,
-    cancel);
+  const element = make("div", { className: "robsim-camera-hint robsim-row", hidden: true }, words,
+    done, cancel);
   const show = (tool, isPath) => {
     element.hidden = tool == "look";
     words.textContent = element.hidden ? "" : text(`tool.${tool}.hint`);

@@ -54,7 +54,7 @@ export class Chart {
     this.over.setAttribute("aria-label",
       text("chart.label", { title: this.title, unit: this.unit }));
     this.main = make("div", { className: "robsim-chart-main" }, this.base, this.over);
-    this.element = make("div", { className: "robsim-chart" }, this.main);
+    this.element = make("div", { className: "robsim-chart robsim-surface" }, this.main);
     if (this.beside) this.element.append(this.beside.element);
   }
 

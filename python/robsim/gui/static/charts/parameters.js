@@ -14,9 +14,9 @@ const LEAST_RANGE = 1e-4; // where that is 0, or not known
 
 export function makeParameterCharts(context) {
   const verdict = make("span", { role: "status" });
-  const tools = make("div", { className: "robsim-chart-tools" });
+  const tools = make("div", { className: "robsim-chart-tools robsim-row" });
   const grid = make("div", { className: "robsim-chart-grid robsim-parameter-grid" });
-  const element = make("div", { className: "robsim-parameters" }, tools, grid);
+  const element = make("div", { className: "robsim-parameters robsim-column" }, tools, grid);
   const board = makeBoard(context, element, () => context.want(PARAMETER_GROUPS));
   tools.append(...makeStepControls(context, board.axis), makeParameterKey(context),
     make("div", { className: "robsim-verdict-line" }, verdict));

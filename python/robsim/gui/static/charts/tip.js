@@ -15,7 +15,7 @@ export function stepText(context, k) {
 }
 
 export function makeTip(context) {
-  const element = make("div", { className: "robsim-tip", hidden: true });
+  const element = make("div", { className: "robsim-tip robsim-surface", hidden: true });
   const ink = inksOf(context);
   const row = (layer, unit, k) => {
     const swatch = makeSwatch(layer.kind ?? "none", layer.ink ? ink(layer.ink) : "transparent");

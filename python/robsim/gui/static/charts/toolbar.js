@@ -1,5 +1,6 @@
 // @ts-check
 // What stands above the charts of a tab: which steps are shown, what the colours mean.
+import { makeTextButton } from "../base/buttons.js";
 import { make } from "../base/dom.js";
 import { text } from "../base/texts.js";
 import { makeSwatch } from "./swatch.js";
@@ -8,11 +9,8 @@ const WINDOWS = [200, 600, 2000, 0]; // steps; 0 = all
 
 /** Make the button that follows the newest step, and the choice of how many are shown. */
 export function makeStepControls(context, axis) {
-  const follow = make("button", {
-    type: "button", className: "robsim-button", name: "follow",
-    textContent: text("chart.follow"), title: text("chart.follow.title"),
-    onclick: () => (axis.follows ? axis.hold() : axis.follow()),
-  });
+  const follow = makeTextButton("follow", "", () =>
+    (axis.follows ? axis.hold() : axis.follow()), "chart.follow");
   const choices = WINDOWS.map((n) => {
     const textContent = n ? text("chart.last_steps", { n }) : text("chart.all_steps");
     return make("option", { value: String(n), textContent });

@@ -2,6 +2,7 @@
 // The tab of the traces: true, measured, held and estimated poses, their errors, and any other
 // column.
 import { make } from "../base/dom.js";
+import { makeField } from "../base/fields.js";
 import { text } from "../base/texts.js";
 import { makeBoard } from "./board.js";
 import { Chart } from "./chart.js";
@@ -102,8 +103,8 @@ function poseCharts(context, errors) {
 
 export function makeTraces(context) {
   const grid = make("div", { className: "robsim-chart-grid" });
-  const tools = make("div", { className: "robsim-chart-tools" });
-  const element = make("div", { className: "robsim-traces" }, tools, grid);
+  const tools = make("div", { className: "robsim-chart-tools robsim-row" });
+  const element = make("div", { className: "robsim-traces robsim-column" }, tools, grid);
   let isSeen = false;
   const ask = () => isSeen && context.setup && context.want(traceGroups(context));
   const board = makeBoard(context, element, () => {
@@ -172,10 +173,9 @@ function makeTraceCharts(context, board, grid) {
 
 /** Make the switch of the objects' traces. */
 function makeObjectSwitch(context) {
-  const box = make("input", {
-    type: "checkbox", role: "switch", className: "robsim-switch", name: "objects",
-    checked: context.local.objects, onchange: () => context.choose("objects", box.checked),
-  });
-  const about = { className: "robsim-field", title: text("chart.objects.title") };
-  return make("label", about, make("span", { textContent: text("chart.objects") }), box);
+  const field = makeField({ name: "objects", kind: "switch" }, (on) =>
+    context.choose("objects", on));
+  field.show(context.local.objects);
+  context.onEnd(field.end);
+  return field.element;
 }

@@ -55,8 +55,8 @@ function makeAnimate(context) {
   const words = make("span", {}, make("b", { textContent: text("animate") }),
     ` ${text("animate.title")}`);
   const chip = make("span", { className: "robsim-chip robsim-active", hidden: true });
-  const element = make("div", { className: "robsim-animate" }, make("label", {}, input, words),
-    chip);
+  const label = make("label", {}, input, words);
+  const element = make("div", { className: "robsim-animate robsim-row" }, label, chip);
   context.on("state", ({ animate: isOn }) => (input.checked = isOn));
   const show = (stage) => {
     chip.hidden = !stage;
@@ -67,7 +67,7 @@ function makeAnimate(context) {
 
 function makeGroup(when) {
   const title = text(`when.${when}`);
-  const list = make("ol", { ariaLabel: title });
+  const list = make("ol", { className: "robsim-surface", ariaLabel: title });
   const element = make("section", { hidden: true }, make("h3", { textContent: title }), list);
   const fill = (rows) => {
     list.replaceChildren(...rows);
@@ -100,9 +100,9 @@ function makeSlotRow(context, source, slot) {
 }
 
 function makeSlotPlace() {
-  const called = make("span", { className: "robsim-code" });
-  const place = make("span", { className: "robsim-code robsim-quiet" });
-  const element = make("span", { className: "robsim-slot-what" }, called, place);
+  const [called, place] = ["", " robsim-quiet"].map((more) =>
+    make("span", { className: `robsim-code robsim-clipped${more}` }));
+  const element = make("span", { className: "robsim-slot-what robsim-column" }, called, place);
   const show = ({ name, file, line }) => {
     called.textContent = name ?? "";
     place.textContent = file ? file.split(/[\\/]/).at(-1) + (line ? `:${line}` : "") : "";
@@ -151,7 +151,7 @@ function makeSlotButtons(context, source, slot, title) {
 
 /** The last error in one line, which opens. */
 function makeSlotError() {
-  const summary = make("summary");
+  const summary = make("summary", { className: "robsim-clipped" });
   const whole = make("pre", { className: "robsim-code" });
   const element = make("details", { className: "robsim-slot-error", hidden: true }, summary, whole);
   const show = ({ error }) => {

@@ -4,7 +4,7 @@ import { make } from "../base/dom.js";
 import { makeField } from "../base/fields.js";
 import { text } from "../base/texts.js";
 import { makeCameraRate } from "./camera_rate.js";
-import { makeSpeed } from "./speed.js";
+import { SPEED } from "./speed.js";
 
 /**
  * The cards and the controls on them, in their order; what stands in none of them comes on the
@@ -20,16 +20,14 @@ const CARDS = {
 const KINDS = { noise_level: "noise", disturbance_level: "disturbance" }; // of the levels
 
 export function makeControls(context) {
-  const element = make("div", { className: "robsim-controls" });
+  const element = make("div", { className: "robsim-controls robsim-column" });
   const rate = makeCameraRate(context);
   const fields = new Map();
 
   const send = (name) => (value) => context.send({ type: "set", name, value });
   const refuse = (reason) => context.emit("note", { level: "info", text: reason });
   const makeOne = (control) =>
-    control.name == "speed"
-      ? makeSpeed(send("speed"))
-      : makeField(control, send(control.name), refuse);
+    makeField(control.name == "speed" ? SPEED : control, send(control.name), refuse);
 
   /** Take a control; one that is as before stays what it is, for it may be in use. */
   const take = (control) => {
@@ -74,6 +72,7 @@ const cardOf = (name) => Object.keys(CARDS).find((card) => CARDS[card].includes(
 function makeCard(card, fields) {
   const place = ({ name }) => CARDS[card].indexOf(name);
   const elements = fields.toSorted((a, b) => place(a) - place(b)).map((field) => field.element);
-  const about = { className: `robsim-card robsim-card-${card}`, ariaLabel: text(`card.${card}`) };
-  return make("section", { ...about, hidden: !elements.length }, ...elements);
+  const className = `robsim-surface robsim-card robsim-card-${card}`;
+  const about = { className, ariaLabel: text(`card.${card}`), hidden: !elements.length };
+  return make("section", about, ...elements);
 }

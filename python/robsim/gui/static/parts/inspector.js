@@ -14,12 +14,13 @@ const keyOf = (path) => JSON.stringify(path);
 export function makeInspector(context) {
   const step = make("span", { className: "robsim-card-title" });
   const note = make("span", { className: "robsim-quiet" });
-  const python = make("span", { className: "robsim-code robsim-inspector-path" });
+  const python = make("span", { className: "robsim-code robsim-inspector-path robsim-clipped" });
   const copy = makeCopyButton(() => python.textContent);
-  const head = make("div", { className: "robsim-inspector-head" }, step, note, python, copy);
+  const about = { className: "robsim-inspector-head robsim-row" };
+  const head = make("div", about, step, note, python, copy);
   const send = (path) => context.send({ type: "inspect", k: context.looking, path });
   const tree = makeTree(send, (item) => (python.textContent = item.python));
-  const element = make("div", { className: "robsim-inspector" }, head, tree.element);
+  const element = make("div", { className: "robsim-inspector robsim-column" }, head, tree.element);
 
   const isReadable = () => {
     const { state, speed } = context.state;
@@ -52,7 +53,7 @@ export function makeInspector(context) {
  */
 function makeTree(ask, chosen) {
   const element = make("ul", { role: "tree", ariaLabel: text("inspector") });
-  element.className = "robsim-tree robsim-code";
+  element.className = "robsim-tree robsim-code robsim-surface";
   const opened = new Map([[keyOf([]), []]]); // key -> path of what is open
   const lists = new Map([[keyOf([]), element]]); // key -> the list that shows it
 
@@ -133,7 +134,7 @@ const TREE_KEYS = {
 };
 
 function makeTreeItem(path, python) {
-  const names = ["robsim-node-name", "robsim-node-value", "robsim-quiet"];
+  const names = ["robsim-node-name", "robsim-node-value robsim-clipped", "robsim-quiet"];
   const cells = names.map((className) => make("span", { className }));
   const line = make("div", { className: "robsim-node" }, ...cells);
   const list = make("ul", { role: "group" });

@@ -73,8 +73,9 @@ function makeList() {
       make("td", { textContent: text(`key.${name}.does`) }));
   });
   const title = make("h3", { className: "robsim-card-title", textContent: text("keys") });
-  const about = { className: "robsim-keys robsim-card", role: "dialog", ariaLabel: text("keys") };
-  const top = make("div", { className: "robsim-keys-top" }, title, close);
+  const className = "robsim-keys robsim-surface robsim-card";
+  const about = { className, role: "dialog", ariaLabel: text("keys") };
+  const top = make("div", { className: "robsim-keys-top robsim-row" }, title, close);
   const element = make("section", { ...about, hidden: true }, top, make("table", {}, ...rows));
   return { element };
 }

@@ -29,7 +29,7 @@ export function makeNotes(context) {
   context.on("note", ({ level, text: words }) => {
     if (!shown.has(words)) {
       const close = makeButton("close", "robsim-plain robsim-icon", () => drop(words));
-      const about = { className: `robsim-toast robsim-toast-${level}` };
+      const about = { className: `robsim-surface robsim-toast robsim-toast-${level}` };
       const toast = make("div", about, make("span", { textContent: words }), close);
       toast.addEventListener("pointerenter", () => clearTimeout(shown.get(words)?.timer));
       toast.addEventListener("pointerleave", () => shown.has(words) && wait(words, level));

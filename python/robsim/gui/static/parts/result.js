@@ -45,7 +45,7 @@ export function makeResult(context) {
     const blob = picture?.byteLength && new Blob([asBytes(picture)], { type: "image/png" });
     url = blob ? URL.createObjectURL(blob) : "";
     const chip = make("span", { ...aboutVerdict({ text: verdict, good }), hidden: !verdict });
-    const head = make("div", { className: "robsim-result-head" }, chip, finish);
+    const head = make("div", { className: "robsim-result-head robsim-row" }, chip, finish);
     element.replaceChildren(head, ...(rows.length ? [makeResultTable(rows)] : []));
     if (remarks)
       element.append(make("p", { className: "robsim-result-remarks", textContent: remarks }));

@@ -7,13 +7,14 @@ import { text } from "../base/texts.js";
 /** `ask(slot, asker)` shows a source; the focus goes back to who asked. */
 export function makeSource(context) {
   const title = make("span", { className: "robsim-card-title" });
-  const file = make("span", { className: "robsim-code robsim-quiet" });
+  const file = make("span", { className: "robsim-code robsim-quiet robsim-clipped" });
   const copy = makeCopyButton(() => shown?.text ?? "");
   const close = makeTextButton("close_source", "", () => hide(), "close");
   const lines = make("ol", { className: "robsim-code robsim-lines", tabIndex: 0 });
-  const head = make("div", { className: "robsim-source-head" }, title, file, copy, close);
-  const element = make("div", { className: "robsim-source", role: "dialog", hidden: true }, head,
-    lines);
+  const about = { className: "robsim-source-head robsim-row" };
+  const head = make("div", about, title, file, copy, close);
+  const className = "robsim-source robsim-column robsim-surface";
+  const element = make("div", { className, role: "dialog", hidden: true }, head, lines);
   let shown = null;
   let asker = null;
   let errors = new Map(); // slot -> the line that failed

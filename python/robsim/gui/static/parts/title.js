@@ -9,7 +9,7 @@ import { text } from "../base/texts.js";
 const MOODS = { running: "good", failed: "bad", stopped: "bad", ended: "warning" };
 
 export function makeTitle(context) {
-  const name = make("span", { className: "robsim-title-name" });
+  const name = make("span", { className: "robsim-title-name robsim-clipped" });
   const state = make("span", { className: "robsim-chip robsim-title-state", role: "status" });
   const step = make("output", { className: "robsim-number robsim-title-step" });
   const time = make("output", { className: "robsim-number robsim-title-time" });

@@ -21,10 +21,10 @@ export function makeToolPlace(context) {
     context.send({ type: "use_tool" }));
   const stop = makeButton("stop", "robsim-danger robsim-stop", () =>
     context.send({ type: "press", button: "stop" }));
-  const bar = make("div", { className: "robsim-tool-bar" },
+  const bar = make("div", { className: "robsim-tool-bar robsim-row" },
     makeTextButton("discard_tool", "", () => choose(null)),
     use, stop);
-  const element = make("div", { className: "robsim-tool-place", hidden: true });
+  const element = make("div", { className: "robsim-tool-place robsim-column", hidden: true });
   let shown = null; // the tool: its name and its view
 
   const close = () => {

@@ -7,7 +7,8 @@ import { text } from "../base/texts.js";
 
 export function makeTrouble(context, press) {
   const error = makeError(context, press);
-  const remark = make("p", { className: "robsim-remark", role: "status", hidden: true });
+  const remark = make("p",
+    { className: "robsim-remark robsim-surface", role: "status", hidden: true });
   const first = makeButton("first", "robsim-first-button", () => press("start"));
   const how = make("span", { textContent: text("first.hint") });
   const hint = make("div", { className: "robsim-first", hidden: true }, first, how);
@@ -50,8 +51,9 @@ function makeError(context, press) {
   const edit = makeButton("edit", "", () => context.send({ type: "edit", slot: edit.value }));
   const jump = makeButton("to_callbacks", "", () => context.choose("tab", "callbacks"));
   const again = makeButton("go_on", "robsim-primary", () => press("start"));
-  const element = make("section", { className: "robsim-error", role: "alert", hidden: true },
-    make("div", { className: "robsim-error-title" }, icon("warning"), title, place),
+  const className = "robsim-error robsim-surface robsim-column";
+  const element = make("section", { className, role: "alert", hidden: true },
+    make("div", { className: "robsim-error-title robsim-row" }, icon("warning"), title, place),
     words, code, details, make("div", { className: "robsim-error-buttons" }, again, jump, edit));
   let slots = [];
   context.on("callbacks", (head) => (slots = head.slots));
@@ -80,7 +82,7 @@ function makeError(context, press) {
 function makeLost() {
   const where = isPage() ? "page" : "notebook";
   const card = (state, what, todo) =>
-    make("div", { className: `robsim-card robsim-lost-${state}` },
+    make("div", { className: `robsim-surface robsim-card robsim-lost-${state}` },
       make("strong", { textContent: text(what) }), make("p", { textContent: text(todo) }));
   const cards = [card("lost", "lost", "lost.again"), card("gone", "gone", `gone.${where}`)];
   return make("div", { className: "robsim-lost", role: "alert" }, ...cards);

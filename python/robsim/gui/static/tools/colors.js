@@ -22,7 +22,8 @@ export const renderColors = (host) => renderTool(host, "colors", ({ context, pic
   let isMore = false; // regions stay when another one is marked
   const more = makeField({ name: "more_regions", kind: "switch" }, (on) => (isMore = on));
   more.show(false);
-  const hint = make("div", { className: "robsim-camera-hint", textContent: text("region_hint") });
+  const className = "robsim-camera-hint robsim-row";
+  const hint = make("div", { className, textContent: text("region_hint") });
   context.on("state", ({ region }) => (hint.hidden = Boolean(region)));
   const [tests, ...options] = [{ name: "tests", kind: "switch" }, ...OPTIONS].map((option) =>
     makeField(option, (value) => context.send({ type: "set", name: option.name, value })));

@@ -14,7 +14,7 @@ export function makeFilm(context) {
   const name = make("output", { className: "robsim-number robsim-quiet" });
   const ended = make("span", { className: "robsim-chip robsim-warning", hidden: true });
   const parts = [freeze, slider, name, ended];
-  const element = make("div", { className: "robsim-tool-row robsim-film" }, ...parts);
+  const element = make("div", { className: "robsim-tool-row robsim-row robsim-film" }, ...parts);
   const show = () => {
     const { setup, state } = context;
     if (!setup) return;

@@ -3,6 +3,7 @@
 import { makeButton, makeTextButton } from "../base/buttons.js";
 import { isPage, make } from "../base/dom.js";
 import { text } from "../base/texts.js";
+import { makeRow } from "./pieces.js";
 import { makeSender } from "./sender.js";
 
 /** `element` stands below the picture; `listen(panel)` lets files be dropped on the panel. */
@@ -24,8 +25,7 @@ export function makeLoad(context) {
     back.hidden = !to;
     if (to) back.textContent = text(`back.${to}`);
   });
-  const element = make("div", { className: "robsim-tool-row robsim-load" }, load, input, back,
-    way.element);
+  const element = makeRow(load, input, back, way.element);
   const listen = (panel) => {
     panel.append(makeDropPlace(panel, take));
     listenToPaste(context, isPage() ? document : panel, take);
@@ -38,11 +38,11 @@ function makeWay(giveUp) {
   const hint = make("span", { className: "robsim-quiet robsim-load-hint",
     textContent: text("load_hint") });
   const bar = make("progress", { max: 1 });
-  const words = make("span", { className: "robsim-load-words" });
-  const going = make("div", { className: "robsim-load-going" }, bar, words,
+  const words = make("span", { className: "robsim-load-words robsim-clipped" });
+  const going = make("div", { className: "robsim-load-going robsim-row" }, bar, words,
     makeTextButton("give_up", "", giveUp));
   const why = make("span");
-  const refused = make("div", { className: "robsim-load-refused", role: "alert" }, why,
+  const refused = make("div", { className: "robsim-load-refused robsim-row", role: "alert" }, why,
     makeButton("close", "robsim-plain robsim-icon", () => show(null)));
   const element = make("div", { className: "robsim-load-way" }, hint, going, refused);
   const show = (about) => {

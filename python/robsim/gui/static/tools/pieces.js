@@ -5,8 +5,8 @@ import { make, say } from "../base/dom.js";
 import { text } from "../base/texts.js";
 
 const box = (className) => (...children) => make("div", { className }, ...children);
-export const makePart = box("robsim-tool-part");
-export const makeRow = box("robsim-tool-row");
+export const makePart = box("robsim-tool-part robsim-surface robsim-column");
+export const makeRow = box("robsim-tool-row robsim-row");
 export const makeFields = box("robsim-tool-fields");
 
 export const makeWords = (name) =>
@@ -78,7 +78,7 @@ export function makeTable(columns) {
   const body = make("tbody");
   const head = columns.map((name) =>
     make("th", { scope: "col", textContent: name && text(`floor_column.${name}`) }));
-  const table = make("table", { className: "robsim-points" },
+  const table = make("table", { className: "robsim-table robsim-points" },
     make("thead", {}, make("tr", {}, ...head)), body);
   return { table, body };
 }

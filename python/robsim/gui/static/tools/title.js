@@ -6,8 +6,8 @@ import { makeLooks } from "../base/looks.js";
 import { text } from "../base/texts.js";
 
 export function makeToolTitle(context, tool) {
-  const name = make("span", { className: "robsim-title-name" });
-  const source = make("span", { className: "robsim-quiet robsim-tool-source" });
+  const name = make("span", { className: "robsim-title-name robsim-clipped" });
+  const source = make("span", { className: "robsim-quiet robsim-tool-source robsim-clipped" });
   context.on("setup", () => {
     name.textContent = text(`tool_title.${tool}`);
     if (isPage()) document.title = `${name.textContent} – robsim`;

@@ -48,9 +48,10 @@ function layOut(context, name, picture, { over = [], foot = [], below, beside })
   const view = make("div", { className: "robsim-camera" }, picture.canvas,
     make("div", { className: "robsim-camera-bar" }, picture.whole), ...over,
     make("div", { className: "robsim-camera-foot" }, ...foot));
-  const left = make("div", { className: "robsim-left" }, makeToolTitle(context, name),
+  const left = make("div", { className: "robsim-left robsim-column" }, makeToolTitle(context, name),
     make("div", { className: "robsim-view" }, view), load.element, below);
-  const right = make("div", { className: "robsim-right robsim-tool-side" }, ...beside);
+  const right = make("div",
+    { className: "robsim-right robsim-column robsim-tool-side" }, ...beside);
   const about = { className: `robsim-panel robsim-tool robsim-tool-${name}`, tabIndex: -1 };
   const panel = make("div", about, left, right, makeNotes(context).element);
   panel.addEventListener("keydown", (event) =>

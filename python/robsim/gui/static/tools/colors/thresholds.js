@@ -1,8 +1,8 @@
 // @ts-check
 // The ranges as text, as they stand in a colour file: edited, copied, saved.
-import { makeTextButton } from "../../base/buttons.js";
 import { make } from "../../base/dom.js";
 import { text } from "../../base/texts.js";
+import { makeCopyButton } from "../../parts/source.js";
 import { makeAct, makePart, makeRow, makeTextField, showIn } from "../pieces.js";
 
 export function makeThresholds(context) {
@@ -16,10 +16,7 @@ export function makeThresholds(context) {
     spellcheck: false, ariaLabel: text("thresholds"),
     onchange: take, oninput: () => (isMine = true),
     onkeydown: ({ key, ctrlKey, metaKey }) => key == "Enter" && (ctrlKey || metaKey) && take() });
-  const copy = makeTextButton("copy_text", "", async () => {
-    await navigator.clipboard?.writeText(area.value);
-    context.emit("note", { level: "info", text: text("copied") });
-  });
+  const copy = makeCopyButton(() => area.value);
   const file = makeTextField("file", () => {}, { maxLength: 200, ariaLabel: text("color_file") });
   const save = makeAct(context, "save_colors", "robsim-primary", () =>
     ({ type: "save", file: file.value.trim() }));
