@@ -41,18 +41,50 @@ class Mouse(ToolMouse):
     def classes(self):
         return {color.name: color for color in self.tool.value}
 
+    @property
+    def regions(self):
+        """Those of the red class."""
+        trained = self.tool._view.training.classes.get("red")
+        return [sample.region for sample in trained.samples] if trained else []
+
 
 def test_a_region_by_keys(mouse, image):
     mouse.canvas.focus()
     for key in ("Enter", *["Shift+ArrowLeft"] * 3, *["ArrowUp"] * 6):
         mouse.tab.keyboard.press(key)
 
-    def regions():
-        trained = mouse.tool._view.training.classes.get("red")
-        return [sample.region for sample in trained.samples] if trained else []
-
-    wait_for(lambda: regions() == [(47, 51, 53, 57)])
+    wait_for(lambda: mouse.regions == [(47, 51, 53, 57)])
     assert mouse.classes["red"] == ColorClass.from_region(image, (47, 51, 53, 57), name="red")
+
+
+def test_drags_are_undone_and_done_again_by_keys_and_buttons(mouse):
+    tab = mouse.tab
+    assert tab.is_disabled("[name=undo]")
+    drags = (42, 42, 57, 57), (101, 42, 115, 57)
+    for left, top, right, bottom in drags:
+        mouse.drag((left, top), (right, bottom))
+        wait_for(lambda drag=(left, top, right, bottom): mouse.regions == [drag])
+
+    def does(press, key, *expected):
+        press(key)
+        wait_for(lambda: mouse.regions == [*expected])
+
+    does(tab.keyboard.press, "Control+z", drags[0])
+    does(tab.keyboard.press, "Control+z")
+    tab.locator(".robsim-camera-hint").wait_for()
+    tab.wait_for_selector("[name=undo]:disabled")
+    does(tab.keyboard.press, "Control+Shift+Z", drags[0])
+    does(tab.keyboard.press, "Control+y", drags[1])
+    does(tab.click, "[name=undo]", drags[0])
+    does(tab.click, "[name=redo]", drags[1])
+    # A slider is no field to type in; in one the keys are its own
+    tab.locator("[name=margin]").press("ArrowRight")
+    wait_for(lambda: mouse.tool._view._state()["options"]["margin"] == 53)
+    tab.keyboard.press("Control+z")
+    wait_for(lambda: mouse.tool._view._state()["options"]["margin"] == 52)
+    tab.fill("[name=new_class]", "blue")
+    tab.keyboard.press("Control+z")
+    does(tab.click, "[name=undo]", drags[0])
 
 
 def test_the_thresholds_are_edited_as_text(mouse):

@@ -52,7 +52,7 @@ def test_a_region_makes_a_class_that_is_shown_in_the_picture(view, browser):
     assert browser.take("setup")[0]["title"] == "a picture"
     assert browser.take("state")[0]["classes"] == []
     browser.take("frame")
-    browser.say("region", region=[20, 20, 29, 29], keep=0)
+    browser.say("region", region=[20, 20, 29, 29], keep=0, goes_on=False)
     head, (counts,) = browser.take("histograms")
     assert head["region"] == [20, 20, 29, 29]
     assert np.frombuffer(counts, "<f4").reshape(3, 256).sum(axis=1).tolist() == [100] * 3
@@ -76,11 +76,11 @@ def test_a_region_makes_a_class_that_is_shown_in_the_picture(view, browser):
 
 
 def test_ranges_options_and_the_text_can_be_changed(view, browser):
-    browser.say("region", region=[20, 20, 29, 29], keep=0)
-    browser.say("ranges", ranges=[[0, 255], [0, 120], [180, 255]])
+    browser.say("region", region=[20, 20, 29, 29], keep=0, goes_on=False)
+    browser.say("ranges", ranges=[[0, 255], [0, 120], [180, 255]], goes_on=False)
     browser.say("choose", name="blue")
-    browser.say("region", region=[50, 20, 59, 29], keep=0)
-    browser.say("set", name="margin", value=20)
+    browser.say("region", region=[50, 20, 59, 29], keep=0, goes_on=False)
+    browser.say("set", name="margin", value=20, goes_on=False)
     settled(view)
     red, blue = view.training.value
     assert red == ColorClass("red", u=(0, 120), v=(180, 255))
@@ -93,16 +93,43 @@ def test_ranges_options_and_the_text_can_be_changed(view, browser):
     assert view.training.value == (ColorClass("red", u=(0, 99)),)  # blue, which had been chosen
 
 
+def test_changes_are_undone_and_a_drag_is_one(view, browser):
+    def value(*said):
+        for kind, fields in said:
+            browser.say(kind, **fields)
+        settled(view)
+        state = view._state()
+        return view.training.value, state["region"], state["can_undo"], state["can_redo"]
+
+    def region(*sides, goes_on=False):
+        return "region", {"region": [*sides], "keep": 0, "goes_on": goes_on}
+
+    def margin(value, goes_on=False):
+        return "set", {"name": "margin", "value": value, "goes_on": goes_on}
+
+    undo, redo = ("undo", {}), ("redo", {})
+    made = ColorClass.from_region(picture(), (20, 20, 27, 27), name="red")
+    value(region(20, 20, 29, 29), region(20, 20, 27, 27, goes_on=True))
+    value(margin(20), margin(10, goes_on=True))
+    assert value(undo) == ((made,), [20, 20, 27, 27], True, True)
+    assert value(undo) == ((), None, False, True)
+    assert value(redo) == ((made,), [20, 20, 27, 27], True, True)
+    # A drag of which the beginning is refused is a change of its own, too
+    changed = value(region(40, 0, 45, 9), region(50, 20, 59, 29, goes_on=True))
+    assert changed[0] != (made,)
+    assert value(undo) == ((made,), [20, 20, 27, 27], True, True)
+
+
 def test_what_is_wrong_is_said_and_changes_nothing(view):
     view.training.put(ColorClass("red", v=(200, 255)))
     for kind, fields, said in (
-        ("region", {"region": [40, 0, 45, 9], "keep": 0}, "grey"),
-        ("region", {"region": [70, 0, 99, 9], "keep": 0}, "region"),
-        ("region", {"region": [70, 0, 99], "keep": 0}, "region"),
-        ("ranges", {"ranges": [[9, 3], [0, 9], [0, 9]]}, "y"),
+        ("region", {"region": [40, 0, 45, 9], "keep": 0, "goes_on": False}, "grey"),
+        ("region", {"region": [70, 0, 99, 9], "keep": 0, "goes_on": False}, "region"),
+        ("region", {"region": [70, 0, 99], "keep": 0, "goes_on": False}, "region"),
+        ("ranges", {"ranges": [[9, 3], [0, 9], [0, 9]], "goes_on": False}, "y"),
         ("thresholds", {"text": "[red]\ny = [0, 300]"}, "within 0..255"),
         ("thresholds", {"text": "x" * 9000}, "a text of up to"),
-        ("set", {"name": "nothing", "value": 5}, "'nothing'"),
+        ("set", {"name": "nothing", "value": 5, "goes_on": False}, "'nothing'"),
         ("look", {"k": 3}, "picture 3"),
         ("save", {"file": "/dev/null/colors.toml"}, "/dev/null"),
     ):
@@ -118,10 +145,10 @@ def test_a_recording_is_looked_through_and_trained_on(tmp_path):
     with robsim.gui.color_panel(tmp_path, file=tmp_path / "colors.toml") as tool:
         browser = FakeBrowser(tool._view, 80)
         assert browser.take("setup")[0]["count"] == 3
-        browser.say("region", region=[0, 20, 9, 29], keep=0)
+        browser.say("region", region=[0, 20, 9, 29], keep=0, goes_on=False)
         browser.say("look", k=2)
         browser.take("frame", k=2)
-        browser.say("region", region=[20, 20, 29, 29], keep=1)
+        browser.say("region", region=[20, 20, 29, 29], keep=1, goes_on=False)
         settled(tool._view)
         samples = tool._view.training.classes["red"].samples
         assert [sample.picture for sample in samples] == ["frame 0", "frame 2"]
@@ -155,8 +182,8 @@ def test_a_camera_is_shown_live_until_it_is_frozen(tmp_path):
 
 
 def test_options_count_for_a_class_that_is_not_there_yet(view, browser):
-    browser.say("set", name="limit_y", value=True)
-    browser.say("region", region=[40, 0, 45, 9], keep=0)
+    browser.say("set", name="limit_y", value=True, goes_on=False)
+    browser.say("region", region=[40, 0, 45, 9], keep=0, goes_on=False)
     settled(view)
     (made,) = view.training.value
     grey = ColorClass.from_region(picture(), (40, 0, 45, 9), name=made.name, limit_y=True)
@@ -173,9 +200,9 @@ def test_a_camera_that_is_closed_says_so(here):
 
 def test_a_removed_class_leaves_the_file_and_others_stay(view, browser, tmp_path):
     save_colors(tmp_path / "colors.toml", ColorClass("kept"))
-    browser.say("region", region=[20, 20, 29, 29], keep=0)
+    browser.say("region", region=[20, 20, 29, 29], keep=0, goes_on=False)
     browser.say("choose", name="blue")
-    browser.say("region", region=[50, 20, 59, 29], keep=0)
+    browser.say("region", region=[50, 20, 59, 29], keep=0, goes_on=False)
     browser.say("save", file="")
     settled(view)
     assert load_colors(tmp_path / "colors.toml")[1:] == view.training.value

@@ -115,7 +115,7 @@ def level(value):
 def test_region_histograms_and_ranges_are_drawn(color_tool):
     before = color_still(color_tool)
     assert is_near(before.at((44, 50)), RED, 20)
-    color_tool.message("region", region=[44, 44, 55, 55], keep=0)
+    color_tool.message("region", region=[44, 44, 55, 55], keep=0, goes_on=False)
     still = color_still(color_tool)
     assert still.has((43.5, 50), YELLOW)
     assert not before.has((43.5, 50), YELLOW)
@@ -131,11 +131,11 @@ def test_region_histograms_and_ranges_are_drawn(color_tool):
 
 
 def test_the_test_paints_what_belongs_to_a_class(color_tool):
-    color_tool.message("region", region=[44, 44, 55, 55], keep=0)
+    color_tool.message("region", region=[44, 44, 55, 55], keep=0, goes_on=False)
     painted = color_still(color_tool)
     assert is_near(painted.at((110, 85)), (255, 0, 0), 52)
     assert is_near(painted.at((80, 85)), FLOOR, 12)
-    color_tool.message("set", name="tests", value=False)
+    color_tool.message("set", name="tests", value=False, goes_on=False)
     assert is_near(color_still(color_tool).at((110, 85)), RED, 12)
 
 
@@ -153,7 +153,7 @@ def test_a_saved_notebook_gets_it_again_when_something_has_changed(color_tool):
             self.transmit({"type": "kept"}, [picture])
 
     notebook = Notebook(color_tool._view)
-    notebook.say("region", region=[44, 44, 55, 55], keep=0)
+    notebook.say("region", region=[44, 44, 55, 55], keep=0, goes_on=False)
     _, (picture,) = notebook.take("kept")
     assert picture == color_tool.snapshot()
 

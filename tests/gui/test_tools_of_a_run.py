@@ -130,7 +130,7 @@ def test_the_run_goes_on_with_the_colours_that_are_trained(watcher):
     tool = opened(watcher, "colors")
     assert tool.value == before
     tell(watcher, "choose", name="red")
-    tell(watcher, "ranges", ranges=[[0, 255], [0, 100], [200, 255]])
+    tell(watcher, "ranges", ranges=[[0, 255], [0, 100], [200, 255]], goes_on=False)
     used(watcher)
     assert next(color for color in sim.colors if color.name == "red").u == (0, 100)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from os import PathLike
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 from robsim._core import Frame
 from robsim.base.checks import check_bool, check_int
@@ -116,54 +116,3 @@ class ToolPanel(HostedPanel):
 
     def _pause_soon(self) -> None:
         pass  # nothing runs
-
-
-_MOST_CHANGES = 500  # that can be undone
-
-
-class History(Generic[T]):
-    """What there is now, and what there was before; none of it is ever changed itself.
-
-    Parameters
-    ----------
-    now : T
-        What there is already.
-    """
-
-    def __init__(self, now: T) -> None:
-        self.begin(now)
-
-    def begin(self, now: T) -> None:
-        """Go on with another one; there is nothing to be undone."""
-        self._now = now
-        self._before: list[T] = []
-        self._after: list[T] = []
-
-    def go_to(self, now: T, *, goes_on: bool = False) -> None:
-        """Change it; `goes_on`: it is the same change as the one before, undone with it."""
-        if not (goes_on and self._before):
-            self._before = [*self._before[1 - _MOST_CHANGES :], self._now]
-        self._after.clear()
-        self._now = now
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is a change to be undone."""
-        return bool(self._before)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is a change that was undone."""
-        return bool(self._after)
-
-    def undo(self) -> None:
-        """Undo the last change; nothing if there is none."""
-        if self._before:
-            self._after.append(self._now)
-            self._now = self._before.pop()
-
-    def redo(self) -> None:
-        """Do again what was undone last; nothing if there is nothing."""
-        if self._after:
-            self._before.append(self._now)
-            self._now = self._after.pop()

@@ -28,6 +28,7 @@ from robsim.gui._link import (
 )
 from robsim.gui._view import View
 from robsim.gui._worker import Beside
+from robsim.gui.tools.history import History
 from robsim.gui.tools.pictures import OnePicture, Picture, Pictures, given_picture, over_floor
 from robsim.gui.tools.uploads import UPLOAD_MESSAGES, Uploads
 from robsim.vision.imaging.images import Pixels
@@ -36,6 +37,7 @@ T = TypeVar("T")
 
 #: What messages of browsers do, by their types.
 Acts = Mapping[str, Callable[[dict[str, Any]], object]]
+Handler = Callable[[Link, dict[str, Any]], None]
 
 _STILL_WIDTH = 480  # px, of what stays in a saved notebook
 _REST = 0.5  # s after a change, since whoever drags on and on is not to wait for pictures
@@ -47,6 +49,8 @@ TOOL_MESSAGES: Messages = {
     "freeze": {"on": switch},
     **UPLOAD_MESSAGES,
     "back": {},
+    "undo": {},
+    "redo": {},
 }
 
 
@@ -84,18 +88,20 @@ class ToolView(View):
         self._uploads = Uploads(self)
         source.begin(self._take, self._note_end)
 
-    def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
+    def handlers(self) -> Mapping[str, Handler]:
         return {
             **super().handlers(),
             "grant": self._grant,
             "size": self._size,
             "look": self._look_at,
-            "freeze": _in_place(lambda m: self.freeze(m["on"])),
+            "freeze": self._in_place(lambda m: self.freeze(m["on"])),
             "upload": self._uploads.take,
             "give_up": self._give_up,
-            "back": _in_place(lambda _: self.go_back()),
-            **{name: _in_place(act) for name, act in self.acts().items()},
-            **{name: _in_place(self._changing(act)) for name, act in self.changes().items()},
+            "back": self._in_place(lambda _: self.go_back()),
+            "undo": self._in_place(lambda _: self.travel(self.history.undo)),
+            "redo": self._in_place(lambda _: self.travel(self.history.redo)),
+            **{name: self._in_place(act) for name, act in self.acts().items()},
+            **{name: self._in_place(self._changing(act)) for name, act in self.changes().items()},
         }
 
     def close(self, timeout: float = 5.0) -> bool:
@@ -107,6 +113,11 @@ class ToolView(View):
         return has_ended
 
     # What a tool adds.
+
+    @property
+    @abstractmethod
+    def history(self) -> History[Any]:
+        """What is made, change by change."""
 
     @abstractmethod
     def acts(self) -> Acts:
@@ -160,6 +171,10 @@ class ToolView(View):
             return change()
         finally:
             self.tell_state()
+
+    def travel(self, step: Callable[[], None]) -> None:
+        """Undo a change, or do it again."""
+        self.change(step)
 
     # What is shown.
 
@@ -299,7 +314,8 @@ class ToolView(View):
         over = "" if self.is_replaced else self._over
         is_live = self.source.is_live and not (self.is_frozen or over)
         mine = {"type": "state", "state": "running" if is_live else "paused", "k": k, "name": name}
-        return {**mine, "frozen": self.is_frozen, "over": over, **self.state()}
+        undo = {"can_undo": self.history.can_undo, "can_redo": self.history.can_redo}
+        return {**mine, "frozen": self.is_frozen, "over": over, **undo, **self.state()}
 
     def _send_picture(self, picture: Picture, links: list[Link], now: float) -> None:
         head, buffers = self.head(picture)
@@ -362,6 +378,19 @@ class ToolView(View):
         self._show()
         self.tell_state()
 
+    def _in_place(self, act: Callable[[dict[str, Any]], object]) -> Handler:
+        """Return a handler; what is wrong is told to the browser that asked for it."""
+
+        def handle(link: Link, message: dict[str, Any]) -> None:
+            if not message.get("goes_on"):
+                self.history.end_change()
+            try:
+                act(message)
+            except (TypeError, ValueError, OSError) as error:
+                raise Refused(str(error)) from None
+
+        return handle
+
     def _changing(self, act: Callable[[dict[str, Any]], object]) -> Callable[[Any], object]:
         return lambda message: self.change(lambda: act(message))
 
@@ -391,15 +420,3 @@ def _keep(links: list[Link], picture: bytes | None) -> None:
     if picture is not None:
         for link in links:
             link.keep(picture)
-
-
-def _in_place(act: Callable[[dict[str, Any]], object]) -> Callable[[Link, dict[str, Any]], None]:
-    """Return a handler; what is wrong is told to the browser that asked for it."""
-
-    def handle(link: Link, message: dict[str, Any]) -> None:
-        try:
-            act(message)
-        except (TypeError, ValueError, OSError) as error:
-            raise Refused(str(error)) from None
-
-    return handle

@@ -18,7 +18,8 @@ const OPTIONS = [
   { name: "limit_y", kind: "switch" },
 ];
 
-export const renderColors = (host) => renderTool(host, "colors", ({ context, picture, film }) => {
+export const renderColors = (host) => renderTool(host, "colors", (tool) => {
+  const { context, picture, film } = tool;
   let isMore = false; // regions stay when another one is marked
   const more = makeField({ name: "more_regions", kind: "switch" }, (on) => (isMore = on));
   more.show(false);
@@ -26,7 +27,8 @@ export const renderColors = (host) => renderTool(host, "colors", ({ context, pic
   const hint = make("div", { className, textContent: text("region_hint") });
   context.on("state", ({ region }) => (hint.hidden = Boolean(region)));
   const [tests, ...options] = [{ name: "tests", kind: "switch" }, ...OPTIONS].map((option) =>
-    makeField(option, (value) => context.send({ type: "set", name: option.name, value })));
+    makeField(option, (value, goesOn) =>
+      context.send({ type: "set", name: option.name, value, goes_on: goesOn })));
   context.on("state", (state) => {
     tests.show(state.tests);
     for (const field of options) field.show(state.options[field.name]);
@@ -38,7 +40,7 @@ export const renderColors = (host) => renderTool(host, "colors", ({ context, pic
     over: [makeFoundVerdict(context)],
     foot: [hint],
     below: makeRow(tests.element, more.element, film),
-    beside: [makeClasses(context), makePart(makeChannels(context), fields), makeScore(context),
+    beside: [makeClasses(tool), makePart(makeChannels(context), fields), makeScore(context),
       makeThresholds(context)],
   };
 });

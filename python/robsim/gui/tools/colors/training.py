@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from robsim._core import ColorClass, color_histograms
 from robsim.base.checks import Floats
 from robsim.base.text import quoted
+from robsim.gui.tools.history import History
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.markers.training import chroma_around, medians_of, share_in_class
 
@@ -55,7 +56,7 @@ class Sample:
         return share_in_class(color, self.histograms)
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class TrainedClass:
     """A class, and how it came about.
 
@@ -63,14 +64,14 @@ class TrainedClass:
     ----------
     color : ColorClass
         The class as it is now.
-    samples : list of Sample
+    samples : tuple of Sample
         The regions that it was made from; none if it was given, or its ranges were set by hand.
     percentile, margin, limit_y
         As for `ColorClass.from_region`.
     """
 
     color: ColorClass
-    samples: list[Sample] = field(default_factory=list)
+    samples: tuple[Sample, ...] = ()
     percentile: float = 33.0
     margin: int = 52
     limit_y: bool = False
@@ -90,9 +91,11 @@ class TrainedClass:
         medians, spreads = np.swapaxes(known, 0, 1)
         return np.array([np.median(medians, axis=0), np.max(spreads, axis=0)])
 
-    def remade(self) -> ColorClass:
-        """Return the class that its samples give; ValueError if they are grey."""
-        return ColorClass.from_histograms(
+    def remade(self) -> TrainedClass:
+        """Return it with the class that its samples give; ValueError if they are grey."""
+        if not self.samples:
+            return self
+        color = ColorClass.from_histograms(
             self.histograms,
             name=self.color.name,
             percentile=self.percentile,
@@ -100,34 +103,44 @@ class TrainedClass:
             limit_y=self.limit_y,
             around=self.around,
         )
+        return replace(self, color=color)
 
 
-class ColorTraining:
+class ColorTraining(History[Mapping[str, TrainedClass]]):
     """Several colour classes while they are trained.
 
     Parameters
     ----------
     colors : iterable of ColorClass
         What is there already.
-
-    Attributes
-    ----------
-    classes : dict of str to TrainedClass
-        By name, in the order of the file.
     """
 
     def __init__(self, colors: Iterable[ColorClass] = ()) -> None:
-        self.classes = {color.name: TrainedClass(color) for color in colors}
+        super().__init__({color.name: TrainedClass(color) for color in colors})
         self._next: dict[str, dict[str, Any]] = {}  # options of classes that are not there yet
+
+    @property
+    def classes(self) -> Mapping[str, TrainedClass]:
+        """The classes by name, in the order of the file."""
+        return self._now
 
     @property
     def value(self) -> tuple[ColorClass, ...]:
         return tuple(one.color for one in self.classes.values())
 
     def train(
-        self, name: str, image: Pixels, region: Region, *, picture: str = "", keep: int = 0
+        self,
+        name: str,
+        image: Pixels,
+        region: Region,
+        *,
+        picture: str = "",
+        keep: int = 0,
+        goes_on: bool = False,
     ) -> None:
         """Make a class from a region of a picture, and the first `keep` regions that it had.
+
+        `goes_on`, here and below: it is the same change as the one before, undone with it.
 
         Raises
         ------
@@ -138,21 +151,13 @@ class ColorTraining:
         histograms = color_histograms(image, region)
         sample = Sample(picture, region, histograms, chroma_around(image, histograms))
         before = self.classes.get(name)
-        samples = [*(before.samples[:keep] if before else ()), sample]
+        samples = (*(before.samples[:keep] if before else ()), sample)
         if len(samples) > _MOST_SAMPLES:
             raise ValueError(f"a colour must have at most {_MOST_SAMPLES} regions")
-        if before is None:
-            _check_count(len(self.classes) + 1)
-            any_color = ColorClass(name)
-            made = TrainedClass(any_color, samples, **self._next.get(name, {}))
-        else:
-            made = TrainedClass(
-                before.color, samples, before.percentile, before.margin, before.limit_y
-            )
-        made.color = made.remade()
-        self.classes[name] = made
+        made = TrainedClass(ColorClass(name), samples, **self.options(name))
+        self._put(made.remade(), goes_on=goes_on)
 
-    def adjust(self, name: str, **options: float | bool) -> None:
+    def adjust(self, name: str, *, goes_on: bool = False, **options: float | bool) -> None:
         """Set `percentile`, `margin` or `limit_y` of a class, which is made anew from its samples.
 
         One without samples is made so when it gets some, also if it is not there yet.
@@ -169,22 +174,16 @@ class ColorTraining:
             self._next[name] = chosen
             return
         made = TrainedClass(before.color, before.samples, **chosen)
-        if made.samples:
-            made.color = made.remade()
-        self.classes[name] = made
+        self._put(made.remade(), goes_on=goes_on)
 
     def options(self, name: str) -> dict[str, Any]:
         """Return `percentile`, `margin` and `limit_y` of a class, also of one that is to be."""
         one = self.classes.get(name) or TrainedClass(ColorClass(name), **self._next.get(name, {}))
         return {key: getattr(one, key) for key in OPTIONS}
 
-    def put(self, color: ColorClass) -> None:
+    def put(self, color: ColorClass, *, goes_on: bool = False) -> None:
         """Set the ranges of a class by hand, or add it; its samples stay to be compared with."""
-        if color.name in self.classes:
-            self.classes[color.name].color = color
-        else:
-            _check_count(len(self.classes) + 1)
-            self.classes[color.name] = TrainedClass(color)
+        self._put(self._with(color), goes_on=goes_on)
 
     def replace(self, colors: Iterable[ColorClass]) -> None:
         """Take these classes in place of all; what was trained of those of the same name stays.
@@ -196,14 +195,11 @@ class ColorTraining:
         """
         colors = tuple(colors)
         _check_count(len(colors))
-        before, self.classes = self.classes, {}
-        for color in colors:
-            kept = before.get(color.name, TrainedClass(color))
-            kept.color = color
-            self.classes[color.name] = kept
+        self.go_to({color.name: self._with(color) for color in colors})
 
     def remove(self, name: str) -> None:
-        del self.classes[self._known(name).color.name]
+        gone = self._known(name)
+        self.go_to({key: one for key, one in self.classes.items() if one is not gone})
 
     def drift(self, name: str) -> list[tuple[str, Floats, float]]:
         """Return picture, medians of Y, U, V and the share in the class, of each sample."""
@@ -211,6 +207,15 @@ class ColorTraining:
         return [
             (sample.picture, sample.medians, sample.share_in(one.color)) for sample in one.samples
         ]
+
+    def _with(self, color: ColorClass) -> TrainedClass:
+        """Return the class of a name with other ranges; what was trained of it stays."""
+        return replace(self.classes.get(color.name, TrainedClass(color)), color=color)
+
+    def _put(self, made: TrainedClass, *, goes_on: bool) -> None:
+        classes = {**self.classes, made.color.name: made}
+        _check_count(len(classes))
+        self.go_to(classes, goes_on=goes_on)
 
     def _known(self, name: str) -> TrainedClass:
         if name not in self.classes:

@@ -32,6 +32,7 @@ from robsim.gui._link import (
     list_of,
     numbers,
     setting,
+    switch,
     text,
     whole,
 )
@@ -97,9 +98,9 @@ def _exactly(count: int, check: Any) -> Any:
 MESSAGES: Messages = {
     **TOOL_MESSAGES,
     "choose": {"name": text},
-    "region": {"region": _exactly(4, whole), "keep": whole},
-    "ranges": {"ranges": _exactly(3, _exactly(2, whole))},
-    "set": {"name": text, "value": setting},
+    "region": {"region": _exactly(4, whole), "keep": whole, "goes_on": switch},
+    "ranges": {"ranges": _exactly(3, _exactly(2, whole)), "goes_on": switch},
+    "set": {"name": text, "value": setting, "goes_on": switch},
     "thresholds": {"text": _long_text},
     "remove": {},
     "score": {},
@@ -144,13 +145,17 @@ class ColorsView(ToolView):
     def acts(self) -> Acts:
         return {
             "choose": lambda message: self.choose(message["name"]),
-            "region": lambda message: self._train(tuple(message["region"]), message["keep"]),
-            "ranges": lambda message: self._set_ranges(message["ranges"]),
-            "set": lambda message: self._set(message["name"], message["value"]),
+            "region": lambda m: self._train(tuple(m["region"]), m["keep"], goes_on=m["goes_on"]),
+            "ranges": lambda m: self._set_ranges(m["ranges"], goes_on=m["goes_on"]),
+            "set": lambda m: self._set(m["name"], m["value"], goes_on=m["goes_on"]),
             "thresholds": lambda message: self._take_text(message["text"]),
             "score": lambda _: self._score(),
             "save": lambda message: self._save(message["file"]),
         }
+
+    @property
+    def history(self) -> ColorTraining:
+        return self.training
 
     def changes(self) -> Acts:
         return {"remove": lambda _: self.training.remove(self._chosen)}
@@ -234,6 +239,17 @@ class ColorsView(ToolView):
         self.show_again()
         return done
 
+    def travel(self, step: Callable[[], None]) -> None:
+        def there() -> None:
+            step()
+            one = self.training.classes.get(self._chosen)
+            last = one.samples[-1] if one and one.samples else None
+            is_seen = last and self.picture and last.picture == self.picture.name
+            self._region = last.region if last and is_seen else None
+
+        self.change(there)
+        self._tell_histograms()
+
     def save(self, path: str | PathLike[str] | None = None) -> Path:
         """Write the classes into a file, which is the panel's from now on."""
         file = self.file if path is None else as_path(path)
@@ -245,14 +261,16 @@ class ColorsView(ToolView):
         self.tell_state()
         return file
 
-    def _train(self, region: Region, keep: int) -> ColorClass:
+    def _train(self, region: Region, keep: int, *, goes_on: bool = False) -> ColorClass:
         name, picture = self._chosen, self.shown
         image = picture.frame.image
         color_histograms(image, region)  # refuses what is no region of it
         self._region = region
         self._tell_histograms()
         self.change(
-            lambda: self.training.train(name, image, region, picture=picture.name, keep=keep)
+            lambda: self.training.train(
+                name, image, region, picture=picture.name, keep=keep, goes_on=goes_on
+            )
         )
         return self.training.classes[name].color
 
@@ -282,11 +300,12 @@ class ColorsView(ToolView):
     def _save(self, file: str) -> None:
         self.note(f"written: {self.save(file or None)}", "info")
 
-    def _set_ranges(self, ranges: list[list[int]]) -> None:
+    def _set_ranges(self, ranges: list[list[int]], *, goes_on: bool) -> None:
         y, u, v = ((low, high) for low, high in ranges)
-        self.change(lambda: self.training.put(ColorClass(self._chosen, y=y, u=u, v=v)))
+        color = ColorClass(self._chosen, y=y, u=u, v=v)
+        self.change(lambda: self.training.put(color, goes_on=goes_on))
 
-    def _set(self, name: str, value: Any) -> None:
+    def _set(self, name: str, value: Any, *, goes_on: bool) -> None:
         if name == "tests" and isinstance(value, bool):
             self._tests = value
             self.change(lambda: None)
@@ -295,7 +314,7 @@ class ColorsView(ToolView):
             raise ValueError(f"there is no setting {quoted(name)}")
         if name == "margin" and isinstance(value, float) and value.is_integer():
             value = int(value)  # JSON knows no other numbers
-        self.change(lambda: self.training.adjust(self._chosen, **{name: value}))
+        self.change(lambda: self.training.adjust(self._chosen, goes_on=goes_on, **{name: value}))
 
     def _tell_histograms(self) -> None:
         """Tell those of the region that is marked, in the picture that is shown."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from robsim.base.checks import Floats, check_float, check_int, check_mm_per_px, check_size
 from robsim.base.text import listed, quoted
-from robsim.gui.tools.panel import History
+from robsim.gui.tools.history import History
 from robsim.vision.robots.polygon_checks import finite_array
 
 #: Points that a map needs.

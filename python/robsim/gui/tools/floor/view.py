@@ -55,8 +55,6 @@ MESSAGES: Messages = {
     "watch": {"on": switch},
     "drop": {"picture": maybe(whole)},
     "use_lens": {},
-    "undo": {},
-    "redo": {},
     "load": {"file": text},
     "forget": {},
     "save": {"file": text},
@@ -118,6 +116,10 @@ class FloorView(ToolView):
     def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
         return {**super().handlers(), "magnify": self._magnify}
 
+    @property
+    def history(self) -> FloorPoints:
+        return self.points
+
     def changes(self) -> Acts:
         points = self.points
         return {
@@ -133,8 +135,6 @@ class FloorView(ToolView):
             "choose": lambda m: self._choose(m["point"]),
             "sheet": lambda m: self.sheets.place(m["number"], m["x"], m["y"]),
             "by": lambda m: self.use(m["name"]),
-            "undo": lambda _: points.undo(),
-            "redo": lambda _: points.redo(),
         }
 
     def acts(self) -> Acts:
@@ -177,8 +177,6 @@ class FloorView(ToolView):
             "lens": _lens_state(self.base),
             "file": str(self.file),
             "cannot_save": self._why_not_saved(),
-            "can_undo": self.points.can_undo,
-            "can_redo": self.points.can_redo,
         }
 
     def still(self) -> Callable[[], bytes]:

@@ -12,7 +12,7 @@ from robsim._core import ColorClass, find_blobs, rgb_to_yuv
 from robsim.base.checks import Floats, check_float, check_int
 from robsim.base.polygons import area_and_centroid, mask
 from robsim.base.text import quoted
-from robsim.gui.tools.panel import History
+from robsim.gui.tools.history import History
 from robsim.gui.tools.pictures import over_floor
 from robsim.vision.imaging.images import Pixels, resized
 from robsim.vision.robots.definition import (

@@ -55,8 +55,6 @@ MESSAGES: Messages = {
     "face": {"at": point, "goes_on": switch},
     "resize": {"size": number},
     "scale": {"one": point, "other": point, "distance": number},
-    "undo": {},
-    "redo": {},
     "reset": {},
     "save": {"name": text, "overwrite": switch},
 }
@@ -111,6 +109,10 @@ class RobotsView(ToolView):
         if self.is_frozen:
             self.post(self._show_drawing)
 
+    @property
+    def history(self) -> RobotDrawing:
+        return self.drawing
+
     def changes(self) -> Acts:
         drawing = self.drawing
         return {
@@ -123,8 +125,6 @@ class RobotsView(ToolView):
             "face": lambda m: drawing.face(m["at"], goes_on=m["goes_on"]),
             "resize": lambda m: drawing.resize(m["size"]),
             "scale": lambda m: drawing.scale(m["one"], m["other"], m["distance"]),
-            "undo": lambda _: drawing.undo(),
-            "redo": lambda _: drawing.redo(),
         }
 
     def acts(self) -> Acts:
@@ -156,8 +156,6 @@ class RobotsView(ToolView):
             "alignment": sketch.alignment,
             "size": sketch.size,
             "problems": self.drawing.problems(),
-            "can_undo": self.drawing.can_undo,
-            "can_redo": self.drawing.can_redo,
         }
 
     def still(self) -> Callable[[], bytes]:

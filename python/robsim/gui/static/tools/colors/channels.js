@@ -31,15 +31,16 @@ export function makeChannels(context) {
   };
   // Compared as texts: Python's answer is another array.
   const held = heldValue(make("span"), (words) => show(words && JSON.parse(words)),
-    (words) => context.send({ type: "ranges", ranges: JSON.parse(words) }));
+    (words, goesOn) =>
+      context.send({ type: "ranges", ranges: JSON.parse(words), goes_on: goesOn }));
   const setEnd = (i, end, level) => {
     const next = ranges.map((range) => [...range]);
     const inside = Math.min(Math.max(Math.round(level), 0), LEVELS - 1);
     next[i][end] = end == 0 ? Math.min(inside, next[i][1]) : Math.max(inside, next[i][0]);
     held.set(JSON.stringify(next));
   };
-  canvases.forEach((canvas, i) =>
-    listen(canvas, () => ranges?.[i], (end, level) => setEnd(i, end, level)));
+  canvases.forEach((canvas, i) => listen(canvas, { hold: held.hold, range: () => ranges?.[i],
+    set: (end, level) => setEnd(i, end, level) }));
 
   context.on("histograms", (_, [buffer]) => {
     counts = asFloats(buffer);
@@ -63,7 +64,7 @@ export function makeChannels(context) {
 }
 
 /** Let the ends of a range be dragged; arrow keys move the lower one, with Shift the upper one. */
-function listen(canvas, range, set) {
+function listen(canvas, { hold, range, set }) {
   const level = ({ clientX }) => {
     const { left, width } = canvas.getBoundingClientRect();
     return ((clientX - left) / width) * LEVELS - 0.5;
@@ -82,6 +83,7 @@ function listen(canvas, range, set) {
   listenToDrags(canvas, (event) => {
     if (!range()) return null;
     const [end] = nearest(event);
+    hold();
     set(end, level(event));
     return { move: (to) => set(end, level(to)) };
   });

@@ -7,7 +7,7 @@ import { makeAct, makePart, makeRow, makeTextField } from "../pieces.js";
 
 const WELL = 0.5; // of a region that is in the class
 
-export function makeClasses(context) {
+export function makeClasses({ context, history }) {
   const choose = (value) => value && context.send({ type: "choose", name: value });
   const list = makeRadios("robsim-classes", text("classes"), choose);
   const name = makeTextField("new_class", () => {},
@@ -26,7 +26,8 @@ export function makeClasses(context) {
     remove.disabled = !current;
     drift.replaceChildren(...driftRows(current?.drift ?? []));
   });
-  return makePart(list.element, makeRow(name, makeTextButton("add_class", "", add), remove), drift);
+  const row = makeRow(name, makeTextButton("add_class", "", add), remove, ...history);
+  return makePart(list.element, row, drift);
 }
 
 /** A class; one that is not trained yet has no colour. */

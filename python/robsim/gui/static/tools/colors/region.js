@@ -1,6 +1,7 @@
 // @ts-check
 // The region of a colour: a rectangle that is drawn on the picture, or moved by keys.
-import { painter } from "../../base/dom.js";
+import { make } from "../../base/dom.js";
+import { heldValue } from "../../base/held_value.js";
 import { arrowStep } from "../../base/keys.js";
 import { drawBox } from "../../camera/strokes.js";
 
@@ -11,26 +12,20 @@ const REGION_INK = "#ffd500";
 export function makeRegion(context, picture, isMore) {
   let region = null;
   let kept = 0; // regions of the class that stay beside this one
-  let trained = null; // the class that it is of
   const size = () => context.frame.size;
   const inside = (pixel) => pixel.map((at, i) =>
     Math.min(Math.max(Math.round(at), 0), size()[i] - 1));
   const between = ([a, b], [c, d]) =>
     [Math.min(a, c), Math.min(b, d), Math.max(a, c), Math.max(b, d)];
-  const tell = painter(() => region && context.send({ type: "region", region, keep: kept }));
-  context.onEnd(tell.cancel);
-  context.on("setup", () => (trained = region = null)); // other pictures may follow
-  context.on("state", ({ chosen, region: told }) => {
-    if (chosen == trained && (region || !told)) return;
-    [trained, region] = [chosen, told];
-    tell.cancel();
-    picture.later();
-  });
-  const set = (next) => {
-    region = next;
-    tell();
+  const show = (words) => {
+    region = JSON.parse(words);
     picture.later();
   };
+  const held = heldValue(make("span"), show, (words, goesOn) =>
+    context.send({ type: "region", region: JSON.parse(words), keep: kept, goes_on: goesOn }));
+  const set = (next) => held.set(JSON.stringify(next));
+  context.on("state", ({ region: told }) => held.tell(JSON.stringify(told)));
+  context.onEnd(held.end);
   const beginOther = () => {
     const { classes, chosen } = context.state;
     kept = (isMore() && classes.find(({ name }) => name == chosen)?.drift.length) || 0;
@@ -51,6 +46,7 @@ export function makeRegion(context, picture, isMore) {
     grab: (at) => {
       if (!picture.has(at)) return null;
       beginOther();
+      held.hold();
       return { at, move: (to) => set(between(inside(at), inside(to))) };
     },
     key: (event) => {

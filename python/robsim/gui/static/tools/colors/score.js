@@ -10,7 +10,8 @@ export function makeScore(context) {
   const ask = makeAct(context, "score");
   ask.addEventListener("click", () => (said.textContent = text("score_wait")));
   const said = make("span", { className: "robsim-quiet", role: "status" });
-  const take = makeAct(context, "take_proposed", "", () => ({ type: "ranges", ranges: proposed }));
+  const take = makeAct(context, "take_proposed", "", () =>
+    ({ type: "ranges", ranges: proposed, goes_on: false }));
   take.hidden = true;
   const table = make("table", { className: "robsim-table robsim-score", hidden: true });
   let proposed = null;
