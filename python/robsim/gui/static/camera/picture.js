@@ -2,10 +2,9 @@
 // A picture on a canvas: zoomed, moved, drawn on. What else the pointer does there is its owner's.
 import { makeTextButton } from "../base/buttons.js";
 import { fitCanvas, make, painter } from "../base/dom.js";
-import { watchGestures } from "../base/gestures.js";
-import { listenToKeys } from "../base/keys.js";
 import { text } from "../base/texts.js";
 import { color } from "../base/theme.js";
+import { makeHands } from "./hands.js";
 import { makeLens } from "./lens.js";
 import { makeWidthTeller } from "./width.js";
 
@@ -14,16 +13,13 @@ const COARSE_PIXELS = 3;
 
 /**
  * Show the picture of `context.frame`. The owner gives `label`, a name in the texts; `inks`, names
- * of colours; `draw(scene)`, which draws over it; `tool`, what a pointer and the keys do:
- * `isActive()`, `takesDrags()`, `hover(at)`, `click(at)`, `doubleClick(at)`, `dragStart(at)`,
- * `drag(from, to)`, `dragEnd()`, `giveUp()`, `key(event)`, in device pixels of the canvas.
- * `doubleClick`, `dragStart` and `key` return whether they have taken it.
+ * of colours; the `hands` on it, see hands.js, an array that may still grow.
  */
-export function makePicture(context, { label, inks, draw, tool }) {
+export function makePicture(context, { label, inks = [], hands }) {
   const canvas = make("canvas", { tabIndex: 0, role: "application", ariaLabel: text(label) });
   const lens = makeLens();
   const colors = {};
-  const paint = () => paintPicture(context, { canvas, lens, colors, draw });
+  const paint = () => paintPicture(context, { canvas, lens, colors, draw: handed.draw });
   const later = painter(paint);
   const widths = makeWidthTeller(context, () => shownWidth(context, canvas, lens));
 
@@ -34,18 +30,17 @@ export function makePicture(context, { label, inks, draw, tool }) {
     zoom();
     whole.hidden = lens.zoom == 1;
     whole.textContent = `${lens.zoom.toFixed(1)}\u00d7`;
-    setManners();
-    later();
+    changed();
     widths.tell();
   };
+  const handed = makeHands(context, hands, { canvas, lens, later, zoomed });
   /** A finger scrolls the page unless the picture has something to do with it. */
-  const setManners = () => {
-    const isFree = lens.zoom == 1 && !tool.takesDrags();
-    canvas.style.touchAction = isFree ? "pan-y" : "none";
+  const changed = () => {
+    canvas.style.touchAction = lens.zoom == 1 && !handed.drags() ? "pan-y" : "none";
     const cursor = lens.zoom > 1 ? "grab" : "default";
-    canvas.style.cursor = tool.isActive() ? "crosshair" : cursor;
+    canvas.style.cursor = handed.isOn() ? "crosshair" : cursor;
+    later();
   };
-  listenTo(canvas, { context, lens, tool, zoomed });
 
   const fit = () => {
     if (!fitCanvas(canvas)) return;
@@ -59,16 +54,12 @@ export function makePicture(context, { label, inks, draw, tool }) {
     later();
   };
   for (const event of ["setup", "local", "theme"]) context.on(event, recolor);
-  const changed = () => (setManners(), later());
   context.on("state", changed);
   context.on("frame", paint); // at once: an animation frame later would be one more
   context.on("frame", widths.tell);
   context.onEnd(() => resizes.disconnect());
   context.onEnd(later.cancel);
-  return {
-    canvas, lens, whole, later, changed,
-    width: () => (fit(), widths.first()),
-  };
+  return { ...handed, canvas, lens, whole, later, changed, width: () => (fit(), widths.first()) };
 }
 
 function paintPicture(context, { canvas, lens, colors, draw }) {
@@ -93,33 +84,6 @@ function paintPicture(context, { canvas, lens, colors, draw }) {
 function drawWhole(pen, { picture, size }, { left, top, scale }) {
   const side = Math.floor(size[0] / picture.width) * scale;
   pen.drawImage(picture, left, top, picture.width * side, picture.height * side);
-}
-
-function listenTo(canvas, { context, lens, tool, zoomed }) {
-  let isTools = false; // the drag is the tool's
-  watchGestures(canvas, {
-    hover: tool.hover,
-    click: tool.click,
-    doubleClick: (at) => tool.doubleClick(at) || zoomed(lens.reset),
-    dragStart: (at) => (isTools = tool.dragStart(at)),
-    drag: (from, to) => {
-      if (isTools) tool.drag(from, to);
-      else zoomed(() => lens.move([to[0] - from[0], to[1] - from[1]]));
-    },
-    dragEnd: () => isTools && tool.dragEnd(),
-    giveUp: () => isTools && tool.giveUp(),
-    zoom: (at, factor) => zoomed(() => lens.zoomAt(at, factor)),
-    takesWheel: () => lens.zoom > 1,
-    ratio: () => canvas.width / canvas.getBoundingClientRect().width,
-  });
-  const zoomBy = (factor) => () =>
-    zoomed(() => lens.zoomAt([canvas.width / 2, canvas.height / 2], factor));
-  const larger = zoomBy(1.25);
-  const keys = { "+": larger, "=": larger, "-": zoomBy(0.8), 0: () => zoomed(lens.reset) };
-  listenToKeys(canvas, (event) => {
-    if (!keys[event.key]) return context.frame != null && tool.key(event);
-    keys[event.key]();
-  });
 }
 
 /** How wide the picture is on the screen, in device pixels; no wider than the camera's. */

@@ -2,19 +2,18 @@
 // Where the robot is to go: a point that is clicked, a path that is drawn, both also by keys.
 import { makeTextButton } from "../base/buttons.js";
 import { make } from "../base/dom.js";
+import { distance } from "../base/geometry.js";
 import { ARROWS } from "../base/keys.js";
 import { text } from "../base/texts.js";
 import { makeDraft } from "./draft.js";
+import { areaOf, pixelToArea } from "./projection.js";
 import { drawLine } from "./strokes.js";
 
 const CROSS_STEP = 10; // px of the work area; with Shift ten times as many
 const TOOLS = ["go_to", "draw_path"];
 
-/**
- * What the pointer does: "look", "go_to" or "draw_path". The `canvas` takes the keys; `changed` is
- * called when something is to be painted.
- */
-export function makeTools(context, canvas, changed) {
+/** What the pointer does on a picture: "look", "go_to" or "draw_path". */
+export function makeTools(context, picture) {
   const draft = makeDraft();
   const cross = makeCross(context);
   let chosen = null; // by a button; null = as the robot is driven
@@ -32,7 +31,7 @@ export function makeTools(context, canvas, changed) {
       button.hidden = !canSteer(context);
     }
     hint.show(chosen == null ? "look" : active(), draft.points.length > 1);
-    changed();
+    picture.changed();
   };
   const leave = () => {
     chosen = null;
@@ -45,7 +44,7 @@ export function makeTools(context, canvas, changed) {
     if (!wasActive) chosen = name;
     else if (active() == name) chosen = "look"; // the robot is driven so, but not by the mouse
     show();
-    canvas.focus({ preventScroll: true });
+    picture.canvas.focus({ preventScroll: true });
   };
   const finish = () => {
     if (draft.points.length < 2) return;
@@ -71,6 +70,26 @@ export function makeTools(context, canvas, changed) {
     return true;
   };
 
+  const grabLine = (begin, at) => {
+    const toArea = (pixel) => pixelToArea(context.frame)(pixel);
+    const [u, v] = at;
+    /** What a pixel of the screen is on the work area, about. */
+    const size = () => distance(toArea([u, v]), toArea([u + picture.pixels(1), v])) || 1;
+    draft.begin(inArea(context, begin));
+    return {
+      at,
+      move: (to) => {
+        draft.extend(inArea(context, toArea(to)), size());
+        show();
+      },
+      drop: () => (draft.end(size()) ? finish() : show()),
+      giveUp: () => {
+        draft.giveUp();
+        show();
+      },
+    };
+  };
+
   context.on("state", ({ values }) => {
     if (values?.control != control && chosen == "look") chosen = null;
     control = values?.control;
@@ -80,29 +99,27 @@ export function makeTools(context, canvas, changed) {
   return {
     buttons,
     hint: hint.element,
-    active,
     key: press,
     cross: () => (active() == "look" ? null : cross.at),
-    // With the pointer: points of the work area; `size` = what a pixel of the screen is there.
-    click: (at) => {
-      cross.at = null;
-      set(at);
-    },
-    dragStart: (at) => active() == "draw_path" && (draft.begin(inArea(context, at)), true),
-    drag: (at, size) => {
-      draft.extend(inArea(context, at), size);
-      show();
-    },
-    dragEnd: (size) => (draft.end(size) ? finish() : show()),
-    giveUp: () => {
-      draft.giveUp();
-      show();
-    },
-    doubleClick: () => {
-      if (active() != "draw_path") return false;
-      draft.settle();
-      finish();
-      return true;
+    hand: {
+      isOn: () => active() != "look",
+      drags: () => active() == "draw_path",
+      click: (pixel) => {
+        const at = areaOf(context, pixel);
+        if (!at) return;
+        cross.at = null;
+        set(at);
+      },
+      grab: (pixel) => {
+        const at = active() == "draw_path" && picture.has(pixel) && areaOf(context, pixel);
+        return at && grabLine(at, pixel);
+      },
+      doubleClick: () => {
+        if (active() != "draw_path") return false;
+        draft.settle();
+        finish();
+        return true;
+      },
     },
     /** Draw what is under way. */
     draw: (scene, hovered) => {

@@ -5,9 +5,9 @@ import { asPicture } from "../base/buffers.js";
 import { makeContext } from "../base/context.js";
 import { make } from "../base/dom.js";
 import { makeFlow } from "../base/flow.js";
+import { makePicture } from "../camera/picture.js";
 import { makeNotes } from "../parts/notes.js";
 import { makeFilm } from "./film.js";
-import { makeHandedPicture } from "./hands.js";
 import { makeHistory } from "./history.js";
 import { makeLoad } from "./load.js";
 import { makeToolTitle } from "./title.js";
@@ -15,14 +15,15 @@ import { makeToolTitle } from "./title.js";
 const TYPING = "textarea, input:not([type=range], [type=checkbox])";
 
 /**
- * Render a tool. `build({context, picture, film, history})` returns its `hands`, see hands.js, and
- * elements: those `over` the picture and at its `foot`, what is `below` it, those `beside` it.
+ * Render a tool. `build({context, picture, film, history})` returns its `hands`, as camera/hands.js
+ * has them, and elements: those `over` the picture and at its `foot`, what is `below` it, those
+ * `beside` it.
  */
 export function renderTool({ el, send }, name, build) {
   const context = makeContext(el, send);
   makeFlow(context, () => begin());
   const hands = [];
-  const picture = makeHandedPicture(context, `${name}_picture`, hands);
+  const picture = makePicture(context, { label: `${name}_picture`, hands });
   const [film, history] = [makeFilm(context), makeHistory(context)];
   const made = build({ context, picture, film, history });
   hands.push(...made.hands);
