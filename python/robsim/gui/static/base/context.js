@@ -22,9 +22,10 @@ export function makeContext(el, send, choices = {}) {
     state: { state: "paused", values: {} },
     frame: null, // the head that is shown, with `picture`, an ImageBitmap
     local: remembered({ ...LOOKS, ...choices }), // of this view alone, which the browser keeps
-    on(type, listener) {
-      if (!listeners.has(type)) listeners.set(type, []);
-      listeners.get(type).push(listener);
+    /** Call a listener at events of one type or several, such as "setup state". */
+    on(types, listener) {
+      for (const type of types.split(" "))
+        listeners.set(type, [...(listeners.get(type) ?? []), listener]);
     },
     emit(type, ...values) {
       for (const listener of listeners.get(type) ?? []) listener(...values);
@@ -35,7 +36,7 @@ export function makeContext(el, send, choices = {}) {
       theme.follow();
       context.emit("local", name);
     },
-    onEnd: (ending) => endings.push(ending),
+    onEnd: (...more) => endings.push(...more),
     end: () => endings.forEach((ending) => ending()),
   };
   const theme = watchTheme(el, context.local, () => context.emit("theme"));

@@ -53,12 +53,11 @@ export function makePicture(context, { label, inks = [], hands }) {
     for (const name of [...inks, "sunken"]) colors[name] = color(context.el, `--robsim-${name}`);
     later();
   };
-  for (const event of ["setup", "local", "theme"]) context.on(event, recolor);
+  context.on("setup local theme", recolor);
   context.on("state", changed);
   context.on("frame", paint); // at once: an animation frame later would be one more
   context.on("frame", widths.tell);
-  context.onEnd(() => resizes.disconnect());
-  context.onEnd(later.cancel);
+  context.onEnd(() => resizes.disconnect(), later.cancel);
   return { ...handed, canvas, lens, whole, later, changed, width: () => (fit(), widths.first()) };
 }
 

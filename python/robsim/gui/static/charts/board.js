@@ -98,7 +98,7 @@ export function makeBoard(context, element, seen) {
   context.on("axis", (isGrowth) => (isGrowth ? grow() : later()));
   context.on("theme", later);
   context.on("local", (name) => name == "unseen" && later());
-  for (const type of ["cursor", "looking"]) context.on(type, paintLater);
+  context.on("cursor looking", paintLater);
   context.onEnd(() => {
     paintLater.cancel();
     paintSome.cancel();

@@ -32,7 +32,7 @@ export function makeCamera(context) {
   hands.push({ hover, draw, key: tools.key }, tools.hand);
 
   const subscribe = () => context.setup && context.want(columnsFor(overlays, context));
-  for (const event of ["setup", "local"]) context.on(event, subscribe);
+  context.on("setup local", subscribe);
 
   const bar = [picture.whole, ...tools.buttons, makeShowMenu(context, overlays)];
   const element = make("div", { className: "robsim-camera" }, picture.canvas, makeBadges(context),

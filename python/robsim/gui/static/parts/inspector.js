@@ -42,7 +42,7 @@ export function makeInspector(context) {
     step.textContent = k == null || k < 0 ? text("inspector.start") : text("inspector.step", { k });
     tree.fill(path, nodes);
   });
-  for (const event of ["frame", "state", "looking"]) context.on(event, ask);
+  context.on("frame state looking", ask);
   context.on("local", (name) => name == "tab" && requestAnimationFrame(ask)); // when it is shown
   return { element };
 }

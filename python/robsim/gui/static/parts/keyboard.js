@@ -51,8 +51,8 @@ export function makeKeyboard(context, transport, timeline) {
 
   addEventListener("keydown", first, { capture: true });
   addEventListener("keydown", down);
-  context.onEnd(() => removeEventListener("keydown", first, { capture: true }));
-  context.onEnd(() => removeEventListener("keydown", down));
+  context.onEnd(() => removeEventListener("keydown", first, { capture: true }),
+    () => removeEventListener("keydown", down));
   el.addEventListener("pointerenter", () => (isOver = true));
   el.addEventListener("pointerleave", () => (isOver = isPage()));
   el.addEventListener("click", (event) => {

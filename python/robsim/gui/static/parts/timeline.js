@@ -51,15 +51,14 @@ export function makeTimeline(context) {
     const poses = ["pose_measured", "pose_held"].map((name) => context.store.get(name));
     ticks.paint(unseen(...poses), to, ink("held"));
   });
-  for (const event of ["setup", "state", "frame", "rows", "looking", "theme"])
-    context.on(event, show);
+  context.on("setup state frame rows looking theme", show);
   context.on("setup", () => context.want(["pose_measured", "pose_held"]));
   const watcher = new ResizeObserver(([{ contentRect }]) => {
     ticks.resize(contentRect.width);
     show();
   });
   watcher.observe(ticks.canvas);
-  for (const end of [look.cancel, show.cancel, () => watcher.disconnect()]) context.onEnd(end);
+  context.onEnd(look.cancel, show.cancel, () => watcher.disconnect());
 
   /** Go so many steps to and fro, from what is shown. */
   const move = (by) => {

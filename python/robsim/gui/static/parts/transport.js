@@ -37,8 +37,7 @@ export function makeTransport(context) {
     stop.hidden = !context.setup?.motors;
     element.dataset.motors = String(!stop.hidden);
   };
-  context.on("setup", show);
-  context.on("state", show);
+  context.on("setup state", show);
   show();
   return { element, press, toggle: () => start.disabled || press(start.name) };
 }

@@ -33,7 +33,7 @@ export const renderColors = (host) => renderTool(host, "colors", (tool) => {
     tests.show(state.tests);
     for (const field of options) field.show(state.options[field.name]);
   });
-  for (const field of [more, tests, ...options]) context.onEnd(field.end);
+  context.onEnd(...[more, tests, ...options].map(({ end }) => end));
   const fields = makeFields(...options.map(({ element }) => element));
   return {
     hands: [{ draw: drawFound }, makeRegion(context, picture, () => isMore)],

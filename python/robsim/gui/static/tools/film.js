@@ -30,8 +30,7 @@ export function makeFilm(context) {
     ended.hidden = !over;
     say(ended, over);
   });
-  context.on("setup", show);
-  context.on("state", show);
+  context.on("setup state", show);
   context.on("frame", (head) => (name.textContent = head.name));
   return element;
 }

@@ -55,7 +55,7 @@ export function makeChannels(context) {
   context.on("theme", later);
   const resizes = new ResizeObserver(later);
   canvases.forEach((canvas) => resizes.observe(canvas));
-  for (const end of [() => resizes.disconnect(), later.cancel, held.end]) context.onEnd(end);
+  context.onEnd(() => resizes.disconnect(), later.cancel, held.end);
   const rows = CHANNELS.map((name, i) =>
     make("div", { className: "robsim-channel-row", title: text(`channel.${name}.title`) },
       make("span", { className: "robsim-quiet", textContent: name.toUpperCase() }),

@@ -35,8 +35,7 @@ export function makeGlass(context, { glass, zoom, marks, label = "" }) {
     if (detail.image) paintDetail(view, detail);
     for (const mark of marks()) paintCross(view, mark);
   };
-  context.on("frame", later);
-  context.on("state", later);
+  context.on("frame state", later);
   context.onEnd(later.cancel);
   return {
     canvas,
