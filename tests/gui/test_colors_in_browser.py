@@ -119,6 +119,15 @@ def test_a_region_is_of_its_class_and_comes_again_with_the_page(mouse):
     mouse.tab.locator("[name=new_class]").press("Enter")
     wait_for(lambda: not is_framed())
     assert mouse.tab.locator(".robsim-camera-hint").is_visible()
+    # The arrow keys lead from class to class; blue, which was never trained, is there no more
+    mouse.tool.train("green", (100, 40, 119, 59))
+    mouse.tab.click(".robsim-class[value=green]")
+    mouse.tab.fill("[name=new_class]", "blue")
+    mouse.tab.locator("[name=new_class]").press("Enter")
+    mouse.tab.focus(".robsim-class[value=blue][aria-checked=true]")
+    mouse.tab.keyboard.press("ArrowLeft")
+    mouse.tab.locator(".robsim-class[value=blue]").wait_for(state="detached")
+    assert mouse.tab.evaluate("document.activeElement.value") == "green"
 
 
 def test_a_colour_is_seen_in_the_picture_narrowed_and_scored(mouse):

@@ -38,12 +38,15 @@ export function makeRadios(className, ariaLabel, choose) {
   let [names, all] = ["", ""]; // that are shown
   /** Show some options, {value, textContent, ...}, of which one is chosen. */
   const show = (options, chosen) => {
-    const before = [names, all];
-    [names, all] = [options.map(({ value }) => value), [options, chosen]].map(JSON.stringify);
-    if (all == before[1]) return;
-    if (names != before[0]) element.replaceChildren(...options.map(makeOne));
+    const [oldNames, old] = [names, all];
+    names = options.map(({ value }) => value).join("\n");
+    all = JSON.stringify([options, chosen]);
+    if (all == old) return;
+    const losesFocus = names != oldNames && element.matches(":focus-within");
+    if (names != oldNames) element.replaceChildren(...options.map(makeOne));
     options.forEach((option, i) => set(element.children[i], option));
     markChosen(element, "aria-checked", (button) => button.value == chosen);
+    if (losesFocus) element.querySelector("[aria-checked=true]")?.focus();
   };
   return { element, show };
 }
