@@ -23,27 +23,24 @@ export const makeAct = (context, name, kind = "", message = () => ({ type: name 
   }, words);
 
 /** A field; `take(words)` is called after a change. */
-export function makeTextField(name, take, about = {}) {
-  const field = make("input", { className: "robsim-text-field", name, ariaLabel: text(name),
-    onchange: () => take(field.value.trim()), ...about });
-  return field;
-}
+export const makeTextField = (name, take, about = {}) =>
+  make("input", { className: "robsim-text-field", name, ariaLabel: text(name),
+    onchange: ({ target }) => take(target.value.trim()), ...about });
 
 /** A field with arrows for a number, which `take` gets. */
 export function makeNumberField(name, take, about = {}) {
-  const tell = () => Number.isFinite(field.valueAsNumber) && take(field.valueAsNumber);
-  const field = makeTextField(name, tell, { type: "number", step: "any", ...about });
-  return field;
+  const onchange = ({ target: { valueAsNumber: value } }) => Number.isFinite(value) && take(value);
+  return makeTextField(name, take, { type: "number", step: "any", onchange, ...about });
 }
 
 /** A field in which a number is typed; what is none is marked, and not taken; null = empty. */
 export function makeDecimalField(name, take, about = {}) {
-  const tell = () => {
-    const value = readNumber(field);
+  const onchange = ({ target }) => {
+    const value = readNumber(target);
     if (value !== undefined) take(value);
   };
-  const field = makeTextField(name, tell, { inputMode: "decimal", autocomplete: "off", ...about });
-  return field;
+  const typed = { inputMode: "decimal", autocomplete: "off", onchange };
+  return makeTextField(name, take, { ...typed, ...about });
 }
 
 /** The number in a field; null if it is empty, `instead` if it is none: that is marked. */
