@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from robsim.teach import TASKS, task
+from robsim.teach import TASKS, task, try_solution
 
 SEED, RUNS = 7, 2
 
@@ -21,7 +21,7 @@ def scores_of(name: str) -> dict[str, Any]:
     one = task(name, runs=RUNS)
     found = {}
     for solution in one.solutions:
-        trial = one.try_out(solution, runs=RUNS, seed=SEED, progress=False)
+        trial = try_solution(one, solution, runs=RUNS, seed=SEED, progress=False)
         found[solution.name] = {
             "is_right": solution.is_right,
             "points": trial.points.hex(),

@@ -5,7 +5,7 @@ import pytest
 
 import robsim
 from robsim.estimation import wrapped_error
-from robsim.teach import Estimate
+from robsim.teach import Estimate, solution_folder
 
 
 @pytest.mark.long
@@ -48,7 +48,7 @@ def test_the_reference_is_consistent_with_the_noises_that_are_told():
     one = Estimate(slip=1.0, turn=0.03, noise=10)
     result = robsim.campaign(
         one.scenario,
-        vary={"folder": {"reference": one.solutions[0].choice(one)}},
+        vary={"folder": {"reference": solution_folder(one, one.solutions[0])}},
         metrics={"task": one.score},
         runs=20,
         steps=one.steps,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.teach import Identify, Park, Submission
+from robsim.teach import Identify, Park, Submission, try_solution
 
 SCENARIO = robsim.Scenario(
     robot="lab", area=(400, 400), resolution=(200, 200), start=(200, 200, 0.3), measure=True
@@ -72,10 +72,10 @@ def test_who_looks_at_a_frame_that_is_not_given_fails_at_home(task, remedy):
     def looks_at_a_copy(step):
         return deepcopy(step).frame.t, 0.0
 
-    trial = task(steps=3, runs=1).try_out(control=control, progress=False)
+    trial = try_solution(task(steps=3, runs=1), control=control, progress=False)
     for words in ("frames are not given", remedy, "test_given.py:"):
         assert words in trial.failed[0]
-    assert task(steps=2, runs=1).try_out(control=looks_at_a_copy, progress=False).failed
+    assert try_solution(task(steps=2, runs=1), control=looks_at_a_copy, progress=False).failed
 
 
 def test_samples_are_for_who_estimates_parameters():
@@ -86,14 +86,14 @@ def test_samples_are_for_who_estimates_parameters():
         seen.append(step.sample)
         return 0.3, 0.3
 
-    Park(steps=8, runs=1).try_out(control=control, progress=False)
+    try_solution(Park(steps=8, runs=1), control=control, progress=False)
     assert {*seen} == {None}
 
     def estimate(step):
         seen.append(step.sample)
         return np.zeros((3, 5))
 
-    Identify(steps=20, runs=1).try_out(estimate_parameters=estimate, progress=False)
+    try_solution(Identify(steps=20, runs=1), estimate_parameters=estimate, progress=False)
     assert any(sample is not None for sample in seen)
 
 
@@ -105,7 +105,7 @@ def test_what_is_not_given_hides_no_other_error():
             return step.frame
         return step.measurement.pose[0] if step.measurement is None else (0, 0)
 
-    trial = Park(steps=40, runs=1, dropout=0.6).try_out(control=control, progress=False)
+    trial = try_solution(Park(steps=40, runs=1, dropout=0.6), control=control, progress=False)
     assert "'NoneType' object has no attribute 'pose'" in trial.failed[0]
 
 

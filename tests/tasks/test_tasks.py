@@ -4,7 +4,18 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.teach import TASKS, Estimate, Follow, Identify, Limit, Measure, Park, Score, task
+from robsim.teach import (
+    TASKS,
+    Estimate,
+    Follow,
+    Identify,
+    Limit,
+    Measure,
+    Park,
+    Score,
+    solution_folder,
+    task,
+)
 from robsim.teach.tasks.solutions import solutions_in
 
 
@@ -12,7 +23,7 @@ def errors_of(one, solution):
     """What goes wrong in a run of a solution; None = nothing."""
     result = robsim.campaign(
         one.scenario,
-        vary={"folder": {solution.name: solution.choice(one)}},
+        vary={"folder": {solution.name: solution_folder(one, solution)}},
         metrics={"task": one.score},
         runs=1,
         steps=one.steps,
@@ -120,7 +131,7 @@ def test_points_are_linear_in_the_logarithm_between_the_limits():
 @pytest.mark.parametrize("name", TASKS)
 def test_a_run_has_a_figure(name):
     one = task(name, steps=20)
-    with one.solutions[0].choice(one).callbacks() as callbacks:
+    with solution_folder(one, one.solutions[0]).callbacks() as callbacks:
         trace = one.simulation(seed=1, **callbacks).run(one.steps)
     figure = one.figure(trace, trace)
     assert len(figure.axes) >= 2

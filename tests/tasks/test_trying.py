@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.teach import Limit, Measure, Park
+from robsim.teach import Limit, Measure, Park, solution_folder, try_solution
 from robsim.teach.tasks import trial as _trying
 from small_assignments import solution
 
@@ -28,7 +28,7 @@ def limits(monkeypatch):
 
 
 def tried(task, *args, **options):
-    return task.try_out(*args, progress=False, **options)
+    return try_solution(task, *args, progress=False, **options)
 
 
 def shipped(task, name):
@@ -108,7 +108,7 @@ def test_runs_that_fail_are_told_with_their_line():
 
 def test_a_run_that_fails_takes_its_part_of_the_points():
     task = Measure(steps=20, runs=4)
-    with shipped(task, "reference").choice(task).callbacks() as callbacks:
+    with solution_folder(task, shipped(task, "reference")).callbacks() as callbacks:
         reference = callbacks["measure"]
 
     def measure(step):
@@ -138,10 +138,10 @@ def test_without_limits_there_is_no_verdict_and_another_seed_is_another_run():
 @pytest.mark.parametrize(
     ("call", "named"),
     [
-        (lambda task: task.try_out(), "callbacks by name"),
-        (lambda task: task.try_out(contrl=3), "'contrl'"),
-        (lambda task: task.try_out(control=robsim.GoToPoint(1, 2)), "^control"),
-        (lambda task: task.try_out(lambda step: (0, 0)), "by name"),
+        (lambda task: try_solution(task), "callbacks by name"),
+        (lambda task: try_solution(task, contrl=3), "'contrl'"),
+        (lambda task: try_solution(task, control=robsim.GoToPoint(1, 2)), "^control"),
+        (lambda task: try_solution(task, lambda step: (0, 0)), "by name"),
     ],
 )
 def test_what_is_wrong_is_named(call, named):

@@ -46,7 +46,7 @@ def check(
     as_json: Json = False,
 ) -> None:
     """Check callbacks."""
-    from robsim.teach.doctor.callbacks.folder import check_folder
+    from robsim.teach.doctor.checking import check_folder
 
     with errors.report_errors():
         report = check_folder(path, slots=slot, task=task)

@@ -106,12 +106,13 @@ def try_solution(
     """Try a solution of a task."""
     from robsim.cli.results import check_figure_name, check_file, save_figure
     from robsim.teach.tasks.by_name import task
+    from robsim.teach.tasks.trial import try_solution
 
     with errors.report_errors(path if path.is_dir() else path.parent):
         if figure is not None:
             check_figure_name(figure)
             check_file(figure)
-        trial = task(name).try_out(path, runs=runs, seed=seed, time_limit=time_limit)
+        trial = try_solution(task(name), path, runs=runs, seed=seed, time_limit=time_limit)
         if figure is not None and trial.worst is not None:
             save_figure(figure, trial.figure())
     errors.show(trial.to_json() if as_json else trial)

@@ -5,9 +5,10 @@ from robsim.base.doors import present as _present
 from robsim.base.source_line import SourceLine
 from robsim.teach.doctor.callbacks.backgrounds import check_background
 from robsim.teach.doctor.callbacks.controllers import check_controller
-from robsim.teach.doctor.callbacks.folder import FolderReport, check_folder
+from robsim.teach.doctor.callbacks.folder import FolderReport
 from robsim.teach.doctor.callbacks.measurements import check_measurement
 from robsim.teach.doctor.callbacks.models import check_model, check_motion
+from robsim.teach.doctor.checking import check_folder
 from robsim.teach.doctor.parameter_estimators import check_parameter_estimator
 from robsim.teach.doctor.state_estimators import check_estimator
 from robsim.teach.doctor.tasks.report import TaskReport

@@ -2,7 +2,7 @@
 
 from robsim.base.doors import present as _present
 from robsim.teach.tasks.by_name import TASKS, task
-from robsim.teach.tasks.definition import Task
+from robsim.teach.tasks.definition import Task, solution_folder
 from robsim.teach.tasks.kinds.estimate import Estimate
 from robsim.teach.tasks.kinds.follow import Follow
 from robsim.teach.tasks.kinds.identify import Identify
@@ -12,7 +12,7 @@ from robsim.teach.tasks.marks.calibrate import calibrate
 from robsim.teach.tasks.marks.calibration import SolutionMarks, TaskCalibration
 from robsim.teach.tasks.score import Limit, Score
 from robsim.teach.tasks.solutions import Solution
-from robsim.teach.tasks.trial import TaskTrial
+from robsim.teach.tasks.trial import TaskTrial, try_solution
 
 __all__ = [
     "TASKS",
@@ -29,7 +29,9 @@ __all__ = [
     "TaskCalibration",
     "TaskTrial",
     "calibrate",
+    "solution_folder",
     "task",
+    "try_solution",
 ]
 
 _present(globals())

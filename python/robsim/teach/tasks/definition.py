@@ -12,21 +12,24 @@ from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 from robsim.base.checks import Floats, check_int
 from robsim.base.files import write_new_files
 from robsim.base.seeds import Seed
+from robsim.base.text import quoted
+from robsim.campaigns.choices import Folder
 from robsim.simulation import Scenario, Simulation
 from robsim.simulation.slots import AllCallbacks
 from robsim.teach.tasks._sheet import sheet_of
 from robsim.teach.tasks.score import Score
-from robsim.teach.tasks.solutions import Solution, shipped_solutions, starting_files
+from robsim.teach.tasks.solutions import (
+    MODULE,
+    Solution,
+    module_source,
+    shipped_solutions,
+    starting_files,
+)
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from robsim.teach.tasks.trial import TaskTrial
-
-#: The seed of trials, unless another one is given: everybody has the same runs.
-PUBLIC_SEED = 1
 
 #: What no solution may import: answers, or what would make some.
 MASKED = ("robsim.estimation.reference", "robsim.teach.tasks", "robsim.teach.grading")
@@ -50,7 +53,7 @@ class Task(ABC):
     slots : tuple of str
         The slots that a solution fills.
     given : str
-        What a solution gets at each step, in `try_out` as where it is graded: ``"frames"``,
+        What a solution gets at each step, in `try_solution` as where it is graded: ``"frames"``,
         ``"blobs"`` (no frame), ``"pose"`` (the measurement alone).
     scores : tuple of Score
         The numbers of a run; their shares sum to 1.
@@ -152,69 +155,6 @@ class Task(ABC):
         sheet = {"sheet.md": self.sheet.encode()}
         return write_new_files(sheet | starting_files(self), folder)
 
-    def try_out(
-        self,
-        solution: str | PathLike[str] | Solution | None = None,
-        *,
-        runs: int | None = None,
-        seed: int = PUBLIC_SEED,
-        time_limit: float | None = None,
-        progress: bool = True,
-        **callbacks: Any,
-    ) -> TaskTrial:
-        """Try a solution, in this process, beside the reference in the same runs.
-
-        Parameters
-        ----------
-        solution : path or Solution, optional
-            A folder with a file for each slot, or one such file; read anew in each call. It can
-            import `values` from the module ``task``.
-        runs : int, optional
-            Number of runs, 1..1000. Default: `runs` of the task.
-        seed : int
-            What the seeds of the runs come from; the default is everybody's.
-        time_limit : float, optional
-            Maximum duration of a call of a callback (s); a run that exceeds it fails.
-        progress : bool
-            Show a progress bar in a terminal or a notebook.
-        **callbacks
-            In place of `solution` the callbacks by slot, such as ``control=my_controller``: a
-            function of the step, or a class without arguments, or a function that makes the
-            callback, which are called anew for each run.
-
-        Returns
-        -------
-        TaskTrial
-            The scores beside those of the reference, and what they come to; ``figure()`` of the
-            worst run.
-
-        Raises
-        ------
-        TypeError, ValueError, OSError
-            If an argument is wrong, or a file cannot be read; the message names it.
-        Exception
-            Whatever a file of the solution raises while it is loaded. What it raises in a run is
-            part of the result.
-
-        Examples
-        --------
-        >>> park = robsim.teach.Park()
-        >>> park.try_out(control=lambda step: (0.5, 0.5), runs=2)  # doctest: +SKIP
-        """
-        from robsim.teach.tasks.trial import trial  # which imports this
-
-        return trial(
-            self,
-            solution,
-            callbacks,
-            runs=self.runs
-            if runs is None
-            else check_int("runs", runs, minimum=1, maximum=MOST_RUNS),
-            seed=check_int("seed", seed, minimum=0, maximum=2**64),
-            time_limit=time_limit,
-            progress=progress,
-        )
-
     def figure(self, trace: Trace, reference: Trace | None = None) -> Figure:
         """Draw a run: its path, and at each step what is wrong.
 
@@ -284,3 +224,31 @@ class Task(ABC):
             ``task.score(task.simulation(...).run(task.steps))`` has the numbers of the run.
         """
         return Simulation(self.scenario, seed=seed, time_limit=time_limit, **callbacks)
+
+
+def check_task(task: Any) -> None:
+    if not isinstance(task, Task):
+        raise TypeError(f"task must be a Task, got {quoted(task)}")
+
+
+def solution_folder(task: Task, solution: Solution) -> Folder:
+    """Return a solution as a folder of a campaign, ``vary={"folder": {...}}``.
+
+    Parameters
+    ----------
+    task : Task
+        Its values are the module ``task`` in the folder.
+    solution : Solution
+        The solution.
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    """
+    check_task(task)
+    if not isinstance(solution, Solution):
+        raise TypeError(f"solution must be a Solution, got {quoted(solution)}")
+    path = solution.folder or Path(solution.name)
+    sources = {**solution.files, MODULE: module_source(task)}
+    return Folder(str(path), str(path.absolute()), sources, task.slots)

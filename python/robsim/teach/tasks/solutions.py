@@ -30,7 +30,6 @@ from typing import TYPE_CHECKING, Any
 from robsim.base.checks import check_bool
 from robsim.base.files import as_folder
 from robsim.base.text import one_line, quoted
-from robsim.campaigns.choices import Folder
 from robsim.simulation.callback_folder import misspelled
 from robsim.simulation.slots import SLOTS, checked_slots
 
@@ -102,16 +101,6 @@ class Solution:
         home = path.parent if is_file else path
         return cls(name=path.name, is_right=is_right, folder=home, files=files, slots=slots)
 
-    def choice(self, task: Task) -> Folder:
-        """Return it as a folder of a campaign, ``vary={"folder": {...}}``, beside its `task`.
-
-        Parameters
-        ----------
-        task : Task
-            What it is told of.
-        """
-        return folder_with(task, self.folder or Path(self.name), self.files)
-
     def __repr__(self) -> str:
         kind = "right" if self.is_right else "wrong"
         return f"<Solution {quoted(self.name)}, {kind}: {', '.join(sorted(self.files))}>"
@@ -123,16 +112,6 @@ def _what_is_missing(path: Path, files: Iterable[str], slots: tuple[str, ...]) -
     if path.is_file():
         return f"{one_line(path)} must be {wanted}" + "".join(meant)
     return f"{one_line(path)} has no solution: it must have {wanted}" + "".join(meant)
-
-
-def folder_with(task: Task, path: Path, files: Mapping[str, bytes]) -> Folder:
-    """Return files as a folder of a campaign, with the module that has the values of a task."""
-    from robsim.teach.tasks.definition import Task  # which imports this
-
-    if not isinstance(task, Task):
-        raise TypeError(f"task must be a Task, got {quoted(task)}")
-    sources = {**files, MODULE: module_source(task)}
-    return Folder(str(path), str(path.absolute()), sources, task.slots)
 
 
 def module_source(task: Task) -> bytes:

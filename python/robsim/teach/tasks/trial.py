@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robsim.base.checks import check_bool, check_float
+from robsim.base.checks import check_bool, check_float, check_int
 from robsim.base.report import Column, Quantity, Report, Row, Table, count, percent
 from robsim.base.spelling import check_names
 from robsim.base.text import quoted
@@ -19,7 +19,7 @@ from robsim.campaigns import CampaignResult, CampaignSpec
 from robsim.campaigns.choices import FOLDER, Choice, choice_of
 from robsim.campaigns.launch import run_spec
 from robsim.campaigns.runs import CaseRuns
-from robsim.teach.tasks.definition import Task
+from robsim.teach.tasks.definition import MOST_RUNS, Task, check_task, solution_folder
 from robsim.teach.tasks.marks.calibration import shipped_calibrations, task_digest
 from robsim.teach.tasks.marks.sets import points_of
 from robsim.teach.tasks.score import Limit, Score
@@ -34,7 +34,7 @@ _NEARLY, _SOME = 0.8, 0.1  # of the points; a naive solution has some by chance
 
 @dataclass(frozen=True, kw_only=True)
 class TaskTrial(Report):
-    """How good a solution of a task is, beside the reference: the result of `Task.try_out`.
+    """How good a solution of a task is, beside the reference: the result of `try_solution`.
 
     Attributes
     ----------
@@ -234,17 +234,66 @@ class _Metric:
         return self.task.score(trace) | {"broken": self.task.broken_rule(trace) is not None}
 
 
-def trial(
+#: The seed of trials, unless another one is given: everybody has the same runs.
+PUBLIC_SEED = 1
+
+
+def try_solution(
     task: Task,
-    solution: str | PathLike[str] | Solution | None,
-    callbacks: Mapping[str, Any],
+    solution: str | PathLike[str] | Solution | None = None,
     *,
-    runs: int,
-    seed: int,
-    time_limit: float | None,
-    progress: bool,
+    runs: int | None = None,
+    seed: int = PUBLIC_SEED,
+    time_limit: float | None = None,
+    progress: bool = True,
+    **callbacks: Any,
 ) -> TaskTrial:
-    """Return the trial of a solution; the arguments are those of `Task.try_out`."""
+    """Try a solution of a task, in this process, beside the reference in the same runs.
+
+    Parameters
+    ----------
+    task : Task
+        The task.
+    solution : path or Solution, optional
+        A folder with a file for each slot, or one such file; read anew in each call. It can
+        import the values of the task from the module ``task``.
+    runs : int, optional
+        Number of runs, 1..1000. Default: `runs` of the task.
+    seed : int
+        What the seeds of the runs come from; the default is everybody's.
+    time_limit : float, optional
+        Maximum duration of a call of a callback (s); a run that exceeds it fails.
+    progress : bool
+        Show a progress bar in a terminal or a notebook.
+    **callbacks
+        In place of `solution` the callbacks by slot, such as ``control=my_controller``: a
+        function of the step, or a class without arguments, or a function that makes the
+        callback, which are called anew for each run.
+
+    Returns
+    -------
+    TaskTrial
+        The scores beside those of the reference, and what they come to; ``figure()`` of the
+        worst run.
+
+    Raises
+    ------
+    TypeError, ValueError, OSError
+        If an argument is wrong, or a file cannot be read; the message names it.
+    Exception
+        Whatever a file of the solution raises while it is loaded. What it raises in a run is
+        part of the result.
+
+    Examples
+    --------
+    >>> park = robsim.teach.Park()
+    >>> robsim.teach.try_solution(park, control=my_controller, runs=2)  # doctest: +SKIP
+    """
+    check_task(task)
+    if runs is None:
+        runs = task.runs
+    check_int("runs", runs, minimum=1, maximum=MOST_RUNS)
+    check_int("seed", seed, minimum=0, maximum=2**64)
     check_bool("progress", progress)
     if time_limit is not None:
         check_float("time_limit", time_limit, "s", exclusive_minimum=0)
@@ -295,7 +344,7 @@ def _choices(
                 f"callbacks are given by name, such as {task.slots[0]}=..."
             )
         solution = Solution.read(solution, task.slots, is_right=False)
-    folder = solution.choice(task)
+    folder = solution_folder(task, solution)
     with folder.callbacks():  # which raises what its files raise
         pass
     return solution.name, {FOLDER: folder}
@@ -334,7 +383,7 @@ def _runs_of(
 def _reference(task: Task, runs: int, seed: int) -> CampaignResult:
     """Return the runs of the reference; trials of others have the same."""
     own = next(one for one in task.solutions if one.name == REFERENCE)
-    choices = {FOLDER: own.choice(task)}
+    choices = {FOLDER: solution_folder(task, own)}
     result = _runs_of(task, choices, runs, seed, time_limit=None, progress=False)
     if any(error is not None for error in result["error"]):
         raise RuntimeError(f"the reference of the task {task.name} fails: {result['error'][0]}")

@@ -24,13 +24,13 @@ from robsim.teach.doctor.tasks.report import TaskReport
 from robsim.teach.tasks.by_name import task as named_task
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
-from robsim.teach.tasks.trial import TaskTrial
+from robsim.teach.tasks.trial import TaskTrial, try_solution
 
 #: Kinds of problems of which no run goes wrong.
 _NO_CAUSE = ("prints", "too slow")
 
 
-def check_task(
+def check_for_task(
     path: str | PathLike[str], slots: str | Iterable[str] | None, task: str | Task
 ) -> TaskReport:
     """Check callback files for a task; the arguments are those of `check_folder`."""
@@ -62,7 +62,7 @@ def _surroundings(task: Task) -> Surroundings:
 def _trial(task: Task, path: str | PathLike[str]) -> TaskTrial:
     with redirect_stdout(StdoutCapture()), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the usual checks tell of them
-        return task.try_out(path, time_limit=TIME_LIMIT, progress=False)
+        return try_solution(task, path, time_limit=TIME_LIMIT, progress=False)
 
 
 def _findings(trial: TaskTrial, solution: Solution, *, is_known: bool) -> Iterator[Problem]:

@@ -16,7 +16,7 @@ from robsim.teach.doctor.callbacks.steering import MISTAKES
 from robsim.teach.doctor.tasks.seen_run import SeenRun
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import Solution
-from robsim.teach.tasks.trial import TaskTrial
+from robsim.teach.tasks.trial import TaskTrial, try_solution
 
 _SLOT = RobotSlots.control.name
 _OWN = "robsim_own_control"  # the module of the controller
@@ -113,7 +113,7 @@ def _comes_near(poses: Floats, goal: Floats) -> bool:
 def _trial(task: Task, solution: Solution, code: str) -> TaskTrial:
     """Return the trial of a controller that is called by other code."""
     files = {**solution.files, _OWN: solution.files[_SLOT], _SLOT: code.encode()}
-    return task.try_out(replace(solution, files=files), runs=_RUNS, progress=False)
+    return try_solution(task, replace(solution, files=files), runs=_RUNS, progress=False)
 
 
 _AT_REST = 0.5  # px per step

@@ -18,11 +18,10 @@ from robsim.base.text import listed, quoted
 from robsim.campaigns.engines.engine import engine_value
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.campaigns.spec import surroundings
-from robsim.teach.tasks.definition import Task
+from robsim.teach.tasks.definition import Task, check_task
 from robsim.teach.tasks.marks.calibration import (
     SolutionMarks,
     TaskCalibration,
-    check_task,
     checked_solutions,
     solutions_digest,
     task_digest,

@@ -13,7 +13,7 @@ from typing import Any
 from robsim.base.files import write_whole
 from robsim.base.report import Column, Quantity, Report, Row, Table, interval, percent
 from robsim.base.text import listed, one_line, quoted
-from robsim.teach.tasks.definition import Task
+from robsim.teach.tasks.definition import Task, check_task
 from robsim.teach.tasks.marks.limits import share_interval
 from robsim.teach.tasks.score import Limit
 from robsim.teach.tasks.solutions import Solution
@@ -242,11 +242,6 @@ class TaskCalibration(Report):
 
 def _percents(shares: tuple[float, float]) -> str:
     return f"{interval([100 * share for share in shares])} %"
-
-
-def check_task(task: Any) -> None:
-    if not isinstance(task, Task):
-        raise TypeError(f"task must be a Task, got {quoted(task)}")
 
 
 def checked_solutions(solutions: Any) -> tuple[Solution, ...]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from robsim.base.checks import Floats
 from robsim.campaigns import CampaignResult, campaign
 from robsim.campaigns.engines.executors import DaskClient
-from robsim.teach.tasks.definition import Task
+from robsim.teach.tasks.definition import Task, solution_folder
 from robsim.teach.tasks.score import Limit, Score
 from robsim.teach.tasks.solutions import Solution
 
@@ -68,7 +68,7 @@ def runs_of(
     """
     result = campaign(
         task.scenario,
-        vary={"folder": {one.name: one.choice(task) for one in solutions}},
+        vary={"folder": {one.name: solution_folder(task, one) for one in solutions}},
         metrics={_METRIC: task.score},
         runs=tests * task.runs,
         steps=task.steps,

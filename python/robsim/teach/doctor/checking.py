@@ -1,0 +1,60 @@
+"""`check_folder`: the checks of callback files, alone or for a task."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from os import PathLike
+from typing import TYPE_CHECKING
+
+from robsim.teach.doctor.callbacks.folder import FolderReport, report_of
+
+if TYPE_CHECKING:
+    from robsim.teach.tasks.definition import Task
+
+
+def check_folder(
+    path: str | PathLike[str],
+    *,
+    slots: str | Iterable[str] | None = None,
+    task: str | Task | None = None,
+) -> FolderReport:
+    """Check all callbacks of a folder, or one callback file, and report what is wrong with them.
+
+    Each is checked alone, by the check for its slot: `check_controller`, `check_measurement`,
+    `check_estimator`, `check_parameter_estimator`, `check_model`, `check_motion`,
+    `check_background`. With a task they are also tried on it, as `robsim.teach.try_solution` does,
+    and the worst run is looked at.
+
+    Parameters
+    ----------
+    path : path
+        A folder of callbacks, as ``robsim new`` writes it, or one of its files.
+    slots : str or iterable of str, optional
+        The slots to check. Default: all that have a file.
+    task : str or Task, optional
+        The task that the folder is to solve, or its name: it is checked in the world of the task,
+        with what that gives, and for the slots that it asks for.
+
+    Returns
+    -------
+    FolderReport
+        True if all checks pass. A file that cannot be loaded is a problem, too. With a task it is a
+        `TaskReport`: True if the task is solved, and all checks pass.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file or folder.
+    TypeError, ValueError
+        If there are no callback files, or a slot or a task is unknown.
+
+    Examples
+    --------
+    >>> print(robsim.teach.check_folder("mine"))
+    >>> print(robsim.teach.check_folder("parking", task="park"))  # doctest: +SKIP
+    """
+    if task is None:
+        return report_of(path, slots)
+    from robsim.teach.doctor.tasks.checking import check_for_task  # tasks take their time
+
+    return check_for_task(path, slots, task)
