@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from chromium_browser import running_chromium
-from robsim.teach import Assignment, ClassResult, Limit
+from robsim.teach import Assignment, ClassResult, Limit, grade_class, load_assignment
 from small_assignments import assignment, drawn_quickly, solution, work
 
 RAISES = """
@@ -44,7 +44,7 @@ class GradedClass:
 def graded_class(tmp_path_factory):
     """A class that was graded; who changes what is in its folders copies them first."""
     folder = tmp_path_factory.mktemp("class")
-    hw3 = Assignment.load(assignment(folder / "hw3"))
+    hw3 = load_assignment(assignment(folder / "hw3"))
     tests = [
         replace(test, limits=dict(test.limits) | {"position": TIGHT, "heading": TIGHT})
         for test in hw3.tests
@@ -55,7 +55,7 @@ def graded_class(tmp_path_factory):
     (folder / "subs/s003").mkdir()
     (folder / "subs/s003/estimate_state.py").write_text(RAISES)
     with drawn_quickly():
-        result = hw3.grade_class(folder / "subs", folder / "out")
+        result = grade_class(hw3, folder / "subs", folder / "out")
     return GradedClass(hw3, folder / "subs", folder / "out", result)
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from commands import command
-from robsim.teach import Assignment, AssignmentError, Key, calibrate_assignment, new_assignment
+from robsim.teach import AssignmentError, Key, calibrate_assignment, load_assignment, new_assignment
 from robsim.teach.assignments import calibration as calibration
 
 QUICK = {"false_fail": 0.5, "confidence": 0.5, "progress": False}
@@ -30,14 +30,14 @@ def test_limits_are_written_with_what_they_rest_on(folder):
     found = calibrate_assignment(folder, **QUICK)
     assert set(found) == {"public", "hidden"}
     assert found["public"] is found["hidden"]  # the same task
-    made = Assignment.load(folder)
+    made = load_assignment(folder)
     for test in made.tests:
         assert dict(test.limits) == dict(found[test.name].limits)
         assert test.stale == ""
     assert not (folder / ".calibrating").exists()
     reference = folder / "solutions/estimate/right/reference/estimate_state.py"
     reference.write_text(reference.read_text() + "\n# another one\n")
-    assert Assignment.load(folder).tests[0].stale
+    assert load_assignment(folder).tests[0].stale
     run = command("assignment", "check", str(folder))
     assert run.exit_code == 2
     assert "calibrate again" in run.stderr
@@ -93,7 +93,7 @@ def test_the_command_calibrates(folder):
     run = command(*words, "0.5")
     assert run.exit_code == 0, run.stderr
     assert "public, hidden" in run.stdout
-    assert all(test.limits for test in Assignment.load(folder).tests)
+    assert all(test.limits for test in load_assignment(folder).tests)
     assert command(*words, "2").exit_code == 2
 
 

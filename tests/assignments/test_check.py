@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from commands import command
-from robsim.teach import Assignment, check_assignment, new_assignment
+from robsim.teach import check_assignment, load_assignment, new_assignment
 from robsim.teach.assignments import checking as check
 from robsim.teach.assignments import rehearsal
 from small_assignments import LIMITS
@@ -61,7 +61,7 @@ NOT_CALIBRATED = {"limits of public", "limits of hidden"}
 
 
 def test_the_class_has_all_that_is_known(made):
-    cast = {part.name: part for part in rehearsal.cast_of(Assignment.load(made))}
+    cast = {part.name: part for part in rehearsal.cast_of(load_assignment(made))}
     assert sum(part.expected == rehearsal.LESS for part in cast.values()) >= 5
     assert {f"hostile: {name}" for name in ("exit", "hang", "patch", "truth")} <= set(cast)
     notebook = json.loads(cast["right: reference, as a notebook"].files["estimate.ipynb"])

@@ -13,7 +13,14 @@ from pathlib import Path
 import pytest
 
 from clusters import local_cluster
-from robsim.teach import Assignment, AssignmentError, Limit, SubmissionResult
+from robsim.teach import (
+    AssignmentError,
+    Limit,
+    SubmissionResult,
+    grade_class,
+    load_assignment,
+    regrade_class,
+)
 from small_assignments import LIMITS, TESTS, assignment, drawn_quickly, solution
 from waiting import wait_for
 
@@ -54,7 +61,7 @@ def result_of(out, student):
 def test_hostile_submissions_do_not_keep_others_from_their_points(tmp_path):
     quick = "limits = { call = 5.0, first_call = 10.0 }\n"
     once = TESTS.replace("runs = 2", "runs = 1")
-    hw3 = Assignment.load(assignment(tmp_path / "hw3", quick + once))
+    hw3 = load_assignment(assignment(tmp_path / "hw3", quick + once))
     subs = tmp_path / "subs"
     for student in ("s001", "s003"):
         solution(subs / student)
@@ -64,7 +71,7 @@ def test_hostile_submissions_do_not_keep_others_from_their_points(tmp_path):
     (subs / "s002.zip").write_bytes(b"no zip")
     (subs / ".DS_Store").write_bytes(b"left by a tool")
     hw3 = replace(hw3, tests=hw3.tests[:1])
-    result = hw3.grade_class(subs, tmp_path / "out", executor=2)
+    result = grade_class(hw3, subs, tmp_path / "out", executor=2)
     points = {one.student: one.points for one in result.results}
     assert points == {"s001": 2, "s003": 2, "s002": 0} | dict.fromkeys(HOSTILE, 0)
     assert not result.has_errors
@@ -86,7 +93,7 @@ def test_hostile_submissions_do_not_keep_others_from_their_points(tmp_path):
 def test_the_results_are_the_same_wherever_they_are_computed(graded_class, tmp_path, executor):
     def grade(executor):
         subs = graded_class.submissions
-        return graded_class.assignment.grade_class(subs, tmp_path / "out", executor=executor)
+        return grade_class(graded_class.assignment, subs, tmp_path / "out", executor=executor)
 
     if executor == "cluster":
         with local_cluster(tmp_path) as client:
@@ -106,29 +113,29 @@ def test_the_results_are_the_same_wherever_they_are_computed(graded_class, tmp_p
 def test_what_is_done_is_not_done_again(graded_class, folders, ran):
     subs, out = folders
     hw3 = graded_class.assignment
-    assert repr(hw3.grade_class(subs, out)) == repr(graded_class.result)
+    assert repr(grade_class(hw3, subs, out)) == repr(graded_class.result)
     assert ran == []
     (subs / "s003/estimate_state.py").write_text("def estimate_state(step):\n    return None\n")
     shutil.copytree(subs / "s001", subs / "s004")
     (out / "s002/result.json").write_text("{")  # cannot be read, so it is made anew
-    result = hw3.grade_class(subs, out)
+    result = grade_class(hw3, subs, out)
     assert ran == [(s, test) for s in ("s002", "s003", "s004") for test in ("shown", "hidden")]
     assert [one.is_done for one in result.results] == [True] * 4
     json.loads((out / "s002/result.json").read_text())
     shown, hidden = hw3.tests
     noisier = replace(hidden, task=replace(hidden.task, noise=14.0))
     del ran[:]
-    replace(hw3, tests=(shown, noisier)).grade_class(subs, out)
+    grade_class(replace(hw3, tests=(shown, noisier)), subs, out)
     assert ran == [(student, "hidden") for student in ("s001", "s002", "s003", "s004")]
 
 
 def test_other_limits_and_points_need_no_run(hw3, folders, ran):
     subs, out = folders
     changed = replace(hw3, tests=tuple(replace(t, points=10, limits=STRICT) for t in hw3.tests))
-    anew = changed.regrade(out)
+    anew = regrade_class(changed, out)
     assert [one.most for one in anew.results] == [20, 20, 20]
     assert all(one.points < 20 for one in anew.results)
-    assert repr(changed.grade_class(subs, out)) == repr(anew)
+    assert repr(grade_class(changed, subs, out)) == repr(anew)
     assert ran == []
     assert result_of(out, "s001") == anew.results[0]
 
@@ -136,12 +143,12 @@ def test_other_limits_and_points_need_no_run(hw3, folders, ran):
 def test_regrading_refuses_what_was_graded_by_other_tests(hw3, folders, tmp_path):
     _, out = folders
     with pytest.raises(FileNotFoundError):
-        hw3.regrade(tmp_path / "nothing")
+        regrade_class(hw3, tmp_path / "nothing")
     before = (out / "s001/result.json").read_bytes()
     shown, hidden = hw3.tests
     noisier = replace(hidden, task=replace(hidden.task, noise=14.0), limits=STRICT)
     with pytest.raises(ValueError, match=r"hidden.*s001"):
-        replace(hw3, tests=(shown, noisier)).regrade(out)
+        regrade_class(replace(hw3, tests=(shown, noisier)), out)
     assert (out / "s001/result.json").read_bytes() == before
 
 
@@ -152,7 +159,7 @@ def test_a_process_that_is_killed_loses_its_test_alone_which_is_done_again(hw3, 
         solution(tmp_path / "subs" / student)
     with ProcessPoolExecutor(1) as others:
         killing = others.submit(kill_a_worker_of, os.getpid())
-        result = hw3.grade_class(tmp_path / "subs", tmp_path / "out", executor=2)
+        result = grade_class(hw3, tmp_path / "subs", tmp_path / "out", executor=2)
         killing.result()
     assert result.is_full
 
@@ -183,7 +190,7 @@ def test_two_submissions_of_one_student_and_results_among_them_are_refused(hw3, 
     subs, _ = folders
     for out in (subs / "out", subs / "s001/out", subs):
         with pytest.raises(ValueError, match=r"\bout\b"):
-            hw3.grade_class(subs, out)
+            grade_class(hw3, subs, out)
     (subs / "s001.py").write_text("def estimate_state(step):\n    return None\n")
     with pytest.raises(AssignmentError, match=r"s001\.py"):
-        hw3.grade_class(subs, tmp_path / "other")
+        grade_class(hw3, subs, tmp_path / "other")

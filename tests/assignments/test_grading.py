@@ -10,7 +10,7 @@ import pytest
 
 from graded import graded_run
 from graded_results import FailedRun
-from robsim.teach import AssignmentError, Key, Limit, SubmissionError
+from robsim.teach import AssignmentError, Key, Limit, SubmissionError, grade_submission, play_run
 from robsim.teach.assignments.grading import marking, references, task_runs
 from robsim.teach.assignments.grading import references as seeds
 from robsim.teach.grading.calling import judged
@@ -104,7 +104,9 @@ def test_a_hidden_test_says_how_a_run_ended_and_no_more(
 ):
     monkeypatch.setattr("robsim.teach.assignments.grading.findings._SECONDS", 0.2)
     limited = replace(hw3, limits=replace(hw3.limits, **limits))
-    result = limited.grade(written(tmp_path / "s004", f"def estimate_state(step):\n    {does}\n"))
+    result = grade_submission(
+        limited, written(tmp_path / "s004", f"def estimate_state(step):\n    {does}\n")
+    )
     shown, hidden = result.tests
     assert hidden.sentence == f"All runs ended early: estimate_state {how}."
     assert (shown.worst, shown.picture) == (0, None)
@@ -127,13 +129,13 @@ def test_a_run_that_fails_is_shown_where_that_costs_more(hw3, graded):
 
 def test_a_run_that_fails_is_played_up_to_there(graded_class, tmp_path):
     hw3 = graded_class.assignment
-    again = hw3.play(graded_class.submissions / "s003", "hidden", 1)
+    again = play_run(hw3, graded_class.submissions / "s003", "hidden", 1)
     assert len(again.trace) == 7
     assert "ValueError: at 7" in again.failed
     assert again.picture().startswith(b"\x89PNG")
     never = written(tmp_path / "s005", "def estimate_state(step):\n    raise ValueError\n")
     with pytest.raises(SubmissionError, match="at step 0"):
-        hw3.play(never, "hidden", 1)
+        play_run(hw3, never, "hidden", 1)
 
 
 def test_points_are_linear_in_the_logarithm_between_the_limits(hw3, graded):
@@ -148,15 +150,15 @@ def test_points_are_linear_in_the_logarithm_between_the_limits(hw3, graded):
 
 def test_a_submission_that_cannot_be_read_or_has_what_is_masked_is_told_so(hw3, tmp_path):
     (tmp_path / "s004.txt").write_text("my solution")
-    result = hw3.grade(tmp_path / "s004.txt")
+    result = grade_submission(hw3, tmp_path / "s004.txt")
     assert (result.points, result.student) == (0, "s004.txt")
     assert "s004.txt" in result.tests[0].sentence
     text = "import robsim.estimation.reference\ndef estimate_state(step):\n    return None\n"
-    result = hw3.grade(written(tmp_path / "s005", text), only="shown")
+    result = grade_submission(hw3, written(tmp_path / "s005", text), only="shown")
     assert "robsim.estimation.reference is not there" in result.tests[0].sentence
     assert [test.status for test in result.tests] == ["failed", "not run"]
     with pytest.raises(ValueError, match="'show'"):
-        hw3.grade(tmp_path / "s005", only="show")
+        grade_submission(hw3, tmp_path / "s005", only="show")
 
 
 def test_each_student_has_worlds_of_their_own_but_in_public_tests(hw3):
@@ -178,21 +180,23 @@ def test_public_runs_need_no_key_and_the_numbers_of_the_reference_can_stand_in_f
     runs = [own.numbers(shown, "", run) for run in range(shown.task.runs)]
     values = {name: tuple(run[name] for run in runs) for name in runs[0]}
     known = replace(shown, reference=None, reference_values=values)
-    public = replace(hw3, tests=(known,), key=None).grade(right, public=True, student="somebody")
+    public = grade_submission(
+        replace(hw3, tests=(known,), key=None), right, public=True, student="somebody"
+    )
     assert [test.scores for test in public.tests] == [graded.tests[0].scores]
     assert public.is_done
 
 
 def test_a_run_played_again_is_the_one_that_was_graded(hw3, right, graded):
     hidden = graded.tests[1]
-    again = hw3.play(right, "hidden", 1)
+    again = play_run(hw3, right, "hidden", 1)
     position = hidden.scores[0]
     assert again.numbers["position"] == position.values[1]
     assert again.reference_numbers["position"] == position.reference[1]
     with pytest.raises(ValueError, match="run must lie within"):
-        hw3.play(right, "hidden", 2)
+        play_run(hw3, right, "hidden", 2)
     with pytest.raises(ValueError, match="'hiden'"):
-        hw3.play(right, "hiden", 1)
+        play_run(hw3, right, "hiden", 1)
 
 
 def test_a_run_that_failed_gives_its_steps_and_keeps_no_worker(graded_class):
@@ -214,7 +218,7 @@ def test_a_run_that_failed_gives_its_steps_and_keeps_no_worker(graded_class):
 
 def test_a_submission_that_takes_all_the_time_does_not_keep_the_others(hw3, tmp_path):
     text = "import time\ndef estimate_state(step):\n    time.sleep(3000)\n"
-    result = replace(hw3, seconds=1.0).grade(written(tmp_path / "s006", text))
+    result = grade_submission(replace(hw3, seconds=1.0), written(tmp_path / "s006", text))
     shown, hidden = result.tests
     assert (shown.points, hidden.points) == (0, 0)
     assert "all the time" in hidden.sentence
@@ -240,7 +244,7 @@ def test_an_assignment_that_is_broken_scores_nothing(hw3, right, changes, of_sho
         of_shown = {"reference": replace(shown.reference, files=files)}
     broken = replace(hw3, tests=(replace(shown, **of_shown), hidden), **changes)
     with pytest.raises(AssignmentError, match=named) as caught:
-        broken.grade(right)
+        grade_submission(broken, right)
     assert caught.value.whose == "assignment"
 
 
@@ -262,13 +266,13 @@ def test_what_is_said_in_place_of_the_doctor_is_text_of_the_submission(hw3, tmp_
     task = task_runs.graded_task(hw3, hw3.tests[0], str(place))
     said = judged(task, "robsim.teach.doctor._finding:first_finding", 300.0).result
     assert said == "\\x1b[31m<b>all points</b>"  # escaped, and for others to escape in HTML
-    assert hw3.grade(place, only="shown").points == 0
+    assert grade_submission(hw3, place, only="shown").points == 0
 
 
 def test_what_cannot_be_loaded_is_not_loaded_for_each_run(hw3, tmp_path):
     many = replace(hw3.tests[0], task=replace(hw3.tests[0].task, runs=5))
     slow = replace(hw3, tests=(many,), limits=replace(hw3.limits, first_call=0.1))
-    result = slow.grade(written(tmp_path / "s009", "while True:\n    pass\n")).tests[0]
+    result = grade_submission(slow, written(tmp_path / "s009", "while True:\n    pass\n")).tests[0]
     reasons = [run.reason for run in result.failed]
     assert len(set(reasons[:3])) == 1
     assert "0.1 s" in reasons[0]

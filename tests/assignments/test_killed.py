@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robsim.teach import Assignment, SubmissionResult
+from robsim.teach import SubmissionResult, grade_class, load_assignment
 from sizes import thorough
 from small_assignments import PATIENT, TESTS, assignment, drawn_quickly, solution
 from waiting import wait_for
@@ -55,7 +55,7 @@ def go_on(course):
     """Grade what is left."""
     hw3, subs, out = course
     with drawn_quickly():
-        assert Assignment.load(hw3).grade_class(subs, out).is_full
+        assert grade_class(load_assignment(hw3), subs, out).is_full
 
 
 def without_times(result):
@@ -97,8 +97,8 @@ def test_results_are_whole_whenever_the_grader_is_killed(course, tmp_path, rng):
         assert grader.returncode == -signal.SIGKILL
     assert deaths
     with drawn_quickly():
-        Assignment.load(hw3).grade_class(subs, out)
-        Assignment.load(hw3).grade_class(subs, tmp_path / "whole")
+        grade_class(load_assignment(hw3), subs, out)
+        grade_class(load_assignment(hw3), subs, tmp_path / "whole")
     for one, other in zip(results(out), results(tmp_path / "whole"), strict=True):
         assert without_times(one) == without_times(other)
     leftovers = [file for file in out.rglob("*") if file.name.startswith(".robsim-part")]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from robsim.teach import Assignment, Key, new_assignment
+from robsim.teach import Key, load_assignment, new_assignment
 from robsim.teach.tasks.solutions import solutions_in
 
 each = pytest.mark.parametrize("template", ["park", "follow", "identify", "measure", "estimate"])
@@ -18,7 +18,7 @@ def test_a_new_folder_is_an_assignment_with_the_solutions_that_ship(tmp_path, te
     made = new_assignment(template, tmp_path / "hw1", seed=1)
     names = {file.name for file in made.folder.iterdir()}
     assert {"assignment.toml", "sheet.md", "start", "own_tests.py", "solutions", "key"} <= names
-    read = Assignment.load(tmp_path / "hw1")
+    read = load_assignment(tmp_path / "hw1")
     assert read == made
     public, hidden = read.tests
     assert (public.public, hidden.public) == (True, False)

@@ -11,7 +11,13 @@ import zipfile
 import pytest
 
 from commands import command
-from robsim.teach import Assignment, AssignmentError, new_assignment, pack_gradescope, pack_students
+from robsim.teach import (
+    AssignmentError,
+    load_assignment,
+    new_assignment,
+    pack_gradescope,
+    pack_students,
+)
 from robsim.teach.assignments.packing.autograder import student_in
 from small_assignments import LIMITS, solution
 
@@ -42,14 +48,14 @@ def change(folder, *changes):
 @pytest.fixture
 def with_own_tests(made, tmp_path):
     shutil.copytree(made, tmp_path / "hw1")
-    return Assignment.load(tmp_path / "hw1")
+    return load_assignment(tmp_path / "hw1")
 
 
 @pytest.fixture
 def calibrated(with_own_tests):
     """The same without tests of the teacher's own, which are loaded by pytest each time."""
     change(with_own_tests.folder, ('[[files]]\npath = "own_tests.py"\npublic = true\n', ""))
-    return Assignment.load(with_own_tests.folder)
+    return load_assignment(with_own_tests.folder)
 
 
 @pytest.mark.long
@@ -66,7 +72,7 @@ def test_students_get_the_public_part(with_own_tests, tmp_path):
         "hw1/start/estimate_state.py",
         "hw1/start/task.py",
     }
-    theirs = Assignment.load(tmp_path / "theirs/hw1")
+    theirs = load_assignment(tmp_path / "theirs/hw1")
     (public,) = theirs.tests
     mine = with_own_tests.tests[0]
     assert (public.name, theirs.key, theirs.points) == ("public", None, 10)
@@ -78,7 +84,7 @@ def test_students_get_the_public_part(with_own_tests, tmp_path):
 
 def test_a_folder_is_written_once_and_the_same_files_give_the_same_zip(calibrated, tmp_path):
     pack_students(calibrated, tmp_path / "out")
-    assert Assignment.load(tmp_path / "out").name == "hw1"
+    assert load_assignment(tmp_path / "out").name == "hw1"
     with pytest.raises(FileExistsError, match="out"):
         pack_students(calibrated, tmp_path / "out")
     first, second = (pack_students(calibrated, tmp_path / f"{i}.zip") for i in range(2))
@@ -89,7 +95,7 @@ def test_hidden_tests_of_the_teachers_own_stay_here(calibrated, tmp_path):
     file = calibrated.folder / "assignment.toml"
     file.write_text(file.read_text() + '\n[[files]]\npath = "secret_tests.py"\npublic = false\n')
     (calibrated.folder / "secret_tests.py").write_text("def test_secret(submission):\n    pass\n")
-    pack_students(Assignment.load(calibrated.folder), tmp_path / "out")
+    pack_students(load_assignment(calibrated.folder), tmp_path / "out")
     files = [one for one in (tmp_path / "out").rglob("*") if one.is_file()]
     assert files
     assert not any(b"secret" in one.read_bytes() for one in files)

@@ -6,19 +6,19 @@ import re
 
 import pytest
 
-from robsim.teach import Assignment, AssignmentError, Key, Limit, task
+from robsim.teach import AssignmentError, Key, Limit, load_assignment, task
 from robsim.teach.tasks.marks import calibration
 from small_assignments import LIMITS, SHORT, TESTS, assignment
 
 
 def refused(folder):
     with pytest.raises(AssignmentError) as caught:
-        Assignment.load(folder)
+        load_assignment(folder)
     return str(caught.value)
 
 
 def test_what_a_file_does_not_say_comes_from_the_tasks(tmp_path):
-    found = Assignment.load(assignment(tmp_path / "hw3", TESTS))
+    found = load_assignment(assignment(tmp_path / "hw3", TESTS))
     assert pickle.loads(pickle.dumps(found)) == found
     assert (found.name, found.title) == ("hw3", "Through dropouts")
     assert found.slots == ("estimate_state",)
@@ -51,7 +51,7 @@ def test_all_that_can_be_said_is_taken(tmp_path):
     folder = assignment(tmp_path / "hw3", head + TESTS, more="")
     (folder / "given").mkdir()
     (folder / "given/table.csv").write_bytes(b"1,2\n")
-    found = Assignment.load(folder)
+    found = load_assignment(folder)
     assert found.slots == ("estimate_state", "control")
     assert (found.given, found.imports, found.masked) == (
         "frames",
@@ -70,7 +70,7 @@ def test_solutions_of_its_own_come_before_those_that_ship(tmp_path):
     place = folder / "solutions/estimate/right/reference"
     place.mkdir(parents=True)
     (place / "estimate_state.py").write_text("def estimate_state(step):\n    return None\n")
-    (shown, _) = Assignment.load(folder).tests
+    (shown, _) = load_assignment(folder).tests
     assert b"return None" in shown.reference.files["estimate_state"]
 
 
@@ -136,7 +136,7 @@ def calibrated(folder, made):
     ).as_record()
     tests = {"shown": {"limits": LIMITS, "calibration": record}}
     (folder / "limits.json").write_text(json.dumps({"format": 1, "tests": tests}))
-    return Assignment.load(folder).tests[0]
+    return load_assignment(folder).tests[0]
 
 
 def test_limits_of_another_task_or_of_other_solutions_are_stale(tmp_path):

@@ -2,14 +2,14 @@
 
 import csv
 
-from robsim.teach import Assignment, SubmissionResult
+from robsim.teach import SubmissionResult, grade_class, load_assignment
 from small_assignments import PATIENT, TESTS, assignment, drawn_quickly, solution
 from submissions import packed
 
 
 def test_zips_become_marks(tmp_path):
     text = PATIENT + TESTS.replace("runs = 2", "runs = 1")
-    hw3 = Assignment.load(assignment(tmp_path / "hw3", text))
+    hw3 = load_assignment(assignment(tmp_path / "hw3", text))
     right = {file.name: file.read_text() for file in solution(tmp_path / "right").iterdir()}
     wrong = "def estimate_state(step):\n    return step.k / 0\n"
     (tmp_path / "subs").mkdir()
@@ -17,7 +17,7 @@ def test_zips_become_marks(tmp_path):
     packed(tmp_path / "subs/ben.zip", {"hw3/estimate_state.py": wrong})
     out = tmp_path / "graded"
     with drawn_quickly():
-        result = hw3.grade_class(tmp_path / "subs", out)
+        result = grade_class(hw3, tmp_path / "subs", out)
     assert {one.student: one.points for one in result.results} == {"anna": 6, "ben": 0}
     with (out / "class.csv").open(newline="") as file:
         assert {row["student"]: row["points"] for row in csv.DictReader(file)} == {

@@ -198,6 +198,11 @@ EXAMPLES = {
     "pack_gradescope.path": lambda: Path(new_folder(), "autograder.zip"),
     "calibrate_assignment.folder": lambda: new_assignment().folder,
     "check_assignment.folder": lambda: new_assignment().folder,
+    "load_assignment.folder": lambda: new_assignment().folder,
+    **{
+        f"{door}.assignment": assignment
+        for door in ("grade_submission", "grade_class", "regrade_class", "play_run")
+    },
     "find_sheets.mark": lambda: 80.0,
     "save_sheet.path": lambda: "sheet.pdf",
     "save_sheet.pattern": lambda: robsim.lab.Chessboard(),

@@ -21,7 +21,7 @@ import numpy as np
 
 import robsim
 from robsim.campaigns import campaign
-from robsim.teach import Assignment, Estimate, Key, SubmissionResult
+from robsim.teach import Estimate, Key, SubmissionResult, grade_submission, load_assignment
 from robsim.trace import Session
 from robsim.vision import (
     Calibration,
@@ -196,7 +196,7 @@ def _assignment(folder: Path) -> Any:
         (path / "assignment.toml").write_text(ASSIGNMENT)
         limits = json.dumps({"format": 1, "tests": {"shown": {"limits": LIMITS}}}, indent=1)
         (path / "limits.json").write_text(limits)
-    found = Assignment.load(path)
+    found = load_assignment(path)
     (test,) = found.tests
     return {
         "name": found.name,
@@ -216,7 +216,7 @@ def _graded(assignment: Path) -> str:
         submission.mkdir()
         for module, source in reference.files.items():
             (submission / f"{module}.py").write_bytes(source)
-        return Assignment.load(own).grade(submission).to_json()
+        return grade_submission(load_assignment(own), submission).to_json()
 
 
 def _result(folder: Path) -> Any:

@@ -2,10 +2,10 @@
 
 import sys
 
-from robsim.teach import Assignment
+from robsim.teach import grade_class, load_assignment
 from small_assignments import drawn_quickly
 
 if __name__ == "__main__":
     folder, submissions, out = sys.argv[1:]
     with drawn_quickly():
-        Assignment.load(folder).grade_class(submissions, out)
+        grade_class(load_assignment(folder), submissions, out)

@@ -23,7 +23,7 @@ from robsim.cli.command import (
 from robsim.cli.shared import Jobs, Json, engine_of
 
 if TYPE_CHECKING:
-    from robsim.teach.tasks.marks.calibration import TaskCalibration
+    from robsim.teach.tasks import TaskCalibration
 Folder = Annotated[Path, argument("FOLDER", "The assignment, as robsim assignment new makes it.")]
 
 
@@ -75,16 +75,12 @@ def calibrate_and_print(
     folder: Path, *, jobs: int, false_fail: float = 0.01, confidence: float = 0.95
 ) -> None:
     """Calibrate, and say beforehand how long it takes, afterwards what came of it."""
-    from robsim.teach.assignments.assignment import Assignment
-    from robsim.teach.assignments.calibration import (
-        KEPT,
-        calibrate_assignment,
-        seconds_to_calibrate,
-    )
+    from robsim.teach.assignments import calibrate_assignment, load_assignment
+    from robsim.teach.assignments.calibration import KEPT, seconds_to_calibrate
 
     executor = engine_of(jobs)
     seconds = seconds_to_calibrate(
-        Assignment.load(folder), false_fail=false_fail, confidence=confidence, processes=jobs
+        load_assignment(folder), false_fail=false_fail, confidence=confidence, processes=jobs
     )
     goes_on = (folder / KEPT).is_dir()
     begin = "what was done is kept; all of it takes" if goes_on else "calibrating takes"
@@ -154,7 +150,7 @@ def new(
     jobs: Jobs = 1,
 ) -> None:
     """Make the folder of a new assignment."""
-    from robsim.teach.assignments.making import new_assignment
+    from robsim.teach.assignments import new_assignment
 
     with report_errors():
         made = new_assignment(template, folder, name=name, seed=seed)
@@ -184,7 +180,7 @@ CHECK_HELP = (
 
 def check(folder: Folder, jobs: Jobs = 1, as_json: Json = False) -> None:
     """Check an assignment before you rely on it."""
-    from robsim.teach.assignments.checking import check_assignment
+    from robsim.teach.assignments import check_assignment
 
     with report_errors():
         report = check_assignment(folder, executor=engine_of(jobs), progress=not as_json)
@@ -222,16 +218,14 @@ def pack(
     ] = None,
 ) -> None:
     """Pack an assignment: for students, for Gradescope."""
-    from robsim.teach.assignments.assignment import Assignment
-    from robsim.teach.assignments.packing.gradescope import pack_gradescope
-    from robsim.teach.assignments.packing.students import pack_students
+    from robsim.teach.assignments import load_assignment, pack_gradescope, pack_students
 
     with report_errors():
         if students is None and gradescope is None:
             raise ValueError("what is to be packed? --students ZIP, --gradescope ZIP, or both")
         if install is not None and gradescope is None:
             raise ValueError("--install is for an autograder: give --gradescope ZIP, too")
-        assignment = Assignment.load(folder)
+        assignment = load_assignment(folder)
         if students is not None:
             pack_students(assignment, students)
             errors.say(f"for students: {students}")

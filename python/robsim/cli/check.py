@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from robsim.base.check_report import CheckReport, Problem
-    from robsim.teach.doctor.callbacks.folder import FolderReport
-    from robsim.teach.doctor.tasks.report import TaskReport
+    from robsim.teach.doctor import FolderReport, TaskReport
 
 EXAMPLE = "Example: robsim check mine"
 HELP = (
@@ -46,7 +45,7 @@ def check(
     as_json: Json = False,
 ) -> None:
     """Check callbacks."""
-    from robsim.teach.doctor.checking import check_folder
+    from robsim.teach.doctor import check_folder
 
     with errors.report_errors():
         report = check_folder(path, slots=slot, task=task)
@@ -62,7 +61,7 @@ def _page(report: FolderReport) -> Iterator[RenderableType]:
     """Yield what is printed of a folder: a line for each slot, then what is wrong with each."""
     from rich.table import Table
 
-    from robsim.teach.doctor.tasks.report import TaskReport
+    from robsim.teach.doctor import TaskReport
 
     yield styled(report.heading, "bold")
     if isinstance(report, TaskReport):

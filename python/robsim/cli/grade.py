@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,11 +11,10 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.command import argument, integer_option, option, switch
-from robsim.cli.shared import Jobs, Json, Out
+from robsim.cli.shared import Jobs, Json, Out, engine_of
 
 if TYPE_CHECKING:
-    from robsim.teach.assignments.assignment import Assignment
-    from robsim.teach.assignments.class_result import ClassResult
+    from robsim.teach.assignments import ClassResult
     from robsim.teach.isolation.check import IsolationReport
 NO_WORKER, NOT_STRICT = 2, 3  # exit statuses
 
@@ -162,49 +160,41 @@ def grade(
         return
     with _reported():
         from robsim.cli import marks
+        from robsim.teach.assignments import load_assignment, regrade_class
 
-        given = _assignment(assignment, isolation)
+        if assignment is None:
+            raise ValueError(
+                "which assignment? robsim grade ASSIGNMENT SUBMISSIONS; --check-isolation looks "
+                "at this machine"
+            )
+        given = load_assignment(assignment, isolation=isolation)  # type: ignore[arg-type]
         if gui and play is None:
             raise ValueError("--gui shows the run to --play: give that, too")
+        executor = engine_of(jobs)
         if regrade:
-            result = marks.marked_anew(given, out, columns, pseudonyms=pseudonyms)
+            result = regrade_class(given, out, columns=columns, pseudonyms=pseudonyms)
+        elif submissions is None:
+            raise ValueError("what is to be graded? robsim grade ASSIGNMENT SUBMISSIONS")
+        elif play is not None:
+            marks.played(given, submissions, play, run, out, student, is_shown=gui)
+            return
+        elif public or student is not None or gradescope is not None:
+            result = marks.graded_alone(
+                given, submissions, out, gradescope, student=student, public=public, only=only
+            )
         else:
-            if submissions is None:
-                raise ValueError("what is to be graded? robsim grade ASSIGNMENT SUBMISSIONS")
-            if play is not None:
-                marks.played(given, submissions, play, run, out, student, is_shown=gui)
-                return
-            chosen = marks.Chosen(
-                submissions=submissions,
-                out=out,
-                public=public,
+            result = marks.graded_class(
+                given,
+                submissions,
+                out,
+                is_quiet=as_json,
+                executor=executor,
                 only=only,
-                jobs=jobs,
-                student=student,
-                gradescope=gradescope,
                 columns=columns,
                 pseudonyms=pseudonyms,
-                is_quiet=as_json,
             )
-            result = marks.graded(given, chosen)
         marks.show(given, result, out, public=public, as_json=as_json)
     _exit(result)
-
-
-def _assignment(folder: Path | None, isolation: str | None) -> Assignment:
-    from robsim.base.checks import check_choice
-    from robsim.teach.assignments.assignment import Assignment
-    from robsim.teach.isolation.limits import LEVELS
-
-    if folder is None:
-        raise ValueError(
-            "which assignment? robsim grade ASSIGNMENT SUBMISSIONS; --check-isolation looks at "
-            "this machine"
-        )
-    found = Assignment.load(folder)
-    if isolation is None:
-        return found
-    return replace(found, isolation=check_choice("isolation", isolation, LEVELS))
 
 
 @contextmanager

@@ -33,7 +33,7 @@ Name = Annotated[
 
 def list_tasks() -> None:
     """List the tasks, and which callbacks they ask for."""
-    from robsim.teach.tasks.by_name import TASKS
+    from robsim.teach.tasks import TASKS
 
     rows = [(name, kind.title, ", ".join(kind.slots)) for name, kind in TASKS.items()]
     errors.print_rows(("task", "what is to be done", "callbacks"), rows)
@@ -49,7 +49,7 @@ def show(
     ] = None,
 ) -> None:
     """Show a task."""
-    from robsim.teach.tasks.by_name import task
+    from robsim.teach.tasks import task
 
     with errors.report_errors():
         one = task(name)
@@ -105,8 +105,7 @@ def try_solution(
 ) -> None:
     """Try a solution of a task."""
     from robsim.cli.results import check_figure_name, check_file, save_figure
-    from robsim.teach.tasks.by_name import task
-    from robsim.teach.tasks.trial import try_solution
+    from robsim.teach.tasks import task, try_solution
 
     with errors.report_errors(path if path.is_dir() else path.parent):
         if figure is not None:

@@ -14,7 +14,7 @@ from robsim.cli.text import about, parse_speed
 if TYPE_CHECKING:
     from robsim.gui.hosted import HostedPanel
     from robsim.gui.panels.view import Shown
-    from robsim.teach.tasks.definition import Task
+    from robsim.teach.tasks import Task
     from robsim.trace import Trace
     from robsim.trace.sessions.session import Session
     from robsim.vision.imaging.recordings import Recording
@@ -164,7 +164,7 @@ def _task_of(name: str | None, scenario: Path | None) -> Task | None:
         return None
     if scenario is not None:
         raise ValueError("--task has a scenario of its own: leave out --scenario")
-    from robsim.teach.tasks.by_name import task
+    from robsim.teach.tasks import task
 
     with about("--task"):
         return task(name)

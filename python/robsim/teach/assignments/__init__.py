@@ -2,10 +2,16 @@
 
 from robsim.base.doors import present as _present
 from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
+from robsim.teach.assignments.assignment_file import load_assignment
 from robsim.teach.assignments.calibration import calibrate_assignment
 from robsim.teach.assignments.checking import check_assignment
 from robsim.teach.assignments.class_result import ClassResult
-from robsim.teach.assignments.grading.playing import PlayedRun
+from robsim.teach.assignments.classes.class_run import (
+    grade_class,
+    grade_submission,
+    regrade_class,
+)
+from robsim.teach.assignments.grading.playing import PlayedRun, play_run
 from robsim.teach.assignments.making import new_assignment
 from robsim.teach.assignments.packing.gradescope import pack_gradescope
 from robsim.teach.assignments.packing.students import pack_students
@@ -23,9 +29,14 @@ __all__ = [
     "TestResult",
     "calibrate_assignment",
     "check_assignment",
+    "grade_class",
+    "grade_submission",
+    "load_assignment",
     "new_assignment",
     "pack_gradescope",
     "pack_students",
+    "play_run",
+    "regrade_class",
 ]
 
 _present(globals())

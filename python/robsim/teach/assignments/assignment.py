@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from concurrent.futures import Executor
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
-from robsim.campaigns.engines.executors import DaskClient
-from robsim.teach.assignments.results import SubmissionResult
+from robsim.base.text import quoted
 from robsim.teach.grading.keys import Key
 from robsim.teach.grading.task import Frames, rules_of
 from robsim.teach.isolation.limits import Limits
@@ -18,10 +15,6 @@ from robsim.teach.submissions import Rules
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.score import Limit
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
-
-if TYPE_CHECKING:
-    from robsim.teach.assignments.class_result import ClassResult
-    from robsim.teach.assignments.grading.playing import PlayedRun
 
 #: Who has the public tests has their key, too: they are the same for all.
 SEEDS = ("student", "class")
@@ -169,173 +162,7 @@ class Assignment:
         wanted = self.slots if slots is None else slots
         return rules_of(wanted, functions, self.imports, self.masked, self.limits)
 
-    @classmethod
-    def load(cls, folder: str | PathLike[str]) -> Assignment:
-        """Read the folder of an assignment; nothing in it is run.
 
-        Parameters
-        ----------
-        folder : path
-            The folder, with ``assignment.toml`` and, as far as there are such, ``limits.json``,
-            ``key``, ``given/`` and, for each kind of task, ``solutions/TASK/right`` and
-            ``wrong``. Without these solutions those that ship with robsim are the references.
-
-        Raises
-        ------
-        AssignmentError
-            If something in it is missing or wrong; the message names file and key.
-        TypeError
-            If `folder` is not a path.
-        """
-        from robsim.teach.assignments.assignment_file import read_assignment
-
-        return read_assignment(folder)
-
-    def grade(
-        self,
-        submission: str | PathLike[str],
-        *,
-        student: str | None = None,
-        public: bool = False,
-        only: Iterable[str] | None = None,
-    ) -> SubmissionResult:
-        """Grade a submission.
-
-        Parameters
-        ----------
-        submission : path
-            A folder, a Python file, a notebook, or a zip of these.
-        student : str, optional
-            The student's name, which the worlds of tests that are not public come from. Default:
-            that of the folder or file, without its ending.
-        public : bool
-            Only the tests that students have, too.
-        only : sequence of str, optional
-            The names of the tests to run. Default: all.
-
-        Returns
-        -------
-        SubmissionResult
-            Points, sentences and numbers. What is the submission's fault is in it; a test that
-            failed by a fault of others has the status ``"error"``.
-
-        Raises
-        ------
-        AssignmentError
-            If the assignment is not complete, or broken: nothing is run then.
-        FileNotFoundError
-            If there is no such submission.
-        TypeError, ValueError
-            If an argument is wrong; the message names it.
-        """
-        from robsim.teach.assignments.classes.class_run import grade_one
-
-        return grade_one(self, submission, student=student, public=public, only=only)
-
-    def grade_class(
-        self,
-        submissions: str | PathLike[str],
-        out: str | PathLike[str],
-        *,
-        executor: int | str | Executor | DaskClient | None = None,
-        public: bool = False,
-        only: Iterable[str] | None = None,
-    ) -> ClassResult:
-        """Grade a class, and write what came of it.
-
-        Results are written after each test. What `out` has already of submissions and tests that
-        have not changed is not run again: the same call goes on where one was ended.
-
-        Parameters
-        ----------
-        submissions : path
-            The folder with the submissions.
-        out : path
-            The folder for the results: one for each student, and those of the class.
-        executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
-            What grades, as for `robsim.campaign`: so many processes, or others, which must see the
-            same folders. Default: this process.
-        public, only
-            As for `grade`.
-
-        Returns
-        -------
-        ClassResult
-            The results of all.
-
-        Raises
-        ------
-        AssignmentError, FileNotFoundError, TypeError, ValueError
-            As `grade`.
-        OSError
-            If a result cannot be written.
-        """
-        from robsim.teach.assignments.classes.class_run import grade_class
-
-        return grade_class(self, submissions, out, executor=executor, public=public, only=only)
-
-    def regrade(self, out: str | PathLike[str]) -> ClassResult:
-        """Mark results anew, after limits or points of this assignment have changed.
-
-        Nothing is run: the numbers of the runs are those in the folder.
-
-        Parameters
-        ----------
-        out : path
-            The folder that `grade_class` has written, whose files are written anew.
-
-        Returns
-        -------
-        ClassResult
-            The results of all.
-
-        Raises
-        ------
-        AssignmentError
-            If the assignment is not complete, or broken.
-        FileNotFoundError
-            If there are no results.
-        ValueError
-            If more than limits and points has changed: nothing is written then.
-        """
-        from robsim.teach.assignments.classes.class_run import regrade
-
-        return regrade(self, out)
-
-    def play(
-        self,
-        submission: str | PathLike[str],
-        test: str,
-        run: int,
-        *,
-        student: str | None = None,
-    ) -> PlayedRun:
-        """Do a run of a test again, for an appeal: the same world, noise and numbers.
-
-        Parameters
-        ----------
-        submission : path
-            What was handed in.
-        test : str
-            The name of the test.
-        run : int
-            The number of the run, from 0.
-        student : str, optional
-            As for `grade`.
-
-        Returns
-        -------
-        PlayedRun
-            The run with its trace, beside that of the reference.
-
-        Raises
-        ------
-        SubmissionError
-            If the submission fails before there is a step, with slot and line. Where it fails
-            later, the run is what there is of it: its `failed` says why.
-        AssignmentError, FileNotFoundError, TypeError, ValueError
-            As `grade`.
-        """
-        from robsim.teach.assignments.grading.playing import play
-
-        return play(self, submission, test, run, student)
+def check_is_assignment(assignment: Any) -> None:
+    if not isinstance(assignment, Assignment):
+        raise TypeError(f"assignment must be an Assignment, got {quoted(assignment)}")

@@ -17,7 +17,7 @@ from robsim.teach.assignments.limits_file import RecordedTest, read_limits
 from robsim.teach.errors import AssignmentError
 from robsim.teach.grading.keys import Key
 from robsim.teach.grading.robot_half import ROBOT_SLOTS
-from robsim.teach.isolation.limits import LEVELS, Limits
+from robsim.teach.isolation.limits import LEVELS, Isolation, Limits
 from robsim.teach.submissions.names import checked_path
 from robsim.teach.tasks.by_name import TASKS, task
 from robsim.teach.tasks.definition import Task
@@ -143,9 +143,30 @@ _GIVEN = ("pose", "blobs", "frames")  # each has what those before it have
 _MOST_POINTS, _MOST_SECONDS, _MOST_GIVEN = 1e6, 1e6, 2**24
 
 
-def read_assignment(path: str | PathLike[str]) -> Assignment:
-    """Read an assignment; see `Assignment.load`."""
-    folder = as_folder(path)
+def load_assignment(
+    folder: str | PathLike[str], *, isolation: Isolation | None = None
+) -> Assignment:
+    """Read the folder of an assignment; nothing in it is run.
+
+    Parameters
+    ----------
+    folder : path
+        The folder, with ``assignment.toml`` and, as far as there are such, ``limits.json``,
+        ``key``, ``given/`` and, for each kind of task, ``solutions/TASK/right`` and
+        ``wrong``. Without these solutions those that ship with robsim are the references.
+    isolation : {"auto", "strict", "process", "none"}, optional
+        How submissions are shut in. Default: as the folder says.
+
+    Raises
+    ------
+    AssignmentError
+        If something in it is missing or wrong; the message names file and key.
+    TypeError, ValueError
+        If an argument is wrong; the message names it.
+    """
+    if isolation is not None:
+        check_choice("isolation", isolation, LEVELS)
+    folder = as_folder(folder)
     keys = Keys(_toml(folder), FILE, _KEYS)
     tests = _tests(keys, folder)
     files = tuple(
@@ -154,6 +175,7 @@ def read_assignment(path: str | PathLike[str]) -> Assignment:
     if not tests and not files:
         keys.refuse("it has no tests: add some, each below a line [[tests]] or [[files]]")
     seconds, limits = _limits(keys)
+    level = keys.choice("isolation", LEVELS, "auto")
     assignment = Assignment(
         folder=folder.absolute(),
         name=_name(keys),
@@ -166,7 +188,7 @@ def read_assignment(path: str | PathLike[str]) -> Assignment:
         given_files=_given_files(folder),
         own_seeds=keys.choice("seeds", SEEDS, SEEDS[0]) == SEEDS[0],
         key=Key.read(folder / KEY) if (folder / KEY).exists() else None,
-        isolation=keys.choice("isolation", LEVELS, "auto"),
+        isolation=isolation or level,
         limits=limits,
         points=keys.number("points", most=_MOST_POINTS) if "points" in keys else None,
         seconds=seconds,

@@ -15,7 +15,7 @@ from robsim.base.text import one_line
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.assignments import limits_file
 from robsim.teach.assignments.assignment import Assignment, TaskTest
-from robsim.teach.assignments.assignment_file import SOLUTIONS, solutions_for
+from robsim.teach.assignments.assignment_file import SOLUTIONS, load_assignment, solutions_for
 from robsim.teach.assignments.grading.references import key_for
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.definition import Task
@@ -60,7 +60,7 @@ def calibrate_assignment(
     TypeError, ValueError
         If an argument is wrong.
     """
-    assignment = Assignment.load(folder)
+    assignment = load_assignment(folder)
     check_bool("progress", progress)
     kept = assignment.folder / KEPT
     found: dict[str, TaskCalibration] = {}

@@ -18,6 +18,7 @@ from robsim.campaigns.engines.engine import Engine, engine_value
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.simulation.runner import progress_bar
 from robsim.teach.assignments.assignment import Assignment, TaskTest
+from robsim.teach.assignments.assignment_file import load_assignment
 from robsim.teach.assignments.classes.plan import Plan, plan_of
 from robsim.teach.assignments.limits_file import RecordedTest, read_limits
 from robsim.teach.assignments.making import SHEET
@@ -73,7 +74,7 @@ def check_assignment(
     other seeds, and wrong is what was so in two of three.
     """
     engine = engine_value(executor)
-    assignment = Assignment.load(folder)
+    assignment = load_assignment(folder)
     check_bool("progress", progress)
     findings = [*_still(assignment)]
     plan = plan_of(assignment)

@@ -18,7 +18,7 @@ from robsim.base.files import as_folder, write_whole
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line
 from robsim.teach.assignments.assignment import Assignment
-from robsim.teach.assignments.assignment_file import FILE, KEY, SOLUTIONS
+from robsim.teach.assignments.assignment_file import FILE, KEY, SOLUTIONS, load_assignment
 from robsim.teach.grading.keys import Key
 from robsim.teach.tasks.by_name import task
 from robsim.teach.tasks.definition import Task
@@ -192,7 +192,7 @@ def new_assignment(
         ) from None
     try:
         _fill(place, task, title)
-        return Assignment.load(place)
+        return load_assignment(place)
     except BaseException:
         shutil.rmtree(place, ignore_errors=True)
         raise
@@ -214,7 +214,7 @@ def _fill(folder: Path, task: Task, name: str) -> None:
     for path, content in starting_files(task).items():
         write_whole(folder / START / path, content)
     _write_solutions(folder / SOLUTIONS / task.name, task.solutions)
-    _write(folder / SHEET, sheet_for(Assignment.load(folder)))
+    _write(folder / SHEET, sheet_for(load_assignment(folder)))
 
 
 def _write_solutions(folder: Path, solutions: Sequence[Solution]) -> None:

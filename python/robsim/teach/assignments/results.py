@@ -221,8 +221,6 @@ class SubmissionResult:
     @property
     def report(self) -> SubmissionReport:
         """The tests in a table, as a `Report`."""
-        from robsim.teach.assignments.results import SubmissionReport
-
         return SubmissionReport(of=self)
 
     def __str__(self) -> str:

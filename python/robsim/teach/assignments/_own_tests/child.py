@@ -16,13 +16,14 @@ import pytest
 
 from robsim.teach.assignments._own_tests.plugin import Points
 from robsim.teach.assignments.assignment import Assignment
+from robsim.teach.assignments.assignment_file import load_assignment
 from robsim.teach.assignments.grading.references import key_for, student_for
 
 
 def main() -> int:
     """Do it, and return the exit status of pytest."""
     request: dict[str, Any] = json.loads(sys.stdin.readline())
-    assignment = Assignment.load(request["folder"])
+    assignment = load_assignment(request["folder"], isolation=request["isolation"])
     test = assignment.files[request["file"]]
     path = request["submission"]
     arguments = [f"--rootdir={assignment.folder}", "-c", os.devnull, "-p", "no:cacheprovider"]

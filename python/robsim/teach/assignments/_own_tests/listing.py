@@ -136,6 +136,7 @@ def _child(
         request = {
             "folder": str(assignment.folder),
             "file": assignment.files.index(test),
+            "isolation": assignment.isolation,
             "submission": path,
             "student": student,
             "out": str(out),

@@ -1,56 +1,247 @@
-"""Grading a submission, and grading a class."""
+"""`grade_submission`, `grade_class`, `regrade_class`: from submissions to marks."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
 from contextlib import closing
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from robsim.base.checks import check_text
-from robsim.base.files import as_folder, as_path
+from robsim.base.checks import check_bool, check_choice, check_text
+from robsim.base.files import as_path
 from robsim.base.text import one_line, quoted
 from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
-from robsim.teach.assignments.assignment import Assignment
+from robsim.campaigns.engines.executors import DaskClient
+from robsim.teach.assignments.assignment import Assignment, check_is_assignment
 from robsim.teach.assignments.class_result import ClassResult
 from robsim.teach.assignments.classes.plan import Plan, plan_of
 from robsim.teach.assignments.classes.progress import Progress, again
 from robsim.teach.assignments.classes.schedule import Keep, Schedule, Tell
-from robsim.teach.assignments.classes.store import ClassTables, ResultFolder, write_class_files
-from robsim.teach.assignments.classes.submissions import Handed, one_submission, submissions_in
+from robsim.teach.assignments.classes.store import ResultFolder, write_class_files
+from robsim.teach.assignments.classes.submissions import (
+    Handed,
+    check_is_one,
+    one_submission,
+    submissions_in,
+)
+from robsim.teach.assignments.grading.references import key_for
 from robsim.teach.assignments.grading.work import Unit
 from robsim.teach.assignments.results import ERROR, SubmissionResult, TestResult
+from robsim.teach.reports.gradescope import write_gradescope
+from robsim.teach.reports.tables import COLUMNS
 
 
-def grade_one(
+def grade_submission(
     assignment: Assignment,
     submission: str | PathLike[str],
+    out: str | PathLike[str] | None = None,
     *,
-    student: str | None,
-    public: bool,
-    only: Iterable[str] | None,
+    student: str | None = None,
+    public: bool = False,
+    only: Iterable[str] | None = None,
+    gradescope: str | PathLike[str] | None = None,
 ) -> SubmissionResult:
-    """Grade a submission; see `Assignment.grade`."""
+    """Grade a submission.
+
+    Parameters
+    ----------
+    assignment : Assignment
+        What is graded, by which rules.
+    submission : path
+        A folder, a Python file, a notebook, or a zip of these.
+    out : path, optional
+        The folder for the result, as of `grade_class`. Default: it is not written.
+    student : str, optional
+        The student's name, which the worlds of tests that are not public come from. Default:
+        that of the folder or file, without its ending.
+    public : bool
+        Only the tests that students have, too.
+    only : sequence of str, optional
+        The names of the tests to run. Default: all.
+    gradescope : path, optional
+        Where the result is written after each test as Gradescope reads it, ``results.json``. The
+        pictures in it come from `out`.
+
+    Returns
+    -------
+    SubmissionResult
+        Points, sentences and numbers. What is the submission's fault is in it; a test that
+        failed by a fault of others has the status ``"error"``.
+
+    Raises
+    ------
+    AssignmentError
+        If the assignment is not complete, or broken: nothing is run then.
+    FileNotFoundError
+        If there is no such submission.
+    TypeError, ValueError
+        If an argument is wrong; the message names it.
+    OSError
+        If the result cannot be written.
+    """
+    check_is_assignment(assignment)
     handed = one_submission(submission)
     if student is not None:
         handed = Handed(check_text("student", student), handed.path)
+    file = None if gradescope is None else as_path(gradescope, "gradescope")
+    if file is not None and out is None:
+        raise ValueError("out must be given with gradescope: the pictures come from there")
+    if file is not None and student is None:
+        check_is_one(handed, assignment)
+    place = None if out is None else ResultFolder(as_path(out, "out"))
     plan = plan_of(assignment, only=only, public=public)
+    if place is None:
+        return _graded_here(plan, handed)
+
+    def keep(result: SubmissionResult) -> None:
+        if file is not None:
+            write_gradescope(file, result, pictures=place.pictures(result))
+
+    (result,) = grade_all(plan, [handed], place.folder, keep=keep).results
+    return result
+
+
+def _graded_here(plan: Plan, handed: Handed) -> SubmissionResult:
+    """Grade a submission, and write nothing."""
     progress, grader = Progress(0, handed, plan, None), plan.work.doer()
     while (job := progress.next()) is not None:
         progress.take(grader.rows([job])[0])
     return progress.result
 
 
+def grade_class(
+    assignment: Assignment,
+    submissions: str | PathLike[str],
+    out: str | PathLike[str],
+    *,
+    executor: int | str | Executor | DaskClient | None = None,
+    public: bool = False,
+    only: Iterable[str] | None = None,
+    columns: str = "robsim",
+    pseudonyms: bool = False,
+    on_result: Callable[[SubmissionResult, str], Any] | None = None,
+) -> ClassResult:
+    """Grade a class, and write what came of it.
+
+    Results are written after each test. What `out` has already of submissions and tests that
+    have not changed is not run again: the same call goes on where one was ended.
+
+    Parameters
+    ----------
+    assignment : Assignment
+        What is graded, by which rules.
+    submissions : path
+        The folder with the submissions; or a single one.
+    out : path
+        The folder for the results: one for each student, and of several ``class.html`` and
+        ``class.csv``.
+    executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
+        What grades, as for `robsim.campaign`: so many processes, or others, which must see the
+        same folders. Default: this process.
+    public, only
+        As for `grade_submission`.
+    columns : {"robsim", "moodle", "canvas", "blackboard"}
+        The learning platform whose columns ``class.csv`` has.
+    pseudonyms : bool
+        Whether the files of the class have nobody's name.
+    on_result : callable, optional
+        Is called with each submission's result when it is done, and why it was graded anew, ``""``
+        if it was not.
+
+    Returns
+    -------
+    ClassResult
+        The results of all.
+
+    Raises
+    ------
+    AssignmentError, FileNotFoundError, TypeError, ValueError
+        As `grade_submission`.
+    OSError
+        If a result cannot be written.
+    """
+    check_is_assignment(assignment)
+    engine_value(executor)
+    folder = ResultFolder(as_path(out, "out"))
+    _check_tables(assignment, columns, pseudonyms=pseudonyms)
+    if on_result is not None and not callable(on_result):
+        raise TypeError(f"on_result must be callable, got {quoted(on_result)}")
+    handed = submissions_in(submissions, assignment)
+    plan = plan_of(assignment, only=only, public=public)
+    result = grade_all(plan, handed, folder.folder, executor=executor, tell=on_result)
+    found = result.results
+    write_class_files(assignment, handed, folder, found, columns=columns, pseudonyms=pseudonyms)
+    return result
+
+
+def regrade_class(
+    assignment: Assignment,
+    out: str | PathLike[str],
+    *,
+    columns: str = "robsim",
+    pseudonyms: bool = False,
+) -> ClassResult:
+    """Mark results anew, after limits or points of an assignment have changed.
+
+    Nothing is run: the numbers of the runs are those in the folder. The page of the class says
+    nothing of programs that resemble each other, as there are none here.
+
+    Parameters
+    ----------
+    assignment : Assignment
+        The assignment as it is now.
+    out : path
+        The folder that `grade_class` has written, whose files are written anew.
+    columns, pseudonyms
+        As for `grade_class`.
+
+    Returns
+    -------
+    ClassResult
+        The results of all.
+
+    Raises
+    ------
+    AssignmentError
+        If the assignment is not complete, or broken.
+    FileNotFoundError
+        If there are no results.
+    TypeError, ValueError
+        If an argument is wrong, or more than limits and points has changed: nothing is written
+        then.
+    """
+    check_is_assignment(assignment)
+    folder = ResultFolder(as_path(out, "out"))
+    _check_tables(assignment, columns, pseudonyms=pseudonyms)
+    plan = plan_of(assignment)
+    units = {name: unit for unit in plan.work.units for name in unit.names}
+    students = folder.students()
+    if not students:
+        raise FileNotFoundError(2, "there are no results to be marked anew", str(out))
+    results = [_again(plan, units, folder, student) for student in students]
+    for result in results:  # all of them can be
+        folder.write_whole(result)
+    write_class_files(assignment, None, folder, results, columns=columns, pseudonyms=pseudonyms)
+    return ClassResult(name=assignment.name, results=tuple(results))
+
+
+def _check_tables(assignment: Assignment, columns: str, *, pseudonyms: bool) -> None:
+    check_choice("columns", columns, COLUMNS)
+    if check_bool("pseudonyms", pseudonyms):
+        key_for(assignment, public=False)
+
+
 def grade_all(
     plan: Plan,
     handed: list[Handed],
-    out: str | PathLike[str],
+    out: Path,
     *,
     executor: Engine = None,
-    tell: Tell,
-    keep: Keep = lambda result: None,
+    tell: Tell | None = None,
+    keep: Keep | None = None,
 ) -> ClassResult:
     """Grade submissions, and write what came of each after each test.
 
@@ -60,46 +251,22 @@ def grade_all(
         What is graded.
     handed : list of Handed
         The submissions.
-    out : path
+    out : Path
         Where results are written, and those of before are gone on with.
-    executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
-        What grades, as for `robsim.campaign`.
-    tell : callable
-        Is told of each submission that is done.
-    keep : callable
-        Is given the result so far after each test, when it is written.
+    executor : engine
+        What grades.
+    tell, keep
+        As for `Schedule`.
     """
-    engine = engine_value(executor)
-    place = as_folder(out)
-    _check_apart(place, handed)
-    place.mkdir(parents=True, exist_ok=True)
-    schedule = Schedule(plan, handed, ResultFolder(place), tell, keep)
-    with closing(rows_by(engine, plan.work, schedule)) as chunks:
+    _check_apart(out, handed)
+    out.mkdir(parents=True, exist_ok=True)
+    schedule = Schedule(plan, handed, ResultFolder(out), tell, keep)
+    with closing(rows_by(engine_value(executor), plan.work, schedule)) as chunks:
         for rows in chunks:
             for row in rows:
                 schedule.done(row)
     results = sorted(schedule.results, key=lambda result: result.student)
     return ClassResult(name=plan.assignment.name, results=tuple(results))
-
-
-def grade_class(
-    assignment: Assignment,
-    submissions: str | PathLike[str],
-    out: str | PathLike[str],
-    *,
-    executor: Any,
-    public: bool,
-    only: Iterable[str] | None,
-) -> ClassResult:
-    """Grade a class; see `Assignment.grade_class`."""
-    engine_value(executor)
-    as_path(out, "out")
-    handed = submissions_in(submissions, assignment)
-    plan = plan_of(assignment, only=only, public=public)
-    result = grade_all(plan, handed, out, executor=executor, tell=lambda result, changed: None)
-    folder = ResultFolder(as_folder(out))
-    write_class_files(assignment, handed, folder, result.results, ClassTables())
-    return result
 
 
 def _check_apart(out: Path, handed: list[Handed]) -> None:
@@ -112,20 +279,6 @@ def _check_apart(out: Path, handed: list[Handed]) -> None:
             f"out must be apart from the submissions, got {one_line(out)}: what is written there "
             "would be taken for one"
         )
-
-
-def regrade(assignment: Assignment, out: str | PathLike[str]) -> ClassResult:
-    """Mark anew what is in a folder of results; see `Assignment.regrade`."""
-    folder = ResultFolder(as_path(out, "out"))
-    plan = plan_of(assignment)
-    units = {name: unit for unit in plan.work.units for name in unit.names}
-    students = folder.students()
-    if not students:
-        raise FileNotFoundError(2, "there are no results to be marked anew", str(out))
-    results = [_again(plan, units, folder, student) for student in students]
-    for result in results:  # all of them can be
-        folder.write_whole(result)
-    return ClassResult(name=assignment.name, results=tuple(results))
 
 
 def _again(

@@ -12,9 +12,8 @@ from robsim.teach.assignments.classes.submissions import Handed
 from robsim.teach.assignments.grading.work import Job, Row
 from robsim.teach.assignments.results import SubmissionResult
 
-#: What is told of each submission that is done: its result, and why it was graded anew.
-Tell = Callable[[SubmissionResult, str], None]
-Keep = Callable[[SubmissionResult], None]
+Tell = Callable[[SubmissionResult, str], Any]
+Keep = Callable[[SubmissionResult], Any]
 
 
 class Schedule:
@@ -31,14 +30,19 @@ class Schedule:
         The submissions.
     folder : ResultFolder
         Where results are written after each test.
-    tell : callable
-        Is told of each submission that is done.
-    keep : callable
-        Is given what came of a submission so far, after each test.
+    tell : callable, optional
+        Is called with the result of each submission that is done, and why it was graded anew.
+    keep : callable, optional
+        Is called with what came of a submission so far, after each test.
     """
 
     def __init__(
-        self, plan: Plan, handed: Iterable[Handed], folder: ResultFolder, tell: Tell, keep: Keep
+        self,
+        plan: Plan,
+        handed: Iterable[Handed],
+        folder: ResultFolder,
+        tell: Tell | None,
+        keep: Keep | None,
     ) -> None:
         self._plan, self._folder, self._tell, self._keep = plan, folder, tell, keep
         self._waiting = enumerate(handed)
@@ -68,7 +72,8 @@ class Schedule:
         self._busy.discard(row.job.submission)
         result = progress.result
         self._folder.write(result, row.pictures, row.paths)
-        self._keep(result)
+        if self._keep is not None:
+            self._keep(result)
 
     def _next(self, index: int) -> Job | None:
         """Return the next test of a submission; where there is none left, end it."""
@@ -79,7 +84,9 @@ class Schedule:
         del self._open[index]
         result = progress.result
         self._folder.write_whole(result)
-        self._keep(result)
+        if self._keep is not None:
+            self._keep(result)
         self.results.append(result)
-        self._tell(result, progress.changed)
+        if self._tell is not None:
+            self._tell(result, progress.changed)
         return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -99,34 +98,21 @@ class ResultFolder:
 START = "start"  # what students begin with
 
 
-@dataclass(frozen=True, kw_only=True)
-class ClassTables:
-    """How the tables of a class look.
-
-    Attributes
-    ----------
-    columns, title : str
-        Columns of which learning platform, and the heading of that of points there.
-    pseudonyms : bool
-        Whether nobody's name is to be seen.
-    """
-
-    columns: str = "robsim"
-    title: str | None = None
-    pseudonyms: bool = False
-
-
 def write_class_files(
     assignment: Assignment,
     handed: Iterable[Handed] | None,
     folder: ResultFolder,
     results: Sequence[SubmissionResult],
-    tables: ClassTables,
+    *,
+    columns: str,
+    pseudonyms: bool,
 ) -> None:
-    """Write page and table of a class into the folder of its results.
+    """Write page and table of a class into the folder of its results; a single one is no class.
 
     Without what was `handed` in nothing is said of programs that resemble each other.
     """
+    if len(results) < 2:
+        return
     area = assignment.tests[0].task.scenario.area if assignment.tests else (1200, 1200)
     write_class(
         folder.folder,
@@ -135,9 +121,8 @@ def write_class_files(
         area=area,
         programs=None if handed is None else dict(_programs(assignment, handed)),
         given=list(_given(assignment)),
-        pseudonym=key_for(assignment, public=False).pseudonym if tables.pseudonyms else None,
-        columns=tables.columns,
-        title=tables.title,
+        pseudonym=key_for(assignment, public=False).pseudonym if pseudonyms else None,
+        columns=columns,
     )
 
 

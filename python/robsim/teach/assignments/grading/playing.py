@@ -1,15 +1,18 @@
-"""A run of a test again, for an appeal."""
+"""`play_run`: a run of a test again, for an appeal."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
 
 from robsim.base.checks import Floats, check_int, check_text
+from robsim.base.files import as_path, write_whole
 from robsim.base.report import Column, Report, Row, Table
 from robsim.base.spelling import check_names
-from robsim.teach.assignments.assignment import Assignment, TaskTest
+from robsim.teach.assignments.assignment import Assignment, TaskTest, check_is_assignment
+from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import check_is_one, one_submission
 from robsim.teach.assignments.grading.references import References, numbers_of, seeds_of
 from robsim.teach.assignments.grading.task_runs import graded_task
@@ -61,6 +64,10 @@ class PlayedRun(Report):
         Its scores.
     output : str
         What the submission printed.
+    files : tuple of Path
+        Its trace and picture, if they were written.
+    remarks : tuple of str
+        Why it failed, and why this run was chosen.
     """
 
     test: TaskTest
@@ -72,6 +79,8 @@ class PlayedRun(Report):
     reference_numbers: Mapping[str, float]
     output: str
     failed: str = ""
+    files: tuple[Path, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
@@ -95,24 +104,51 @@ class PlayedRun(Report):
         ]
         return (Table(key="scores", columns=columns, rows=rows, row_title="score"),)
 
-    @property
-    def remarks(self) -> Sequence[str]:
-        """Why it failed, if it did."""
-        return (f"the run ended early: {self.failed}",) if self.failed else ()
-
     def picture(self) -> bytes:
         """Return the run beside that of the reference, as PNG."""
         return picture_of(self.test, self.trace, self.reference)[0]
 
 
-def play(
+def play_run(
     assignment: Assignment,
     submission: str | PathLike[str],
     test: str,
-    run: int,
+    run: int | None = None,
+    out: str | PathLike[str] | None = None,
+    *,
     student: str | None = None,
 ) -> PlayedRun:
-    """Do a run of a test again; see `Assignment.play`."""
+    """Do a run of a test again, for an appeal: the same world, noise and numbers.
+
+    Parameters
+    ----------
+    assignment : Assignment
+        What the submission was graded by.
+    submission : path
+        What was handed in.
+    test : str
+        The name of the test.
+    run : int, optional
+        The number of the run, from 0. Default: the worst one, as the results in `out` say, or 0.
+    out : path, optional
+        The folder that `grade_class` has written: `PlayedRun.files` are written there.
+    student : str, optional
+        As for `grade_submission`.
+
+    Returns
+    -------
+    PlayedRun
+        The run with its trace, beside that of the reference.
+
+    Raises
+    ------
+    SubmissionError
+        If the submission fails before there is a step, with slot and line. Where it fails
+        later, the run is what there is of it: its `failed` says why.
+    AssignmentError, FileNotFoundError, TypeError, ValueError, OSError
+        As `grade_submission`.
+    """
+    check_is_assignment(assignment)
     tests = {one.name: one for one in assignment.tests}
     handed = one_submission(submission)
     check_is_one(handed, assignment)
@@ -120,7 +156,13 @@ def play(
     named = [check_text("test", test)]
     check_names(f"{assignment.name} has no test by a task", named, tests, ValueError)
     one = tests[test]
+    folder = None if out is None else ResultFolder(as_path(out, "out"))
+    remarks = []
+    if run is None and (run := _worst(folder, name, test)) is None:
+        run = 0
+        remarks.append("it is run 0, as there are no results that tell the worst one")
     check_int("run", run, minimum=0, maximum=one.task.runs - 1)
+    files = () if folder is None else _files(folder.of(name), f"{test}-run{run}")
     task, seeds = graded_task(assignment, one, handed.path), seeds_of(assignment, one, name, run)
     failed, numbers = "", {}
     try:
@@ -131,8 +173,9 @@ def play(
         if error.trace is None:  # there is nothing to be seen of it
             raise
         trace, output, failed = error.trace, error.output, clean_text(str(error))
+        remarks.append(f"the run ended early: {failed}")
     references = References(assignment)
-    return PlayedRun(
+    played = PlayedRun(
         test=one,
         student=name,
         run=run,
@@ -142,4 +185,23 @@ def play(
         reference_numbers=references.numbers(one, name, run),
         output=output,
         failed=failed,
+        files=files,
+        remarks=tuple(remarks),
     )
+    if files:
+        trace_file, picture_file = files
+        trace_file.parent.mkdir(parents=True, exist_ok=True)
+        trace.save(trace_file)
+        write_whole(picture_file, played.picture())
+    return played
+
+
+def _worst(folder: ResultFolder | None, student: str, test: str) -> int | None:
+    """Return the number of the worst run of a test, as the result of a submission says."""
+    result = None if folder is None else folder.read(student)
+    tests = () if result is None else result.tests
+    return next((one.worst for one in tests if one.name == test), None)
+
+
+def _files(folder: Path, name: str) -> tuple[Path, Path]:
+    return folder / f"{name}.npz", folder / f"{name}.png"

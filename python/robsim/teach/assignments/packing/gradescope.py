@@ -11,10 +11,10 @@ from pathlib import Path
 from robsim.base.files import as_path, write_whole
 from robsim.base.text import one_line, quoted
 from robsim.teach.assignments import limits_file
-from robsim.teach.assignments.assignment import Assignment
+from robsim.teach.assignments.assignment import Assignment, check_is_assignment
 from robsim.teach.assignments.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
 from robsim.teach.assignments.classes.plan import plan_of
-from robsim.teach.assignments.packing.public_part import check_assignment_value, limits_alone
+from robsim.teach.assignments.packing.public_part import limits_alone
 from robsim.teach.tasks.solutions import REFERENCE
 
 _MADE = (1980, 1, 1, 0, 0, 0)  # the first moment that a zip can have
@@ -92,7 +92,7 @@ def pack_gradescope(
     when the image is built; ``run_autograder`` for each submission, which lies in
     ``/autograder/submission``, and it writes ``/autograder/results/results.json``.
     """
-    check_assignment_value(assignment)
+    check_is_assignment(assignment)
     file = as_path(path)
     if file.suffix != ".zip":
         raise ValueError(f"path must be that of a zip, got {quoted(str(file))}")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from robsim.base.files import read_toml
-from robsim.base.text import one_line, quoted
+from robsim.base.text import one_line
 from robsim.teach.assignments import limits_file
 from robsim.teach.assignments._own_tests.listing import list_own_tests
 from robsim.teach.assignments.assignment import Assignment, TaskTest
@@ -22,11 +22,6 @@ from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.solutions import NAIVE
 
 _SHORTEST = 12  # bytes of a solution; fewer may stand anywhere
-
-
-def check_assignment_value(assignment: object) -> None:
-    if not isinstance(assignment, Assignment):
-        raise TypeError(f"assignment must be an Assignment, got {quoted(assignment)}")
 
 
 def public_part(assignment: Assignment) -> dict[str, bytes]:

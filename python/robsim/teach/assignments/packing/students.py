@@ -7,9 +7,9 @@ from pathlib import Path
 
 from robsim.base.files import as_path, write_whole
 from robsim.base.text import one_line
-from robsim.teach.assignments.assignment import Assignment
+from robsim.teach.assignments.assignment import Assignment, check_is_assignment
 from robsim.teach.assignments.packing.gradescope import write_zip
-from robsim.teach.assignments.packing.public_part import check_assignment_value, public_part
+from robsim.teach.assignments.packing.public_part import public_part
 
 
 def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
@@ -38,7 +38,7 @@ def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
     FileExistsError
         If there is such a folder.
     """
-    check_assignment_value(assignment)
+    check_is_assignment(assignment)
     target = as_path(path)
     files = public_part(assignment)
     if target.suffix == ".zip":
