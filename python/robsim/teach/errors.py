@@ -9,6 +9,9 @@ if TYPE_CHECKING:
     from robsim.simulation import FailedCallback
     from robsim.trace import Trace
 
+#: What can happen to a submission.
+ERROR, TIMEOUT, EXIT = "error", "timeout", "exit"
+
 
 class GradingError(Exception):
     """What kept something from being graded, and where; its classes say whose fault it is.
@@ -25,10 +28,12 @@ class GradingError(Exception):
         The file; ``"s003.ipynb, cell 5"`` of a notebook.
     line : int or None
         The line in it, from 1.
+    cause : {"error", "timeout", "exit"}
+        What happened: an error, a call or a run that took too long, or the end of the process.
 
     Attributes
     ----------
-    slot, step, file, line
+    slot, step, file, line, cause
         The same.
     whose : str
         ``"submission"``, ``"assignment"`` or ``"grader"``.
@@ -44,12 +49,14 @@ class GradingError(Exception):
         step: int | None = None,
         file: str | None = None,
         line: int | None = None,
+        cause: str = ERROR,
     ) -> None:
         super().__init__(message)
         self.slot = slot
         self.step = step
         self.file = file
         self.line = line
+        self.cause = cause
 
     @property
     def message(self) -> str:
@@ -57,8 +64,8 @@ class GradingError(Exception):
         return str(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        places = {name: getattr(self, name) for name in ("slot", "step", "file", "line")}
-        return _restored, (type(self), str(self), places)
+        names = ("slot", "step", "file", "line", "cause")
+        return _restored, (type(self), str(self), {name: getattr(self, name) for name in names})
 
     def _anew(self) -> GradingError:
         """Return the same without notes and traceback; `copy` keeps them where tblib is."""

@@ -77,7 +77,10 @@ class ScoreResult:
 
 @dataclass(frozen=True, kw_only=True)
 class FailedRun:
-    """A run that did not come through: its number and what the submission did."""
+    """A run that did not come through: its number and what the submission did.
+
+    Its `cause` is that of the `SubmissionError`.
+    """
 
     run: int
     reason: str
@@ -85,6 +88,7 @@ class FailedRun:
     step: int | None = None
     file: str | None = None
     line: int | None = None
+    cause: str = "error"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._core import RobotModel
-from robsim.teach.errors import GraderError, SubmissionError
+from robsim.teach.errors import ERROR, EXIT, TIMEOUT, GraderError, SubmissionError
 from robsim.teach.grading._frame_memory import FrameMemory
 from robsim.teach.grading._wire import LIMITS, Channel, Kind, Ready, WireError
 from robsim.teach.grading.answering import CallSetup
@@ -161,7 +161,7 @@ class Worker:
                 what, seconds = "the run", self._limits.run
             step = f" at step {k}" if k is not None else ""
             text = f"{what} took longer than {seconds:g} s{step}"
-            raise SubmissionError(text, slot=slot, step=k) from None
+            raise SubmissionError(text, slot=slot, step=k, cause=TIMEOUT) from None
         except WireError as error:
             self.refuse(slot, k, f"the worker has sent {error}")
         except (EOFError, OSError):
@@ -173,7 +173,7 @@ class Worker:
         if ending is GRADER_LOST_IT:
             raise GraderError(ending.text, slot=slot, step=k)
         text = ending.text if ending.over else "its process has closed its connection"
-        self.refuse(slot, k, text)
+        self.refuse(slot, k, text, EXIT if ending.exited or not ending.over else ERROR)
 
     def _refuse_kind(self, kind: Kind, body: bytes, slot: str | None, k: int | None) -> NoReturn:
         """Raise what a message says went wrong, or that another one was due."""
@@ -192,12 +192,12 @@ class Worker:
         step = None if k is None else min(k if told.step is None else told.step, k)
         raise replace(told, slot=named, step=step).as_error() from None
 
-    def refuse(self, slot: str | None, k: int | None, what: str) -> NoReturn:
+    def refuse(self, slot: str | None, k: int | None, what: str, cause: str = ERROR) -> NoReturn:
         """Raise SubmissionError for a slot and a step."""
         step = None if k is None or k < 0 else k
         when = "at the start" if step is None else f"at step {step}"
         where = f"{slot} {when}" if slot else when
-        raise SubmissionError(f"{where}: {what}", slot=slot, step=step)
+        raise SubmissionError(f"{where}: {what}", slot=slot, step=step, cause=cause)
 
     def end(self) -> None:
         """Say that the run is over, and leave a moment for what is still to be printed."""

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from robsim._core import WorldState
 from robsim.base.text import quoted
-from robsim.teach.errors import SubmissionError
+from robsim.teach.errors import ERROR, SubmissionError
 from robsim.teach.grading._wire import LIMITS, Channel, Kind
 from robsim.teach.grading._worker import Worker, done
 from robsim.teach.grading.answering import NUMBER, CallSetup, world_arrays
@@ -99,11 +99,11 @@ class CallWorker(Worker):
     _ENTRY = "robsim.teach.grading.answering:work"
     _LIMITS = _LIMITS
 
-    def refuse(self, slot: str | None, k: int | None, what: str) -> NoReturn:
+    def refuse(self, slot: str | None, k: int | None, what: str, cause: str = ERROR) -> NoReturn:
         """Raise SubmissionError for a function, or for a slot and a step."""
         if slot in self._setup.rules.functions:
-            raise SubmissionError(f"{slot}: {what}", slot=slot)
-        super().refuse(slot, k, what)
+            raise SubmissionError(f"{slot}: {what}", slot=slot, cause=cause)
+        super().refuse(slot, k, what, cause)
 
     def loaded(self) -> frozenset[str]:
         """Send the submission, wait until it is loaded, and return what of it can be called.
@@ -183,7 +183,7 @@ def _called(
                 raise
             message = f"{error} (in call {number} of {len(calls)})"
             raise SubmissionError(
-                message, slot=error.slot, file=error.file, line=error.line
+                message, slot=error.slot, file=error.file, line=error.line, cause=error.cause
             ) from None
         values = [array[()] for array in arrays]  # those without axes are numbers
         results.append(values[0] if len(values) == 1 else tuple(values))

@@ -29,6 +29,8 @@ class Ending:
         that it was forked from; 0 = not known.
     over : bool
         False = it still runs.
+    exited : bool
+        Whether it ended by itself or by a signal, and by no limit.
     left : tuple of str
         What could not be removed after it; empty where its end is certain.
     """
@@ -37,6 +39,7 @@ class Ending:
     cpu_seconds: float = math.nan
     max_rss: int = 0
     over: bool = True
+    exited: bool = False
     left: tuple[str, ...] = ()
 
 
@@ -58,25 +61,30 @@ def ending_of(
 
     `killed` = the grader asked for it.
     """
+    by_limit = _by_limit(code, cpu_seconds, limits)
     if too_much_written:
         most = as_size(limits.folder_size)
-        text = f"its process wrote more than {most} of files, or folders too deep"
-    else:
-        text = _text_of(code, cpu_seconds, limits, killed)
-    return Ending(text, cpu_seconds, max_rss, left=tuple(left))
+        by_limit = f"its process wrote more than {most} of files, or folders too deep"
+    text = by_limit or _text_of(code, killed)
+    return Ending(text, cpu_seconds, max_rss, exited=not by_limit, left=tuple(left))
 
 
-def _text_of(code: int, cpu_seconds: float, limits: Limits, killed: bool) -> str:
-    if code >= 0:
-        if code == NO_MEMORY:
-            return f"its process asked for more than {as_size(limits.memory)} of memory"
-        if code == NOT_SHUT_IN:
-            return "the worker could not shut itself in (exit code 70)"
-        shown = code if code < 1 << 16 else f"{code:#x}"  # a crash, on Windows
-        return f"its process ended by itself (exit code {shown})"
+def _by_limit(code: int, cpu_seconds: float, limits: Limits) -> str:
+    """Return which limit ended a worker; "" = none did."""
+    if code == NO_MEMORY:
+        return f"its process asked for more than {as_size(limits.memory)} of memory"
+    if code == NOT_SHUT_IN:
+        return "the worker could not shut itself in (exit code 70)"
     by_time = {-getattr(signal, "SIGXCPU", 24), KILLED}
     if code in by_time and cpu_seconds >= math.ceil(limits.cpu) - 0.5:
         return f"its process used more than {math.ceil(limits.cpu)} s of processor time"
+    return ""
+
+
+def _text_of(code: int, killed: bool) -> str:
+    if code >= 0:
+        shown = code if code < 1 << 16 else f"{code:#x}"  # a crash, on Windows
+        return f"its process ended by itself (exit code {shown})"
     if killed and code == KILLED:
         return "its process was ended by the grader"
     return f"its process was ended by signal {_name_of(-code)}"

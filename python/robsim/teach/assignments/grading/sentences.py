@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import re
-
 from robsim.teach.assignments.results import PASSED, ScoreResult, TestResult
+from robsim.teach.errors import EXIT, TIMEOUT
 from robsim.teach.texts import clean_line
 
 _MOST_REASON = 300  # characters
 
-# What the grader says of a submission that does not answer. A submission could say it, too.
-_TOO_LONG = re.compile(r"[\w ]+ took longer than \S+ s( at step \d+)?")
-_ENDED = re.compile(r"[\w ]+: its process (ended by itself|was ended|has closed) .*")
+#: How a run was ended, in words that tell nothing of it.
+_HOW = {TIMEOUT: "took too long", EXIT: "ended its process"}
 
 
 def of(result: TestResult) -> str:
@@ -27,18 +25,11 @@ def _of_failed(result: TestResult) -> str:
     if not result.public:  # the text of an error may tell what was in the run
         by = first.slot if first.slot is not None else "the submission"
         which = "All" if len(result.failed) == result.runs else "Some"
-        return f"{which} runs ended early: {by} {_how(first.reason)}."
+        return f"{which} runs ended early: {by} {_HOW.get(first.cause, 'failed')}."
     reason = clean_line(first.reason.rstrip("."), _MOST_REASON)
     if len(result.failed) == result.runs:
         return f"No run came through. Run {first.run}: {reason}."
     return f"{len(result.failed)} of {result.runs} runs ended early. Run {first.run}: {reason}."
-
-
-def _how(reason: str) -> str:
-    """Return how a run was ended, in words that tell nothing of it."""
-    if _TOO_LONG.fullmatch(reason):
-        return "took too long"
-    return "ended its process" if _ENDED.fullmatch(reason) else "failed"
 
 
 def _of_scores(result: TestResult) -> str:

@@ -185,6 +185,7 @@ def failed_run(run: int, error: SubmissionError) -> FailedRun:
         step=error.step,
         file=error.file,
         line=error.line,
+        cause=error.cause,
     )
 
 
