@@ -68,7 +68,12 @@ def _take_attribute(mask: str, restored: ExitStack) -> None:
     """Take a name away from the module that it lies in: a module is imported anew, which fails."""
     package, _, name = mask.rpartition(".")
     module = sys.modules.get(package)
-    if module is None or name not in vars(module):
+    if module is None:
+        return
+    if name not in vars(module):
+        if name in vars(module).get("__all__", ()):  # it would be loaded when asked for
+            setattr(module, name, _Absent(mask))
+            restored.callback(delattr, module, name)
         return
     value = vars(module)[name]
     if isinstance(value, ModuleType):
