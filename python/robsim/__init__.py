@@ -7,7 +7,9 @@ motors, `robsim.teach` for tasks, checks and grading, `robsim.gui` for the panel
 
 import importlib as _importlib
 import os as _os
+import sys as _sys
 from _thread import RLock as _RLock
+from types import ModuleType as _ModuleType
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
 from typing import NoReturn as _NoReturn
@@ -85,6 +87,20 @@ _WINGS = {
 _HOMES = {name: wing for wing, names in _WINGS.items() for name in names.split()}
 __all__ = sorted([*_HOMES, "__version__", "wrap_angle"])
 
+
+class _Package(_ModuleType):
+    """What `robsim` is: Python binds each wing to it when it has been loaded."""
+
+    def __setattr__(self, name: str, value: _Any) -> None:
+        super().__setattr__(name, value)
+        if name in _WINGS and "__all__" in vars(value):
+            from robsim.base.doors import present
+
+            present(value, value.__name__)
+
+
+_sys.modules[__name__].__class__ = _Package
+
 #: Wings import one another: two threads that began with different ones would see halves of them.
 _loading = _RLock()
 
@@ -123,13 +139,13 @@ def _loaded(name: str) -> _Any:
 
 def _refuse(name: str) -> _NoReturn:
     """Raise AttributeError with the wing that has a name, or the name that was meant."""
-    from robsim.base.spelling import no_attribute, suggestion
+    from robsim.base.spelling import no_attribute
 
     message = f"module 'robsim' has no attribute {name!r}"
     for wing in sorted({*_WINGS} - {"plotting"}):  # which takes time
         if name in (module := _loaded(wing)).__all__:
             raise no_attribute(f"{message}: it is {module.__name__}.{name}")
-    raise no_attribute(message + suggestion(name, __all__))
+    raise no_attribute(message, name, __all__)
 
 
 def __dir__() -> list[str]:

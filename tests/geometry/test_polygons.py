@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drawn_robots import box, star
-from robsim.base import polygons
+from robsim.vision.robots import polygons
 
 pytestmark = pytest.mark.kernels
 

@@ -95,7 +95,7 @@ def test_from_a_photo_to_a_video_by_the_mouse(open_tool, user_folder, tmp_path):
         wait_for(lambda: abs(view._square[2] - 230) < 8)
         tab.click("[name=capture]")
         tab.wait_for_selector("[name=resume]:visible")
-        assert view.drawing.problems() == []  # all three were guessed
+        assert view.drawing.sketch.problems() == []  # all three were guessed
         width = view.drawing.sketch.image.shape[1]
         tab.fill("[name=robot_size]", str(width))  # a pixel is a px
         tab.keyboard.press("Tab")

@@ -321,7 +321,7 @@ def test_a_mark_that_is_measured_while_sheets_are_found_counts_for_them(tool, br
         assert goes_on.wait(300)
         return {1: Corners(corners(mark), corners(mark) + 200)}
 
-    monkeypatch.setattr("robsim.gui.tools.floor.corners.find_sheets", find)
+    monkeypatch.setattr("robsim.lab.calibration.seen_sheets.find_sheets", find)
     browser.say("sheets")
     assert begun.wait(300)
     browser.say("set", name="mark", value=100)
@@ -423,7 +423,7 @@ class Boards:
             return Corners(board.square * grid, pixels)
 
         monkeypatch.setattr(Chessboard, "find", find)
-        monkeypatch.setattr("robsim.gui.tools.floor.lens.FEWEST", 1000)  # no lens
+        monkeypatch.setattr("robsim.lab.calibration.taking.FEWEST", 1000)  # no lens
 
 
 @pytest.fixture
@@ -443,13 +443,13 @@ def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, browser
     assert tool.take_board() == 54
     assert len(lens.taken) == 2
     tool.drop_boards(0)
-    assert [one.size for one in lens.taken] == [(800, 600)]
+    assert (len(lens.taken), lens.taken.size) == (1, (800, 600))
     with pytest.raises(ValueError, match="there is no picture 1"):
         tool.drop_boards(1)
     tool.drop_boards()
     tool.load(small)
     assert tool.take_board() == 54
-    assert lens.taken[0].size == (640, 480)
+    assert lens.taken.size == (640, 480)
 
 
 def test_of_a_picture_that_was_loaded_no_board_is_taken_by_itself(tmp_path, monkeypatch):
@@ -479,8 +479,8 @@ def test_with_another_side_of_a_square_the_pictures_stay(tool, browser, fakes):
     assert len(told["pictures"]) == 1
     fakes.goes_on.set()
     wait_for(lambda: len(lens.taken) == 2)
-    for one in lens.taken:
-        np.testing.assert_allclose(one.corners.positions.max(axis=0), (8 * 26.5, 5 * 26.5))
+    for one in lens.taken.corners.values():
+        np.testing.assert_allclose(one.positions.max(axis=0), (8 * 26.5, 5 * 26.5))
     browser.say("board", pattern="chessboard", columns=8, rows=6, square=25)
     assert "remove the 2 pictures first" in browser.take("note", level="error")[0]["text"]
     assert lens.board == Chessboard(9, 6, 26.5)

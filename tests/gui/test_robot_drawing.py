@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.gui.tools.robots.drawing import RobotDrawing, Sketch
+from robsim.gui.tools.robots.drawing import RobotDrawing
+from robsim.vision.robots.sketch import Sketch
 
 PARTS = ("outline", "red", "blue")
 SQUARE = np.array([(10.0, 10), (90, 10), (90, 70), (10, 70)])
@@ -29,13 +30,13 @@ def drawn(drawing):
 
 def test_it_says_what_is_missing_until_it_is_a_robot(drawing):
     for part, polygon in zip(PARTS, (SQUARE, RED, BLUE), strict=True):
-        problems = drawing.problems()
+        problems = drawing.sketch.problems()
         assert problems[0].startswith(part)
         with pytest.raises(ValueError, match=part):
-            drawing.definition("mine")
+            drawing.sketch.definition("mine")
         drawing.put(part, polygon)
-        assert len(problems) == len(drawing.problems()) + 1
-    robot = drawing.definition("mine")
+        assert len(problems) == len(drawing.sketch.problems()) + 1
+    robot = drawing.sketch.definition("mine")
     assert (robot.name, robot.size) == ("mine", 120)
     np.testing.assert_array_equal(robot.outline, SQUARE)
     np.testing.assert_allclose(robot.centre, (50, 40))
@@ -43,16 +44,16 @@ def test_it_says_what_is_missing_until_it_is_a_robot(drawing):
 
 def test_problems_are_those_of_a_definition(drawn):
     drawn.move("red", 0, (5, 20))  # out of the outline
-    (problem,) = drawn.problems()
+    (problem,) = drawn.sketch.problems()
     assert problem.startswith("left marker (red) must lie inside the outline")
 
 
 def test_corners_on_each_other_are_no_problem_and_a_line_is(drawn):
     drawn.insert("outline", 1, SQUARE[0])
-    assert drawn.problems() == []
-    assert len(drawn.definition("mine").outline) == 4
+    assert drawn.sketch.problems() == []
+    assert len(drawn.sketch.definition("mine").outline) == 4
     drawn.put("red", [(60, 20), (70, 20), (80, 20)])
-    assert drawn.problems() == [
+    assert drawn.sketch.problems() == [
         "left marker (red) must be a polygon of nonzero area, got points on a line"
     ]
 
@@ -99,7 +100,7 @@ def test_a_drag_is_one_change(drawn):
     assert drawn.sketch is before
     for towards in ((90, 40), (50, 75), (20, 10), (11, 40)):
         drawn.face(towards, goes_on=towards != (90, 40))
-        ((forward, right),) = drawn.definition("mine").to_robot_frame([towards])
+        ((forward, right),) = drawn.sketch.definition("mine").to_robot_frame([towards])
         assert forward > 0
         assert right == pytest.approx(0, abs=1e-9)
     drawn.undo()
@@ -116,7 +117,7 @@ def test_what_is_wrong_is_refused_and_changes_nothing(drawn):
         (lambda: drawn.insert("red", 5, (1, 2)), "corner"),
         (lambda: drawn.remove("red", -1), "corner"),
         (lambda: drawn.turn(math.inf), "degrees"),
-        (lambda: drawn.face(drawn.centre), "towards"),
+        (lambda: drawn.face(drawn.sketch.middle), "towards"),
         (lambda: drawn.scale((1, 1), (1, 1), 5), "a pixel apart"),
         (lambda: drawn.scale((1, 1), (2, 1), 9000), "size"),
     ):
@@ -130,16 +131,16 @@ def test_a_centre_that_was_given_stays_until_there_is_another_outline(user_folde
     with robsim.gui.robot_panel(robot="lab") as tool:
         drawing = tool._view.drawing
     drawing.insert("red", 0, lab.markers["right"].polygon[0] + 1)
-    np.testing.assert_array_equal(drawing.definition("mine").centre, lab.centre)
+    np.testing.assert_array_equal(drawing.sketch.definition("mine").centre, lab.centre)
     drawing.move("outline", 0, lab.outline[0] + 1)
-    assert np.abs(drawing.centre - lab.centre).max() > 1
+    assert np.abs(drawing.sketch.middle - lab.centre).max() > 1
     drawing.undo()
-    np.testing.assert_array_equal(drawing.centre, lab.centre)
+    np.testing.assert_array_equal(drawing.sketch.middle, lab.centre)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["lab", "robot2", "sheep"])
 def test_a_robot_that_ships_can_be_taken_up_and_given_back(user_folder, name):
     with robsim.gui.robot_panel(robot=name) as tool:
-        assert tool._view.drawing.problems() == []
+        assert tool._view.drawing.sketch.problems() == []
         assert tool.value == robsim.load_robot(name)

@@ -5,8 +5,8 @@ import pytest
 
 import robsim
 from drawn_robots import covered
-from robsim.gui.tools.robots.drawing import guess_marker, guess_outline
 from robsim.vision import load_colors
+from robsim.vision.robots.sketch import guess_marker, guess_outline
 
 
 def picture(name, noise=None):

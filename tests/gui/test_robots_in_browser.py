@@ -46,8 +46,8 @@ def test_a_robot_is_turned_cleared_and_guessed(mouse):
     are_called("Right marker (red)", "Left marker (blue)")
     # The arrow is dragged to where it faces
     angle = np.deg2rad(-mouse.tool._view._state()["alignment"])
-    end = drawing.centre + 46 / mouse.scale * np.array((np.cos(angle), np.sin(angle)))
-    mouse.drag(end, drawing.centre + np.array((60, 0)))
+    end = drawing.sketch.middle + 46 / mouse.scale * np.array((np.cos(angle), np.sin(angle)))
+    mouse.drag(end, drawing.sketch.middle + np.array((60, 0)))
     wait_for(lambda: abs(drawing.sketch.alignment) < 2)
     are_called("Front marker (red)", "Back marker (blue)")
     tab.click("[name=as_before]")

@@ -109,7 +109,7 @@ def test_a_robot_is_captured_from_a_camera(user_folder):
         wait_for(lambda: view._state()["mode"] == "draw")
         state = view._state()
         assert state["problems"] == []
-        robot = view.drawing.definition("seen")
+        robot = view.drawing.sketch.definition("seen")
         true = load_robot("lab")
         assert robot.radius * side / robot.size == pytest.approx(true.radius, rel=0.1)
         assert robot.image[0, 0, 3] == 0  # the floor is cut off

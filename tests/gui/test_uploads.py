@@ -230,7 +230,7 @@ LARGEST = 200  # px along a side
 
 @pytest.fixture
 def robots(user_folder, monkeypatch):
-    monkeypatch.setattr("robsim.gui.tools.robots.drawing.MAXIMUM_SIDE", LARGEST)
+    monkeypatch.setattr("robsim.vision.robots.sketch.MAXIMUM_SIDE", LARGEST)
     with robsim.gui.robot_panel(robot="lab") as tool:
         yield tool._view
 
@@ -247,7 +247,7 @@ def test_a_robot_that_is_cut_out_is_drawn_on_at_once(robots):
     assert not state["can_capture"]
     scale = robots.drawing.sketch.image.shape[1] / lab.image.shape[1]
     assert max(robots.drawing.sketch.image.shape) == LARGEST
-    drawn = robots.drawing.definition("seen")
+    drawn = robots.drawing.sketch.definition("seen")
     assert drawn.size == lab.size
     assert drawn.radius == pytest.approx(lab.radius, rel=0.1)
     (red,) = (one.polygon for one in drawn.markers.values() if one.color == "red")

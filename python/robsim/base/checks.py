@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._core import rank_tolerance
 from robsim.base.spelling import suggestion
 from robsim.base.text import quoted
 
@@ -136,51 +134,3 @@ def check_size(name: str, value: Any) -> tuple[int, int]:
         if not 16 <= size <= 16384:
             raise ValueError(f"{name} must lie within 16..16384 px, got {quoted(value)}")
     return int(width), int(height)
-
-
-def check_region(name: str, value: Any) -> tuple[int, int, int, int]:
-    """Return a part of a sensor (left, top, width, height), four ints within 0..16384 px."""
-    expected = f"{name} must be (left, top, width, height), four ints in px"
-    try:
-        left, top, width, height = value
-    except (TypeError, ValueError):
-        raise TypeError(f"{expected}, got {quoted(value)}") from None
-    if not all(map(is_int, (left, top, width, height))):
-        raise TypeError(f"{expected}, got {quoted(value)}")
-    if min(left, top) < 0 or min(width, height) < 1 or max(left, top, width, height) > 16384:
-        raise ValueError(f"{expected}, within 0..16384 px, got {quoted(value)}")
-    return int(left), int(top), int(width), int(height)
-
-
-@dataclass(frozen=True, eq=False)
-class Decomposition:
-    """matrix = U diag(s) V' diag(lengths), without the singular values that are rounding errors.
-
-    Attributes
-    ----------
-    lengths : array (..., n)
-        Lengths of the columns; 1 for a column of zeros.
-    U : array (..., N, m)
-        Left singular vectors of the columns scaled to length 1.
-    inverse : array (..., n, m)
-        V s^-1; 0 for a rounding error.
-    is_determined : array (..., n) of bool
-        The unknowns without a component in the null space.
-    """
-
-    lengths: Floats
-    U: Floats
-    inverse: Floats
-    is_determined: NDArray[np.bool_]
-
-
-def decompose(matrix: Floats) -> Decomposition:
-    """Return the singular value decomposition of a matrix (..., N, n), by the rule of the core."""
-    lengths = np.sqrt(np.sum(np.square(matrix), axis=-2))
-    lengths = np.where(lengths > 0, lengths, 1.0)
-    U, s, V_transposed = np.linalg.svd(matrix / lengths[..., np.newaxis, :], full_matrices=False)
-    is_nonzero = s > rank_tolerance * s.max(axis=-1, initial=0.0, keepdims=True)
-    V = np.swapaxes(V_transposed, -1, -2) * is_nonzero[..., np.newaxis, :]
-    null_fraction = 1 - np.square(V).sum(axis=-1)
-    inverse = V / np.where(is_nonzero, s, 1.0)[..., np.newaxis, :]
-    return Decomposition(lengths, U, inverse, np.asarray(null_fraction <= rank_tolerance))

@@ -8,7 +8,16 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from robsim.base.spelling import no_attribute, suggestion
+from robsim.base.spelling import no_attribute
+
+
+class _Wing(ModuleType):
+    """A wing with several rooms: Python binds each of them to it when it has been loaded."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        super().__setattr__(name, value)
+        if isinstance(value, ModuleType) and "__all__" in vars(value):
+            present(value, value.__name__ if name in vars(self)["_apart"] else self.__name__)
 
 
 def late_names(
@@ -25,7 +34,9 @@ def late_names(
     apart : tuple of str
         Rooms whose names are in them alone: not everybody has them, or what they need.
     """
+    sys.modules[wing].__class__ = _Wing
     namespace = sys.modules[wing].__dict__
+    namespace["_apart"] = apart
 
     def loaded(room: str) -> ModuleType:
         with sys.modules["robsim"]._loading:
@@ -47,28 +58,20 @@ def late_names(
             if name in loaded(room).__all__:
                 namespace[name] = getattr(loaded(room), name)
                 return namespace[name]
-        raise no_attribute(f"module {wing!r} has no attribute {name!r}" + suggestion(name, names()))
+        raise no_attribute(f"module {wing!r} has no attribute {name!r}", name, names())
 
     return get, lambda: sorted([*names(), *rooms, *apart])
 
 
-def present(namespace: dict[str, Any], home: str | None = None) -> None:
+def present(module: ModuleType, wing: str) -> None:
     """Set ``__module__`` of the names in a module's ``__all__`` to the wing that has them.
 
     So `help`, reprs, tracebacks and pickles show the public path, such as ``robsim.Trace`` or
     ``robsim.lab.Camera``, and not the private file that defines it.
-
-    Parameters
-    ----------
-    namespace : dict
-        The ``globals()`` of the module.
-    home : str, optional
-        The module that has them, if it is not the wing.
     """
-    # `robsim` presents its own names when it is loaded; rooms that are loaded later know them.
+    # What users have at the top is said to be there.
     homes = getattr(sys.modules.get("robsim"), "_HOMES", {})
-    wing = home or ".".join(namespace["__name__"].split(".")[:2])
-    for name in namespace["__all__"]:
-        value = namespace[name]
+    for name in module.__all__:
+        value = getattr(module, name)
         if getattr(value, "__module__", "").startswith("robsim"):
             value.__module__ = "robsim" if wing == f"robsim.{homes.get(name)}" else wing

@@ -103,7 +103,7 @@ def stream_number(seed: np.random.SeedSequence, name: str, robot: int = 0) -> in
 
 
 def random_bits(seed: int | np.random.SeedSequence) -> Iterator[int]:
-    """Yield numbers of 64 random bits.
+    """Yield numbers of 64 random bits; ``(bits >> 11) * 2.0**-53`` is uniform in [0, 1).
 
     Every version of numpy gives the same bits for a seed; what the methods of a Generator make of
     them may change (NEP 19).
@@ -111,11 +111,6 @@ def random_bits(seed: int | np.random.SeedSequence) -> Iterator[int]:
     source = np.random.PCG64(seed)
     while True:
         yield source.random_raw()
-
-
-def as_uniform(bits: int) -> float:
-    """Return 64 random bits as a number in [0, 1)."""
-    return (bits >> 11) * 2.0**-53
 
 
 def seed_record(seed: np.random.SeedSequence) -> dict[str, Any]:

@@ -46,12 +46,12 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     return "" if meant is None else f"; did you mean {meant!r}?"
 
 
-def no_attribute(message: str) -> AttributeError:
-    """Return an AttributeError whose message says what may be meant.
+def no_attribute(message: str, name: str = "", known: Iterable[str] = ()) -> AttributeError:
+    """Return an AttributeError whose message says which of the known names may be meant.
 
     It has no name: Python, from 3.12 on, would add a suggestion of its own.
     """
-    return AttributeError(message, obj=None)
+    return AttributeError(message + suggestion(name, known), obj=None)
 
 
 def check_names(
@@ -71,8 +71,8 @@ def check_names(
     known = list(known)
     for name in given:
         if name not in known:
-            meant = closest(name, known)
-            hint = f"did you mean {meant!r}?" if meant else f"there are {', '.join(known)}"
+            meant, there = closest(name, known), ", ".join(known) or "none"
+            hint = f"did you mean {meant!r}?" if meant else f"there are {there}"
             raise error(f"{what} {quoted(name)}: {hint}")
 
 

@@ -1,4 +1,4 @@
-"""Arrays and files as parts of values, and arrays as files: compared, shared and kept."""
+"""Files as parts of values, and arrays as files: compared and kept."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from robsim.base.checks import check_name
 from robsim.base.report import Report
-from robsim.base.spelling import check_names, suggestion
+from robsim.base.spelling import check_names
 from robsim.base.text import quoted
 from robsim.control import score_path, score_pose
 from robsim.estimation.evaluation.consistency import pose_consistency
@@ -123,11 +123,8 @@ def _function_of(metric: Any) -> Metric:
                 f"metrics: {metric} must be told what to score: functools.partial("
                 f"robsim.control.{metric}, ...)"
             )
-        if metric not in METRICS:
-            raise ValueError(
-                f"metrics must be functions of the trace, or among {', '.join(METRICS)}, "
-                f"got {quoted(metric)}{suggestion(metric, METRICS)}"
-            )
+        what = "metrics must be functions of the trace, or known by name; there is no"
+        check_names(what, [metric], METRICS, ValueError)
         return METRICS[metric]
     if not callable(metric):
         raise TypeError(f"metrics must be names or functions of the trace, got {quoted(metric)}")

@@ -22,7 +22,7 @@ from robsim.simulation.callback_folder import CallbackFolder
 from robsim.simulation.callbacks.checks import check_callback
 from robsim.simulation.callbacks.signatures import accepts
 from robsim.simulation.scenario import OPTIONS
-from robsim.simulation.slots import SLOTS, STEP, is_default
+from robsim.simulation.slots import AT_START, SLOTS, is_default
 from robsim.trace import Trace
 
 #: The option whose values are whole folders of callbacks.
@@ -189,7 +189,7 @@ def choice_of(name: str, value: Any) -> Choice:
     if is_data and name in OPTIONS:
         check_callback(name, value)
         return Data(value)
-    if not callable(value) or is_data or SLOTS[name].when != STEP:
+    if not callable(value) or is_data or name in AT_START:
         check_callback(name, value)
         return Callback(name, value)
     return _code(name, value)

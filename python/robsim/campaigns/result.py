@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim.base.checks import Floats, check_float, check_int, is_int
-from robsim.base.files import as_folder, as_path, open_whole, packed_arrays, write_csv, write_whole
+from robsim.base.files import as_path, open_whole, packed_arrays, write_csv, write_whole
 from robsim.base.report import Quantity, Report, Table, count
-from robsim.base.report.forms import import_pandas
 from robsim.base.report.optional import import_optional
-from robsim.base.spelling import suggestion
-from robsim.base.text import listed, one_line, quoted
+from robsim.base.spelling import check_names
+from robsim.base.text import one_line, quoted
 from robsim.campaigns._store import trace_in_store
 from robsim.campaigns.runs import CaseRuns
 from robsim.campaigns.spec import ROW_COLUMNS, CampaignSpec, Case, description_of
@@ -47,6 +46,14 @@ def write_parquet(path: str | PathLike[str], columns: Columns) -> None:
         parquet.write_table(table, stream)
 
 
+def check_exports(*, parquet: bool, npz: Path | None) -> None:
+    """Raise what cannot be written, before what takes long."""
+    if parquet:
+        import_arrow()
+    if npz is not None:
+        check_is_empty(npz)
+
+
 def import_arrow() -> tuple[Any, Any]:
     """Return pyarrow and its part for Parquet; else raise ImportError."""
     what = "Parquet files need"
@@ -55,7 +62,7 @@ def import_arrow() -> tuple[Any, Any]:
 
 def check_is_empty(folder: str | PathLike[str]) -> Path:
     """Return a folder that is to be made, or is empty; else raise an OSError."""
-    path = as_folder(folder)
+    path = as_path(folder, "folder")
     if path.exists() and not path.is_dir():
         raise NotADirectoryError(f"{one_line(path)} is a file, not a folder: give another name")
     if path.is_dir() and any(path.iterdir()):
@@ -133,9 +140,7 @@ class CampaignResult(Report):
         return np.array([error is not None for error in self.columns["error"]], bool)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        if not isinstance(name, str) or name not in self.columns:
-            hint = suggestion(name, self.columns) if isinstance(name, str) else ""
-            raise KeyError(f"a campaign has no column {quoted(name)}{hint}")
+        check_names("a campaign has no column", [str(name)], self.columns, KeyError)
         return self.columns[name]
 
     def __len__(self) -> int:
@@ -317,7 +322,8 @@ class CampaignResult(Report):
         ImportError
             If pandas is not installed.
         """
-        frame: pandas.DataFrame = import_pandas().DataFrame(dict(self.columns))
+        pd = import_optional("pandas", "to_pandas needs")
+        frame: pandas.DataFrame = pd.DataFrame(dict(self.columns))
         return frame
 
     def to_csv(self, path: str | PathLike[str]) -> None:
@@ -385,9 +391,7 @@ def _names(argument: str, given: Any, known: Collection[str]) -> tuple[str, ...]
     for name in names:
         if not isinstance(name, str):
             raise TypeError(f"{argument} must be names, got {quoted(name)}")
-        if name not in known:
-            hint = suggestion(name, known) or f": there are {listed(known) or 'none'}"
-            raise ValueError(f"{argument} has no {quoted(name)}{hint}")
+    check_names(f"{argument} has no", names, known, ValueError)
     return names
 
 

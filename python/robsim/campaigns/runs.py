@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from contextlib import ExitStack
 from typing import NamedTuple
 
-from robsim.base.source_line import SourceLine, line_of_error
+from robsim.base.source_line import line_of_error
 from robsim.base.text import one_line, quoted, said_by
 from robsim.campaigns._metrics import numbers_of
 from robsim.campaigns.choices import Callback, Factory, Folder, WholeRun
@@ -125,5 +125,5 @@ class Worker:
 
 def _line_of(error: BaseException) -> str | None:
     failed = callback_of(error)
-    source: SourceLine | None = line_of_error(error) if failed is None else failed.source
+    source = line_of_error(error) if failed is None else failed.source
     return None if source is None else one_line(source)

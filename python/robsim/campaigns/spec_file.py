@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from robsim.base.files import as_path, parse_toml, read_text
+from robsim.base.files import as_path, read_toml
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line, quoted
 from robsim.campaigns._metrics import score_value
@@ -18,7 +18,7 @@ from robsim.campaigns.spec import CampaignSpec
 from robsim.simulation import Scenario
 from robsim.simulation.options import KINDS
 from robsim.simulation.scenario import OPTIONS
-from robsim.simulation.scenario_file import MOST_BYTES, options_of, read_option
+from robsim.simulation.scenario_file import MOST_BYTES, options_of
 from robsim.simulation.slots import SLOTS
 
 EXAMPLE = """\
@@ -72,9 +72,8 @@ def load_spec(path: str | PathLike[str], *, runs: int | None = None) -> Campaign
         If it is not TOML, or something in it is missing, unknown or wrong.
     """
     file = as_path(path)
-    text = read_text(file, MOST_BYTES)
+    values = read_toml(file, MOST_BYTES)
     try:
-        values = parse_toml(text)
         check_names("a campaign has no", values, _KEYS, ValueError)
         if runs is not None:
             values["runs"] = runs
@@ -156,4 +155,4 @@ def _value(name: str, value: Any, folder: Path) -> Any:
         return folder / value if isinstance(value, str) else value
     if value == _NONE and (name in KINDS or name in SLOTS):
         return None
-    return read_option(name, value) if name in OPTIONS else value
+    return options_of({name: value}, OPTIONS)[name] if name in OPTIONS else value

@@ -11,8 +11,7 @@ import numpy as np
 
 from robsim.base.checks import Floats
 from robsim.base.report import Column, Report, Row, Table
-from robsim.base.report.forms import import_pandas
-from robsim.base.report.table import percent
+from robsim.base.report.optional import import_optional
 
 if TYPE_CHECKING:
     import pandas
@@ -95,7 +94,7 @@ class CampaignSummary(Report):
         return tuple(self._table(index) for index in range(len(self.metrics)))
 
     def _table(self, index: int) -> Table:
-        text = percent(self.level, 0)
+        text = f"{100 * self.level:.10g} %"
         columns = [
             Column("mean", "mean", ""),
             Column("half_width", f"+- ({text})", "", ".2g"),
@@ -160,7 +159,7 @@ class CampaignSummary(Report):
         ImportError
             If pandas is not installed.
         """
-        pd = import_pandas()
+        pd = import_optional("pandas", "to_pandas needs")
         index = pd.MultiIndex.from_product([self.metrics, self.groups], names=["metric", "group"])
         columns = {name: getattr(self, name).T.ravel() for name in _COLUMNS}
         frame: pandas.DataFrame = pd.DataFrame(columns, index=index)

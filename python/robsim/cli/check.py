@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
 
-    from robsim.base.check_report import CheckReport, Problem
     from robsim.teach.doctor import FolderReport, TaskReport
 
 EXAMPLE = "Example: robsim check mine"
@@ -76,7 +75,10 @@ def _page(report: FolderReport) -> Iterator[RenderableType]:
     of_files: set[str] = set()
     for slot, one in report.checks.items():
         if not isinstance(one, str):
-            yield from _findings(one)
+            if one.problems or one.remarks:
+                yield from _numbered(one.name, one.problems)
+            for remark in one.remarks:
+                yield _hanging("-", remark)
             of_files |= {f"{slot}.py: {remark}" for remark in one.remarks}
     if isinstance(report, TaskReport) and report.findings:
         yield from _numbered("what the runs of the task show", report.findings)
@@ -93,28 +95,15 @@ def _scores(report: TaskReport) -> Iterator[RenderableType]:
     yield ""
 
 
-def _findings(report: CheckReport) -> Iterator[RenderableType]:
-    """Yield the problems and remarks of a file."""
-    if report.ok and not report.remarks:
-        return
-    yield from _numbered(report.name, report.problems)
-    for remark in report.remarks:
-        yield _hanging("-", remark)
-
-
-def _numbered(title: str, problems: Sequence[Problem]) -> Iterator[RenderableType]:
+def _numbered(title: str, problems: Sequence[Any]) -> Iterator[RenderableType]:
     yield ""
     yield styled(title, "bold")
     for number, problem in enumerate(problems, 1):
         yield _hanging(f"{number}.", problem.sentence)
-        for text, style in _places(problem):
-            yield _hanging("", text, style)
-
-
-def _places(problem: Problem) -> list[tuple[str, str]]:
-    """Return the lines that say where a problem is, with their styles."""
-    code = f"> {problem.code}" if problem.code else ""
-    return [(text, style) for text, style in ((problem.where, "dim"), (code, "cyan")) if text]
+        if problem.where:
+            yield _hanging("", problem.where, "dim")
+        if problem.code:
+            yield _hanging("", f"> {problem.code}", "cyan")
 
 
 def _hanging(mark: str, text: str, style: str = "") -> Table:

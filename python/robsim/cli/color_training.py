@@ -13,11 +13,10 @@ from robsim.base.text import quoted
 from robsim.cli import errors
 from robsim.cli.command import argument, integer_option, option, switch
 from robsim.cli.shared import Area, CalibrationFile, Colors, Robot
-from robsim.cli.text import parse_region, parse_size
+from robsim.cli.text import Region, parse_region, parse_size
 from robsim.vision.imaging.images import Pixels, image_suffixes, load_image
 from robsim.vision.markers.color_files import colors_to_toml, save_colors
-from robsim.vision.markers.trained_color import TrainedColor
-from robsim.vision.markers.training import Region, train_color, train_markers
+from robsim.vision.markers.training import train_color, train_markers
 from robsim.vision.robots.lookup import load_robot
 
 if TYPE_CHECKING:
@@ -90,7 +89,12 @@ def train(
         if name is None:
             _check_for_a_recording(frames, limit_y, figure)
             source = _recording(frames[0], area, calibration)
-            trained = _markers(source, robot, colors, regions or [], margin)
+            markers = load_robot(robot).marker_layout()
+            if regions and colors is not None:
+                raise ValueError("--colors and --region of a recording must not both be given")
+            marked = _regions_of_markers(regions, [*markers.colors.values()]) if regions else None
+            found = train_markers(source, markers, colors=colors, regions=marked, margin=margin)
+            trained = [*found]
         else:
             _check_for_images(
                 {
@@ -105,7 +109,7 @@ def train(
                 check_file(figure)
             images = [load_image(image) for image in frames]
             boxes = _regions_of_images(images, regions or [])
-            trained = (train_color(images, boxes, name=name, margin=margin, limit_y=limit_y),)
+            trained = [train_color(images, boxes, name=name, margin=margin, limit_y=limit_y)]
             if figure:
                 _write_histograms(figure, trained[0], images, frames)
         if to:
@@ -142,29 +146,14 @@ def _recording(
     source: Path, area: str | None, calibration: Path | None
 ) -> Recording | Session | Iterable[Frame | Observation]:
     from robsim.trace.sessions.session import Session
-    from robsim.trace.sessions.writer import SETUP
     from robsim.vision.imaging.recordings import Recording
 
-    if not (source / SETUP).is_file():
+    if not (source / "setup.toml").is_file():
         return Recording(source, area=parse_size("--area", area), calibration=calibration)
     for name, value in (("--area", area), ("--calibration", calibration)):
         if value is not None:
             raise ValueError(f"{name} is known of a session: leave it out")
     return Session(source)
-
-
-def _markers(
-    source: Iterable[Frame | Observation],
-    robot: str | None,
-    colors: Path | None,
-    texts: Sequence[str],
-    margin: int | None,
-) -> tuple[TrainedColor, ...]:
-    markers = load_robot(robot).marker_layout()
-    if texts and colors is not None:
-        raise ValueError("--colors and --region of a recording must not both be given")
-    regions = _regions_of_markers(texts, [*markers.colors.values()]) if texts else None
-    return train_markers(source, markers, colors=colors, regions=regions, margin=margin)
 
 
 def _regions_of_markers(texts: Sequence[str], names: Sequence[str]) -> dict[str, Region]:
@@ -197,7 +186,7 @@ def _regions_of_images(images: Sequence[Pixels], texts: Sequence[str]) -> list[R
 
 
 def _write_histograms(
-    file: Path, trained: TrainedColor, images: Sequence[Pixels], names: Sequence[Path]
+    file: Path, trained: Any, images: Sequence[Pixels], names: Sequence[Path]
 ) -> None:
     from robsim.cli.results import save_figure
     from robsim.plotting import plot_color_histograms

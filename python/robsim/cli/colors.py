@@ -10,7 +10,6 @@ import numpy as np
 
 from robsim._core import ColorClass, classify, find_blobs
 from robsim.base.checks import Floats, check_float
-from robsim.base.polygons import area_and_centroid, mask
 from robsim.base.text import quoted
 from robsim.cli import color_training, errors
 from robsim.cli.command import (
@@ -22,24 +21,22 @@ from robsim.cli.command import (
     option,
 )
 from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
-from robsim.cli.text import about, parse_noise, parse_point, parse_region
-from robsim.simulation.simulation import Simulation
+from robsim.cli.text import Region, about, parse_noise, parse_point, parse_region
+from robsim.simulation import Simulation
 from robsim.vision.imaging.images import Pixels, load_image, save_image
 from robsim.vision.markers.color_files import (
-    SHIPPED_COLORS,
     colors_to_toml,
     load_colors,
     paint_classes,
 )
-from robsim.vision.markers.color_score import ColorScore, Region, score_color
+from robsim.vision.markers.color_score import score_color
+from robsim.vision.robots.polygons import inner_box
 
 HELP = (
     "A colour class is a name with ranges of Y (brightness), U and V; a colour file contains "
     "several. Most commands accept one: --colors FILE."
 )
 app = command_group("Start with: robsim colors frame")
-
-_MINIMUM_INSIDE = 0.8  # fraction of a region that must lie in the marker
 
 _SMOOTHING = "Width of the averaging window in px: 3, 5, ... 15; 1 = off."
 
@@ -102,7 +99,7 @@ def list_colors(
         ("colour", "Y", "U", "V"),
         [(c.name, *map(_range, (c.y, c.u, c.v))) for c in colors],
     )
-    errors.say(f"from {file or SHIPPED_COLORS}")
+    errors.say(f"from {file or 'those that ship with robsim'}")
 
 
 app.command("train", cls=Command, help=color_training.HELP, epilog=color_training.EXAMPLE)(
@@ -150,9 +147,21 @@ def try_colors(
         found = {
             str(image): _found(image, classes, smoothing, painted.get(image)) for image in images
         }
-        scores = [_score(images[0], color, marked, smoothing) for color in classes]
-    _print_test(found, [score for score in scores if score], as_json=as_json)
-    if out and not as_json:
+        scores = [
+            score_color(load_image(images[0]), color, marked[color.name], smoothing=smoothing)
+            for color in classes
+            if color.name in marked
+        ]
+    if as_json:
+        result = {"found": found, "scores": [score.to_dict() for score in scores]}
+        errors.show(json.dumps(result, indent=2))
+        return
+    _print_found(found)
+    for score in scores:
+        errors.show(score)
+        if score.margin:
+            errors.show(f"\nproposed:\n{colors_to_toml(score.proposed)}")
+    if out:
         errors.say(f"colours painted, written to {out}")
 
 
@@ -165,16 +174,9 @@ def _marker_region(
     # In the frame, forward is (cos, sin) and right is (-sin, cos).
     turn = np.array(((cosine, sine), (-sine, cosine)))
     polygon = robot.to_robot_frame(marker) @ turn + (x, y)
-    area, centroid = area_and_centroid(polygon)
-    # 70 % of the width of a square marker, so that the region lies inside a round one, too.
-    half_width = 0.35 * np.sqrt(area)
-    left, top = np.rint(centroid - half_width).astype(int)
-    right, bottom = np.rint(centroid + half_width).astype(int)
     height, width = simulation.frame.image.shape[:2]
-    is_inside = mask(polygon, width, height)[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
-    if not is_inside.size or is_inside.mean() < _MINIMUM_INSIDE:
-        return "see the image"
-    return f"--region {left},{top},{right},{bottom}"
+    box = inner_box(polygon, width, height)
+    return "see the image" if box is None else f"--region {','.join(map(str, box))}"
 
 
 def _marked_regions(
@@ -237,31 +239,13 @@ def _found(
     }
 
 
-def _score(
-    image: Path, color: ColorClass, marked: dict[str, list[Region]], smoothing: int
-) -> ColorScore | None:
-    if color.name not in marked:
-        return None
-    return score_color(load_image(image), color, marked[color.name], smoothing=smoothing)
-
-
-def _print_test(
-    found: dict[str, dict[str, Any]], scores: list[ColorScore], *, as_json: bool
-) -> None:
-    if as_json:
-        result = {"found": found, "scores": [score.to_dict() for score in scores]}
-        errors.show(json.dumps(result, indent=2))
-        return
+def _print_found(found: dict[str, dict[str, Any]]) -> None:
     rows = [
         (image, name, str(seen["pixels"]), str(len(seen["blobs"])), *_largest(seen["blobs"]))
         for image, colors in found.items()
         for name, seen in colors.items()
     ]
     errors.print_rows(("image", "colour", "pixels", "blobs", "largest", "at"), rows)
-    for score in scores:
-        errors.show(score)
-        if score.margin:
-            errors.show(f"\nproposed:\n{colors_to_toml(score.proposed)}")
 
 
 def _largest(blobs: list[dict[str, Any]]) -> tuple[str, str]:

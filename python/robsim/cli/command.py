@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import importlib
+import re
 from typing import Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from robsim.base.text import quoted
 from robsim.cli import errors
-from robsim.cli.text import number, whole_number
 
 
 class Command(TyperCommand):
@@ -99,6 +100,26 @@ def argument(value: str, text: str, **more: Any) -> Any:
 def option(name: str, value: str, text: str, **more: Any) -> Any:
     """Return an option whose value --help shows as `value`, with a text."""
     return typer.Option(name, metavar=value, help=text, **more)
+
+
+def whole_number(text: str) -> int:
+    """Parse the text of an option that takes a whole number."""
+    try:
+        return int(text)
+    except ValueError:
+        raise typer.BadParameter(f"it must be a whole number, got {quoted(text)}") from None
+
+
+def number(text: str) -> float:
+    """Parse the text of an option that takes a number."""
+    try:
+        return float(text)
+    except ValueError:
+        plain = re.match(r"-?\d+([.,]\d+)?", text.strip())
+        meant = f"; did you mean {plain[0].replace(',', '.')}?" if plain else ""
+        raise typer.BadParameter(
+            f"it must be a number such as 0.5, got {quoted(text)}{meant}"
+        ) from None
 
 
 def number_option(name: str, value: str, text: str, **more: Any) -> Any:

@@ -18,15 +18,13 @@ if TYPE_CHECKING:
     from robsim._core import Frame
     from robsim.base.report import Report
     from robsim.gui.hosted import HostedPanel
-    from robsim.gui.hosts.page import Page
-    from robsim.simulation.runner import Runner
-    from robsim.simulation.simulation import Simulation
-    from robsim.trace.trace import Trace
+    from robsim.simulation import Experiment, Simulation
+    from robsim.trace import Trace
     from robsim.vision.imaging.images import Pixels
 
 
 def finish(
-    simulation: Runner,
+    simulation: Simulation | Experiment,
     out: Path,
     *,
     as_json: bool,
@@ -111,11 +109,7 @@ def show_panel(opened: HostedPanel, port: int = 0, *, is_wanted: bool = True) ->
         Whether a browser is to be started.
     """
     page = opened._serve(port)
-    _tell(page, is_shown=is_wanted and page.open(), is_wanted=is_wanted)
-    _wait(page)
-
-
-def _tell(page: Page, *, is_shown: bool, is_wanted: bool) -> None:
+    is_shown = is_wanted and page.open()
     errors.say(f"the panel is at {page.url}")
     if is_wanted and not is_shown:
         errors.print_note("no browser could be started: open this address in one")
@@ -127,9 +121,6 @@ def _tell(page: Page, *, is_shown: bool, is_wanted: bool) -> None:
         )
     errors.say("Ctrl-C ends it")
     sys.stdout.flush()
-
-
-def _wait(page: Page) -> None:
     try:
         page.wait(_PATIENCE)
     except KeyboardInterrupt:

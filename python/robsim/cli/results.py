@@ -16,8 +16,8 @@ from robsim.base.files import write_whole
 from robsim.base.report import Report
 from robsim.base.text import one_line
 from robsim.estimation.identification.batch import BatchEstimate, batch_estimate
-from robsim.simulation.runner import Runner
-from robsim.trace import Trace, TrackingStatistics
+from robsim.simulation import Experiment, Simulation
+from robsim.trace import Trace
 
 _FIGURES = ("camera.jpg", "traces.png", "parameters.png", "batch.png")
 
@@ -39,7 +39,7 @@ class Results:
     """
 
     report: BatchEstimate | None
-    tracking: TrackingStatistics | None
+    tracking: Report | None
     files: tuple[Path, ...]
     more: Mapping[str, Report] = field(default_factory=dict)
 
@@ -108,7 +108,7 @@ def save_figure(file: Path, figure: Any) -> None:
 
 def write_results(
     out: Path,
-    simulation: Runner,
+    simulation: Simulation | Experiment,
     *,
     method: str = "least_squares",
     more: Mapping[str, Report] | None = None,
@@ -161,7 +161,7 @@ def write_results(
     return Results(report=report, tracking=tracking, files=files, more=more or {})
 
 
-def _camera_figure(simulation: Runner) -> Any:
+def _camera_figure(simulation: Simulation | Experiment) -> Any:
     step = simulation.last_step
     is_tracked = simulation.trace.is_tracked
     axes = robsim.plotting.plot_frame(

@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 
 from robsim.base.text import one_line, quoted
 from robsim.cli import errors
-from robsim.cli.command import Command, argument, command_group, number_option, option, switch
-from robsim.cli.text import number, parse_point, parse_points
+from robsim.cli.command import (
+    Command,
+    argument,
+    command_group,
+    number,
+    number_option,
+    option,
+    switch,
+)
+from robsim.cli.text import parse_point, parse_points
 
 if TYPE_CHECKING:
     from robsim.vision.robots.definition import RobotDefinition
@@ -36,36 +44,33 @@ def list_robots() -> None:
     from rich.markup import escape
     from rich.table import Table
 
-    from robsim.vision.robots.lookup import (
-        default_robot,
-        find_folder,
-        missing_robot_error,
-        shipped_robots,
-        user_robots,
-    )
+    from robsim.vision.robots.lookup import default_robot, load_robot, stored_robots
 
     problems: list[object] = []
-    chosen = None
+    default = None
     try:
-        chosen = find_folder(default_robot())
-        if chosen is None:
-            problems.append(missing_robot_error(default_robot()))
+        default = default_robot()
     except ValueError as error:
         problems.append(error)
+    stored = stored_robots(default)
+    if default is not None and not any(one.is_default for one in stored):
+        try:
+            load_robot()
+        except ValueError as error:
+            problems.append(error)
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     table.add_column("robot", overflow="fold", max_width=16)
     for title in ("size", "alignment", "markers apart", "whose", ""):
         table.add_column(title, no_wrap=True)
-    for whose, robots in (("shipped", shipped_robots()), ("yours", user_robots())):
-        for name, folder in robots.items():
-            numbers = _numbers_of(folder, problems)
-            use = "in use" if folder == chosen else ""
-            table.add_row(escape(one_line(name)), *numbers, whose, use)
-            if folder != find_folder(name):
-                problems.append(
-                    f"{one_line(folder)}: another robot of this name takes precedence: rename the "
-                    "folder"
-                )
+    for one in stored:
+        whose, use = "shipped" if one.is_shipped else "yours", "in use" if one.is_default else ""
+        numbers = _numbers_of(one.folder, problems)
+        table.add_row(escape(one_line(one.name)), *numbers, whose, use)
+        if not one.is_found:
+            problems.append(
+                f"{one_line(one.folder)}: another robot of this name takes precedence: rename the "
+                "folder"
+            )
     errors.print_table(table)
     for sentence in problems:
         errors.print_error(sentence)
@@ -262,10 +267,10 @@ def remove(name: Name) -> None:
 
 def _numbers_of(folder: Path, problems: list[object]) -> tuple[str, str, str]:
     """Return size, alignment and marker distance; an error is appended to `problems`."""
-    from robsim.vision.robots.files import read_robot
+    from robsim.vision.robots.lookup import load_robot
 
     try:
-        robot = read_robot(folder)
+        robot = load_robot(folder)
     except ValueError as error:
         problems.append(error)
         return "damaged", "", ""

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from robsim._core import Frame, MotorLink, PlaneMap
 from robsim.base.checks import check_float
-from robsim.base.spelling import closest
+from robsim.base.spelling import suggestion
 from robsim.base.text import quoted
 from robsim.cli import errors
 from robsim.cli.command import switch
@@ -138,8 +138,8 @@ def _source(text: str) -> int | str:
         return int(text)
     is_address = re.match(r"[a-z][a-z0-9+.-]+://", text)
     if not is_address and not Path(text).exists():
-        meant = meant_address(text) or closest(text, [SIMULATED])
-        hint = f"; did you mean {meant}?" if meant else ""
+        meant = meant_address(text)
+        hint = f"; did you mean {meant}?" if meant else suggestion(text, [SIMULATED])
         raise ValueError(f"--camera must be {_CAMERAS}; there is no file {quoted(text)}{hint}")
     return text
 

@@ -8,9 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import typer
-
-from robsim.base.checks import check_size
+from robsim.base.checks import check_choice
 from robsim.base.spelling import suggestion
 from robsim.base.text import quoted
 from robsim.control.by_name import NAMES, POINTS, controller_named
@@ -18,6 +16,7 @@ from robsim.simulation import Dropout
 from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
 
 Points = list[tuple[float, float]]
+Region = tuple[int, int, int, int]
 
 _NOISES: dict[str, type[GaussianNoise | UniformNoise]] = {
     "gaussian": GaussianNoise,
@@ -36,26 +35,6 @@ def about(option: str) -> Iterator[None]:
         raise ValueError(f"{option}: {error}" if is_named else f"{option} must{message}") from error
 
 
-def whole_number(text: str) -> int:
-    """Parse the text of an option that takes a whole number."""
-    try:
-        return int(text)
-    except ValueError:
-        raise typer.BadParameter(f"it must be a whole number, got {quoted(text)}") from None
-
-
-def number(text: str) -> float:
-    """Parse the text of an option that takes a number."""
-    try:
-        return float(text)
-    except ValueError:
-        plain = re.match(r"-?\d+([.,]\d+)?", text.strip())
-        meant = f"; did you mean {plain[0].replace(',', '.')}?" if plain else ""
-        raise typer.BadParameter(
-            f"it must be a number such as 0.5, got {quoted(text)}{meant}"
-        ) from None
-
-
 def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
     """Return width and height from text such as 640x480."""
     if text is None:
@@ -63,10 +42,7 @@ def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal()):
         raise ValueError(f"{option} must be a size such as 640x480, got {quoted(text)}")
-    try:
-        return check_size(option, (int(width), int(height)))
-    except ValueError as error:
-        raise ValueError(f"{str(error).partition(', got ')[0]}, got {text}") from None
+    return int(width), int(height)
 
 
 def parse_noise(option: str, text: str | None) -> GaussianNoise | UniformNoise | None:
@@ -131,11 +107,7 @@ def parse_control(option: str, text: str | None) -> Callable[..., Any] | None:
     if text is None:
         return None
     name, colon, points = text.partition(":")
-    if name not in NAMES:
-        raise ValueError(
-            f"{option} must be one of {', '.join(NAMES)}, "
-            f"got {quoted(text)}{suggestion(name, NAMES)}"
-        )
+    check_choice(option, name, NAMES)
     if name not in POINTS:
         if colon:
             raise ValueError(f"{option} {name} takes no points, got {quoted(text)}")
@@ -160,7 +132,7 @@ def parse_start(option: str, text: str | None) -> tuple[float, float, float] | s
     return x, y, math.radians(math.remainder(degrees, 360))
 
 
-def parse_region(option: str, text: str) -> tuple[int, int, int, int]:
+def parse_region(option: str, text: str) -> Region:
     """Return left, top, right, bottom from text such as 573,609,599,634."""
     parts = [part.strip() for part in text.split(",")]
     if len(parts) != 4 or not all(re.fullmatch(r"\d{1,5}", part) for part in parts):

@@ -4,7 +4,6 @@ They follow a path, or excite the robot so that its parameters can be identified
 """
 
 from robsim._core import Controller, DriveAround, Replay, Spin
-from robsim.base.doors import present as _present
 from robsim.control.excitation import Chirp, MultiSine, PseudoRandomBinary
 from robsim.control.path_following import FollowPath, GoToPoint
 from robsim.control.scores import PathScore, PoseScore, score_path, score_pose
@@ -24,5 +23,3 @@ __all__ = [
     "score_path",
     "score_pose",
 ]
-
-_present(globals())

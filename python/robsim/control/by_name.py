@@ -12,7 +12,8 @@ from robsim.control.path_following import FollowPath, GoToPoint
 Point = tuple[float, float]
 Control = Callable[[Step], Any]
 
-_OPEN_LOOP: dict[str, Callable[[], Control]] = {
+#: Those that need no pose, with their default options.
+OPEN_LOOP: dict[str, Callable[[], Control]] = {
     "spin": Spin,
     "drive-around": DriveAround,
     "pseudo-random-binary": PseudoRandomBinary,
@@ -24,7 +25,7 @@ _TO_POINTS: dict[str, Callable[[Sequence[Point]], Control]] = {
     "follow-path": FollowPath,
 }
 
-NAMES = (*_OPEN_LOOP, *_TO_POINTS)
+NAMES = (*OPEN_LOOP, *_TO_POINTS)
 
 #: How many points a controller needs; None = one or more. They all need the robot's pose.
 POINTS: dict[str, int | None] = {"go-to-point": 1, "follow-path": None}
@@ -40,4 +41,4 @@ def controller_named(name: str, points: Sequence[Point] = ()) -> Control:
     points : sequence of (x, y)
         Where it drives (px), for those of `POINTS`.
     """
-    return _TO_POINTS[name](points) if name in _TO_POINTS else _OPEN_LOOP[name]()
+    return _TO_POINTS[name](points) if name in _TO_POINTS else OPEN_LOOP[name]()

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robsim._core import Step, cos, exp, log, sin
 from robsim.base.checks import Floats, check_float, check_int
-from robsim.base.seeds import as_uniform, random_bits
+from robsim.base.seeds import random_bits
 
 # Register length -> the cells that are fed back: primitive polynomials, x^7 + x^6 + 1 and so on.
 _FEEDBACK_TAPS = {
@@ -213,7 +213,7 @@ class MultiSine(_Band):
         multiples = np.arange(1, lines + 1)
         waves = (_schroeder(multiples[0::2]), _schroeder(multiples[1::2]))
         object.__setattr__(self, "_waves", waves)
-        object.__setattr__(self, "_start", as_uniform(_random_bits(self.seed)))
+        object.__setattr__(self, "_start", (_random_bits(self.seed) >> 11) * 2.0**-53)
 
     @property
     def frequencies(self) -> tuple[Floats, Floats]:

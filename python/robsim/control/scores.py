@@ -13,7 +13,6 @@ from robsim.base.checks import Floats, check_float
 from robsim.base.report import Quantity, Report
 from robsim.control.path_following import as_pose, as_waypoints, nearest_on_segment
 from robsim.trace import Trace
-from robsim.trace.columns import POSES
 from robsim.trace.trace import check_trace
 from robsim.trace.units import length_format
 
@@ -123,8 +122,6 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
     radius = check_float("waypoint_radius", waypoint_radius, "px", minimum=0) * px
     source, poses = known_poses(trace)
     rows = np.flatnonzero(np.isfinite(poses[:, :2]).all(axis=1))
-    if not len(rows):
-        trace.require(POSES[source])
     positions = poses[rows, :2]
     errors, reached_rows = _cross_track_errors(positions, points, radius)
     is_completed = len(reached_rows) == len(points)
@@ -149,8 +146,11 @@ def rms_voltage(trace: Trace) -> float:
 
 def known_poses(trace: Trace) -> tuple[str, Floats]:
     """Return where the poses are from, and the poses: the true ones if there are any."""
-    source = "truth" if np.isfinite(trace.pose_true[:, :2]).any() else "measurement"
-    return source, trace.poses_from(source)
+    if np.isfinite(trace.pose_true[:, :2]).any():
+        return "truth", trace.pose_true
+    if not np.isfinite(trace.pose_measured[:, :2]).any():
+        trace.require("pose_measured")
+    return "measurement", trace.pose_measured
 
 
 def _cross_track_errors(
@@ -281,8 +281,6 @@ def score_pose(
     turned = check_float("heading_tolerance", heading_tolerance, "rad", minimum=0)
     source, poses = known_poses(trace)
     rows = np.flatnonzero(np.isfinite(poses).all(axis=1))
-    if not len(rows):
-        trace.require(POSES[source])
     errors = poses[rows] - wanted
     distances = np.array([math.hypot(x, y) for x, y in errors[:, :2].tolist()])
     headings = np.asarray(wrap_angle(errors[:, 2]))

@@ -15,7 +15,7 @@ from robsim.base.checks import check_float
 from robsim.gui._worker import Worker, at_work
 from robsim.simulation import Experiment, Simulation
 from robsim.simulation.callbacks.errors import callback_of
-from robsim.simulation.slots import ONCE, names
+from robsim.simulation.slots import AT_START
 
 if TYPE_CHECKING:
     from robsim.gui.panels.record import Record
@@ -363,7 +363,7 @@ class Driver(Worker):
     def _show_start(self) -> None:
         step = self.runner.last_step  # does what comes once
         if not self.runner.n_steps:
-            self._unseen = deque(slot for slot in names(when=ONCE) if slot in self.runner.SLOTS)
+            self._unseen = deque(slot for slot in AT_START if slot in self.runner.SLOTS)
         if isinstance(self.runner, Experiment) and not self.runner.n_steps:
             self._tell(self.on_state, self)  # no frame has come yet
         else:

@@ -4,7 +4,6 @@ A colour has the same meaning in all figures. Positions are in work-area pixels 
 downwards, as the camera sees the area; angles are in degrees.
 """
 
-from robsim.base.doors import present as _present
 from robsim.plotting.charts.batch import plot_batch
 from robsim.plotting.charts.campaigns import plot_campaign
 from robsim.plotting.charts.color_histograms import plot_color_histograms
@@ -36,5 +35,3 @@ __all__ = [
     "plot_runs",
     "plot_traces",
 ]
-
-_present(globals())

@@ -16,7 +16,7 @@ from robsim.control.path_following import as_goals
 from robsim.plotting import style as style
 from robsim.plotting.beside import RunError, add_legend, draw_goals, run_errors, zoom
 from robsim.plotting.style import check_steps
-from robsim.simulation.slots import SLOTS, checked_slots
+from robsim.simulation.slots import checked_slots
 from robsim.trace import Trace
 
 #: One for each run; none is that of the truth, which all runs have.
@@ -69,9 +69,7 @@ def plot_runs(
     """
     traces = _checked(runs)
     points = None if goals is None else as_goals(goals)
-    differ = (
-        _slots_of(traces.values(), points) if slots is None else checked_slots(slots, (*SLOTS,))
-    )
+    differ = _slots_of(traces.values(), points) if slots is None else checked_slots(slots)
     errors = {name: run_errors(trace, None, differ, points) for name, trace in traces.items()}
     rows = max(len(errors[name]) for name in traces)
     figure = style.NotebookFigure(figsize=(_WIDTH, max(_HEIGHT, _ROW * rows)))

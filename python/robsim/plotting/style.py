@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from robsim._core import Blob, ColorClass, Estimate, Frame, Measurement, wrap_angle
 from robsim.base.checks import Floats, as_float_array
-from robsim.base.spelling import with_article
 from robsim.base.text import quoted
 from robsim.campaigns import CampaignResult
 from robsim.estimation.evaluation.consistency import ConsistencyReport
@@ -30,8 +29,7 @@ from robsim.estimation.identification.batch import BatchEstimate
 from robsim.simulation import Simulation
 from robsim.simulation.runner import Runner
 from robsim.trace import Trace
-from robsim.trace.columns import GROUPS
-from robsim.trace.units import in_unit
+from robsim.trace.units import parameter_units
 from robsim.vision.robots.definition import RobotDefinition
 
 # Where one gets a value of that kind from.
@@ -49,6 +47,7 @@ _SOURCES: dict[type, str] = {
     ConsistencyReport: "robsim.pose_consistency(traces), or nees_consistency or nis_consistency "
     "in robsim.estimation",
     CampaignResult: "what robsim.campaign(...) returns",
+    Iterable: "frames, such as those of a recording",
     Axes: "axes of matplotlib, such as figure.add_subplot()",
 }
 #: The panels of a figure of several.
@@ -86,13 +85,9 @@ def check_kind(name: str, value: Any, kind: type) -> None:
     """
     if not isinstance(value, kind):
         raise TypeError(
-            f"{name} must be {_with_article(kind)}, got {_with_article(type(value))}: "
+            f"{name} must be of type {kind.__name__}, got {type(value).__name__}: "
             f"give {_SOURCES[kind]}"
         )
-
-
-def _with_article(kind: type) -> str:
-    return "None" if kind is type(None) else with_article(kind.__name__)
 
 
 def check_steps(trace: Any) -> None:
@@ -213,8 +208,8 @@ def position_labels(unit: str) -> tuple[str, str]:
 
 def parameter_labels(unit: str) -> list[str]:
     """Return the names of the 15 parameters with their units."""
-    units = GROUPS["parameters"].units
-    return [f"{name} ({in_unit(of, unit)})" if of else name for name, of in units.items()]
+    units = parameter_units(unit)
+    return [f"{name} ({of})" if of else name for name, of in units.items()]
 
 
 def show_steps(axes: Axes, trace: Trace) -> None:

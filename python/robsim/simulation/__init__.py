@@ -11,7 +11,6 @@ from robsim._core import (
     Unicycle,
     WorldState,
 )
-from robsim.base.doors import present as _present
 from robsim.simulation.callbacks.errors import (
     CallbackError,
     CallbackTypeError,
@@ -47,5 +46,3 @@ __all__ = [
     "WorldState",
     "draw_red_square",
 ]
-
-_present(globals())

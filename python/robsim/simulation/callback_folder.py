@@ -15,7 +15,7 @@ from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Any
 
-from robsim.base.files import as_folder, copy_files
+from robsim.base.files import as_path, copy_files
 from robsim.base.spelling import closest
 from robsim.base.text import one_line, quoted
 from robsim.simulation.callbacks.checks import check_callback
@@ -42,7 +42,6 @@ def misspelled(names: Iterable[str]) -> dict[str, str]:
 
 _SAVING = 0.05  # s that an editor may need to write a file
 _COARSEST_CLOCK = 2.0  # s between two times that a file can have, on any file system
-TEMPLATES = Path(__file__).with_name("templates")
 Callbacks = dict[str, Callable[..., Any] | bool]
 
 
@@ -66,7 +65,7 @@ def new_folder(folder: str | PathLike[str]) -> list[Path]:
     NotADirectoryError
         If `folder` is a file.
     """
-    return copy_files([TEMPLATES / f"{slot}.py" for slot in SLOTS], folder)
+    return copy_files([slot.template for slot in SLOTS.values()], folder)
 
 
 class CallbackFolder:
@@ -98,7 +97,7 @@ class CallbackFolder:
     ) -> None:
         self._slots = slots
         self._given = given
-        self.path = as_folder(folder)
+        self.path = as_path(folder, "folder")
         self._absolute = self.path.absolute()  # valid after a change of directory
         self._modules = FolderModules(self.path, self._absolute, {})
         self._unchanged: list[tuple[str, int, int, int]] | None = None

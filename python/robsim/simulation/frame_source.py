@@ -33,7 +33,6 @@ from robsim.simulation.runner import Runner
 from robsim.simulation.scenario import Scenario
 from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.calibration_file import calibration_text
-from robsim.vision.imaging.images import frame_size
 from robsim.vision.robots.marker_check import looks_mirrored
 
 DT_TOLERANCE = 2e-3  # relative; video files round their frame rate
@@ -257,7 +256,7 @@ class FrameSource:
         if self._is_seen:
             return
         self._is_seen = True
-        size = frame_size(frame.image)
+        size = frame.image.shape[1], frame.image.shape[0]
         is_mapped = frame.plane_map != PlaneMap()
         if size != self.area and not is_mapped:
             warn_user(
@@ -304,7 +303,7 @@ def _mapped(taken: Any, calibration: Calibration) -> Any:
         )
     if not isinstance(taken, Frame):
         return taken
-    calibration.check_frames(frame_size(taken.image))
+    calibration.check_frames((taken.image.shape[1], taken.image.shape[0]))
     return Frame(
         taken.image,
         copy=False,

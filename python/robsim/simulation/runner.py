@@ -373,6 +373,10 @@ class Runner(Slotted):
             check_marker_colors(self.markers, colors, "the default measurement")
 
     def _check_stages(self) -> None:
+        """Raise what keeps a run from going on, or warn of it."""
+        self._check_slots()
+
+    def _check_slots(self) -> None:
         self._check_colors(self.colors)
         if self._is_on("estimate_parameters"):
             self._check_source()

@@ -25,7 +25,6 @@ from robsim._core import (
 )
 from robsim.base.checks import check_choice, check_float, check_int
 from robsim.base.files import parse_toml
-from robsim.base.marker_roles import given_by_role, taken_roles
 from robsim.base.seeds import SeedRecord
 from robsim.base.spelling import check_names
 from robsim.base.text import cut, one_line, quoted
@@ -33,10 +32,11 @@ from robsim.simulation.options import KINDS, background_value
 from robsim.simulation.scenario import OPTIONS, Scenario
 from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import Floor
-from robsim.vision.imaging.images import Pixels, png_bytes
+from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
 from robsim.vision.robots.definition import BlobMarker, RobotDefinition, markers_of_tables
 from robsim.vision.robots.lookup import as_robot, robot_names, shipped_robots
+from robsim.vision.robots.marker_roles import given_by_role, taken_roles
 
 if TYPE_CHECKING:
     from tomlkit.items import Item
@@ -142,7 +142,9 @@ def _png(pixels: Pixels) -> bytes:
     height, width = pixels.shape[:2]
     if height * width > MOST_PIXELS:
         raise ValueError(f"an image must have at most {MOST_PIXELS} px, got {width} x {height}")
-    return png_bytes(pixels)
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, format="PNG", compress_level=1)
+    return buffer.getvalue()
 
 
 _IMAGE = _Key(_image, "PNG in base64", _png, is_needed=True)
@@ -391,7 +393,7 @@ def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
 
 def _parsed(text: str) -> dict[str, Any]:
     try:
-        return parse_toml(text)
+        return parse_toml(text, MOST_BYTES)
     except ValueError as error:
         raise ValueError(f"this is not TOML: {error}") from error
 
@@ -401,10 +403,10 @@ def options_of(values: dict[str, Any], known: Iterable[str]) -> dict[str, Any]:
     if values.pop("format", _FORMAT) != _FORMAT:
         raise ValueError(f"format must be {_FORMAT}: another one is of a newer robsim")
     check_names("a scenario has no option", values, known, ValueError)
-    return {name: read_option(name, value) for name, value in values.items()}
+    return {name: _read_option(name, value) for name, value in values.items()}
 
 
-def read_option(name: str, value: Any) -> Any:
+def _read_option(name: str, value: Any) -> Any:
     """Return the value of an option that TOML has given."""
     if name == "colors":
         return _in_table(name, lambda: _colors_of(value))

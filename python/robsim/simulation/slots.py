@@ -22,7 +22,7 @@ from robsim._core import (
     Unicycle,
     WorldState,
 )
-from robsim.base.spelling import suggestion
+from robsim.base.checks import check_choice
 from robsim.base.text import quoted
 from robsim.simulation.callbacks.slot import Slot
 from robsim.vision.imaging.images import Pixels
@@ -148,6 +148,8 @@ def names(*, half: str | None = None, when: str | None = None) -> tuple[str, ...
     )
 
 
+#: The stages of the robot half, and the slots that are called once, at the start.
+STAGES, AT_START = names(half=ROBOT, when=STEP), names(when=ONCE)
 #: The slots that get samples.
 ESTIMATORS = frozenset({"init_parameter_estimator", "estimate_parameters"})
 
@@ -165,19 +167,13 @@ def is_default(value: object) -> bool:
     return isinstance(value, str) and value == DEFAULT
 
 
-def checked_slots(slots: Any, known: tuple[str, ...]) -> tuple[str, ...]:
+def checked_slots(slots: Any, known: tuple[str, ...] = (*SLOTS,)) -> tuple[str, ...]:
     """Return names of slots as a tuple, after a check that they are known."""
     if not isinstance(slots, Iterable):
         raise TypeError(f"slots must be names of slots, such as ('control',), got {quoted(slots)}")
     names = (slots,) if isinstance(slots, str) else tuple(slots)
     for name in names:
-        if not isinstance(name, str):
-            raise TypeError(
-                f"slots must be names of slots, such as ('control',), got {quoted(name)}"
-            )
-        if name not in known:
-            hint = suggestion(name, known)
-            raise ValueError(f"slots must be among {', '.join(known)}, got {quoted(name)}{hint}")
+        check_choice("slots", name, known)
     if not names:
         raise ValueError(f"slots must name at least one of {', '.join(known)}, got none")
     return names

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._core import Step
-from robsim.base.spelling import check_names, closest, no_attribute, suggestion, with_article
+from robsim.base.spelling import check_names, closest, no_attribute
 from robsim.simulation import slots as table
 from robsim.simulation.callbacks.checks import check_callback
 from robsim.simulation.callbacks.signatures import CallTimes
@@ -108,7 +108,7 @@ class Slotted(RobotSlots, ABC):
     def _use(self, callbacks: Callbacks) -> None:
         """Fill the slots with the callbacks of the folder."""
         for slot in self.SLOTS:
-            is_fixed = SLOTS[slot].when == table.ONCE and self._core.has_started
+            is_fixed = slot in table.AT_START and self._core.has_started
             is_open = self._given[slot] is None or self._given[slot] is True
             if slot in self._from_folder | callbacks.keys() and is_open and not is_fixed:
                 # A file that is switched off counts as missing.
@@ -130,7 +130,7 @@ class Slotted(RobotSlots, ABC):
         """Fill the slots again if a file of the folder has changed."""
         if self._folder is None or self._core.is_running or not (changed := self._folder.changed):
             return
-        late = changed.intersection(table.names(when=table.ONCE))
+        late = changed.intersection(table.AT_START)
         if late and self._core.has_started:
             raise RuntimeError(
                 f"{min(late)}.py has changed, but runs only at the start of a simulation: call "
@@ -176,19 +176,20 @@ class Slotted(RobotSlots, ABC):
             if hasattr(other, name):
                 hint = f"did you mean {place}{name}?"
                 raise no_attribute(f"{kind.__name__} has no attribute {name!r}: {hint}")
-        meant = f"sim.trace.{name}_true" if hasattr(Trace, f"{name}_true") else None
-        hint = f"; did you mean {meant!r}?" if meant else suggestion(name, public)
-        raise no_attribute(f"{kind.__name__} has no attribute {name!r}{hint}")
+        said = f"{kind.__name__} has no attribute {name!r}"
+        if hasattr(Trace, f"{name}_true"):
+            raise no_attribute(f"{said}; did you mean 'sim.trace.{name}_true'?")
+        raise no_attribute(said, name, public)
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
         kind = type(self).__name__
         raise TypeError(
-            f"{with_article(kind)} can be neither copied nor pickled, its callbacks and its run "
+            f"a {kind} can be neither copied nor pickled, its callbacks and its run "
             f"belong to this process: make another, {self._AGAIN}"
         )
 
     def _set_slot(self, slot: str, callback: Any) -> None:
-        if SLOTS[slot].when == table.ONCE and self._core.has_started:
+        if slot in table.AT_START and self._core.has_started:
             raise RuntimeError(
                 f"{slot} runs only at the start of a simulation: call sim.reset() first"
             )
@@ -239,7 +240,7 @@ class Slotted(RobotSlots, ABC):
         """Have the calls of all callbacks timed; None = no longer."""
         self._call_times = times
         for slot, value in self._callbacks.items():
-            is_over = SLOTS[slot].when == table.ONCE and self._core.has_started
+            is_over = slot in table.AT_START and self._core.has_started
             if not is_over and (value is True or is_code(value)):
                 self._put(slot, value)
 

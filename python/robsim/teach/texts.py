@@ -16,7 +16,7 @@ from typing import Any
 from robsim.base.checks import check_int, check_text
 from robsim.base.source_line import SourceLine
 from robsim.base.text import printable
-from robsim.simulation.callbacks.errors import FailedCallback
+from robsim.simulation import FailedCallback
 from robsim.teach.errors import AssignmentError, GraderError, GradingError, SubmissionError
 
 #: Characters of a text, of a line, of a name.

@@ -1,6 +1,5 @@
 """The recorded run: named columns with units, slices, files; sessions with the frames as well."""
 
-from robsim.base.doors import present as _present
 from robsim.trace.columns import PARAMETER_NAMES, NotRecordedError
 from robsim.trace.run_info import RunInfo
 from robsim.trace.sessions.session import Session
@@ -19,5 +18,3 @@ __all__ = [
     "TraceSummary",
     "TrackingStatistics",
 ]
-
-_present(globals())

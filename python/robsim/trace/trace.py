@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from robsim._core import TraceGroup, detection_reasons, wrap_angle
 from robsim.base.checks import Floats, check_choice
 from robsim.base.files import as_path, write_csv
-from robsim.base.report.forms import import_pandas
-from robsim.base.spelling import check_names, no_attribute, suggestion
+from robsim.base.report.optional import import_optional
+from robsim.base.spelling import check_names, no_attribute
 from robsim.base.text import listed, one_line, quoted
 from robsim.trace.columns import (
     GROUPS,
@@ -223,8 +223,8 @@ class Trace:
         if not name.startswith("_"):
             if name in self.names:
                 raise no_attribute(f"{name} is a column: trace[{name!r}]")
-            hint = suggestion(name, (*self.names, *filter(_is_public, dir(self))))
-            raise no_attribute(f"a trace has no attribute {quoted(name)}{hint}")
+            known = (*self.names, *filter(_is_public, dir(self)))
+            raise no_attribute(f"a trace has no attribute {quoted(name)}", name, known)
         raise AttributeError(f"a trace has no attribute {quoted(name)}")
 
     @property
@@ -398,7 +398,7 @@ class Trace:
         ImportError
             If pandas is not installed.
         """
-        pd = import_pandas()
+        pd = import_optional("pandas", "to_pandas needs")
         frame: pandas.DataFrame = pd.DataFrame(self._columns()).set_index("k")
         frame.attrs["units"] = self.units
         return frame

@@ -10,7 +10,7 @@ import numpy as np
 
 from robsim.base.checks import Floats, check_choice, check_mm_per_px
 from robsim.base.text import quoted
-from robsim.trace.columns import fields_of
+from robsim.trace.columns import GROUPS, fields_of
 
 if TYPE_CHECKING:
     from robsim.trace.run_info import RunInfo
@@ -55,6 +55,11 @@ def length_format(unit: str, digits: int) -> str:
 def in_unit(text: str, unit: str) -> str:
     """Return a unit such as ``"px/V"`` with another one of length in it."""
     return text.replace("px", unit)
+
+
+def parameter_units(unit: str) -> dict[str, str]:
+    """Return the units of the 15 parameters, by their names, with one of length in them."""
+    return {name: in_unit(of, unit) for name, of in GROUPS["parameters"].units.items()}
 
 
 def converted(

@@ -53,31 +53,36 @@ def read_toml(path: str | PathLike[str], most: int = MOST_TOML) -> dict[str, Any
     """
     text = read_text(Path(path), most)
     try:
-        return parse_toml(text)
+        return parse_toml(text, most)
     except ValueError as error:
         raise ValueError(f"{one_line(path)} is not a TOML file: {error}") from error
 
 
-def read_text(path: Path, most: int) -> str:
+def read_text(path: Path, most: int = MOST_TOML) -> str:
     """Return the text of a file of at most so many bytes; else raise a ValueError that names it."""
     content = content_of(path, most + 1)
     if len(content) > most:
-        size = f"{most >> 20} MB" if most >= 2**20 else f"{most >> 10} kB"
-        raise ValueError(f"{one_line(path)} must have at most {size}")
+        raise ValueError(f"{one_line(path)} must have at most {_size(most)}")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(f"{one_line(path)} is not a TOML file: it is not UTF-8 text") from error
 
 
-def parse_toml(text: str) -> dict[str, Any]:
-    """Return what a TOML text says; the time that it takes is limited.
+def _size(count: int) -> str:
+    return f"{count >> 20} MB" if count >= 2**20 else f"{count >> 10} kB"
+
+
+def parse_toml(text: str, most: int = MOST_TOML) -> dict[str, Any]:
+    """Return what a TOML text of at most so many bytes says; the time that it takes is limited.
 
     Raises
     ------
     ValueError
         If it is not TOML, or too involved.
     """
+    if len(text.encode(errors="replace")) > most:
+        raise ValueError(f"it must have at most {_size(most)}")
     signs = sum(map(text.count, ",=[{.\"'#")) + text.count("\n\n")
     lines = text.count("\n")
     if signs > _MOST_SIGNS or lines > _MOST_SIGNS + len(text) // 50:  # a line of base64 has 76

@@ -50,7 +50,7 @@ def _units(report: Report) -> dict[str, Any]:
 
 def as_frame(report: Report) -> pandas.DataFrame:
     """Return the first table of a report, or else its problems or quantities."""
-    pd = import_pandas()
+    pd = import_optional("pandas", "to_pandas needs")
     name, rows = _rows(report)
     known = [
         {key: math.nan if value is None else value for key, value in row.items()} for _, row in rows
@@ -70,10 +70,6 @@ def _rows(report: Report) -> tuple[str, list[tuple[Any, dict[str, Any]]]]:
         return "problem", [(number, problem.to_dict()) for number, problem in problems]
     quantities = report.quantities
     return "quantity", [(one.key, {"value": one.value, "unit": one.unit}) for one in quantities]
-
-
-def import_pandas() -> Any:
-    return import_optional("pandas", "to_pandas needs")
 
 
 # JupyterLab centres tables, and the sentences below them stand at the left.

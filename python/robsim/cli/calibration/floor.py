@@ -5,21 +5,16 @@ from __future__ import annotations
 import csv
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
-from robsim.base.checks import check_mm_per_px
 from robsim.base.text import quoted
 from robsim.cli import errors
 from robsim.cli.calibration.options import Mark, check_out, height_of, pictures_of, report_and_save
 from robsim.cli.command import argument, number_option, option
 from robsim.cli.shared import Json
-from robsim.cli.text import about, parse_points, parse_size
-
-if TYPE_CHECKING:
-    from robsim.lab.calibration.floor_report import FloorCalibration
+from robsim.cli.text import parse_points, parse_size
 
 _COLUMNS = "name", "u", "v", "x", "y"
-_LARGEST_FILE = 2**20  # bytes
 EXAMPLE = (
     "Example: robsim calibrate floor floor.png --calibration camera.toml --area 1200x1200 "
     "--scale 2 --marker-height 80mm"
@@ -107,7 +102,7 @@ def floor(
     """Calibrate where a camera looks at the floor from."""
     from robsim.vision.imaging.calibration_file import load_calibration
 
-    with errors.report_errors():
+    with errors.naming_options({"mm_per_px": "--scale"}), errors.report_errors():
         file = out or calibration or Path("camera.toml")
         check_out(file, ".toml", "--out" if out else "--calibration")
         if area is None or scale is None:
@@ -124,8 +119,6 @@ def floor(
                 "shift in the picture when they are higher depends on it. Without one, measure "
                 "marks that lie as high as the markers"
             )
-        with about("--scale"):
-            check_mm_per_px(scale)
         options = {
             "area": parse_size("--area", area),
             "mm_per_px": scale,
@@ -135,14 +128,13 @@ def floor(
         report = _calibrated(
             pictures or [], _given_marks(marks, pixels, positions), mark, places or [], options
         )
-        report_and_save(report, report.calibration, file, as_json=as_json)
+        report_and_save(report, file, as_json=as_json)
 
 
 def _calibrated(
     sources: list[Path], marks: Any, mark: float, places: list[str], options: dict[str, Any]
-) -> FloorCalibration:
+) -> Any:
     from robsim.lab.calibration.floor import calibrate_floor, calibrate_floor_by_sheets
-    from robsim.vision.imaging.images import frame_size
 
     if marks is None:
         if not sources:
@@ -160,7 +152,7 @@ def _calibrated(
         return calibrate_floor(seen, where_they_are, names=names, picture=image, **options)
     except ImportError as error:
         errors.print_note(f"floor sheets are not kept in mind: {error}")
-    size = None if image is None else frame_size(image)
+    size = None if image is None else (image.shape[1], image.shape[0])
     return calibrate_floor(seen, where_they_are, names=names, size=size, **options)
 
 
@@ -190,9 +182,7 @@ def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) 
 
 
 def _read_marks(file: Path) -> tuple[list[str], list[list[float]], list[list[float]]]:
-    from robsim.base.files import read_text
-
-    rows = list(csv.reader(read_text(file, _LARGEST_FILE).splitlines()))
+    rows = list(csv.reader(file.read_text("utf-8-sig", errors="replace").splitlines()))
     rows = [[cell.strip() for cell in row] for row in rows if any(map(str.strip, row))]
     if rows and tuple(map(str.lower, rows[0])) == _COLUMNS:
         rows = rows[1:]

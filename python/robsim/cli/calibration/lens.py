@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from robsim.base.checks import check_int
-from robsim.base.text import listed
 from robsim.cli import errors
 from robsim.cli.calibration.options import (
     Board,
@@ -75,7 +74,7 @@ def lens(
                 f"{out} had a floor, by the lens that is replaced: calibrate it again "
                 "(robsim calibrate floor)"
             )
-        report_and_save(report, report.calibration, out, as_json=as_json)
+        report_and_save(report, out, as_json=as_json)
 
 
 def _has_floor(file: Path) -> bool:
@@ -105,7 +104,6 @@ def taken_pictures(
 
     from robsim.cli.sources import _source
     from robsim.lab.cameras.camera import Camera
-    from robsim.lab.cameras.errors import EndOfStream
     from robsim.vision.imaging.images import save_image
 
     with about("--count"):
@@ -125,7 +123,7 @@ def taken_pictures(
                 )
             try:
                 frame = device.read()
-            except EndOfStream:
+            except EOFError:
                 break
             if not taker.takes(frame.image):
                 continue
@@ -134,7 +132,7 @@ def taken_pictures(
             taken.append((name, frame.image))
             if keep is not None:
                 save_image(keep / name, frame.image)
-            parts = taker.empty_parts
-            where = f": still nothing at the {listed(parts)}" if parts else ": tilt it another way"
+            parts = ", ".join(taker.empty_parts)
+            where = f": still nothing at the {parts}" if parts else ": tilt it another way"
             errors.print_note(f"{len(taken)} of {count}{where if len(taken) < count else ''}")
     return taken

@@ -13,9 +13,7 @@ from robsim.base.text import quoted
 from robsim.cli.command import number_option, option
 
 if TYPE_CHECKING:
-    from robsim.base.report import Report
     from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
-    from robsim.vision.imaging.calibration import Calibration
 
 _MOST_OF_VIDEO = 40  # pictures; neighbours in a video show the same
 
@@ -94,12 +92,12 @@ def pictures_of(sources: list[Path], most: int = _MOST_OF_VIDEO) -> Iterator[tup
                     yield f"{source.name} frame {frame.index}", frame.image
 
 
-def report_and_save(report: Report, calibration: Calibration, out: Path, *, as_json: bool) -> None:
+def report_and_save(report: Any, out: Path, *, as_json: bool) -> None:
     """Print a report and write its calibration; exit with 1 if it is bad."""
     from robsim.cli import errors
     from robsim.vision.imaging.calibration_file import save_calibration
 
-    save_calibration(out, calibration)
+    save_calibration(out, report.calibration)
     errors.show(report.to_json() if as_json else report)
     if not as_json:
         errors.say(f"written: {out}")

@@ -33,18 +33,16 @@ def sheet(
     ] = 80.0,
 ) -> None:
     """Write a sheet to print, as PDF at true scale."""
-    from robsim.base.checks import check_choice, check_int
+    from robsim.base.checks import check_choice
     from robsim.cli.text import about
-    from robsim.lab.calibration.patterns.floor_sheet import MOST_SHEETS, FloorSheet
+    from robsim.lab.calibration.patterns.floor_sheet import FloorSheet
     from robsim.lab.calibration.patterns.printing import save_sheet
 
-    with errors.report_errors():
+    with errors.naming_options({"number": "--number"}), errors.report_errors():
         check_out(out, ".pdf")
         with about("--kind"):
             check_choice("kind", kind, KINDS)
         _refuse_of_other_kinds(kind, board or square, sheet_number != 1 or mark != 80)
-        with about("--number"):
-            check_int("number", sheet_number, minimum=1, maximum=MOST_SHEETS)
         if kind == "floor":
             save_sheet(out, FloorSheet(sheet_number, mark), paper=paper)
         else:

@@ -14,7 +14,7 @@ from robsim.cli.results import check_file, check_folder
 from robsim.cli.shared import Jobs, Json, engine_of
 
 if TYPE_CHECKING:
-    from robsim.campaigns import CampaignResult, CampaignSummary
+    from robsim.campaigns import CampaignResult
 
 EXAMPLE = "Example: robsim campaign --example noise.toml"
 HELP = (
@@ -70,35 +70,36 @@ def campaign(
         if npz is not None:
             result.to_npz(npz)
     if as_json:
-        errors.show(json.dumps(_record(result, summary), indent=2))
-        _exit_unless_any_succeeded(result)
-        return
-    errors.show(result.line)
-    errors.show(summary)
-    for written in (csv, parquet, npz):
-        if written is not None:
-            errors.say(f"rows written to {written}")
-    if store is not None:
-        errors.say(f"store written to {store}")
-    _exit_unless_any_succeeded(result)
-
-
-def _exit_unless_any_succeeded(result: CampaignResult) -> None:
+        record = {
+            "cases": len(result.spec.cases),
+            "runs": result.spec.runs,
+            "failed": int(result.failed.sum()),
+            "first_error": summary.first_error or None,
+            "checksum": result.checksum,
+            "summary": summary.to_dict(),
+        }
+        errors.show(json.dumps(record, indent=2))
+    else:
+        errors.show(result.line)
+        errors.show(summary)
+        for written in (csv, parquet, npz):
+            if written is not None:
+                errors.say(f"rows written to {written}")
+        if store is not None:
+            errors.say(f"store written to {store}")
     if result.failed.all():
         raise typer.Exit(1)
 
 
 def _check_exports(*, csv: Path | None, parquet: Path | None, npz: Path | None) -> None:
     """Raise what cannot be written, before what takes long."""
-    from robsim.campaigns.result import check_is_empty, import_arrow
+    from robsim.campaigns.result import check_exports
 
     for file in (csv, parquet):
         if file is not None:
             check_file(file)
-    if parquet is not None:
-        import_arrow()
+    check_exports(parquet=parquet is not None, npz=npz)
     if npz is not None:
-        check_is_empty(npz)
         check_folder(npz)
 
 
@@ -124,14 +125,3 @@ def _result(file: Path, *, runs: int | None, jobs: int, store: Path | None) -> C
         for note in stop.__notes__:
             errors.print_note(note)
         raise
-
-
-def _record(result: CampaignResult, summary: CampaignSummary) -> dict[str, object]:
-    return {
-        "cases": len(result.spec.cases),
-        "runs": result.spec.runs,
-        "failed": int(result.failed.sum()),
-        "first_error": summary.first_error or None,
-        "checksum": result.checksum,
-        "summary": summary.to_dict(),
-    }

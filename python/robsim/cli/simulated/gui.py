@@ -13,7 +13,7 @@ from robsim.cli.text import about, parse_speed
 
 if TYPE_CHECKING:
     from robsim.gui.hosted import HostedPanel
-    from robsim.gui.panels.view import Shown
+    from robsim.simulation import Simulation
     from robsim.teach.tasks import Task
     from robsim.trace import Trace
     from robsim.trace.sessions.session import Session
@@ -210,7 +210,7 @@ def _tool(
 
 def _shown(
     path: Path | None, saved: Recording | Session | Trace | None, options: dict[str, Any]
-) -> Shown:
+) -> Recording | Session | Simulation | Trace:
     """Return a saved run, or the simulation that the options describe."""
     if saved is None:
         stages = {} if "scenario" in options else _STAGES

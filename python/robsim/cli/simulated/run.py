@@ -19,11 +19,9 @@ from robsim.cli.text import (
     parse_start,
 )
 from robsim.control.by_name import POINTS
-from robsim.vision.imaging.video import CODECS, LOSSLESS
 
 if TYPE_CHECKING:
-    from robsim.simulation import Scenario
-    from robsim.simulation.simulation import Simulation
+    from robsim.simulation import Scenario, Simulation
 
 
 def shared_options(
@@ -39,7 +37,6 @@ def shared_options(
 ) -> dict[str, Any]:
     """Return the options of a simulation that are given, of those that the commands share."""
     from robsim.simulation import Scenario
-    from robsim.simulation.time_limit import TimeLimit
 
     _check_quotes(folder, control)
     world = given(
@@ -49,10 +46,8 @@ def shared_options(
         **others,
     )
     check_each(world)
-    with about("--time-limit"):
-        limit = None if time_limit is None else TimeLimit(time_limit).seconds
     return world | given(
-        time_limit=limit,
+        time_limit=time_limit,
         measure=_needs_pose(control) or None,
         control=parse_control("--control", control),
         scenario=Scenario.load(scenario) if isinstance(scenario, Path) else scenario,
@@ -98,8 +93,7 @@ HELP = (
     "Figures and the trace are written to a folder. Without a controller, yours or --control, the "
     "robot spins. Ctrl-C ends the run and keeps its results."
 )
-_LOSSLESS = " and ".join(suffix for suffix, codec in CODECS.items() if codec == LOSSLESS)
-_SUFFIXES = f"{', '.join(CODECS)}; {_LOSSLESS} are lossless."
+_SUFFIXES = ".mp4, .webm, .mkv, .avi; .mkv and .avi are lossless."
 
 
 def run(
@@ -167,7 +161,7 @@ def run(
             "--record",
             "FILE",
             "Video of the camera's frames, as the robot's software gets them: "
-            f"{_LOSSLESS} for measurements.",
+            ".mkv and .avi for measurements.",
         ),
     ] = None,
     unit: shared.Unit = "px",

@@ -3,7 +3,6 @@
 A result is a `Report`; a metric of one's own is a subclass of it.
 """
 
-from robsim.base.doors import present as _present
 from robsim.base.report import Column, Quantity, Report, Row, Table, percent
 from robsim.estimation.evaluation._measurement_bound import MeasurementBound, measurement_bound
 from robsim.estimation.evaluation._whiteness import WhitenessReport, whiteness
@@ -56,5 +55,3 @@ __all__ = [
     "whiteness",
     "wrapped_error",
 ]
-
-_present(globals())

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike
 
 from robsim._core import Frame
 from robsim.base.checks import Floats, as_float_array
-from robsim.base.polygons import area_and_centroid, depths, samples
 from robsim.base.report import Quantity, Report
 from robsim.base.text import quoted
-from robsim.vision.imaging.noise import GaussianNoise, Noise, UniformNoise, as_native_noise
+from robsim.vision.imaging.noise import GaussianNoise, Noise, as_native_noise
+from robsim.vision.robots.polygons import area_and_centroid, depths, samples
 
 # Frame px: how far outside of a marker pixels are used, and by how much a marker is moved to see
 # how the depths of its pixels change.
@@ -134,7 +134,7 @@ def pixel_information(noise: Noise | None) -> Callable[[Floats], Floats]:
 
 
 @functools.lru_cache(maxsize=32)
-def _table(noise: GaussianNoise | UniformNoise) -> tuple[Floats, Floats]:
+def _table(noise: Noise) -> tuple[Floats, Floats]:
     """Return means (M,) and the information of each (M,)."""
     half = _PER_LEVEL // 2
     means = np.arange(-half, 255 * _PER_LEVEL + half + 1) / _PER_LEVEL

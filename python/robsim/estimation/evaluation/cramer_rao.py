@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import RobotModel, regression
-from robsim.base.checks import Floats, as_float_array, decompose
+from robsim.base.checks import Floats, as_float_array
 from robsim.base.text import quoted
+from robsim.estimation.identification.fits.linear import decompose
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 

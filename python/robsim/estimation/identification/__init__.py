@@ -1,7 +1,6 @@
 """Parameter estimation: recursive and batch estimates, identifiability and convergence."""
 
 from robsim._core import LeastSquaresFit, RecursiveLeastSquares, Sample, least_squares, regression
-from robsim.base.doors import present as _present
 from robsim.estimation.identification.batch import BatchEstimate, batch_estimate
 from robsim.estimation.identification.convergence import (
     ConvergenceReport,
@@ -31,5 +30,3 @@ __all__ = [
     "regression",
     "regression_of",
 ]
-
-_present(globals())

@@ -17,7 +17,7 @@ from robsim.estimation.identification._parameter_table import (
     lengths_in,
     parameter_table,
 )
-from robsim.estimation.identification.determined import Identifiability, judge
+from robsim.estimation.identification.determined import Identifiability, identifiability, judge
 from robsim.estimation.identification.fits import METHODS
 from robsim.estimation.identification.fits.model_fit import (
     LONGEST_DELAY,
@@ -30,7 +30,7 @@ from robsim.estimation.identification.regressions import (
     interruptions,
     regression_of,
 )
-from robsim.trace import PARAMETER_NAMES, Trace
+from robsim.trace import PARAMETER_NAMES, NotRecordedError, Trace
 from robsim.trace.columns import POSES
 from robsim.trace.trace import check_trace
 from robsim.trace.units import scaled
@@ -408,3 +408,15 @@ def _model_error(trace: Trace, input_delay: float) -> Floats:
     residuals = found.y - np.sum(found.phi * np.array(trace.info.theta_true), axis=2)
     rmse: Floats = np.sqrt(np.mean(np.square(residuals), axis=0))
     return rmse
+
+
+def judged(trace: Trace) -> Identifiability | None:
+    """Return how well the estimates are known; of an estimator that does not say, the samples."""
+    try:
+        return identifiability(trace)
+    except NotRecordedError:
+        pass
+    try:
+        return batch_estimate(trace).identifiability
+    except ValueError:  # too few samples as yet
+        return None

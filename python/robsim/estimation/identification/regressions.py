@@ -13,7 +13,7 @@ from robsim.base.checks import Floats, check_choice
 from robsim.trace import Trace
 from robsim.trace.columns import POSES
 from robsim.trace.timing import check_delay, delayed
-from robsim.trace.trace import Bools, check_trace, longest_run
+from robsim.trace.trace import check_trace, longest_run
 
 SELECTIONS = ("valid", "longest", "all")
 
@@ -113,7 +113,9 @@ def inputs_of(trace: Trace, input_delay: float = 0.0) -> Floats:
     return delayed(u, input_delay) if input_delay else u
 
 
-def interruptions(trace: Trace, *, over_bounces: bool = False, input_delay: float = 0.0) -> Bools:
+def interruptions(
+    trace: Trace, *, over_bounces: bool = False, input_delay: float = 0.0
+) -> NDArray[np.bool_]:
     """Return for each step whether the model does not give it from the two before, (N,).
 
     It does not across a bounce, not across lost frames, whose inputs are not known, and not
@@ -150,7 +152,7 @@ def interruptions(trace: Trace, *, over_bounces: bool = False, input_delay: floa
     return is_break
 
 
-def _follows(poses: Floats, breaks: Bools) -> Bools:
+def _follows(poses: Floats, breaks: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return for each of the steps 1.. whether its pose follows from the previous one."""
     seen = np.asarray(np.isfinite(poses).all(axis=1))
     return np.asarray(seen[1:] & seen[:-1] & ~breaks[1:])

@@ -8,7 +8,6 @@ A filter is consistent if the noises it is given are those of the world. In a si
 ``motor_delay=d`` it gets ``input_delay=d``.
 """
 
-from robsim.base.doors import present as _present
 from robsim.estimation.reference.estimator import Prior, RobotMotion
 from robsim.estimation.reference.kalman import (
     ConstantVelocityKalmanFilter,
@@ -25,5 +24,3 @@ __all__ = [
     "RobotMotion",
     "UnscentedKalmanFilter",
 ]
-
-_present(globals(), __name__)

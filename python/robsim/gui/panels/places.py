@@ -13,7 +13,6 @@ from typing import Any
 from robsim.base.source_line import users_line_of_callable
 from robsim.base.text import one_line
 from robsim.simulation import Experiment, Simulation
-from robsim.simulation.callback_folder import TEMPLATES
 from robsim.simulation.slots import SLOTS
 from robsim.simulation.slotted import is_code
 
@@ -92,7 +91,7 @@ def _example(runner: Simulation | Experiment, slot: str) -> str:
     row = SLOTS[slot]
     name = name_in(runner, slot)
     now = "This stage is off." if name is None else f"In the slot: {name}."
-    text = (TEMPLATES / f"{slot}.py").read_text("utf-8")
+    text = row.template.read_text("utf-8")
     return (
         f"# {row.signature} -> {row.result}\n# {now} A callback of your own may begin as:\n\n{text}"
     )

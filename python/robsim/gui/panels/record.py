@@ -23,17 +23,15 @@ from robsim._core import (
     find_blobs,
 )
 from robsim.base.checks import Floats
-from robsim.base.text import listed
 from robsim.gui._css_colors import css_color
 from robsim.gui.panels.run.camera import Shot, past_shot, row_of, shot_of
 from robsim.simulation import Experiment, Scenario, Simulation
+from robsim.simulation.options import colors_value
 from robsim.trace import Trace
 from robsim.trace.columns import GROUPS, fields_of
 from robsim.trace.sessions.session import Session
-from robsim.trace.sessions.writer import TRACE
-from robsim.vision.markers.color_files import load_colors
 from robsim.vision.robots.definition import RobotDefinition
-from robsim.vision.robots.lookup import load_robot
+from robsim.vision.robots.lookup import as_robot
 
 _REOPEN = 1.0  # s, after which a session is looked at again for what has been written since
 
@@ -325,11 +323,11 @@ class SavedRecord(Record):
         return find_blobs(frame, self.colors, markers=self.markers, smoothing=self._smoothing)
 
     def _use_robot(self, robot: RobotDefinition | None) -> None:
-        known = load_robot("lab") if robot is None else robot
+        known = as_robot("lab") if robot is None else robot
         self.robot_name = "" if robot is None else robot.name
         self.outline = np.empty((0, 2)) if robot is None else robot.to_robot_frame(robot.outline)
         self.markers = known.marker_layout()
-        self.colors = tuple(load_colors())
+        self.colors = colors_value(None)
 
     def _use_session(self, session: Session) -> None:
         self._use_robot(_robot_named(self._trace.info.robot))
@@ -354,7 +352,7 @@ class SavedRecord(Record):
         self._read = lambda k: simulation._drawn(k, self._columns)
         if drawn := {"adjust_background"} & {*info.callbacks}:
             text = "the pictures are drawn again, without what {} drew on the floor"
-            self.remarks = (text.format(listed(drawn)),)
+            self.remarks = (text.format(", ".join(drawn)),)
         if "robot" in info.changed:
             last = f"the robot changed in the run: all pictures show the last one, {info.robot}"
             self.remarks += (last,)
@@ -363,12 +361,12 @@ class SavedRecord(Record):
 def _trace_of(saved: Trace | Session) -> Trace:
     if isinstance(saved, Trace):
         return saved
-    whole = saved.folder / TRACE  # of a run that ended well
+    whole = saved.folder / "trace.npz"  # of a run that ended well
     return Trace.load(whole) if whole.is_file() else saved.trace
 
 
 def _robot_named(name: str) -> RobotDefinition | None:
     try:
-        return load_robot(name) if name else None
+        return as_robot(name) if name else None
     except (OSError, ValueError):  # it was on another computer
         return None

@@ -18,7 +18,7 @@ from PIL import Image
 
 from robsim._core import Estimate, Measurement, Step
 from robsim.base.checks import Floats
-from robsim.base.text import no_formula
+from robsim.base.text import one_line
 from robsim.estimation.evaluation.errors import usual_limits
 from robsim.gui._link import small_png
 from robsim.gui.panels.analysis.statistics import longest_valid
@@ -136,7 +136,8 @@ def _figure(record: Record, shot: Shot | None, state: str, goals: Floats | None)
     parts: Any = figure.subfigures(1, 2, width_ratios=(1, 1.16))
     left, right = parts
     _draw_camera(left.add_subplot(), record, shot, goals)
-    left.suptitle(no_formula(_title(record, shot, state)), x=0.01, ha="left", size=10)
+    title = one_line(_title(record, shot, state))
+    left.suptitle(title, x=0.01, ha="left", size=10, parse_math=False)
     if len(trace):
         _draw_record(right, trace)
     else:

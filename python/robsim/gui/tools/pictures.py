@@ -7,23 +7,21 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from robsim._core import Frame, PlaneMap, Step
 from robsim.base.files import as_path
-from robsim.base.text import one_line, quoted
+from robsim.base.text import one_line
 from robsim.gui._driver import Driver
 from robsim.gui._link import FrameClock
-from robsim.gui.facade import Panel, is_shown, panel
+from robsim.gui.hosted import HostedPanel
 from robsim.lab.cameras.camera import Camera
-from robsim.lab.cameras.errors import CaptureError, EndOfStream, FrameTimeoutError
-from robsim.simulation import Experiment, Simulation
-from robsim.vision.imaging.images import Pixels, check_pixels, decoded, image_suffixes, load_image
+from robsim.vision.imaging.images import Pixels, check_pixels, decoded
 from robsim.vision.imaging.recordings import Recording
 from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.sketch import over_floor
 
 _PATIENCE = 0.5  # s for a frame, before it is looked whether all is over
 
@@ -119,9 +117,9 @@ class CameraPictures(Pictures):
             while not self._is_over.is_set():
                 try:
                     frame = self._camera.read(_PATIENCE)
-                except FrameTimeoutError:
+                except TimeoutError:
                     continue
-                except (EndOfStream, CaptureError, ValueError) as error:
+                except (OSError, ValueError) as error:
                     fail(str(error))
                     return
                 take(Picture(frame, f"frame {frame.index}"))
@@ -144,13 +142,13 @@ class RunPictures(Pictures):
         That of the panel.
     title : str
         What people call the run.
-    mine : Panel or None
+    mine : HostedPanel or None
         The panel, if it was opened for this: it is closed with it.
     """
 
     is_live = True
 
-    def __init__(self, driver: Driver, title: str, mine: Panel | None = None) -> None:
+    def __init__(self, driver: Driver, title: str, mine: HostedPanel | None = None) -> None:
         super().__init__(title)
         self._driver, self._mine = driver, mine
         self._clock = FrameClock()
@@ -186,59 +184,12 @@ class RunPictures(Pictures):
         self._take(Picture(step.frame, f"step {step.k}", step.k))
 
 
-#: What a tool is opened on.
-Seen = Camera | Recording | Simulation | Experiment | Frame | Pixels
-_FLOOR = 150  # level of what lies below a robot's picture
-
-
-def pictures_of(what: Any, robot: RobotDefinition) -> Pictures:
-    """Return what shows the pictures of something; TypeError or ValueError if it has none."""
-    if what is None:
-        return OnePicture(picture_of(robot), f"the picture of the robot {robot.name}")
-    if isinstance(what, Camera):
-        return CameraPictures(what)
-    if isinstance(what, Recording):
-        return RecordedPictures(what)
-    if isinstance(what, (Simulation, Experiment)):
-        is_open = is_shown(what)
-        found = panel(what)
-        return RunPictures(found._view.driver, type(what).__name__, None if is_open else found)
-    if isinstance(what, (Frame, np.ndarray)):
-        pixels = what.image if isinstance(what, Frame) else check_pixels("what", what, 3)
-        return OnePicture(what if isinstance(what, Frame) else pixels, "a picture")
-    if isinstance(what, (str, PathLike)):
-        path = as_path(what, "what")
-        return _picture_file(path) if _is_picture(path) else RecordedPictures(Recording(path))
-    raise TypeError(
-        "what must be a Camera, a Recording, a Simulation, an Experiment, a Frame, an array or a "
-        f"path, got {quoted(what)}"
-    )
-
-
-def _is_picture(path: Path) -> bool:
-    return not path.is_dir() and path.suffix.lower() in image_suffixes()
-
-
-def _picture_file(path: Path) -> Pictures:
-    return OnePicture(load_image(path), path.name)
-
-
 def picture_of(robot: RobotDefinition) -> Frame:
     """Return a robot's picture on a grey floor, with the scale of the work area."""
     shown = over_floor(robot.image).image
     scale = robot.size / shown.shape[1]
     to_area = [(scale, 0, (scale - 1) / 2), (0, scale, (scale - 1) / 2), (0, 0, 1)]
     return Frame(shown, plane_map=PlaneMap(to_area))
-
-
-def over_floor(image: Pixels) -> Frame:
-    """Return a picture (h, w, 3 or 4) on a grey floor."""
-    if image.shape[2] == 3 or (image[..., 3] == 255).all():
-        return Frame(np.ascontiguousarray(image[..., :3]))
-    alpha = image[..., 3:].astype(np.uint16)  # in which 255 x 255 has room
-    # alpha / 255 x colour + (1 - alpha / 255) x floor, rounded
-    shown = (alpha * image[..., :3] + (255 - alpha) * np.uint16(_FLOOR) + 127) // 255
-    return Frame(shown.astype(np.uint8))
 
 
 def given_picture(picture: Any) -> tuple[Pixels, str]:

@@ -29,9 +29,10 @@ from robsim.gui._link import (
 from robsim.gui._view import View
 from robsim.gui._worker import Beside
 from robsim.gui.tools.history import History
-from robsim.gui.tools.pictures import OnePicture, Picture, Pictures, given_picture, over_floor
+from robsim.gui.tools.pictures import OnePicture, Picture, Pictures, given_picture
 from robsim.gui.tools.uploads import UPLOAD_MESSAGES, Uploads
 from robsim.vision.imaging.images import Pixels
+from robsim.vision.robots.sketch import over_floor
 
 T = TypeVar("T")
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from robsim.base.text import cut
+from robsim.base.text import one_line
 from robsim.gui._link import Link, Messages, Refused, one_buffer, text, whole
 from robsim.gui._worker import Beside
 from robsim.vision.imaging.images import decoded
@@ -18,6 +18,7 @@ from robsim.vision.imaging.images import decoded
 if TYPE_CHECKING:
     from robsim.gui.tools.tool import ToolView
 
+_LONGEST_NAME = 200  # characters
 MOST_BYTES = 64_000_000  # of a file
 MOST_OF_A_PART = 1 << 19  # bytes
 _MOST_FILES = 4  # of all browsers, which are here in part or wait to be decoded
@@ -76,7 +77,7 @@ class Upload:
     def add(self, message: dict[str, Any]) -> None:
         """Add a part; `Refused` says why it does not fit."""
         part, at = message["buffers"], message["at"]
-        if (cut(message["name"]), message["size"]) != (self.name, self.size):
+        if (_name_in(message), message["size"]) != (self.name, self.size):
             raise Refused(f"{self.name} has become another file while it was sent")
         if at != len(self.content):
             raise Refused(f"{self.name} came in a wrong order: byte {at} after {len(self.content)}")
@@ -139,7 +140,7 @@ class Uploads:
         self._beside.wait(timeout)
 
     def _begun(self, link: Link, message: dict[str, Any]) -> Upload:
-        key, name, size = message["key"], cut(message["name"]), message["size"]
+        key, name, size = message["key"], _name_in(message), message["size"]
         if message["at"] != 0:
             raise Refused(f"{name} is not known here any more: load it again")
         if size == 0:
@@ -187,3 +188,7 @@ class Uploads:
 
     def _answer(self, link: Link, key: str, state: str, *, at: int = 0, text: str = "") -> None:
         link.send({"type": "uploaded", "key": key, "state": state, "at": at, "text": text})
+
+
+def _name_in(message: dict[str, Any]) -> str:
+    return one_line(message["name"])[:_LONGEST_NAME]

@@ -1,6 +1,5 @@
 """Calibration of a camera: its lens, where it looks at the floor from, sheets to print."""
 
-from robsim.base.doors import present as _present
 from robsim.lab.calibration.floor import calibrate_floor, calibrate_floor_by_sheets
 from robsim.lab.calibration.floor_report import FloorCalibration, FloorPoint
 from robsim.lab.calibration.grid import draw_grid, sheet_shifts
@@ -28,5 +27,3 @@ __all__ = [
     "save_sheet",
     "sheet_shifts",
 ]
-
-_present(globals())

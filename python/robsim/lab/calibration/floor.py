@@ -23,11 +23,11 @@ from robsim.base.text import listed, quoted
 from robsim.lab.calibration._plane_fit import PlaneFit, aligned, fit_plane, placed
 from robsim.lab.calibration.floor_report import FloorCalibration, FloorPoint
 from robsim.lab.calibration.grid import mark_middles, single_marks
-from robsim.lab.calibration.lens import checked_names, images_of, pixels_of
+from robsim.lab.calibration.lens import checked_names, images_of
 from robsim.lab.calibration.patterns.floor_sheet import MOST_SHEETS, find_sheets
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.vision.imaging.calibration import Calibration, Residuals
-from robsim.vision.imaging.images import Pixels, frame_size
+from robsim.vision.imaging.images import Pixels, frame_pixels, frame_size
 
 _FEWEST = 4
 _TRUSTED = 6  # points, of which one may be wrong
@@ -91,7 +91,7 @@ def calibrate_floor(
     area = check_size("area", area)
     scale = check_mm_per_px(mm_per_px)
     seen, places, called = _marks(pixels, positions, checked_names(names))
-    image = None if picture is None else pixels_of("picture", picture)
+    image = None if picture is None else frame_pixels("picture", picture)
     if image is not None:
         found = frame_size(image)
         if size is not None and check_size("size", size) != found:

@@ -13,11 +13,10 @@ from PIL import Image, ImageDraw, ImageFont
 from robsim._core import Frame, PlaneMap
 from robsim.base.checks import Floats, check_float
 from robsim.base.text import listed, quoted
-from robsim.lab.calibration.lens import pixels_of
 from robsim.lab.calibration.patterns.floor_sheet import FloorSheet, find_marks, sheet_of
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.vision.imaging.calibration import Calibration
-from robsim.vision.imaging.images import Pixels, frame_size
+from robsim.vision.imaging.images import Pixels, frame_pixels, frame_size
 
 _FLOOR, _HIGH = (255, 214, 10), (0, 229, 255)
 _LINES = 8  # about as many across the longer side of the area
@@ -55,7 +54,7 @@ def draw_grid(
         If an argument has the wrong type, the calibration has no floor, or is of frames of another
         size.
     """
-    pixels = pixels_of("image", image)
+    pixels = frame_pixels("image", image)
     if not isinstance(calibration, Calibration):
         raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
     step = None if step is None else check_float("step", step, "mm", exclusive_minimum=0)
@@ -228,7 +227,7 @@ def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, f
     """
     if not isinstance(calibration, Calibration):
         raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
-    pixels = pixels_of("image", image)
+    pixels = frame_pixels("image", image)
     calibration.check_frames(frame_size(pixels))
     off: dict[int, float] = {}  # by the mark; of two of one number the nearer one counts
     for number, corners in find_marks(pixels) if calibration.marks else ():

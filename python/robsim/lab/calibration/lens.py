@@ -17,7 +17,7 @@ from robsim.lab.calibration.lens_report import CELLS, BoardPicture, LensCalibrat
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.vision.imaging.calibration import Calibration, Residuals
-from robsim.vision.imaging.images import Pixels, check_pixels, frame_size
+from robsim.vision.imaging.images import Pixels, frame_pixels, frame_size
 from robsim.vision.imaging.video import load_opencv
 
 
@@ -30,8 +30,7 @@ def images_of(pictures: Any, names: Sequence[str] | None = None) -> Iterator[Pix
         raise TypeError(f"pictures must be several, such as a list, got {quoted(pictures)}")
     size = None
     for number, picture in enumerate(pictures):
-        given = picture.image if isinstance(picture, Frame) else picture
-        image = check_pixels("pictures", given, 3, "Frame objects, or each ")
+        image = frame_pixels("pictures", picture)
         found = frame_size(image)
         if size is not None and found != size:
             named = names is not None and number < len(names)
@@ -44,12 +43,6 @@ def images_of(pictures: Any, names: Sequence[str] | None = None) -> Iterator[Pix
         yield image
     if size is None:
         raise ValueError("pictures must not be empty")
-
-
-def pixels_of(name: str, picture: Any) -> Pixels:
-    """Return the pixels of one picture; raise TypeError or ValueError."""
-    given = picture.image if isinstance(picture, Frame) else picture
-    return check_pixels(name, given, 3, "a Frame or ")
 
 
 def checked_names(names: Any) -> Sequence[str] | None:

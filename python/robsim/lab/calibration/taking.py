@@ -1,16 +1,20 @@
-"""Pictures of a board that are worth taking: it stands still in them, somewhere new."""
+"""Pictures of a board, worth taking where it stands still somewhere new, and a lens by them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from robsim.base.checks import Floats
+from robsim.lab.calibration.lens import FEWEST, View, lens_of_views, why_missing
+from robsim.lab.calibration.lens_report import LensCalibration
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.pattern import Corners
+from robsim.vision.imaging.video import load_opencv
 
 _STILL = 1.0  # px, from one look to the next
 _NEW = 0.06  # of the diagonal: how far the corners are from those of all other pictures
@@ -63,14 +67,6 @@ class BoardTaker:
         return empty_parts(self._kept, self._size)
 
 
-def is_resized(one: Chessboard | Charuco, other: Chessboard | Charuco) -> bool:
-    return one != other and replace(one, square=other.square) == other
-
-
-def resized(corners: Corners, one: Chessboard | Charuco, other: Chessboard | Charuco) -> Corners:
-    return Corners(corners.positions * (other.square / one.square), corners.pixels)
-
-
 def empty_parts(seen: Sequence[Corners], size: tuple[int, int]) -> list[str]:
     """Return the parts of pictures of a size (px) that no board has reached; none of no boards."""
     if not seen:
@@ -80,6 +76,112 @@ def empty_parts(seen: Sequence[Corners], size: tuple[int, int]) -> list[str]:
     thirds = np.array([0, 1, 1, 2])[cells.astype(int)]
     reached = {(int(row), int(column)) for column, row in thirds}
     return [_WORDS[i][j] for i in range(3) for j in range(3) if (i, j) not in reached]
+
+
+@dataclass(frozen=True, eq=False)
+class BoardPictures:
+    """What pictures of one size show of a board: by their names, in the order of taking.
+
+    Attributes
+    ----------
+    board : Chessboard or Charuco
+        What they show.
+    size : tuple of int
+        Their width and height (px).
+    corners : mapping of str to Corners
+        What was found in each.
+    """
+
+    board: Chessboard | Charuco
+    size: tuple[int, int] = (1, 1)
+    corners: Mapping[str, Corners] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.corners)
+
+    def may_show(self, board: Chessboard | Charuco) -> bool:
+        """Return whether a board is this one, but for the side of its squares."""
+        return replace(self.board, square=board.square) == board
+
+    def of(self, board: Chessboard | Charuco) -> BoardPictures:
+        """Return the same of another board; ValueError if these pictures show this one."""
+        if board == self.board:
+            return self
+        if self.may_show(board):
+            scale = board.square / self.board.square
+            seen = {name: _resized(one, scale) for name, one in self.corners.items()}
+            return replace(self, board=board, corners=seen)
+        if len(self):
+            raise ValueError(
+                f"the pictures that were taken show another board: {self.remove_first}"
+            )
+        return BoardPictures(board)
+
+    def with_picture(
+        self, name: str, size: tuple[int, int], corners: Corners, board: Chessboard | Charuco
+    ) -> BoardPictures:
+        """Return them with another one, in which a board was looked for that it may show.
+
+        ValueError: it has another size.
+        """
+        if len(self) and size != self.size:
+            (width, height), (other_width, other_height) = self.size, size
+            raise ValueError(
+                f"the pictures of the board are {width} x {height}; this one is {other_width} x "
+                f"{other_height}: {self.remove_first}, or take others of that size"
+            )
+        names = itertools.chain([name], (f"{name} ({n})" for n in itertools.count(2)))
+        free = next(one for one in names if one not in self.corners)
+        seen = {**self.corners, free: _resized(corners, self.board.square / board.square)}
+        return BoardPictures(self.board, size, seen)
+
+    def without(self, number: int) -> BoardPictures:
+        """Return them without one, by its place, from 0."""
+        return replace(
+            self,
+            corners={
+                name: one for i, (name, one) in enumerate(self.corners.items()) if i != number
+            },
+        )
+
+    @property
+    def remove_first(self) -> str:
+        """What to do before others can be taken."""
+        count = len(self)
+        return "remove the picture first" if count == 1 else f"remove the {count} pictures first"
+
+    @property
+    def why_none(self) -> str:
+        """What to look at where no board is found."""
+        return why_missing(self.board)
+
+    @property
+    def lacking(self) -> str:
+        """How many more are needed for a lens; empty: they are enough."""
+        missing = FEWEST - len(self)
+        if missing <= 0:
+            return ""
+        more = "a picture" if missing == 1 else f"{missing} pictures"
+        return f"take {more} more of the board: {FEWEST} are needed, 10 to 20 are better"
+
+    @property
+    def empty_parts(self) -> list[str]:
+        return empty_parts([*self.corners.values()], self.size)
+
+    def lens(self) -> LensCalibration:
+        """Return the lens by them; ValueError if it could not be calibrated."""
+        cv2 = load_opencv("calibrating a lens")
+        views = [View(*one) for one in self.corners.items()]
+        try:
+            return lens_of_views(cv2, self.size, views, [])
+        except (ValueError, cv2.error) as error:
+            raise ValueError(
+                f"the lens could not be calibrated by these pictures: {error}"
+            ) from error
+
+
+def _resized(corners: Corners, scale: float) -> Corners:
+    return Corners(corners.positions * scale, corners.pixels)
 
 
 def _moved(one: Corners, other: Corners) -> float:

@@ -1,6 +1,5 @@
 """Live cameras: the newest frame of a camera, a stream or a file played at its own rate."""
 
-from robsim.base.doors import present as _present
 from robsim.lab.cameras.camera import Camera, CameraCounts
 from robsim.lab.cameras.errors import (
     CameraBusyError,
@@ -34,5 +33,3 @@ __all__ = [
     "UnpluggedError",
     "find_cameras",
 ]
-
-_present(globals())

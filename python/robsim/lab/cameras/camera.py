@@ -15,7 +15,6 @@ from robsim.base.checks import (
     check_bool,
     check_float,
     check_int,
-    check_region,
     check_size,
     check_text,
 )
@@ -23,7 +22,7 @@ from robsim.base.text import one_line, quoted
 from robsim.lab.cameras.errors import CaptureError, EndOfStream, FrameTimeoutError
 from robsim.lab.cameras.features import CameraFeatures
 from robsim.lab.cameras.sources import Source, Wishes, source_of
-from robsim.vision.imaging.calibration import Calibration
+from robsim.vision.imaging.calibration import Calibration, check_region
 from robsim.vision.imaging.calibration_file import as_calibration
 
 _LONGEST = 3600.0  # s, of a time-out

@@ -5,7 +5,6 @@ folder says what goes over the line, and what a robot must do.
 """
 
 from robsim._core import HaltedError, Limits, LineCounts, LineError, MotorEvent, MotorReceiver
-from robsim.base.doors import present as _present
 from robsim.lab.motors.lines import SerialMotors, UdpMotors
 from robsim.lab.motors.recorded import RecordedMotors
 
@@ -20,5 +19,3 @@ __all__ = [
     "SerialMotors",
     "UdpMotors",
 ]
-
-_present(globals())

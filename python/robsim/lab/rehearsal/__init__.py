@@ -1,6 +1,5 @@
 """Before a robot drives: the check of its camera, and a simulated lab in real time."""
 
-from robsim.base.doors import present as _present
 from robsim.lab.rehearsal.camera_check import CameraCheck, check_camera
 from robsim.lab.rehearsal.camera_findings import CameraFinding
 from robsim.lab.rehearsal.faults import CameraFaults, LabTruth, Lens
@@ -15,5 +14,3 @@ __all__ = [
     "SimulatedLab",
     "check_camera",
 ]
-
-_present(globals())

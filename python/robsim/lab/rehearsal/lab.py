@@ -15,7 +15,6 @@ from robsim.base.text import quoted
 from robsim.lab.rehearsal.faults import CameraFaults, LabTruth, Lens, truth_of
 from robsim.simulation import Scenario
 from robsim.simulation.world import world_of_scenario as worlds
-from robsim.simulation.world.scene import draw_red_square
 from robsim.vision.imaging.noise import as_native_noise
 
 #: Most pixels of the scene for one work-area px, where an oblique camera comes close to the floor.
@@ -294,6 +293,6 @@ def _new_world(
     worlds.apply_dropout(world, scenario)
     worlds.apply_process_noise(world, scenario)
     worlds.seed_world(world, scenario, seed)
-    worlds.set_scene(world, scenario, draw_red_square, makes_at_start=True)
+    worlds.set_scene(world, scenario, makes_at_start=True)
     world.set_evaluate_model(scenario.evaluate_model)
     return world

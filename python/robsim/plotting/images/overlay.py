@@ -16,7 +16,7 @@ from robsim._core import Blob, Estimate, Frame, Measurement
 from robsim.base.checks import Floats, check_text
 from robsim.plotting import style as style
 from robsim.plotting.style import check_blobs, check_kind, check_optional, check_positions
-from robsim.vision.imaging.images import Pixels, frame_size
+from robsim.vision.imaging.images import Pixels
 
 HEADING_LINE = 80.0  # length of a heading's line (work-area px)
 
@@ -133,7 +133,7 @@ class _Canvas:
     def __init__(self, frame: Frame) -> None:
         # Whole images are slow to convert from Pillow: it draws masks, which are painted here.
         self.image = frame.image.copy()
-        self._size = frame_size(self.image)
+        self._size = self.image.shape[1], self.image.shape[0]
         self._map = frame.plane_map
         self._unit = min(self._size) / 1200
 

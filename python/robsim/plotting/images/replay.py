@@ -10,12 +10,12 @@ from robsim._core import Estimate, Frame, Measurement
 from robsim.base.checks import check_bool, check_int
 from robsim.plotting.images.overlay import draw_overlay
 from robsim.plotting.style import check_kind
+from robsim.simulation import Simulation
 from robsim.simulation.runner import Runner
-from robsim.simulation.simulation import Simulation
 from robsim.trace import Trace
 from robsim.trace.units import length_format
 from robsim.vision.imaging.clip import Clip
-from robsim.vision.imaging.images import Pixels, check_iterable
+from robsim.vision.imaging.images import Pixels
 
 
 def annotated_frames(
@@ -45,7 +45,7 @@ def annotated_frames(
     TypeError
         If an argument, or one of the frames, has the wrong type.
     """
-    check_iterable(frames)
+    check_kind("frames", frames, Iterable)
     check_kind("trace", trace, Trace)
     check_kind("simulation", simulation, Runner)
     return _annotated(frames, trace, simulation)

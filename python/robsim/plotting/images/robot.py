@@ -7,11 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
 from robsim.base.checks import Floats
-from robsim.base.polygons import area_and_centroid
 from robsim.base.text import no_formula
 from robsim.plotting import style as style
 from robsim.plotting.style import check_kind
 from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.polygons import area_and_centroid
 
 _FLOOR = (0.86, 0.86, 0.86)  # behind the transparent parts
 _OUTLINE = "#ffd400"

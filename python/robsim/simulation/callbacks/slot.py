@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
 from robsim.base.text import quoted
@@ -153,6 +154,11 @@ class Slot(Generic[T]):
     def signature(self) -> str:
         """The callback with its argument, such as ``control(step)``."""
         return f"{self.name}({self.argument})"
+
+    @property
+    def template(self) -> Path:
+        """The file that a callback of one's own may begin with."""
+        return Path(__file__).parents[1] / "templates" / f"{self.name}.py"
 
     @property
     def n_arguments(self) -> int:

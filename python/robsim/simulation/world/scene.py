@@ -16,7 +16,14 @@ from robsim.base.shipped import ASSETS
 from robsim.base.text import quoted
 from robsim.base.values import Value, frozen
 from robsim.simulation.callbacks.errors import failed, refused
-from robsim.vision.imaging.images import SHADOW, Pixels, darkened, lightened, load_image, resized
+from robsim.vision.imaging.images import (
+    SHADOW,
+    Pixels,
+    darkened,
+    lightened,
+    load_image,
+    resized,
+)
 from robsim.vision.robots.definition import RobotDefinition
 
 

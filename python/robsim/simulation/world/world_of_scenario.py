@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._core import RobotModel
-from robsim.base.seeds import as_uniform, random_bits, stream, stream_number
+from robsim.base.seeds import random_bits, stream, stream_number
 from robsim.simulation.world.disturbances import (
     PoseNoise,
     WheelNoise,
     as_dropout,
     check_process_noise,
 )
-from robsim.simulation.world.scene import make_scene, scaled_floor
+from robsim.simulation.world.scene import draw_red_square, make_scene, scaled_floor
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import as_native_noise
 
@@ -76,7 +76,7 @@ def seed_world(
 def set_scene(
     world: _core.SimulatedWorld,
     scenario: Scenario,
-    adjust_background: Callable[[Pixels], Pixels],
+    adjust_background: Callable[[Pixels], Pixels] = draw_red_square,
     *,
     makes_at_start: bool,
 ) -> None:
@@ -106,7 +106,8 @@ def _start_pose(scenario: Scenario, seed: np.random.SeedSequence) -> ArrayLike:
     lows, highs = (margin, margin, -np.pi), (width - 1 - margin, height - 1 - margin, np.pi)
     bits = random_bits(stream(seed, "start"))
     return [
-        low + (high - low) * as_uniform(next(bits)) for low, high in zip(lows, highs, strict=True)
+        low + (high - low) * ((next(bits) >> 11) * 2.0**-53)
+        for low, high in zip(lows, highs, strict=True)
     ]
 
 

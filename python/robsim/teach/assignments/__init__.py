@@ -1,6 +1,5 @@
 """Assignments: what students hand in, graded by tasks and tests, with reports."""
 
-from robsim.base.doors import present as _present
 from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
 from robsim.teach.assignments.assignment_file import load_assignment
 from robsim.teach.assignments.calibration import calibrate_assignment
@@ -38,5 +37,3 @@ __all__ = [
     "play_run",
     "regrade_class",
 ]
-
-_present(globals())

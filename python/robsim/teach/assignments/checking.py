@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 
-from robsim.base.check_report import CheckReport
+from robsim.base.check_report import CheckReport, Problem
 from robsim.base.checks import check_bool
-from robsim.base.report import Column, Problem, Row, Table
+from robsim.base.report import Column, Row, Table
 from robsim.base.text import listed
 from robsim.campaigns.engines.engine import Engine, engine_value
 from robsim.campaigns.engines.executors import DaskClient

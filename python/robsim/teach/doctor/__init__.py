@@ -1,7 +1,6 @@
 """The doctor: checks that say what is wrong with a callback, and in which line."""
 
 from robsim.base.check_report import CheckReport, Problem
-from robsim.base.doors import present as _present
 from robsim.base.source_line import SourceLine
 from robsim.teach.doctor.callbacks.backgrounds import check_background
 from robsim.teach.doctor.callbacks.controllers import check_controller
@@ -28,5 +27,3 @@ __all__ = [
     "check_motion",
     "check_parameter_estimator",
 ]
-
-_present(globals())

@@ -1,6 +1,5 @@
 """Grading: submissions that run in a process of their own, and whose fault it is if they fail."""
 
-from robsim.base.doors import present as _present
 from robsim.teach.errors import AssignmentError, GraderError, GradingError, SubmissionError
 from robsim.teach.grading.keys import Key
 from robsim.teach.grading.submission import Submission
@@ -21,5 +20,3 @@ __all__ = [
     "clean_text",
     "fenced",
 ]
-
-_present(globals())

@@ -3,7 +3,6 @@
 Importing it registers ``"robsim/Park-v0"`` and ``"robsim/Follow-v0"``, for ``gymnasium.make``.
 """
 
-from robsim.base.doors import present as _present
 from robsim.base.report.optional import import_optional as _import_optional
 
 _import_optional("gymnasium", "robsim.teach.gym needs")
@@ -14,4 +13,3 @@ from robsim.teach.gym.registration import register as _register  # noqa: E402
 __all__ = ["TaskEnv"]
 
 _register()
-_present(globals(), __name__)

@@ -1,6 +1,5 @@
 """Tasks: what students are asked to do, and how a run of it is scored."""
 
-from robsim.base.doors import present as _present
 from robsim.teach.tasks.by_name import TASKS, task
 from robsim.teach.tasks.definition import Task, solution_folder
 from robsim.teach.tasks.kinds.estimate import Estimate
@@ -33,5 +32,3 @@ __all__ = [
     "task",
     "try_solution",
 ]
-
-_present(globals())

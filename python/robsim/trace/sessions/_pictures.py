@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from robsim.base.text import cut, one_line
-from robsim.vision.imaging.images import MOST_PIXELS, Pixels
+from robsim.vision.imaging.images import MOST_PIXELS
 
 _EBML, _SEGMENT, _CLUSTER = 0x1A45DFA3, 0x18538067, 0x1F43B675
 _UNKNOWN_SIZE = b"\x01" + 7 * b"\xff"
@@ -235,7 +236,7 @@ class Pictures:
         place = self._places[number]
         return read_at(descriptor, place.size, place.start)
 
-    def read(self, descriptor: int, number: int) -> Pixels:
+    def read(self, descriptor: int, number: int) -> NDArray[np.uint8]:
         """Return the pixels (H, W, 3) of a picture, RGB.
 
         Raises

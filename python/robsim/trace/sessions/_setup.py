@@ -14,9 +14,9 @@ import numpy as np
 
 from robsim._core import ColorClass, Intrinsics, MarkerLayout, PlaneMap, RobotModel, fitting_roles
 from robsim.base.checks import as_float_array, check_float, check_mm_per_px, check_size
-from robsim.base.files import MOST_TOML, parse_toml, read_toml
-from robsim.base.marker_roles import given_by_role, taken_roles
+from robsim.base.files import parse_toml, read_toml
 from robsim.base.text import one_line, quoted
+from robsim.vision.robots.marker_roles import given_by_role, taken_roles
 
 FORMAT = 2
 _READABLE = (1, 2)
@@ -54,9 +54,10 @@ def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str
         "versions": {"python": platform.python_version(), **_versions()},
     }
     text = tomlkit.dumps(_as_toml("setup", table))
-    if len(text.encode()) > MOST_TOML:
-        raise ValueError(f"setup must have at most {MOST_TOML >> 20} MB as a file")
-    parse_toml(text)
+    try:
+        parse_toml(text)
+    except ValueError as error:
+        raise ValueError(f"setup cannot be written as a file: {error}") from error
     return text
 
 

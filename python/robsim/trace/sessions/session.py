@@ -12,7 +12,7 @@ import numpy as np
 
 from robsim._core import ColorClass, Frame, MarkerLayout, Observation, PlaneMap, RobotModel
 from robsim.base.checks import Floats
-from robsim.base.files import as_folder, read_toml
+from robsim.base.files import as_path, read_toml
 from robsim.base.text import cut, one_line, quoted
 from robsim.trace.columns import GROUPS
 from robsim.trace.run_info import RunInfo
@@ -92,7 +92,7 @@ class Session:
     """
 
     def __init__(self, folder: str | PathLike[str]) -> None:
-        self.folder = as_folder(folder)
+        self.folder = as_path(folder, "folder")
         if not self.folder.is_dir():
             raise FileNotFoundError(f"there is no folder {one_line(self.folder)}")
         if not (self.folder / SETUP).is_file():

@@ -19,7 +19,7 @@ import numpy as np
 
 from robsim._core import Frame, PlaneMap
 from robsim.base.checks import check_bool, check_float
-from robsim.base.files import PartialFile, as_folder, naming, sync_folder, write_whole
+from robsim.base.files import PartialFile, as_path, naming, sync_folder, write_whole
 from robsim.base.shipped import warn_user
 from robsim.base.text import cut, one_line
 from robsim.trace.sessions import _pictures as matroska
@@ -97,7 +97,7 @@ class SessionWriter:
         fps: float | None = None,
         waits: bool = False,
     ) -> None:
-        self.folder = as_folder(folder)
+        self.folder = as_path(folder, "folder")
         if fps is not None:
             fps = check_float("fps", fps, "1/s", exclusive_minimum=0, maximum=1e5)
         kind = "PNG" if check_bool("lossless", lossless) else "JPEG"

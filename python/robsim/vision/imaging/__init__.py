@@ -1,7 +1,6 @@
 """Images and frames: image files, camera noise, plane maps, lenses, calibrations, recordings."""
 
 from robsim._core import Frame, Intrinsics, PlaneMap
-from robsim.base.doors import present as _present
 from robsim.vision.imaging.calibration import Calibration, Residuals
 from robsim.vision.imaging.calibration_file import load_calibration, save_calibration
 from robsim.vision.imaging.clip import Clip
@@ -27,5 +26,3 @@ __all__ = [
     "save_image",
     "save_video",
 ]
-
-_present(globals())

@@ -16,8 +16,8 @@ from robsim.base.checks import (
     check_float,
     check_int,
     check_mm_per_px,
-    check_region,
     check_size,
+    is_int,
 )
 from robsim.base.text import quoted
 
@@ -250,3 +250,17 @@ def _checked_marks(marks: Any) -> dict[int, tuple[float, float]]:
         u, v = place.tolist()
         checked[mark] = (u, v)
     return checked
+
+
+def check_region(name: str, value: Any) -> tuple[int, int, int, int]:
+    """Return a part of a sensor (left, top, width, height), four ints within 0..16384 px."""
+    expected = f"{name} must be (left, top, width, height), four ints in px"
+    try:
+        left, top, width, height = value
+    except (TypeError, ValueError):
+        raise TypeError(f"{expected}, got {quoted(value)}") from None
+    if not all(map(is_int, (left, top, width, height))):
+        raise TypeError(f"{expected}, got {quoted(value)}")
+    if min(left, top) < 0 or min(width, height) < 1 or max(left, top, width, height) > 16384:
+        raise ValueError(f"{expected}, within 0..16384 px, got {quoted(value)}")
+    return int(left), int(top), int(width), int(height)

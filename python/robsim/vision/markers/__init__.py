@@ -15,7 +15,6 @@ from robsim._core import (
     rgb_to_yuv,
     surrounding_chroma,
 )
-from robsim.base.doors import present as _present
 from robsim.vision.markers.color_files import (
     colors_to_toml,
     load_colors,
@@ -52,5 +51,3 @@ __all__ = [
     "train_color",
     "train_markers",
 ]
-
-_present(globals())

@@ -15,7 +15,7 @@ from PIL import ImageColor
 from robsim._core import ColorClass, Frame, rgb_to_yuv
 from robsim.base.checks import check_text
 from robsim.base.files import as_path, read_text, read_toml, write_whole
-from robsim.base.files.reading import MOST_TOML, parse_toml
+from robsim.base.files.reading import parse_toml
 from robsim.base.shipped import ASSETS
 from robsim.base.text import cut, listed, one_line, quoted
 from robsim.base.values import FileVersion
@@ -150,7 +150,7 @@ def save_colors(
         old = load_colors(path)
         _check_count(len({color.name for color in (*old, *classes)}))
         without -= {color.name for color in classes}
-        text = _updated(read_text(path, MOST_TOML), classes, without)
+        text = _updated(read_text(path), classes, without)
     else:
         _check_count(len(classes))
         text = _HEADER + colors_to_toml(classes)

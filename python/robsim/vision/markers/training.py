@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
@@ -169,6 +170,43 @@ def train_markers(
         raise ValueError("frames must have at least one frame, got none")
     first, second = (samples[name].trained(missed) for name in names)
     return first, second
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """A region of a picture that has the colour.
+
+    Attributes
+    ----------
+    picture : str
+        Which picture, for people.
+    region : tuple of int
+        (left, top, right, bottom), all included (px).
+    histograms : array (3, 256)
+        How many of its pixels have each value of Y, U and V.
+    around : array (2, 2) or None
+        Chroma of the picture around it, as from `surrounding_chroma`.
+    """
+
+    picture: str
+    region: Region
+    histograms: NDArray[np.int64]
+    around: Floats | None = None
+
+    @classmethod
+    def of(cls, image: Pixels, region: Region, picture: str) -> Sample:
+        """Return the sample of a region of a picture; ValueError if it lies outside."""
+        histograms = color_histograms(image, region)
+        return cls(picture, region, histograms, chroma_around(image, histograms))
+
+    @property
+    def medians(self) -> Floats:
+        """Medians of Y, U and V."""
+        return medians_of(self.histograms)
+
+    def share_in(self, color: ColorClass) -> float:
+        """Return the share of its pixels that a class takes, by the channel that takes fewest."""
+        return share_in_class(color, self.histograms)
 
 
 class _Samples:

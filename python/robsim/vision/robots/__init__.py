@@ -1,6 +1,5 @@
 """Robots: their definitions (image, outline, markers), where they are stored, the default one."""
 
-from robsim.base.doors import present as _present
 from robsim.vision.robots.definition import BlobMarker, RobotDefinition
 from robsim.vision.robots.files import save_robot
 from robsim.vision.robots.finding import robot_from_image
@@ -29,5 +28,3 @@ __all__ = [
     "save_robot",
     "set_default_robot",
 ]
-
-_present(globals())

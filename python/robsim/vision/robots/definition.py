@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike
 
 from robsim._core import MarkerLayout, cos, fitting_roles, sin
 from robsim.base.checks import Floats, check_choice, check_float, check_int, check_name
-from robsim.base.marker_roles import ROLES, ByRole, roles_of
-from robsim.base.polygons import area_and_centroid
 from robsim.base.spelling import check_names
 from robsim.base.text import quoted
 from robsim.base.values import Value, frozen
 from robsim.vision.imaging.images import Pixels, check_pixels
+from robsim.vision.robots.marker_roles import ROLES, ByRole, roles_of
 from robsim.vision.robots.polygon_checks import finite_array, geometry_problems, polygon
+from robsim.vision.robots.polygons import area_and_centroid
 
 #: The colours of the markers of a robot that names no others.
 DEFAULT_COLORS = tuple(MarkerLayout(distance=1, offset=0).colors.values())

@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image
 
 from robsim.base.checks import Floats
-from robsim.base.files import as_folder, naming, read_toml, write_whole
+from robsim.base.files import as_path, naming, read_toml, write_whole
 from robsim.base.text import cut, one_line, quoted
 from robsim.base.values import FileVersion
 from robsim.vision.imaging.images import load_image
@@ -104,7 +104,7 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     """
     if not isinstance(robot, RobotDefinition):
         raise TypeError(f"robot must be a RobotDefinition, got {quoted(robot)}")
-    folder = as_folder(folder)
+    folder = as_path(folder, "folder")
     with naming(folder):
         folder.mkdir(parents=True, exist_ok=True)
     content = io.BytesIO()

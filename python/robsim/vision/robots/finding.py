@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
 from robsim.base.checks import Floats
-from robsim.base.polygons import area_and_centroid, fitted
 from robsim.base.shipped import warn_user
 from robsim.base.text import quoted
 from robsim.vision.imaging.images import Pixels, check_pixels, resized
@@ -24,6 +23,7 @@ from robsim.vision.robots.definition import (
 )
 from robsim.vision.robots.marker_check import MINIMUM_AREA, over_grey, ranges
 from robsim.vision.robots.polygon_checks import finite_array
+from robsim.vision.robots.polygons import area_and_centroid, fitted
 
 MAXIMUM_SIDE = 1000  # px, larger images are scaled down
 _SIZE = 120.0  # work-area px

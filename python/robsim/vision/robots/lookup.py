@@ -8,11 +8,10 @@ from functools import lru_cache
 from os import PathLike
 from pathlib import Path
 from secrets import token_hex
-from typing import Any
+from typing import Any, NamedTuple
 
 from robsim.base.checks import check_text
 from robsim.base.files import naming, read_text, read_toml, write_whole
-from robsim.base.files.reading import MOST_TOML
 from robsim.base.shipped import ASSETS
 from robsim.base.spelling import suggestion
 from robsim.base.text import cut, listed, one_line, quoted
@@ -81,7 +80,7 @@ def store_default_robot(name: str) -> None:
     settings = tomlkit.document()
     try:
         read_toml(file)  # within limits, and more strictly than tomlkit
-        settings = tomlkit.parse(read_text(file, MOST_TOML))
+        settings = tomlkit.parse(read_text(file))
     except FileNotFoundError:
         with naming(file.parent):
             file.parent.mkdir(parents=True, exist_ok=True)
@@ -229,3 +228,23 @@ def as_robot(robot: str | PathLike[str] | RobotDefinition | None) -> RobotDefini
     if robot is None or isinstance(robot, (str, PathLike)):
         return load_robot(robot)
     raise TypeError(f"robot must be a name, a folder or a RobotDefinition, got {quoted(robot)}")
+
+
+class StoredRobot(NamedTuple):
+    """A folder with a robot, whether it ships with robsim, and whether its name leads to it."""
+
+    name: str
+    folder: Path
+    is_shipped: bool
+    is_found: bool  # no other one of this name takes precedence
+    is_default: bool
+
+
+def stored_robots(default: str | None) -> list[StoredRobot]:
+    """Return the robots that ship with robsim, then the user's; `default` is the one in use."""
+    chosen = None if default is None else find_folder(default)
+    return [
+        StoredRobot(name, folder, is_shipped, folder == find_folder(name), folder == chosen)
+        for is_shipped, robots in ((True, shipped_robots()), (False, user_robots()))
+        for name, folder in robots.items()
+    ]

@@ -21,11 +21,11 @@ from robsim._core import (
 )
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.checks import Floats
-from robsim.base.polygons import area_and_centroid, mask
 from robsim.base.text import quoted
 from robsim.vision.imaging.images import Pixels, darkened, resized
 from robsim.vision.markers.color_files import as_colors
 from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.polygons import area_and_centroid, mask
 
 #: Grey level of the floor assumed behind an image.
 GREY = 128

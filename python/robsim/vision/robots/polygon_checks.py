@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim.base.checks import Floats
-from robsim.base.polygons import area_and_centroid, crossing, depths, samples
 from robsim.base.text import quoted
+from robsim.vision.robots.polygons import area_and_centroid, crossing, depths, samples
 
 _MAXIMUM_POINTS = 1000
 _MAXIMUM_COORDINATE = 1e6  # image px, beyond any image

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike
 from robsim._core import ColorClass
 from robsim.base.checks import LONGEST_NAME, check_bool, check_float, check_text
 from robsim.base.files import naming, read_text, sync_folder, write_whole
-from robsim.base.files.reading import MOST_TOML
 from robsim.base.files.writing import hidden_path
 from robsim.base.text import listed, one_line, quoted
 from robsim.vision.imaging.images import Pixels, load_image
@@ -185,7 +184,7 @@ def rotate_robot(name: str, degrees: float) -> RobotDefinition:
         robot = read_robot(folder)
         alignment = round(math.remainder(robot.alignment + degrees, 360), 6) + 0.0
         # Only this number and the roles change: comments in the file are kept.
-        document = tomlkit.parse(read_text(folder / TOML, MOST_TOML))
+        document = tomlkit.parse(read_text(folder / TOML))
         document["alignment"] = alignment
         _set_roles(document, robot, alignment)
         write_whole(folder / TOML, tomlkit.dumps(document).encode())

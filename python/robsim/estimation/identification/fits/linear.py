@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass
 
-from robsim._core import regression, second_order_recursion
-from robsim.base.checks import Floats, decompose
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._core import rank_tolerance, regression, second_order_recursion
+from robsim.base.checks import Floats
 from robsim.estimation.identification.fits.segments import Segment
 from robsim.estimation.identification.fits.unknowns import HEADING, X, Y
 
@@ -95,3 +98,37 @@ def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Flo
     gains, _ = solve(columns[:, :3], columns[:, 3])
     residuals = columns[:, 3] - columns[:, :3] @ gains
     return np.hstack([a1, a2, gains]), float(np.square(residuals).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class Decomposition:
+    """matrix = U diag(s) V' diag(lengths), without the singular values that are rounding errors.
+
+    Attributes
+    ----------
+    lengths : array (..., n)
+        Lengths of the columns; 1 for a column of zeros.
+    U : array (..., N, m)
+        Left singular vectors of the columns scaled to length 1.
+    inverse : array (..., n, m)
+        V s^-1; 0 for a rounding error.
+    is_determined : array (..., n) of bool
+        The unknowns without a component in the null space.
+    """
+
+    lengths: Floats
+    U: Floats
+    inverse: Floats
+    is_determined: NDArray[np.bool_]
+
+
+def decompose(matrix: Floats) -> Decomposition:
+    """Return the singular value decomposition of a matrix (..., N, n), by the rule of the core."""
+    lengths = np.sqrt(np.sum(np.square(matrix), axis=-2))
+    lengths = np.where(lengths > 0, lengths, 1.0)
+    U, s, V_transposed = np.linalg.svd(matrix / lengths[..., np.newaxis, :], full_matrices=False)
+    is_nonzero = s > rank_tolerance * s.max(axis=-1, initial=0.0, keepdims=True)
+    V = np.swapaxes(V_transposed, -1, -2) * is_nonzero[..., np.newaxis, :]
+    null_fraction = 1 - np.square(V).sum(axis=-1)
+    inverse = V / np.where(is_nonzero, s, 1.0)[..., np.newaxis, :]
+    return Decomposition(lengths, U, inverse, np.asarray(null_fraction <= rank_tolerance))

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim.base.checks import Floats
-from robsim.estimation.identification.batch import BatchEstimate, batch_estimate
-from robsim.estimation.identification.determined import Identifiability, identifiability
+from robsim.estimation.identification.batch import BatchEstimate, batch_estimate, judged
+from robsim.estimation.identification.determined import Identifiability
 from robsim.gui._link import Link
 from robsim.gui._worker import Beside
 from robsim.gui.panels.analysis.statistics import Summary
 from robsim.gui.panels.part import Part
 from robsim.gui.panels.still import drawing
-from robsim.trace import PARAMETER_NAMES, NotRecordedError, Trace
+from robsim.trace import PARAMETER_NAMES, Trace
 
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
@@ -28,13 +28,13 @@ class Parameters(Summary):
 
     def message(self, trace: Trace) -> dict[str, Any]:
         values = _last_known(trace.parameters)
-        judged = None if values is None else _judged(trace[-_MOST_ROWS:])
+        known = None if values is None else judged(trace[-_MOST_ROWS:])
         return {
             "type": "parameters",
             "names": PARAMETER_NAMES,
             "values": None if values is None else listed(values),
-            "errors": None if judged is None else listed(judged.standard_errors),
-            "excitation": excitation_of(judged),
+            "errors": None if known is None else listed(known.standard_errors),
+            "excitation": excitation_of(known),
         }
 
 
@@ -45,18 +45,6 @@ def listed(numbers: ArrayLike) -> list[float | None]:
 def _last_known(parameters: Floats) -> Floats | None:
     known = np.flatnonzero(np.isfinite(parameters[-_MOST_ROWS:]).all(axis=(1, 2)))
     return parameters[-_MOST_ROWS:][known[-1]] if len(known) else None
-
-
-def _judged(trace: Trace) -> Identifiability | None:
-    """Return how well the estimates are known; of an estimator that does not say, the samples."""
-    try:
-        return identifiability(trace)
-    except NotRecordedError:
-        pass
-    try:
-        return batch_estimate(trace).identifiability
-    except ValueError:  # too few samples as yet
-        return None
 
 
 def excitation_of(judged: Identifiability | None) -> dict[str, Any]:

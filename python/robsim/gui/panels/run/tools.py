@@ -15,12 +15,15 @@ from robsim.gui._driver import Playback
 from robsim.gui._link import Buffers, Link, Refused
 from robsim.gui.panels.part import Handlers, Part
 from robsim.gui.panels.record import RunRecord
+from robsim.gui.tools.colors.panel import ColorPanel
+from robsim.gui.tools.colors.view import ColorsView
+from robsim.gui.tools.pictures import RunPictures
+from robsim.gui.tools.robots.panel import RobotPanel
+from robsim.gui.tools.robots.view import RobotsView
 from robsim.simulation import Experiment, Simulation
 
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
-    from robsim.gui.tools.colors.panel import ColorPanel
-    from robsim.gui.tools.robots.panel import RobotPanel
 
 NAMES = ("robots", "colors")
 
@@ -201,13 +204,6 @@ class ToolLine(Link):
 def _opened(
     name: str, panel: PanelView, runner: Simulation | Experiment
 ) -> RobotPanel | ColorPanel:
-    # They open panels themselves.
-    from robsim.gui.tools.colors.panel import ColorPanel
-    from robsim.gui.tools.colors.view import ColorsView
-    from robsim.gui.tools.pictures import RunPictures
-    from robsim.gui.tools.robots.panel import RobotPanel
-    from robsim.gui.tools.robots.view import RobotsView
-
     pictures = RunPictures(panel.driver, panel.record.title)
     if name == "robots":
         return RobotPanel(RobotsView(pictures, runner.robot, runner.colors, begins_live=False))

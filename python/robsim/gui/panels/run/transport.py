@@ -16,8 +16,8 @@ from robsim.base.text import printable, said_by
 from robsim.gui._link import Link, Refused
 from robsim.gui.panels.part import Handlers, Part
 from robsim.simulation import Experiment
-from robsim.simulation.callbacks.errors import FailedCallback, callback_of, traceback_line
-from robsim.simulation.slots import ONCE, SLOTS, names
+from robsim.simulation.callbacks.errors import callback_of, traceback_line
+from robsim.simulation.slots import AT_START, SLOTS
 
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
@@ -38,14 +38,14 @@ def trouble_of(error: BaseException) -> dict[str, Any]:
         "traceback": "",
     }
     with suppress(Exception):  # what an exception holds may be anything, such as notes = 5
-        told |= _told_by(error, failed)
+        told |= _told_by(error)
     return told
 
 
-def _told_by(error: BaseException, failed: FailedCallback | None) -> dict[str, Any]:
-    source = _source_of(error, failed)
+def _told_by(error: BaseException) -> dict[str, Any]:
+    source = _source_of(error)
     return {
-        "text": _shortened(_text_of(error, failed, source)),
+        "text": _shortened(_text_of(error, source)),
         "file": source.file if source else None,
         "line": source.number if source else None,
         "code": _code_of(error, source),
@@ -53,7 +53,8 @@ def _told_by(error: BaseException, failed: FailedCallback | None) -> dict[str, A
     }
 
 
-def _source_of(error: BaseException, failed: FailedCallback | None) -> SourceLine | None:
+def _source_of(error: BaseException) -> SourceLine | None:
+    failed = callback_of(error)
     if failed is not None and failed.source is not None:
         return failed.source
     if isinstance(error, SyntaxError) and error.filename:
@@ -67,11 +68,12 @@ def _code_of(error: BaseException, source: SourceLine | None) -> str | None:
     return _shortened(source.text) if source else None
 
 
-def _text_of(error: BaseException, failed: FailedCallback | None, source: SourceLine | None) -> str:
+def _text_of(error: BaseException, source: SourceLine | None) -> str:
     """Return kind and message, and the notes, without what only says where it was.
 
     The kind has no module before it, as Python would put it there.
     """
+    failed = callback_of(error)
     where = f"in the callback {failed.slot} {failed.when}" if failed else None
     if failed is not None and failed.slot not in SLOTS:
         where = f"in {failed.slot} {failed.when}"
@@ -221,7 +223,7 @@ class Transport(Part):
         self.panel.tell_state()
 
     def _note_stage(self, stage: str, step: Step) -> None:
-        is_start = stage in names(when=ONCE)
+        is_start = stage in AT_START
         # Of a step it is the stage that comes next which one sees work: so none is left out.
         message = {"type": "stages", "stage": stage if is_start else self.panel.runner.stage}
         self.panel.post(lambda: self.panel.send(message))

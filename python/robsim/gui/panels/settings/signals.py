@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
-from robsim._core import DriveAround, Spin
-from robsim.control import Chirp, MultiSine, PseudoRandomBinary
+from robsim._core import Spin
+from robsim.control.by_name import OPEN_LOOP
 
 # Steps and frequencies of the defaults suit the sample time of the default robot.
 _DT = 0.2  # s
@@ -14,17 +15,16 @@ _HIGHEST = 0.4  # of the sampling frequency: half of it is too much
 _LEAST_BAND = 10.0  # highest to lowest frequency
 
 
-def _steps(kind: type, dt: float) -> Any:
-    """Return a signal that holds its voltages as long as the default does."""
-    return kind(hold=max(1, round(kind().hold * _DT / dt)))
-
-
-def _band(kind: type, dt: float) -> Any:
-    """Return a signal of sines that a sample time allows."""
+def _suited(kind: Callable[[], Any], dt: float) -> Any:
+    """Return a signal with the default options, as far as they suit a sample time (s)."""
     default = kind()
-    highest = min(default.maximum_frequency, _HIGHEST / dt)
-    lowest = min(default.minimum_frequency, highest / _LEAST_BAND)
-    return kind(minimum_frequency=lowest, maximum_frequency=highest)
+    if hasattr(default, "hold"):  # its voltages are held as long
+        return type(default)(hold=max(1, round(default.hold * _DT / dt)))
+    if hasattr(default, "maximum_frequency"):
+        highest = min(default.maximum_frequency, _HIGHEST / dt)
+        lowest = min(default.minimum_frequency, highest / _LEAST_BAND)
+        return type(default)(minimum_frequency=lowest, maximum_frequency=highest)
+    return default
 
 
 OFF = "off"
@@ -32,11 +32,7 @@ OFF = "off"
 #: By the names of the command line; each is made for a sample time (s).
 SIGNALS: Mapping[str, Callable[[float], Any]] = {
     OFF: lambda dt: Spin(voltage=0.0),  # a robot that is told nothing more drives on
-    "spin": lambda dt: Spin(),
-    "drive-around": lambda dt: _steps(DriveAround, dt),
-    "pseudo-random-binary": lambda dt: _steps(PseudoRandomBinary, dt),
-    "multi-sine": lambda dt: _band(MultiSine, dt),
-    "chirp": lambda dt: _band(Chirp, dt),
+    **{name: partial(_suited, kind) for name, kind in OPEN_LOOP.items()},
 }
 
 _PLAIN = {name: make(_DT) for name, make in SIGNALS.items()}

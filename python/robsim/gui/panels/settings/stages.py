@@ -12,11 +12,9 @@ from robsim.gui.panels.settings.pace import Choice, Remarks
 from robsim.gui.panels.settings.signals import OFF, SIGNALS
 from robsim.simulation import Experiment, Simulation
 from robsim.simulation.callbacks.missing_data import needed_slots
-from robsim.simulation.runner import Runner
-from robsim.simulation.slots import ROBOT, SLOTS, STEP, names
+from robsim.simulation.slots import SLOTS, STAGES
 
 # The slots that the panel fills.
-_SLOTS = names(half=ROBOT, when=STEP)
 
 _SOURCES = {"measurement": "measure", "estimate": "estimate_state"}  # of the poses in samples
 
@@ -46,7 +44,7 @@ class Stages:
         """
         had_problem = self._problem() is not None
         was_lacking = self._all_lacking()  # as frames may bring what a slot needs
-        put_back = self._owners.kept(_SLOTS)
+        put_back = self._owners.kept(STAGES)
         try:
             put()
             remarks = [*self._switch_on(slot), *self._switch_off(was_lacking)]
@@ -99,7 +97,7 @@ class Stages:
         return remarks
 
     def _all_lacking(self) -> set[str]:
-        return {slot for slot in _SLOTS if self._lacking(slot)}
+        return {slot for slot in STAGES if self._lacking(slot)}
 
     def _lacking(self, slot: str) -> list[str]:
         """Return a slot for each need of another one that none fills."""
@@ -126,7 +124,7 @@ class Stages:
     def _problem(self) -> str | None:
         """Return why the run could not go on."""
         try:
-            Runner._check_stages(self._runner)  # not those of a world, which no slot can mend
+            self._runner._check_slots()  # not the world, which no slot can mend
         except ValueError as error:
             return str(error)
         return None

@@ -10,7 +10,7 @@ import numpy as np
 
 from robsim._core import ColorClass, Frame, MarkerLayout, color_histograms
 from robsim.gui.hosts.script import words
-from robsim.gui.tools.colors.view import found_in, painted
+from robsim.gui.tools.colors.training import found_in, painted
 from robsim.gui.tools.pictures import Picture
 from robsim.gui.tools.still import ACCENT, CHOSEN, LINE, QUIET, WARNING, Sheet, Shown
 

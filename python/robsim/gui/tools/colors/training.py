@@ -1,20 +1,22 @@
-"""Colour classes while they are trained: regions of pictures, ranges, what was made of them."""
+"""Colour classes while they are trained: regions of pictures, ranges, and what they find."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._core import ColorClass, color_histograms
+from robsim._core import ColorClass, Frame, MarkerLayout, PlaneMap, classify, detect, find_blobs
 from robsim.base.checks import Floats
 from robsim.base.text import quoted
+from robsim.gui._link import boxes_of, numbers
 from robsim.gui.tools.history import History
 from robsim.vision.imaging.images import Pixels
-from robsim.vision.markers.training import chroma_around, medians_of, share_in_class
+from robsim.vision.markers.color_files import paint_of
+from robsim.vision.markers.training import Sample
 
 Region = tuple[int, int, int, int]
 Counts = NDArray[np.int64]
@@ -23,37 +25,6 @@ _MOST_CLASSES = 32  # as many as `find_blobs` takes
 _MOST_SAMPLES = 100  # of a class
 OPTIONS = ("percentile", "margin", "limit_y")
 _ONE_PIXEL = np.eye(1, 256, 128, dtype=np.int64).repeat(3, axis=0)
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """A region of a picture that has the colour.
-
-    Attributes
-    ----------
-    picture : str
-        Which picture, for people.
-    region : tuple of int
-        (left, top, right, bottom), all included (px).
-    histograms : array (3, 256)
-        How many of its pixels have each value of Y, U and V.
-    around : array (2, 2) or None
-        Chroma of the picture around it, as from `surrounding_chroma`.
-    """
-
-    picture: str
-    region: Region
-    histograms: Counts
-    around: Floats | None = None
-
-    @property
-    def medians(self) -> Floats:
-        """Medians of Y, U and V."""
-        return medians_of(self.histograms)
-
-    def share_in(self, color: ColorClass) -> float:
-        """Return the share of its pixels that a class takes, by the channel that takes fewest."""
-        return share_in_class(color, self.histograms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,8 +119,7 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
             If the region lies outside the picture or is grey, or there are too many; nothing is
             changed.
         """
-        histograms = color_histograms(image, region)
-        sample = Sample(picture, region, histograms, chroma_around(image, histograms))
+        sample = Sample.of(image, region, picture)
         before = self.classes.get(name)
         samples = (*(before.samples[:keep] if before else ()), sample)
         if len(samples) > _MOST_SAMPLES:
@@ -230,3 +200,35 @@ def _check_count(count: int) -> None:
 
 def ranges_of(color: ColorClass) -> tuple[tuple[int, int], ...]:
     return color.y, color.u, color.v
+
+
+_LARGEST = 1600  # px along a side of a mask
+
+
+def found_in(frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout) -> dict[str, Any]:
+    """Return the boxes of the blobs, the pose of the robot, or why it was not found at once."""
+    blobs = find_blobs(frame, list(colors), markers=markers)
+    found = detect(blobs, markers, plane_map=frame.plane_map, image=frame, colors=list(colors))
+    pose = None if found.measurement is None else numbers(found.measurement.pose)
+    missed = found.explanation if found.by_second_chance or pose is None else None
+    return {"boxes": boxes_of(blobs), "found": pose, "missed": missed}
+
+
+def painted(
+    frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout
+) -> tuple[NDArray[np.uint8], list[tuple[int, ...]]]:
+    """Return which pixel belongs to which class, from 1, and the RGB of each class.
+
+    Of a large picture it has each second pixel, or each third, and so on.
+    """
+    step = -(-max(frame.image.shape[:2]) // _LARGEST)
+    if step > 1:
+        to_area = frame.plane_map.matrix @ np.diag((step, step, 1.0))
+        pixels = np.ascontiguousarray(frame.image[::step, ::step])
+        frame = Frame(pixels, plane_map=PlaneMap(to_area))
+    masks = classify(frame, list(colors), markers=markers)  # as where blobs are found
+    index = np.zeros(frame.image.shape[:2], np.uint8)
+    for number, mask in enumerate(masks.values(), start=1):
+        index[mask] = number
+    inks = [paint_of(name, number) for number, name in enumerate(masks)]
+    return index, inks

@@ -8,19 +8,13 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from robsim._core import (
     ColorClass,
     Frame,
     MarkerLayout,
-    PlaneMap,
-    classify,
     color_histograms,
-    detect,
-    find_blobs,
 )
 from robsim.base.files import as_path
 from robsim.base.text import quoted
@@ -28,53 +22,26 @@ from robsim.gui._link import (
     Link,
     Messages,
     Refused,
-    boxes_of,
     list_of,
-    numbers,
     setting,
     switch,
     text,
     whole,
 )
 from robsim.gui._worker import Beside
-from robsim.gui.tools.colors.training import OPTIONS, ColorTraining, Region, ranges_of
+from robsim.gui.tools.colors.training import (
+    OPTIONS,
+    ColorTraining,
+    Region,
+    found_in,
+    painted,
+    ranges_of,
+)
 from robsim.gui.tools.pictures import Picture, Pictures
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView
 from robsim.vision.markers.color_files import colors_of_text, colors_to_toml, paint_of, save_colors
 from robsim.vision.markers.color_score import ColorScore, score_color
 from robsim.vision.robots.definition import RobotDefinition
-
-_LARGEST = 1600  # px along a side of a mask
-
-
-def found_in(frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout) -> dict[str, Any]:
-    """Return the boxes of the blobs, the pose of the robot, or why it was not found at once."""
-    blobs = find_blobs(frame, list(colors), markers=markers)
-    found = detect(blobs, markers, plane_map=frame.plane_map, image=frame, colors=list(colors))
-    pose = None if found.measurement is None else numbers(found.measurement.pose)
-    missed = found.explanation if found.by_second_chance or pose is None else None
-    return {"boxes": boxes_of(blobs), "found": pose, "missed": missed}
-
-
-def painted(
-    frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout
-) -> tuple[NDArray[np.uint8], list[tuple[int, ...]]]:
-    """Return which pixel belongs to which class, from 1, and the RGB of each class.
-
-    Of a large picture it has each second pixel, or each third, and so on.
-    """
-    step = -(-max(frame.image.shape[:2]) // _LARGEST)
-    if step > 1:
-        to_area = frame.plane_map.matrix @ np.diag((step, step, 1.0))
-        pixels = np.ascontiguousarray(frame.image[::step, ::step])
-        frame = Frame(pixels, plane_map=PlaneMap(to_area))
-    masks = classify(frame, list(colors), markers=markers)  # as where blobs are found
-    index = np.zeros(frame.image.shape[:2], np.uint8)
-    for number, mask in enumerate(masks.values(), start=1):
-        index[mask] = number
-    inks = [paint_of(name, number) for number, name in enumerate(masks)]
-    return index, inks
-
 
 _LONGEST = 8000  # characters of a colour file
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from robsim.base.checks import check_bool, check_int
@@ -11,13 +10,11 @@ from robsim.base.text import quoted
 from robsim.gui._worker import Beside
 from robsim.gui.tools.pictures import Picture, Pictures
 from robsim.gui.tools.tool import Acts
-from robsim.lab.calibration.lens import FEWEST, View, lens_of_views, why_missing
 from robsim.lab.calibration.lens_report import LensCalibration
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.pattern import Corners
-from robsim.lab.calibration.taking import BoardTaker, empty_parts, is_resized, resized
+from robsim.lab.calibration.taking import BoardPictures, BoardTaker
 from robsim.vision.imaging.images import frame_size
-from robsim.vision.imaging.video import load_opencv
 
 if TYPE_CHECKING:
     from robsim.gui.tools.floor.view import FloorView
@@ -32,25 +29,6 @@ _PATTERNS: dict[str, type[Chessboard] | type[Charuco]] = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class TakenBoard:
-    """A picture of the board.
-
-    Attributes
-    ----------
-    name : str
-        What it is called.
-    size : tuple of int
-        Its width and height (px).
-    corners : Corners
-        What was found in it.
-    """
-
-    name: str
-    size: tuple[int, int]
-    corners: Corners = field(repr=False)
-
-
 class LensPictures:
     """Takes pictures of a board out of those of a view, and calibrates the lens by them.
 
@@ -63,8 +41,7 @@ class LensPictures:
     """
 
     def __init__(self, view: FloorView) -> None:
-        self.board: Board = Chessboard()
-        self.taken: tuple[TakenBoard, ...] = ()
+        self.taken = BoardPictures(Chessboard())
         self.report: LensCalibration | None = None
         self.watches = False
         self._view = view
@@ -72,7 +49,7 @@ class LensPictures:
         self._asked: Picture | None = None
         self._film: Pictures | None = None
         self._waiting: list[int] = []  # its pictures that are still to be looked at
-        self._fitted: tuple[TakenBoard, ...] = ()
+        self._fitted = self.taken
         self._wrong = ""
         self._finding = Beside(view, "robsim board")
         self._fitting = Beside(view, "robsim lens")
@@ -102,15 +79,17 @@ class LensPictures:
             "busy": self.is_busy,
             "pictures": [
                 {
-                    "name": one.name,
-                    "corners": len(one.corners.pixels),
-                    "rms": known[one.name].rms if one.name in known else None,
-                    "used": known[one.name].is_used if one.name in known else True,
+                    "name": name,
+                    "corners": len(seen.pixels),
+                    "rms": known[name].rms if name in known else None,
+                    "used": known[name].is_used if name in known else True,
                 }
-                for one in self.taken
+                for name, seen in self.taken.corners.items()
             ],
-            "pixels": [pixel for one in self.taken for pixel in one.corners.pixels.tolist()],
-            "empty": empty_parts([one.corners for one in self.taken], self._size),
+            "pixels": [
+                pixel for one in self.taken.corners.values() for pixel in one.pixels.tolist()
+            ],
+            "empty": self.taken.empty_parts,
             "rms": None if report is None else report.rms,
             "verdict": None if report is None else report.verdict,
             "problems": self._problems(),
@@ -126,8 +105,9 @@ class LensPictures:
         self._fitting.wait(timeout)
 
     @property
-    def _size(self) -> tuple[int, int]:
-        return self.taken[0].size if self.taken else (1, 1)
+    def board(self) -> Board:
+        """What is looked for."""
+        return self.taken.board
 
     # What changes it.
 
@@ -147,17 +127,9 @@ class LensPictures:
 
         If only the side of its squares differs, the pictures that were taken count as before.
         """
-        if is_resized(self.board, board):
-            self.taken = tuple(
-                replace(one, corners=resized(one.corners, self.board, board)) for one in self.taken
-            )
-        elif board != self.board:
-            if self.taken:
-                raise ValueError(
-                    f"the pictures that were taken show another board: {self._remove_first()}"
-                )
+        before, self.taken = self.taken, self.taken.of(board)
+        if not before.may_show(board):
             self._taker, self._waiting = None, []
-        self.board = board
         self._changed()
 
     def take_now(self) -> int:
@@ -166,13 +138,13 @@ class LensPictures:
         self._refuse_more()
         found = self.board.find(picture.frame.image)
         if found is None:
-            raise ValueError(f"no board in {picture.name}: {why_missing(self.board)}")
-        self._keep(picture, found)
+            raise ValueError(f"no board in {picture.name}: {self.taken.why_none}")
+        self._keep(picture, found, self.board)
         return len(found.pixels)
 
     def fit_now(self) -> LensCalibration:
         """Return the lens by the pictures that were taken, without waiting for other threads."""
-        if self.report is None or self._fitted != self.taken:
+        if self.report is None or self._fitted is not self.taken:
             found = self._fit(self.taken)
             self._fitted = self.taken
             self.report = found if isinstance(found, LensCalibration) else None
@@ -218,19 +190,19 @@ class LensPictures:
     def drop(self, number: int | None) -> None:
         """Forget a picture, by its place in the list, from 0; None = all."""
         if number is None:
-            self.taken = ()
+            self.taken = BoardPictures(self.board)
         else:
             number = check_int("picture", number, minimum=0, maximum=_MOST)
             if number >= len(self.taken):
                 raise ValueError(f"there is no picture {number}")
-            self.taken = (*self.taken[:number], *self.taken[number + 1 :])
+            self.taken = self.taken.without(number)
         if not self.taken:
             self._taker, self._waiting = None, []
         self._changed()
 
     def use(self) -> None:
         """Let the floor be calibrated through this lens."""
-        if self.report is None or self._fitted != self.taken:
+        if self.report is None or self._fitted is not self.taken:
             raise ValueError(self._wrong or "; ".join(self._problems()) or "it is not ready yet")
         self._view.take(self.report.calibration)
 
@@ -242,10 +214,6 @@ class LensPictures:
             self._look_at(picture, is_asked=False)
 
     # How.
-
-    def _remove_first(self) -> str:
-        count = len(self.taken)
-        return "remove the picture first" if count == 1 else f"remove the {count} pictures first"
 
     def _refuse_more(self) -> None:
         if len(self.taken) >= _MOST:
@@ -265,10 +233,8 @@ class LensPictures:
                 return str(error)
 
         def take(found: Corners | str | None) -> None:
-            if is_resized(board, self.board) and isinstance(found, Corners):
-                found = resized(found, board, self.board)
-            if board == self.board or is_resized(board, self.board):
-                self._take(picture, found, is_asked=is_asked)
+            if self.taken.may_show(board):
+                self._take(picture, found, board, is_asked=is_asked)
             asked, self._asked = self._asked, None
             if asked is not None:
                 self._look_at(asked)
@@ -277,10 +243,12 @@ class LensPictures:
 
         self._finding.begin(find, take)
 
-    def _take(self, picture: Picture, found: Corners | str | None, *, is_asked: bool) -> None:
+    def _take(
+        self, picture: Picture, found: Corners | str | None, board: Board, *, is_asked: bool
+    ) -> None:
         if isinstance(found, Corners):
             try:
-                self._keep(picture, found)
+                self._keep(picture, found, board)
             except ValueError as error:
                 if is_asked:
                     self._waiting = []
@@ -293,27 +261,16 @@ class LensPictures:
             self.watches = False
             self._view.note(found)
         elif is_asked:
-            self._view.note(f"no board in {picture.name}: {why_missing(self.board)}")
+            self._view.note(f"no board in {picture.name}: {self.taken.why_none}")
         if is_asked or found is not None:
             self._tell()
 
-    def _keep(self, picture: Picture, found: Corners) -> None:
+    def _keep(self, picture: Picture, found: Corners, board: Board) -> None:
         """Take a picture with its corners; ValueError if it does not go with the others."""
         self._refuse_more()
         size = frame_size(picture.frame.image)
-        if self.taken and size != self._size:
-            (width, height), (other_width, other_height) = self._size, size
-            raise ValueError(
-                f"the pictures of the board are {width} x {height}; this one is {other_width} x "
-                f"{other_height}: {self._remove_first()}, or take others of that size"
-            )
-        self.taken = (*self.taken, TakenBoard(self._name_of(picture), size, found))
+        self.taken = self.taken.with_picture(picture.name, size, found, board)
         self._changed()
-
-    def _name_of(self, picture: Picture) -> str:
-        names = {one.name for one in self.taken}
-        candidates = (f"{picture.name} ({n})" for n in range(2, _MOST + 2))
-        return next(name for name in (picture.name, *candidates) if name not in names)
 
     def _next(self) -> None:
         if self._waiting and self._film is not None and not self._finding.is_busy:
@@ -330,14 +287,14 @@ class LensPictures:
 
     def _fit_soon(self) -> None:
         taken = self.taken
-        if self._fitting.is_busy or taken == self._fitted:
+        if self._fitting.is_busy or taken is self._fitted:
             return
-        if len(taken) < FEWEST:
+        if taken.lacking:
             self.report, self._wrong, self._fitted = None, "", taken
             return
 
         def done(found: LensCalibration | str | None) -> None:
-            if self._fitted == self.taken:  # somebody did not want to wait for it
+            if self._fitted is self.taken:  # somebody did not want to wait for it
                 self._tell()
                 return
             self._fitted = taken
@@ -347,22 +304,16 @@ class LensPictures:
 
         self._fitting.begin(lambda: self._fit(taken), done)
 
-    def _fit(self, taken: tuple[TakenBoard, ...]) -> LensCalibration | str:
+    def _fit(self, taken: BoardPictures) -> LensCalibration | str:
         """Return the lens by pictures, or why there is none; any thread."""
-        if len(taken) < FEWEST:
-            return ""
-        views = [View(one.name, one.corners) for one in taken]
-        cv2 = load_opencv("calibrating a lens")
         try:
-            return lens_of_views(cv2, taken[0].size, views, [])
-        except (ValueError, cv2.error) as error:
-            return f"the lens could not be calibrated by these pictures: {error}"
+            return "" if taken.lacking else taken.lens()
+        except ValueError as error:
+            return str(error)
 
     def _problems(self) -> list[str]:
-        missing = FEWEST - len(self.taken)
-        if missing > 0:
-            more = "a picture" if missing == 1 else f"{missing} pictures"
-            return [f"take {more} more of the board: {FEWEST} are needed, 10 to 20 are better"]
+        if lacking := self.taken.lacking:
+            return [lacking]
         if self.report is None:
             return [self._wrong] if self._wrong else []
         return [one.sentence for one in self.report.problems]

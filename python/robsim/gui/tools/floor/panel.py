@@ -1,105 +1,22 @@
-"""What users hold of the panel that calibrates a floor: `floor_panel` opens it."""
+"""What users hold of the panel that calibrates a floor."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 from numpy.typing import ArrayLike
 
 from robsim.base.checks import check_float
-from robsim.base.files import as_path
 from robsim.base.text import quoted
-from robsim.gui.tools.floor.corners import TITLE, tiled_floor
-from robsim.gui.tools.floor.points import FloorDraft
 from robsim.gui.tools.floor.view import FloorView
 from robsim.gui.tools.panel import ToolPanel
-from robsim.gui.tools.pictures import OnePicture, Seen, pictures_of
 from robsim.lab.calibration.floor import checked_places
 from robsim.lab.calibration.floor_report import FloorCalibration
 from robsim.lab.calibration.lens_report import LensCalibration
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.vision.imaging.calibration import Calibration
-from robsim.vision.imaging.calibration_file import load_calibration
-from robsim.vision.robots.lookup import load_robot
-
-_FILE, _EXAMPLE_FILE = "camera.toml", "example.toml"
-_DRAFT = FloorDraft(area=(1200, 1200), mm_per_px=2.0)
-
-
-def floor_panel(
-    what: Seen | str | PathLike[str] | None = None,
-    *,
-    calibration: Calibration | str | PathLike[str] | None = None,
-    file: str | PathLike[str] | None = None,
-) -> FloorPanel:
-    """Open the panel that calibrates where a camera looks at the floor from.
-
-    Points are placed on the picture by the mouse, under a magnifying glass, and their places on the
-    floor typed in; or printed sheets are found. How well they fit shows at once.
-
-    Parameters
-    ----------
-    what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
-        Whose pictures. A path is that of a picture, of a folder of them, or of a video. Default: an
-        example, a floor of tiles.
-    calibration : Calibration or path, optional
-        What is known already: a lens, or a floor, too. Default: what is in `file`, if it is there.
-    file : path, optional
-        Where Save writes it, unless another file is named there. Default: that of `calibration`, or
-        ``camera.toml``; of the example ``example.toml``.
-
-    Returns
-    -------
-    FloorPanel
-        The panel; `FloorPanel.value` has the calibration.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be read.
-    TypeError, ValueError
-        If an argument has the wrong type, or is no such file; the message names it.
-
-    Examples
-    --------
-    In a notebook, as the last lines of a cell, and when it fits well in the next one:
-
-    >>> tool = robsim.gui.floor_panel("floor.png", calibration="camera.toml")
-    >>> tool
-
-    >>> camera = robsim.Camera(0, calibration=tool.value)
-    """
-    given = None if file is None else as_path(file, "file")
-    if what is None and calibration is None and given is None:
-        given = Path(_EXAMPLE_FILE)  # yours stays as it is
-    known, path, is_read = _known(calibration, given)
-    example = OnePicture(tiled_floor(), TITLE) if what is None else None
-    source = example or pictures_of(what, load_robot())
-    return FloorPanel(FloorView(source, known, _draft_of(known), path, is_read=is_read))
-
-
-def _known(calibration: Any, file: Path | None) -> tuple[Calibration | None, Path, bool]:
-    """Return what is known already, the file to write, and whether that is where it is from."""
-    if isinstance(calibration, Calibration):
-        return calibration, file or Path(_FILE), False
-    if calibration is None:
-        path = file or Path(_FILE)
-        is_there = path.exists()
-        return (load_calibration(path) if is_there else None), path, is_there
-    if not isinstance(calibration, (str, PathLike)):
-        raise TypeError(f"calibration must be a Calibration or a path, got {quoted(calibration)}")
-    path = as_path(calibration, "calibration")
-    known = load_calibration(path)
-    return known, file or path, file is None or file.resolve() == path.resolve()
-
-
-def _draft_of(known: Calibration | None) -> FloorDraft:
-    if known is None or known.area is None or known.mm_per_px is None:
-        return _DRAFT
-    return FloorDraft(known.area, known.mm_per_px, known.marker_height)
 
 
 class FloorPanel(ToolPanel):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from robsim.base.checks import Floats, check_float, check_int, check_mm_per_px, check_size
-from robsim.base.text import listed, quoted
+from robsim.base.text import quoted
 from robsim.gui.tools.history import History
 from robsim.vision.robots.polygon_checks import finite_array
 
@@ -87,9 +87,8 @@ class FloorDraft:
         """Return what is missing or wrong before anything can be fitted, a sentence each."""
         said = []
         if lacking := [str(one.number) for one in self.points if not one.is_complete]:
-            which = (
-                f"point {lacking[0]} has" if len(lacking) == 1 else f"points {listed(lacking)} have"
-            )
+            numbers = ", ".join(lacking)
+            which = f"point {numbers} has" if len(lacking) == 1 else f"points {numbers} have"
             said.append(f"{which} no place on the floor yet: give x and y")
         missing = FEWEST - len(self.points)
         if missing > 0:

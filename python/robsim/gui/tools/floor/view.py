@@ -15,7 +15,7 @@ from robsim.base.files import as_path
 from robsim.base.text import one_line
 from robsim.gui._link import Link, Messages, maybe, number, point, switch, text, whole
 from robsim.gui._worker import Beside
-from robsim.gui.tools.floor.corners import FloorSheets, SeenSheets, snapped
+from robsim.gui.tools.floor.corners import FloorSheets, snapped
 from robsim.gui.tools.floor.fitting import (
     fit_of,
     fitted,
@@ -29,6 +29,7 @@ from robsim.gui.tools.floor.points import MOST, FloorDraft, FloorPoints, checked
 from robsim.gui.tools.pictures import Pictures
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView
 from robsim.lab.calibration.floor_report import FloorCalibration
+from robsim.lab.calibration.seen_sheets import SeenSheets
 from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.calibration_file import load_calibration, save_calibration
 from robsim.vision.imaging.images import frame_size
@@ -382,7 +383,14 @@ class FloorView(ToolView):
             if size is None:
                 return "there is no picture yet"
             if way == "sheets":
-                found: FloorCalibration = by.fitted(draft, base)
+                if not by.corners:
+                    return "press Find sheets: there are none yet"
+                found: FloorCalibration = by.floor(
+                    area=draft.area,
+                    mm_per_px=draft.mm_per_px,
+                    marker_height=draft.marker_height,
+                    lens=base,
+                )
                 return found
             return fitted(draft, base, size)
         except (TypeError, ValueError, ImportError) as error:

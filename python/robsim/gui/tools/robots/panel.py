@@ -1,66 +1,18 @@
-"""What users hold of the panel that defines a robot: `robot_panel` opens it."""
+"""What users hold of the panel that defines a robot."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from os import PathLike
 
 from numpy.typing import ArrayLike
 
-from robsim._core import ColorClass, Frame
+from robsim._core import Frame
 from robsim.base.checks import check_bool
 from robsim.gui.tools.panel import ToolPanel
-from robsim.gui.tools.pictures import Seen, pictures_of
 from robsim.gui.tools.robots.view import RobotsView
-from robsim.simulation.options import colors_value
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
-
-
-def robot_panel(
-    what: Seen | str | PathLike[str] | None = None,
-    *,
-    robot: str | PathLike[str] | RobotDefinition | None = None,
-    colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
-) -> RobotPanel:
-    """Open the panel that defines a robot: capture its picture, draw outline and markers, save it.
-
-    Parameters
-    ----------
-    what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
-        What its picture is captured from. A path is that of a picture, of a folder of them, or of a
-        video. Default: nothing; a robot that there is, is drawn on.
-    robot : name, path or RobotDefinition, optional
-        What is drawn at first. Default: the default robot.
-    colors : path or iterable of ColorClass, optional
-        Those of the markers, by which they are guessed. Default: the shipped ones.
-
-    Returns
-    -------
-    RobotPanel
-        The panel; `RobotPanel.value` has the robot.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be read.
-    TypeError, ValueError
-        If an argument has the wrong type, or is no such file; the message names it.
-
-    Examples
-    --------
-    In a notebook, as the last lines of a cell, and when it is drawn in the next one:
-
-    >>> tool = robsim.gui.robot_panel("photo.png")
-    >>> tool
-
-    >>> sim = robsim.Simulation(robot=tool.value, measure=True)
-    """
-    definition = as_robot(robot)
-    known = colors_value(colors, None)
-    source = None if what is None else pictures_of(what, definition)
-    return RobotPanel(RobotsView(source, definition, known))
 
 
 class RobotPanel(ToolPanel):
@@ -185,7 +137,7 @@ class RobotPanel(ToolPanel):
         return self._view.ask(lambda: self._view.save(name, overwrite=overwrite))
 
     def __repr__(self) -> str:
-        problems = self._view.drawing.problems()
+        problems = self._view.drawing.sketch.problems()
         return f"<robsim.gui.RobotPanel: {self._view.name}{', incomplete' * bool(problems)}>"
 
     def _made(self) -> tuple[str, RobotDefinition]:

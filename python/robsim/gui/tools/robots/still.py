@@ -8,8 +8,8 @@ from typing import Any
 
 from robsim.gui.hosts.script import words
 from robsim.gui.tools.pictures import Picture
-from robsim.gui.tools.robots.drawing import OUTLINE
 from robsim.gui.tools.still import ACCENT, CHOSEN, LINE, QUIET, TEXT, WARNING, Sheet, Shown
+from robsim.vision.robots.sketch import OUTLINE
 
 _WIDTH, _HEIGHT = 800, 500
 _SIDE = 455  # of the picture

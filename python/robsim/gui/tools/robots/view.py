@@ -14,27 +14,19 @@ from robsim.base.checks import check_float
 from robsim.base.text import quoted
 from robsim.gui._css_colors import css_color
 from robsim.gui._link import Messages, number, point, switch, text, whole
-from robsim.gui.tools.pictures import OnePicture, Picture, Pictures, over_floor
-from robsim.gui.tools.robots.drawing import (
-    OUTLINE,
-    RobotDrawing,
-    Sketch,
-    cut_out,
-    guessed,
-    is_cut_out,
-    sketch_of,
-    sketch_of_picture,
-)
+from robsim.gui.tools.pictures import OnePicture, Picture, Pictures
+from robsim.gui.tools.robots.drawing import RobotDrawing, cut_out
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, ToolView
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import (
+    as_robot,
     default_robot,
-    load_robot,
     robot_names,
     set_default_robot,
     user_robots,
 )
+from robsim.vision.robots.sketch import OUTLINE, Sketch, is_cut_out, over_floor
 from robsim.vision.robots.user_robots import add_robot, check_new_name
 
 MESSAGES: Messages = {
@@ -93,7 +85,7 @@ class RobotsView(ToolView):
         *,
         begins_live: bool = True,
     ) -> None:
-        self._as_loaded = sketch_of(robot)
+        self._as_loaded = Sketch.of(robot)
         self._begun = self._as_loaded  # where Reset goes back to
         self.drawing = RobotDrawing(self._as_loaded)
         self.name = robot.name
@@ -152,10 +144,10 @@ class RobotsView(ToolView):
             "parts": {part: corners.tolist() for part, corners in sketch.parts.items()},
             "roles": sketch.roles,
             "inks": self._inks(),
-            "centre": self.drawing.centre.tolist(),
+            "centre": sketch.middle.tolist(),
             "alignment": sketch.alignment,
             "size": sketch.size,
-            "problems": self.drawing.problems(),
+            "problems": sketch.problems(),
         }
 
     def still(self) -> Callable[[], bytes]:
@@ -180,7 +172,7 @@ class RobotsView(ToolView):
 
     def load(self, robot: RobotDefinition) -> None:
         """Draw on a robot that there is."""
-        self._as_loaded = sketch_of(robot)
+        self._as_loaded = Sketch.of(robot)
         self._begun = self._as_loaded
         self.drawing.begin(self._begun)
         self.name = self._of = robot.name
@@ -193,12 +185,12 @@ class RobotsView(ToolView):
             raise ValueError("there is no live picture to capture")
         image = self.picture.frame.image
         pixels = image if whole else cut_out(image, self._square)
-        self._draw_on(sketch_of_picture(pixels, self.drawing.sketch.size, self._colors))
+        self._draw_on(Sketch.of_picture(pixels, self.drawing.sketch.size, self._colors))
 
     def loading(self, pixels: Pixels, name: str) -> Callable[[], object]:
         if not is_cut_out(pixels):
             return super().loading(pixels, name)
-        sketch = sketch_of_picture(pixels, 1.0, self._colors)
+        sketch = Sketch.of_picture(pixels, 1.0, self._colors)
 
         stem = PurePath(name).stem
         return lambda: self._draw_on(replace(sketch, size=self.drawing.sketch.size), stem)
@@ -225,12 +217,12 @@ class RobotsView(ToolView):
         """Return the robot as it is drawn; ValueError says what is missing."""
         if self.drawing.sketch is self._as_loaded:
             return self._loaded  # with what is not drawn
-        return self.drawing.definition(self.name)
+        return self.drawing.sketch.definition(self.name)
 
     def save(self, name: str, *, overwrite: bool = False) -> RobotDefinition:
         """Add the robot to the user's, where it survives a restart."""
         robot = add_robot(
-            name, self.drawing.definition(name), overwrite=overwrite, ignore_colors=True
+            name, self.drawing.sketch.definition(name), overwrite=overwrite, ignore_colors=True
         )
         self.name = self._of = robot.name
         self._loaded = robot
@@ -260,7 +252,7 @@ class RobotsView(ToolView):
     @property
     def _is_stored(self) -> bool:
         """Whether what is drawn on is a robot of the list, and not another one of its name."""
-        return self._of in robot_names() and load_robot(self._of) == self._loaded
+        return self._of in robot_names() and as_robot(self._of) == self._loaded
 
     @property
     def _is_mine(self) -> bool:
@@ -283,7 +275,8 @@ class RobotsView(ToolView):
         self._show_drawing()
 
     def _choose(self, part: str) -> None:
-        self._part = self.drawing.checked(part)
+        self.drawing.sketch.part(part)  # which there must be
+        self._part = part
         self.tell_state()
 
     def _inks(self) -> dict[str, str]:
@@ -293,7 +286,7 @@ class RobotsView(ToolView):
         return {OUTLINE: _OUTLINE_INK, **{name: known.get(name, _OTHER_INK) for name in colors}}
 
     def _guess(self, part: str) -> None:
-        self.drawing.put(part, guessed(self.drawing.sketch, part, self._colors))
+        self.drawing.go_to(self.drawing.sketch.guessed(part, self._colors))
 
     def _put_square(self, at: tuple[float, float], side: float) -> None:
         height, width = self.shown.frame.image.shape[:2]
@@ -325,7 +318,7 @@ def _listed(name: str) -> RobotDefinition:
     """Return a robot of the list: browsers name no folders."""
     if name not in robot_names():
         raise ValueError(f"there is no robot {quoted(name)}")
-    return load_robot(name)
+    return as_robot(name)
 
 
 def _free_name(name: str) -> str:

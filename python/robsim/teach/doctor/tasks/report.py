@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from robsim.base.report import Problem, Quantity, percent
+from robsim.base.check_report import Problem
+from robsim.base.report import Quantity, percent
 from robsim.teach.doctor.callbacks.folder import FolderReport
 
 if TYPE_CHECKING:  # where submissions are graded the doctor looks at them without the tasks

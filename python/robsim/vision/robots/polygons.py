@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from robsim.base.checks import Floats
 
 _MAXIMUM_SAMPLES = 2000
+_MINIMUM_INSIDE = 0.8  # fraction of a box that must lie in the polygon
 
 
 def area_and_centroid(polygon: Floats) -> tuple[float, Floats]:
@@ -113,3 +114,17 @@ def mask(polygon: Floats, width: int, height: int) -> NDArray[np.bool_]:
         # Even-odd rule: inside between an odd crossing and the next one.
         covered[down] = np.searchsorted(sides, np.arange(width)) % 2 == 1
     return covered
+
+
+def inner_box(polygon: Floats, width: int, height: int) -> tuple[int, int, int, int] | None:
+    """Return (left, top, right, bottom) within a polygon of an image (px); None if it sticks out.
+
+    It is 70 % as wide as a square of that area, so that it lies inside a round marker, too.
+    """
+    area, centroid = area_and_centroid(polygon)
+    half_width = 0.35 * np.sqrt(area)
+    left, top = np.rint(centroid - half_width).astype(int).tolist()
+    right, bottom = np.rint(centroid + half_width).astype(int).tolist()
+    is_inside = mask(polygon, width, height)[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
+    is_good = is_inside.size and is_inside.mean() >= _MINIMUM_INSIDE
+    return (left, top, right, bottom) if is_good else None

@@ -1,0 +1,255 @@
+"""The doors of the tools: `color_panel`, `robot_panel`, `floor_panel`, and what they open on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robsim._core import ColorClass, Frame
+from robsim.base.files import as_path
+from robsim.base.text import quoted
+from robsim.gui.facade import is_shown, panel
+from robsim.gui.tools.colors.panel import ColorPanel
+from robsim.gui.tools.colors.view import ColorsView
+from robsim.gui.tools.floor.corners import TITLE, tiled_floor
+from robsim.gui.tools.floor.panel import FloorPanel
+from robsim.gui.tools.floor.points import FloorDraft
+from robsim.gui.tools.floor.view import FloorView
+from robsim.gui.tools.pictures import (
+    CameraPictures,
+    OnePicture,
+    Pictures,
+    RecordedPictures,
+    RunPictures,
+    picture_of,
+)
+from robsim.gui.tools.robots.panel import RobotPanel
+from robsim.gui.tools.robots.view import RobotsView
+from robsim.lab.cameras.camera import Camera
+from robsim.simulation import Experiment, Simulation
+from robsim.simulation.options import colors_value
+from robsim.vision.imaging.calibration import Calibration
+from robsim.vision.imaging.calibration_file import load_calibration
+from robsim.vision.imaging.images import Pixels, check_pixels, image_suffixes, load_image
+from robsim.vision.imaging.recordings import Recording
+from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.lookup import as_robot
+
+_FILE, _EXAMPLE_FILE = "camera.toml", "example.toml"
+_DRAFT = FloorDraft(area=(1200, 1200), mm_per_px=2.0)
+
+#: What a tool is opened on.
+Seen = Camera | Recording | Simulation | Experiment | Frame | Pixels
+
+
+def color_panel(
+    what: Seen | str | PathLike[str] | None = None,
+    *,
+    colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+    robot: str | PathLike[str] | RobotDefinition | None = None,
+    file: str | PathLike[str] = "colors.toml",
+) -> ColorPanel:
+    """Open the panel that trains colours, on pictures: mark a region, adjust its ranges, test them.
+
+    Parameters
+    ----------
+    what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
+        Whose pictures. A path is that of a picture, of a folder of them, or of a video; of a
+        simulation or an experiment it shows what its panel (`robsim.panel`) has. Default: the
+        picture of the robot.
+    colors : path or iterable of ColorClass, optional
+        The classes to begin with. Default: those in `file`, if it is there, or none.
+    robot : name, path or RobotDefinition, optional
+        The robot that is looked for with them. Default: the default robot.
+    file : path
+        Where Save writes them, unless another file is named there.
+
+    Returns
+    -------
+    ColorPanel
+        The panel; `ColorPanel.value` has the classes.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    TypeError, ValueError
+        If an argument has the wrong type, or is no such file; the message names it.
+
+    Examples
+    --------
+    In a notebook, as the last lines of a cell, and when all are trained in the next one:
+
+    >>> tool = robsim.gui.color_panel("photo.png")
+    >>> tool
+
+    >>> sim = robsim.Simulation(colors=tool.value, measure=True)
+
+    Without a window:
+
+    >>> with robsim.gui.color_panel("photo.png", file="mine.toml") as tool:
+    ...     tool.train("red", (20, 20, 29, 29))
+    ...     tool.save()
+    ColorClass('red', y=(0, 255), u=(0, 154), v=(156, 255))
+    """
+    path = as_path(file, "file")
+    definition = as_robot(robot)
+    if colors is None and not path.exists():
+        known: Sequence[ColorClass] = ()
+    else:
+        known = colors_value(path if colors is None else colors, None)
+    return ColorPanel(ColorsView(pictures_of(what, definition), known, definition, path))
+
+
+def floor_panel(
+    what: Seen | str | PathLike[str] | None = None,
+    *,
+    calibration: Calibration | str | PathLike[str] | None = None,
+    file: str | PathLike[str] | None = None,
+) -> FloorPanel:
+    """Open the panel that calibrates where a camera looks at the floor from.
+
+    Points are placed on the picture by the mouse, under a magnifying glass, and their places on the
+    floor typed in; or printed sheets are found. How well they fit shows at once.
+
+    Parameters
+    ----------
+    what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
+        Whose pictures. A path is that of a picture, of a folder of them, or of a video. Default: an
+        example, a floor of tiles.
+    calibration : Calibration or path, optional
+        What is known already: a lens, or a floor, too. Default: what is in `file`, if it is there.
+    file : path, optional
+        Where Save writes it, unless another file is named there. Default: that of `calibration`, or
+        ``camera.toml``; of the example ``example.toml``.
+
+    Returns
+    -------
+    FloorPanel
+        The panel; `FloorPanel.value` has the calibration.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    TypeError, ValueError
+        If an argument has the wrong type, or is no such file; the message names it.
+
+    Examples
+    --------
+    In a notebook, as the last lines of a cell, and when it fits well in the next one:
+
+    >>> tool = robsim.gui.floor_panel("floor.png", calibration="camera.toml")
+    >>> tool
+
+    >>> camera = robsim.Camera(0, calibration=tool.value)
+    """
+    given = None if file is None else as_path(file, "file")
+    if what is None and calibration is None and given is None:
+        given = Path(_EXAMPLE_FILE)  # yours stays as it is
+    known, path, is_read = _known(calibration, given)
+    example = OnePicture(tiled_floor(), TITLE) if what is None else None
+    source = example or pictures_of(what, as_robot(None))
+    return FloorPanel(FloorView(source, known, _draft_of(known), path, is_read=is_read))
+
+
+def _known(calibration: Any, file: Path | None) -> tuple[Calibration | None, Path, bool]:
+    """Return what is known already, the file to write, and whether that is where it is from."""
+    if isinstance(calibration, Calibration):
+        return calibration, file or Path(_FILE), False
+    if calibration is None:
+        path = file or Path(_FILE)
+        is_there = path.exists()
+        return (load_calibration(path) if is_there else None), path, is_there
+    if not isinstance(calibration, (str, PathLike)):
+        raise TypeError(f"calibration must be a Calibration or a path, got {quoted(calibration)}")
+    path = as_path(calibration, "calibration")
+    known = load_calibration(path)
+    return known, file or path, file is None or file.resolve() == path.resolve()
+
+
+def _draft_of(known: Calibration | None) -> FloorDraft:
+    if known is None or known.area is None or known.mm_per_px is None:
+        return _DRAFT
+    return FloorDraft(known.area, known.mm_per_px, known.marker_height)
+
+
+def robot_panel(
+    what: Seen | str | PathLike[str] | None = None,
+    *,
+    robot: str | PathLike[str] | RobotDefinition | None = None,
+    colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+) -> RobotPanel:
+    """Open the panel that defines a robot: capture its picture, draw outline and markers, save it.
+
+    Parameters
+    ----------
+    what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
+        What its picture is captured from. A path is that of a picture, of a folder of them, or of a
+        video. Default: nothing; a robot that there is, is drawn on.
+    robot : name, path or RobotDefinition, optional
+        What is drawn at first. Default: the default robot.
+    colors : path or iterable of ColorClass, optional
+        Those of the markers, by which they are guessed. Default: the shipped ones.
+
+    Returns
+    -------
+    RobotPanel
+        The panel; `RobotPanel.value` has the robot.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    TypeError, ValueError
+        If an argument has the wrong type, or is no such file; the message names it.
+
+    Examples
+    --------
+    In a notebook, as the last lines of a cell, and when it is drawn in the next one:
+
+    >>> tool = robsim.gui.robot_panel("photo.png")
+    >>> tool
+
+    >>> sim = robsim.Simulation(robot=tool.value, measure=True)
+    """
+    definition = as_robot(robot)
+    known = colors_value(colors, None)
+    source = None if what is None else pictures_of(what, definition)
+    return RobotPanel(RobotsView(source, definition, known))
+
+
+def pictures_of(what: Any, robot: RobotDefinition) -> Pictures:
+    """Return what shows the pictures of something; TypeError or ValueError if it has none."""
+    if what is None:
+        return OnePicture(picture_of(robot), f"the picture of the robot {robot.name}")
+    if isinstance(what, Camera):
+        return CameraPictures(what)
+    if isinstance(what, Recording):
+        return RecordedPictures(what)
+    if isinstance(what, (Simulation, Experiment)):
+        is_open = is_shown(what)
+        found = panel(what)
+        return RunPictures(found._view.driver, type(what).__name__, None if is_open else found)
+    if isinstance(what, (Frame, np.ndarray)):
+        pixels = what.image if isinstance(what, Frame) else check_pixels("what", what, 3)
+        return OnePicture(what if isinstance(what, Frame) else pixels, "a picture")
+    if isinstance(what, (str, PathLike)):
+        path = as_path(what, "what")
+        return _picture_file(path) if _is_picture(path) else RecordedPictures(Recording(path))
+    raise TypeError(
+        "what must be a Camera, a Recording, a Simulation, an Experiment, a Frame, an array or a "
+        f"path, got {quoted(what)}"
+    )
+
+
+def _is_picture(path: Path) -> bool:
+    return not path.is_dir() and path.suffix.lower() in image_suffixes()
+
+
+def _picture_file(path: Path) -> Pictures:
+    return OnePicture(load_image(path), path.name)

@@ -1,0 +1,84 @@
+"""Floor sheets as a picture shows them: their marks may be measured later than they are found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from robsim.lab.calibration.floor import calibrate_floor_by_corners
+from robsim.lab.calibration.floor_report import FloorCalibration
+from robsim.lab.calibration.patterns.floor_sheet import FloorSheet, find_sheets
+from robsim.lab.calibration.patterns.pattern import Corners
+from robsim.vision.imaging.calibration import Calibration
+from robsim.vision.imaging.images import Pixels, frame_size
+
+
+@dataclass(frozen=True)
+class SeenSheets:
+    """What a picture shows of floor sheets.
+
+    Attributes
+    ----------
+    size : tuple of int
+        That of the picture (px).
+    mark : float
+        Side of a mark by which their corners are told (mm).
+    corners : mapping of int to Corners
+        By the number of the sheet.
+    places : mapping of int to tuple of float
+        Where the cross of a sheet is on the floor (mm), if it was measured.
+    """
+
+    size: tuple[int, int]
+    mark: float
+    corners: dict[int, Corners] = field(default_factory=dict, repr=False)
+    places: dict[int, tuple[float | None, float | None]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, image: Pixels, mark: float) -> SeenSheets:
+        """Return what a picture shows of sheets with marks of a side (mm)."""
+        return cls(frame_size(image), mark, find_sheets(image, mark))
+
+    def with_mark(self, mark: float) -> SeenSheets:
+        """Return the same of sheets whose marks have another side (mm)."""
+        if mark == self.mark:
+            return self
+        corners = {
+            number: _resized(number, one, self.mark, mark) for number, one in self.corners.items()
+        }
+        return replace(self, mark=mark, corners=corners)
+
+    def floor(
+        self,
+        *,
+        area: tuple[int, int],
+        mm_per_px: float,
+        marker_height: float,
+        lens: Calibration | None,
+    ) -> FloorCalibration:
+        """Return the calibration by these sheets, one at least, as `calibrate_floor_by_sheets`."""
+        where = {
+            number: (x, y)
+            for number, (x, y) in self.places.items()
+            if number in self.corners and x is not None and y is not None
+        }
+        return calibrate_floor_by_corners(
+            self.corners,
+            self.size,
+            area=area,
+            mm_per_px=mm_per_px,
+            marker_height=marker_height,
+            lens=lens,
+            mark=self.mark,
+            places=where,
+        )
+
+
+def _resized(number: int, seen: Corners, before: float, mark: float) -> Corners:
+    """Return the corners of a sheet whose marks have another side."""
+    old, new = (
+        np.concatenate([*FloorSheet(number, side).corners().values()]) for side in (before, mark)
+    )
+    nearest = np.linalg.norm(seen.positions[:, None] - old, axis=2).argmin(axis=1)
+    return Corners(new[nearest], seen.pixels)
