@@ -65,9 +65,9 @@ def ran(monkeypatch):
     ran = []
     true = work.run_task_test
 
-    def counted(assignment, test, path, student, *others):
+    def counted(assignment, test, files, student, *others):
         ran.append((student, test.name))
-        return true(assignment, test, path, student, *others)
+        return true(assignment, test, files, student, *others)
 
     monkeypatch.setattr(work, "run_task_test", counted)
     return ran

@@ -14,6 +14,7 @@ from robsim.teach import AssignmentError, Key, Limit, SubmissionError, grade_sub
 from robsim.teach.assignments.grading import marking, references, task_runs
 from robsim.teach.assignments.grading import references as seeds
 from robsim.teach.grading.calling import judged
+from robsim.teach.submissions.reading import open_submission
 from small_assignments import LIMITS, drawn_quickly
 
 pytestmark = pytest.mark.long
@@ -114,17 +115,17 @@ def test_a_hidden_test_says_how_a_run_ended_and_no_more(
 
 def test_a_run_that_fails_is_shown_where_that_costs_more(hw3, graded):
     failed = (FailedRun(run=1, reason="it ended", step=3),)
-    half = marking.marked(hw3.tests[0], replace(graded.tests[0], failed=failed))
+    half = marking.marked_anew(hw3.tests[0], replace(graded.tests[0], failed=failed))
     assert half.points == half.most / 2
     assert half.status == "partial"
     assert "Run 1: it ended" in half.sentence
-    assert task_runs.run_to_show(half, [0]) == 1
+    assert marking.run_to_show(half, [0]) == 1
     at_once = FailedRun(run=0, reason="it ended", step=0)
-    assert task_runs.run_to_show(replace(half, failed=(at_once, *failed)), []) == 1
-    assert task_runs.run_to_show(replace(half, failed=(at_once,)), [1]) == 0
+    assert marking.run_to_show(replace(half, failed=(at_once, *failed)), []) == 1
+    assert marking.run_to_show(replace(half, failed=(at_once,)), [1]) == 0
     bad = tuple(replace(score, fraction=0.0) for score in half.scores)
-    assert task_runs.run_to_show(replace(half, failed=failed, scores=bad, runs=4), [2, 0]) == 0
-    assert task_runs.run_to_show(replace(half, failed=()), [1, 0]) == 0
+    assert marking.run_to_show(replace(half, failed=failed, scores=bad, runs=4), [2, 0]) == 0
+    assert marking.run_to_show(replace(half, failed=()), [1, 0]) == 0
 
 
 def test_a_run_that_fails_is_played_up_to_there(graded_class, tmp_path):
@@ -141,10 +142,10 @@ def test_a_run_that_fails_is_played_up_to_there(graded_class, tmp_path):
 def test_points_are_linear_in_the_logarithm_between_the_limits(hw3, graded):
     test, result = hw3.tests[0], graded.tests[0]
     wide = {name: Limit(full=10.0, zero=20.0) for name in LIMITS}
-    assert marking.marked(replace(test, limits=wide), result).points == 2
+    assert marking.marked_anew(replace(test, limits=wide), result).points == 2
     # the statistic of position and heading is 1: half way between 1 / 2 and 2
     middle = wide | {name: Limit(full=0.5, zero=2.0) for name in ("position", "heading")}
-    again = marking.marked(replace(test, limits=middle), result)
+    again = marking.marked_anew(replace(test, limits=middle), result)
     assert again.points == pytest.approx(2 * (0.5 * 0.7 + 0.3))
 
 
@@ -199,9 +200,16 @@ def test_a_run_played_again_is_the_one_that_was_graded(hw3, right, graded):
         play_run(hw3, right, "hiden", 1)
 
 
+def task_for(hw3, path):
+    """What is run of a submission in the first test."""
+    contents = open_submission(path, hw3._rules())
+    files = task_runs.files_for(hw3, hw3.tests[0], contents)
+    return task_runs.graded_task(hw3, hw3.tests[0], files)
+
+
 def test_a_run_that_failed_gives_its_steps_and_keeps_no_worker(graded_class):
     hw3 = graded_class.assignment
-    task = task_runs.graded_task(hw3, hw3.tests[0], str(graded_class.submissions / "s003"))
+    task = task_for(hw3, graded_class.submissions / "s003")
     numbers = seeds.seeds_of(hw3, hw3.tests[0], "s003", 0)
     gc.collect()
     gc.disable()
@@ -263,7 +271,7 @@ def test_what_is_said_in_place_of_the_doctor_is_text_of_the_submission(hw3, tmp_
             one._socket.sendall(struct.pack("<HHI", 8, 0, len(head) + len(said)) + head + said)
     """
     place = written(tmp_path / "s008", text)
-    task = task_runs.graded_task(hw3, hw3.tests[0], str(place))
+    task = task_for(hw3, place)
     said = judged(task, "robsim.teach.doctor._finding:first_finding", 300.0).result
     assert said == "\\x1b[31m<b>all points</b>"  # escaped, and for others to escape in HTML
     assert grade_submission(hw3, place, only="shown").points == 0

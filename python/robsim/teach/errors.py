@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from robsim.simulation import FailedCallback
@@ -52,25 +52,20 @@ class GradingError(Exception):
         cause: str = ERROR,
     ) -> None:
         super().__init__(message)
-        self.slot = slot
-        self.step = step
-        self.file = file
-        self.line = line
-        self.cause = cause
+        self.slot, self.step, self.file, self.line, self.cause = slot, step, file, line, cause
 
     @property
     def message(self) -> str:
         """The whole sentence."""
         return str(self)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[partial[GradingError], tuple[()]]:
         names = ("slot", "step", "file", "line", "cause")
-        return _restored, (type(self), str(self), {name: getattr(self, name) for name in names})
+        return partial(type(self), str(self), **{name: getattr(self, name) for name in names}), ()
 
     def _anew(self) -> GradingError:
         """Return the same without notes and traceback; `copy` keeps them where tblib is."""
-        _, arguments = self.__reduce__()
-        return _restored(*arguments)
+        return self.__reduce__()[0]()
 
 
 class SubmissionError(GradingError):
@@ -96,7 +91,3 @@ class GraderError(GradingError):
     """The grader is at fault, or the machine that it runs on; the submission is not to blame."""
 
     whose = "grader"
-
-
-def _restored(kind: type[GradingError], message: str, places: Mapping[str, Any]) -> GradingError:
-    return kind(message, **places)

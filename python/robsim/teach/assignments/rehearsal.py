@@ -13,6 +13,7 @@ from robsim.teach.assignments.assignment import Assignment
 from robsim.teach.assignments.assignment_file import solutions_for
 from robsim.teach.assignments.classes.class_run import grade_all
 from robsim.teach.assignments.classes.plan import Plan
+from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import Handed
 from robsim.teach.assignments.results import SubmissionResult
 from robsim.teach.tasks.definition import Task
@@ -160,8 +161,7 @@ def graded(
         for name, content in part.files.items():
             (place / name).write_bytes(content)
         handed.append(Handed(f"{number} {again}", str(place)))
-    result = grade_all(
-        plan, handed, folder / "out", executor=executor, tell=lambda result, changed: tell()
-    )
-    found = {one.student: one for one in result.results}
+    out = ResultFolder(folder / "out")
+    done = grade_all(plan, handed, out, executor=executor, tell=lambda result, changed: tell())
+    found = {one.student: one for one in done.results}
     return {part.name: found[one.student] for part, one in zip(parts, handed, strict=True)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from robsim.base.checks import check_text
@@ -235,10 +235,6 @@ class SubmissionResult:
 
     def _repr_html_(self) -> str:
         return self.report._repr_html_()
-
-    def replace(self, **changes: Any) -> SubmissionResult:
-        """Return one that differs in some attributes."""
-        return replace(self, **changes)
 
     def to_json(self) -> str:
         """Return it as JSON; numbers that are not finite are null."""

@@ -89,7 +89,7 @@ def for_student(result: SubmissionResult) -> SubmissionResult:
     What has shut the submission in is of use to the teacher alone.
     """
     tests = tuple(t if t.public else _hidden(t) for t in result.tests)
-    return result.replace(tests=tests, isolation="")
+    return replace(result, tests=tests, isolation="")
 
 
 def _hidden(test: TestResult) -> TestResult:
@@ -119,7 +119,8 @@ def pseudonymous(
         What gives a name for a student, such as ``key.pseudonym``.
     """
     return [
-        result.replace(
+        replace(
+            result,
             student=pseudonym(result.student),
             tests=tuple(map(_without_texts, result.tests)),
             notes=(),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path, PurePosixPath
 
@@ -65,32 +65,77 @@ def read_submission(
     TypeError, ValueError
         If `path` is not a path.
     """
-    files = _read(Path(os.path.abspath(as_path(path))), rules, given or {})
+    return arranged(open_submission(path, rules), rules, given or {})
+
+
+@dataclass(frozen=True)
+class Contents:
+    """The files of a submission by their paths in it; which of them count is not known yet.
+
+    Attributes
+    ----------
+    name : str
+        The name of its folder or file.
+    files : dict of str to bytes
+        The files.
+    is_one_file : bool
+        Whether a Python file or a notebook was handed in, and no folder or zip.
+    found : dict
+        What counts of them by rules, and copies in it of given files; as far as it is known.
+    """
+
+    name: str
+    files: dict[str, bytes]
+    is_one_file: bool = False
+    found: dict[tuple[Rules, frozenset[str]], SubmissionFiles] = field(default_factory=dict)
+
+
+def open_submission(path: str | PathLike[str], rules: Rules) -> Contents:
+    """Return the files of a submission, within the limits of rules; raise as `read_submission`."""
+    return _opened(Path(os.path.abspath(as_path(path))), rules)
+
+
+def arranged(contents: Contents, rules: Rules, given: Mapping[str, bytes]) -> SubmissionFiles:
+    """Return what counts of the files of a submission; raise as `read_submission`.
+
+    They are looked at once for the same rules.
+    """
+    paths = [f"/{path}" for path in contents.files]
+    copies = frozenset(name for name in given if any(path.endswith(f"/{name}") for path in paths))
+    if (rules, copies) not in contents.found:
+        contents.found[rules, copies] = _found(contents, rules, copies)
+    files = contents.found[rules, copies]
     return replace(files, sources={**files.sources, **given}) if given else files
 
 
-def _read(path: Path, rules: Rules, given: Mapping[str, bytes]) -> SubmissionFiles:
+def _found(contents: Contents, rules: Rules, given: Collection[str]) -> SubmissionFiles:
+    if contents.is_one_file:
+        (main,) = contents.files
+        return _of_one_file(contents.name, main, contents.files, rules)
+    return _arranged(contents.name, contents.files, rules, given)
+
+
+def _opened(path: Path, rules: Rules) -> Contents:
     name = one_line(path.name)
     intake = Intake(name, rules)
     if kind_of(str(path), name) == stat.S_IFDIR:
         packed = lone_zip(str(path), name, Intake(name, rules))
         if packed is not None and kind_of(str(path / packed), one_line(packed)) == stat.S_IFREG:
-            return _read(path / packed, rules, given)
+            return _opened(path / packed, rules)
         read_folder(str(path), name, intake)
-        return _arranged(name, intake.files, rules, given)
+        return Contents(name, intake.files)
     suffix = path.suffix.lower()
     if suffix == ".zip":
         most = most_of_archive(rules)
         read_archive(_all_of(path, name, most), name, rules, intake)
-        return _arranged(name, intake.files, rules, given)
+        return Contents(name, intake.files)
     if suffix not in (".py", ".ipynb"):
         raise SubmissionError(f"{name} is none of what can be graded: {_TAKEN}", file=name)
     file = f"{path.stem}{suffix}"
     intake.add(file, _all_of(path, name, intake.most_of(file)))
-    (main,) = intake.files or [""]
-    if not main:
+    if not intake.files:
         raise SubmissionError(f"{name} is a hidden file: give it another name", file=name)
-    return _of_one_file(name, main, intake.files, rules)
+    return Contents(name, intake.files, is_one_file=True)
 
 
 def _all_of(path: Path, name: str, most: int) -> bytes:
@@ -102,7 +147,7 @@ def _all_of(path: Path, name: str, most: int) -> bytes:
 
 
 def _arranged(
-    name: str, files: dict[str, bytes], rules: Rules, given: Mapping[str, bytes]
+    name: str, files: dict[str, bytes], rules: Rules, given: Collection[str]
 ) -> SubmissionFiles:
     """Return the submission of a folder: by files of slots, or by the one file that has them."""
     files = {path: each for path, each in _below_the_top(files).items() if path not in given}

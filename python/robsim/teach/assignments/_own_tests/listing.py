@@ -8,9 +8,9 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -46,24 +46,11 @@ class OwnTest:
     success: str = ""
     failure: str = ""
 
-    def to_dict(self) -> dict[str, Any]:
-        return asdict(self)
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> OwnTest:
-        return cls(**data)
-
-    def result(self, status: str, sentence: str, *, points: float = 0.0, **more: Any) -> TestResult:
-        return TestResult(
-            name=self.name,
-            title=self.title,
-            public=self.public,
-            points=points,
-            most=self.points,
-            status=status,
-            sentence=sentence,
-            **more,
-        )
+    def result(self, **told: Any) -> TestResult:
+        """Return a result with what came of it."""
+        told.setdefault("points", 0.0)
+        told |= {"title": self.title, "public": self.public, "most": self.points}
+        return TestResult(name=self.name, **told)
 
 
 _CHILD = "robsim.teach.assignments._own_tests.child"
@@ -81,7 +68,7 @@ def list_own_tests(assignment: Assignment, test: FileTests) -> tuple[OwnTest, ..
         If pytest cannot load it, or points make no sense.
     """
     with _child(assignment, test, None, "", _LISTING) as (lines, status, said):
-        found = tuple(OwnTest.from_dict(data) for kind, data in lines if kind == "test")
+        found = tuple(OwnTest(**data) for kind, data in lines if kind == "test")
         if status != 0 or not found:
             broken = [data["text"] for kind, data in lines if kind == "broken"]
             what = broken[0] if broken else "it has no tests" if status == 5 else said
@@ -97,33 +84,16 @@ def run_own_tests(
     path: str,
     student: str,
     seconds: float,
+    digest: str,
 ) -> tuple[TestResult, ...]:
-    """Run a file for a submission, and return a result for each of its tests.
-
-    Parameters
-    ----------
-    assignment, test
-        What is graded.
-    own : tuple of OwnTest
-        The tests of the file.
-    path, student : str
-        What was handed in, and by whom.
-    seconds : float
-        How long they may take together.
-    """
+    """Run a file for a submission, within so many seconds; return a result for each test."""
     with _child(assignment, test, path, student, seconds) as (lines, status, said):
-        done = {data["name"]: data for kind, data in lines if kind == "result"}
-        results = []
-        for one in own:
-            if (data := done.get(one.name)) is not None:
-                del data["name"]
-                results.append(one.result(**data))
-            elif status is None:
-                results.append(one.result(NOT_RUN, _OUT_OF_TIME))
-            else:
-                text = f"the tests of {test.path.name} have ended early: {said}"
-                results.append(one.result(ERROR, text, whose=AssignmentError.whose))
-        return tuple(results)
+        done = {data.pop("name"): data for kind, data in lines if kind == "result"}
+        other = {"status": NOT_RUN, "sentence": _OUT_OF_TIME}
+        if status is not None:
+            text = f"the tests of {test.path.name} have ended early: {said}"
+            other |= {"status": ERROR, "sentence": text, "whose": AssignmentError.whose}
+        return tuple(one.result(**done.get(one.name, other), digest=digest) for one in own)
 
 
 @contextmanager

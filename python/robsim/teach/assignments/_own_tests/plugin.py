@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Generator
+from dataclasses import asdict
 from typing import Any, TextIO
 
 import pytest
@@ -57,7 +58,7 @@ class Points:
         """Tell which tests there are."""
         self._tests = {item.nodeid: _own_test(item, self._public) for item in items}
         for test in self._tests.values():
-            self._say("test", test.to_dict())
+            self._say("test", asdict(test))
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         """Tell why a file cannot be loaded."""

@@ -6,8 +6,10 @@ import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from contextlib import closing
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from robsim.base.checks import check_bool, check_choice, check_text
@@ -18,8 +20,8 @@ from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.assignments.assignment import Assignment, check_is_assignment
 from robsim.teach.assignments.class_result import ClassResult
 from robsim.teach.assignments.classes.plan import Plan, plan_of
-from robsim.teach.assignments.classes.progress import Progress, again
-from robsim.teach.assignments.classes.schedule import Keep, Schedule, Tell
+from robsim.teach.assignments.classes.progress import again
+from robsim.teach.assignments.classes.schedule import Schedule, Tell
 from robsim.teach.assignments.classes.store import ResultFolder, write_class_files
 from robsim.teach.assignments.classes.submissions import (
     Handed,
@@ -30,7 +32,6 @@ from robsim.teach.assignments.classes.submissions import (
 from robsim.teach.assignments.grading.references import key_for
 from robsim.teach.assignments.grading.work import Unit
 from robsim.teach.assignments.results import ERROR, SubmissionResult, TestResult
-from robsim.teach.reports.gradescope import write_gradescope
 from robsim.teach.reports.tables import COLUMNS
 
 
@@ -53,7 +54,7 @@ def grade_submission(
     submission : path
         A folder, a Python file, a notebook, or a zip of these.
     out : path, optional
-        The folder for the result, as of `grade_class`. Default: it is not written.
+        The folder for the result, as of `grade_class`. Default: it is not kept.
     student : str, optional
         The student's name, which the worlds of tests that are not public come from. Default:
         that of the folder or file, without its ending.
@@ -62,8 +63,7 @@ def grade_submission(
     only : sequence of str, optional
         The names of the tests to run. Default: all.
     gradescope : path, optional
-        Where the result is written after each test as Gradescope reads it, ``results.json``. The
-        pictures in it come from `out`.
+        Where the result is written after each test as Gradescope reads it, ``results.json``.
 
     Returns
     -------
@@ -87,29 +87,13 @@ def grade_submission(
     if student is not None:
         handed = Handed(check_text("student", student), handed.path)
     file = None if gradescope is None else as_path(gradescope, "gradescope")
-    if file is not None and out is None:
-        raise ValueError("out must be given with gradescope: the pictures come from there")
     if file is not None and student is None:
         check_is_one(handed, assignment)
-    place = None if out is None else ResultFolder(as_path(out, "out"))
-    plan = plan_of(assignment, only=only, public=public)
-    if place is None:
-        return _graded_here(plan, handed)
-
-    def keep(result: SubmissionResult) -> None:
-        if file is not None:
-            write_gradescope(file, result, pictures=place.pictures(result))
-
-    (result,) = grade_all(plan, [handed], place.folder, keep=keep).results
+    with TemporaryDirectory(prefix="robsim-graded-") as scratch:
+        folder = ResultFolder(as_path(scratch if out is None else out, "out"), file)
+        plan = plan_of(assignment, only=only, public=public)
+        (result,) = grade_all(plan, [handed], folder).results
     return result
-
-
-def _graded_here(plan: Plan, handed: Handed) -> SubmissionResult:
-    """Grade a submission, and write nothing."""
-    progress, grader = Progress(0, handed, plan, None), plan.work.doer()
-    while (job := progress.next()) is not None:
-        progress.take(grader.rows([job])[0])
-    return progress.result
 
 
 def grade_class(
@@ -171,10 +155,12 @@ def grade_class(
         raise TypeError(f"on_result must be callable, got {quoted(on_result)}")
     handed = submissions_in(submissions, assignment)
     plan = plan_of(assignment, only=only, public=public)
-    result = grade_all(plan, handed, folder.folder, executor=executor, tell=on_result)
-    found = result.results
-    write_class_files(assignment, handed, folder, found, columns=columns, pseudonyms=pseudonyms)
-    return result
+    done = grade_all(plan, handed, folder, executor=executor, tell=on_result)
+    results = sorted(done.results, key=lambda result: result.student)
+    write_class_files(
+        assignment, done.programs, folder, results, columns=columns, pseudonyms=pseudonyms
+    )
+    return ClassResult(name=assignment.name, results=tuple(results))
 
 
 def regrade_class(
@@ -237,36 +223,23 @@ def _check_tables(assignment: Assignment, columns: str, *, pseudonyms: bool) -> 
 def grade_all(
     plan: Plan,
     handed: list[Handed],
-    out: Path,
+    folder: ResultFolder,
     *,
     executor: Engine = None,
     tell: Tell | None = None,
-    keep: Keep | None = None,
-) -> ClassResult:
-    """Grade submissions, and write what came of each after each test.
+) -> Schedule:
+    """Grade submissions, write each result after each test, and return the schedule at the end.
 
-    Parameters
-    ----------
-    plan : Plan
-        What is graded.
-    handed : list of Handed
-        The submissions.
-    out : Path
-        Where results are written, and those of before are gone on with.
-    executor : engine
-        What grades.
-    tell, keep
-        As for `Schedule`.
+    Results that are in the folder already are gone on with.
     """
-    _check_apart(out, handed)
-    out.mkdir(parents=True, exist_ok=True)
-    schedule = Schedule(plan, handed, ResultFolder(out), tell, keep)
+    _check_apart(folder.folder, handed)
+    folder.folder.mkdir(parents=True, exist_ok=True)
+    schedule = Schedule(plan, handed, folder, tell)
     with closing(rows_by(engine_value(executor), plan.work, schedule)) as chunks:
         for rows in chunks:
             for row in rows:
                 schedule.done(row)
-    results = sorted(schedule.results, key=lambda result: result.student)
-    return ClassResult(name=plan.assignment.name, results=tuple(results))
+    return schedule
 
 
 def _check_apart(out: Path, handed: list[Handed]) -> None:
@@ -288,7 +261,7 @@ def _again(
     if old is None:
         raise ValueError(f"{one_line(folder.of(student))}: its result cannot be read")
     tests = tuple(_test(units, test, student) for test in old.tests)
-    return old.replace(title=plan.assignment.title, tests=tests, assignment_digest=plan.digest)
+    return replace(old, title=plan.assignment.title, tests=tests, assignment_digest=plan.digest)
 
 
 def _test(units: dict[str, Unit], test: TestResult, student: str) -> TestResult:

@@ -13,11 +13,13 @@ from robsim.teach.assignments.assignment import TaskTest
 from robsim.teach.assignments.classes.plan import Plan
 from robsim.teach.assignments.classes.submissions import Handed
 from robsim.teach.assignments.grading import references as digests
-from robsim.teach.assignments.grading.marking import marked
+from robsim.teach.assignments.grading.marking import labels_of, marked_anew
+from robsim.teach.assignments.grading.task_runs import files_for
 from robsim.teach.assignments.grading.work import Job, Row, Unit
 from robsim.teach.assignments.results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult
 from robsim.teach.errors import SubmissionError
-from robsim.teach.submissions import read_submission
+from robsim.teach.submissions import SubmissionFiles
+from robsim.teach.submissions.reading import Contents, arranged, open_submission
 from robsim.teach.texts import clean_text
 
 _WAITING = "Not run yet."
@@ -59,10 +61,11 @@ class Progress:
         """Read the submission; note why it cannot be."""
         self._refused, self._digest = "", ""
         self._notes: tuple[str, ...] = ()
+        self.contents: Contents | None = None
+        rules = self._assignment._rules()
         try:
-            files = read_submission(
-                self.handed.path, self._assignment._rules(), self._assignment.files_of_all
-            )
+            self.contents = open_submission(self.handed.path, rules)
+            files = arranged(self.contents, rules, self._assignment.files_of_all)
         except SubmissionError as error:
             self._refused = clean_text(str(error))
             self._notes = (self._refused,)
@@ -85,7 +88,7 @@ class Progress:
 
     def _begin(self, number: int, unit: Unit, kept: dict[str, TestResult], is_wanted: bool) -> None:
         if self._refused:
-            self._take(unit.unmarked(FAILED, self._refused, SubmissionError.whose))
+            self._end(unit, FAILED, self._refused)
             return
         found = [kept[name] for name in unit.names if name in kept]
         if len(found) == len(unit.names) and all(one.digest == unit.digest for one in found):
@@ -93,30 +96,44 @@ class Progress:
             return
         if found and not self.changed:
             self.changed = "the assignment has changed since it was graded"
-        waiting = unit.unmarked(NOT_RUN, _WAITING, None)
-        self._take(replace(one, digest="") for one in waiting)
+        self._take(unit.unmarked(status=NOT_RUN, sentence=_WAITING, digest=""))
         if is_wanted:
             self._left.append(number)
 
     def _take(self, results: Iterable[TestResult]) -> None:
         self._results |= {one.name: one for one in results}
 
+    def _end(self, unit: Unit, status: str, sentence: str) -> None:
+        """Give no points for tests that the submission keeps from being run."""
+        whose = SubmissionError.whose
+        self._take(unit.unmarked(status=status, sentence=sentence, whose=whose))
+
     def next(self) -> Job | None:
         """Return the next test to be run, if there is one; what has no time left is not run."""
         while self._left:
             number = self._left[0]
+            unit = self._units[number]
             seconds = self._assignment.seconds - self._seconds
-            if seconds >= _LEAST:
-                return Job(self._index, number, self.handed.student, self.handed.path, seconds)
-            self._take(self._units[number].unmarked(NOT_RUN, _OUT_OF_TIME, SubmissionError.whose))
+            try:
+                if seconds >= _LEAST:
+                    handed, files = self.handed, self._files_for(unit)
+                    return Job(self._index, number, handed.student, handed.path, files, seconds)
+                self._end(unit, NOT_RUN, _OUT_OF_TIME)
+            except SubmissionError as error:  # nothing of it is for this test
+                self._end(unit, FAILED, clean_text(str(error)))
             del self._left[0]
         return None
+
+    def _files_for(self, unit: Unit) -> SubmissionFiles | None:
+        if self.contents is None or not isinstance(unit.test, TaskTest):
+            return None
+        return files_for(self._assignment, unit.test, self.contents)
 
     def take(self, row: Row) -> None:
         """Take what came of a test."""
         self._take(row.results)
         self._isolation = row.isolation or self._isolation
-        self._left.remove(row.job.unit)
+        self._left.remove(row.unit)
 
     @property
     def _seconds(self) -> float:
@@ -144,17 +161,13 @@ class Progress:
 def again(unit: Unit, result: TestResult) -> TestResult:
     """Return a result with the points and sentences of today."""
     if isinstance(unit.test, TaskTest):
-        return marked(unit.test, result) if result.scores else _renamed(unit.test, result)
+        # One without runs has no points, whatever the limits are.
+        if not result.scores:
+            return replace(result, **labels_of(unit.test))
+        return marked_anew(unit.test, result)
     (own,) = (one for one in unit.own if one.name == result.name)
     points = own.points if result.points > 0 else 0.0
     return replace(result, points=points, most=own.points, title=own.title, public=own.public)
-
-
-def _renamed(test: TaskTest, result: TestResult) -> TestResult:
-    """Return a result without runs: it has no points whatever the limits are."""
-    return replace(
-        result, title=test.title, number=test.number, public=test.public, most=test.points
-    )
 
 
 def versions() -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +12,12 @@ from robsim.base.checks import Floats
 from robsim.base.files import write_whole
 from robsim.base.text import quoted
 from robsim.teach.assignments.assignment import Assignment
-from robsim.teach.assignments.classes.submissions import Handed
 from robsim.teach.assignments.grading.references import key_for
 from robsim.teach.assignments.results import SubmissionResult
-from robsim.teach.errors import AssignmentError, SubmissionError
+from robsim.teach.errors import AssignmentError
+from robsim.teach.reports.gradescope import write_gradescope
 from robsim.teach.reports.similarity import Program, program_of
 from robsim.teach.reports.writing import RESULT, write_class, write_student
-from robsim.teach.submissions import read_submission
 from robsim.teach.tasks.solutions import MODULE, module_source
 
 PATHS = "paths.json"
@@ -33,10 +32,13 @@ class ResultFolder:
     ----------
     folder : Path
         The folder.
+    gradescope : Path, optional
+        Where each result is written as Gradescope reads it, too.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, gradescope: Path | None = None) -> None:
         self.folder = folder
+        self._gradescope = gradescope
 
     def of(self, student: str) -> Path:
         """Return the folder of a submission."""
@@ -71,17 +73,20 @@ class ResultFolder:
             known = {**self._paths(result.student), **paths}
             write_whole(place / PATHS, json.dumps(known).encode())
         write_whole(place / RESULT, (result.to_json() + "\n").encode())
+        self._tell_gradescope(result)
 
     def write_whole(self, result: SubmissionResult) -> None:
         """Write all files of a submission that is done."""
         write_student(self.of(result.student), result)
+        self._tell_gradescope(result)
 
-    def pictures(self, result: SubmissionResult) -> dict[str, bytes]:
-        """Return the pictures of a result that are there, by test."""
-        files = {
-            one.name: self.of(result.student) / one.picture for one in result.tests if one.picture
-        }
-        return {name: file.read_bytes() for name, file in files.items() if file.is_file()}
+    def _tell_gradescope(self, result: SubmissionResult) -> None:
+        if self._gradescope is None:
+            return
+        place = self.of(result.student)
+        files = {one.name: place / one.picture for one in result.tests if one.picture}
+        pictures = {name: file.read_bytes() for name, file in files.items() if file.is_file()}
+        write_gradescope(self._gradescope, result, pictures=pictures)
 
     def paths(self, student: str) -> dict[str, Floats]:
         """Return the path of the best run of each test, (N, 2)."""
@@ -100,7 +105,7 @@ START = "start"  # what students begin with
 
 def write_class_files(
     assignment: Assignment,
-    handed: Iterable[Handed] | None,
+    programs: Mapping[str, Program] | None,
     folder: ResultFolder,
     results: Sequence[SubmissionResult],
     *,
@@ -109,7 +114,7 @@ def write_class_files(
 ) -> None:
     """Write page and table of a class into the folder of its results; a single one is no class.
 
-    Without what was `handed` in nothing is said of programs that resemble each other.
+    Without the `programs` by student nothing is said of programs that resemble each other.
     """
     if len(results) < 2:
         return
@@ -119,7 +124,7 @@ def write_class_files(
         results,
         paths=_paths(assignment, folder, results, area),
         area=area,
-        programs=None if handed is None else dict(_programs(assignment, handed)),
+        programs=programs,
         given=list(_given(assignment)),
         pseudonym=key_for(assignment, public=False).pseudonym if pseudonyms else None,
         columns=columns,
@@ -143,15 +148,6 @@ def _paths(
         for test in assignment.tests
         if test.task.scenario.area == area
     }
-
-
-def _programs(assignment: Assignment, handed: Iterable[Handed]) -> Iterator[tuple[str, Program]]:
-    for one in handed:
-        try:
-            files = read_submission(one.path, assignment._rules())
-        except SubmissionError:
-            continue
-        yield one.student, program_of(files.sources)
 
 
 def _given(assignment: Assignment) -> Iterator[Program]:

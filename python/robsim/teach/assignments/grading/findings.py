@@ -31,7 +31,7 @@ class Doctor:
         left : float
             s that are left for it.
         """
-        if run.task is None or run.result.status == PASSED or _is_never_loaded(run):
+        if run.mark.status == PASSED or _is_never_loaded(run):
             return ""
         place = (of_submission(run.task.submission), run.task.rules.slots)
         if place not in self._kept:
@@ -45,5 +45,5 @@ class Doctor:
 
 
 def _is_never_loaded(run: RunTest) -> bool:
-    failed = run.result.failed
-    return len(failed) == run.result.runs and all(one.step is None for one in failed)
+    failed = run.mark.failed
+    return len(failed) == run.mark.runs and all(one.step is None for one in failed)

@@ -15,9 +15,10 @@ from robsim.teach.assignments.assignment import Assignment, TaskTest, check_is_a
 from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import check_is_one, one_submission
 from robsim.teach.assignments.grading.references import References, numbers_of, seeds_of
-from robsim.teach.assignments.grading.task_runs import graded_task
+from robsim.teach.assignments.grading.task_runs import files_for, graded_task
 from robsim.teach.errors import SubmissionError
 from robsim.teach.grading.graded_run import graded_run
+from robsim.teach.submissions.reading import open_submission
 from robsim.teach.texts import clean_text
 from robsim.trace import Trace
 
@@ -163,7 +164,9 @@ def play_run(
         remarks.append("it is run 0, as there are no results that tell the worst one")
     check_int("run", run, minimum=0, maximum=one.task.runs - 1)
     files = () if folder is None else _files(folder.of(name), f"{test}-run{run}")
-    task, seeds = graded_task(assignment, one, handed.path), seeds_of(assignment, one, name, run)
+    contents = open_submission(handed.path, assignment._rules())
+    task = graded_task(assignment, one, files_for(assignment, one, contents))
+    seeds = seeds_of(assignment, one, name, run)
     failed, numbers = "", {}
     try:
         graded = graded_run(task, one.task.scenario, one.task.steps, seeds)

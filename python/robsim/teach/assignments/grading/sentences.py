@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from robsim.teach.assignments.results import PASSED, ScoreResult, TestResult
+from collections.abc import Sequence
+
+from robsim.teach.assignments.results import FailedRun, ScoreResult
 from robsim.teach.errors import EXIT, TIMEOUT
 from robsim.teach.texts import clean_line
 
@@ -12,37 +14,45 @@ _MOST_REASON = 300  # characters
 _HOW = {TIMEOUT: "took too long", EXIT: "ended its process"}
 
 
-def of(result: TestResult) -> str:
+def of(
+    failed: Sequence[FailedRun],
+    scores: Sequence[ScoreResult],
+    *,
+    runs: int,
+    public: bool,
+    is_passed: bool,
+) -> str:
     """Return what to say of a test: of one that is not public no number of its runs."""
-    parts = [_of_failed(result), _of_scores(result)]
-    return " ".join(part for part in parts if part)
+    parts = []
+    if failed:
+        parts.append(_of_failed(failed, runs, public=public))
+    if len(failed) < runs:
+        parts.append(_of_scores(scores, runs - len(failed), public=public, is_passed=is_passed))
+    return " ".join(parts)
 
 
-def _of_failed(result: TestResult) -> str:
-    if not result.failed:
-        return ""
-    first = result.failed[0]
-    if not result.public:  # the text of an error may tell what was in the run
+def _of_failed(failed: Sequence[FailedRun], runs: int, *, public: bool) -> str:
+    first = failed[0]
+    if not public:  # the text of an error may tell what was in the run
         by = first.slot if first.slot is not None else "the submission"
-        which = "All" if len(result.failed) == result.runs else "Some"
+        which = "All" if len(failed) == runs else "Some"
         return f"{which} runs ended early: {by} {_HOW.get(first.cause, 'failed')}."
     reason = clean_line(first.reason.rstrip("."), _MOST_REASON)
-    if len(result.failed) == result.runs:
+    if len(failed) == runs:
         return f"No run came through. Run {first.run}: {reason}."
-    return f"{len(result.failed)} of {result.runs} runs ended early. Run {first.run}: {reason}."
+    return f"{len(failed)} of {runs} runs ended early. Run {first.run}: {reason}."
 
 
-def _of_scores(result: TestResult) -> str:
-    through = result.runs - len(result.failed)
-    if not through:
-        return ""
-    if all(score.fraction >= 1 for score in result.scores):
-        if result.status == PASSED:
+def _of_scores(
+    scores: Sequence[ScoreResult], through: int, *, public: bool, is_passed: bool
+) -> str:
+    if all(score.fraction >= 1 for score in scores):
+        if is_passed:
             return "All is as good as it must be."
         return "The others were as good as they must be."
-    lost = [score for score in result.scores if score.fraction < 1]
+    lost = [score for score in scores if score.fraction < 1]
     lost.sort(key=lambda score: (1 - score.fraction) * score.share, reverse=True)
-    if result.public:
+    if public:
         return _told(lost[0], through)
     told: dict[str, list[str]] = {}
     for score in lost:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import dataclass, field, replace
 
 from robsim.teach.assignments.assignment import Assignment, TaskTest
-from robsim.teach.assignments.grading.marking import marked, runs_by_badness
+from robsim.teach.assignments.grading.marking import Mark, mark_of, run_to_show, runs_by_badness
 from robsim.teach.assignments.grading.references import References, numbers_of, seeds_of
-from robsim.teach.assignments.results import FAILED, NOT_RUN, FailedRun, ScoreResult, TestResult
+from robsim.teach.assignments.results import FailedRun
 from robsim.teach.errors import SubmissionError
 from robsim.teach.grading.graded_run import graded_run
 from robsim.teach.grading.task import Task as GradedTask
-from robsim.teach.submissions import read_submission
+from robsim.teach.submissions import SubmissionFiles
+from robsim.teach.submissions.reading import Contents, arranged
 from robsim.teach.tasks.solutions import MODULE, module_source
 from robsim.teach.texts import clean_text
 from robsim.trace import Trace
@@ -30,8 +30,8 @@ class Runs:
 
     Attributes
     ----------
-    numbers, reference : list of dict
-        Those of the runs that came through, and of the reference in the same ones, by score.
+    numbers, reference : dict of str to list
+        By score: those of the runs that came through, and of the reference in the same ones.
     failed : list of FailedRun
         Those that did not.
     traces : dict of int to Trace
@@ -42,8 +42,8 @@ class Runs:
         What has shut it in.
     """
 
-    numbers: list[dict[str, float]] = field(default_factory=list)
-    reference: list[dict[str, float]] = field(default_factory=list)
+    numbers: dict[str, list[float]]
+    reference: dict[str, list[float]]
     failed: list[FailedRun] = field(default_factory=list)
     traces: dict[int, Trace] = field(default_factory=dict)
     output: str = ""
@@ -52,46 +52,45 @@ class Runs:
     @property
     def cannot_be_loaded(self) -> bool:
         """Whether the submission was never loaded, and that was tried often enough."""
-        is_never = not self.numbers and all(run.step is None for run in self.failed)
+        is_never = not any(self.numbers.values()) and all(run.step is None for run in self.failed)
         return is_never and len(self.failed) >= _TRIES
 
 
 @dataclass(frozen=True)
 class RunTest:
-    """A test that was run: its result, two of its runs, and what has shut the submission in.
+    """A test that was run.
 
-    Without a task nothing was run: the submission could not be read.
+    Attributes
+    ----------
+    task : GradedTask
+        What was run.
+    runs : Runs
+        The runs.
+    mark : Mark
+        What they come to.
+    shown, best : int or None
+        The number of the run to show, and that of the best one; None = there is none.
+    seconds : float
+        How long it took.
     """
 
-    result: TestResult
-    task: GradedTask | None = None
-    worst: Trace | None = None
-    best: Trace | None = None
-    isolation: str = ""
+    task: GradedTask
+    runs: Runs
+    mark: Mark
+    shown: int | None
+    best: int | None
+    seconds: float
 
 
 def run_task_test(
     assignment: Assignment,
     test: TaskTest,
-    path: str,
+    files: SubmissionFiles,
     student: str,
     references: References,
     seconds: float,
 ) -> RunTest:
-    """Run a test of a submission.
-
-    Parameters
-    ----------
-    assignment, test
-        What is graded.
-    path : str
-        What was handed in.
-    student : str
-        The student's name, for the key.
-    references : References
-        What has the numbers of the reference.
-    seconds : float
-        How long it may take.
+    """Run a test of a submission, within so many seconds; its files are as `files_for` the test.
 
     Raises
     ------
@@ -101,11 +100,9 @@ def run_task_test(
         If no process can be started.
     """
     begin = time.monotonic()
-    try:
-        task = graded_task(assignment, test, path)
-    except SubmissionError as error:
-        return RunTest(_unread(test, error))
-    runs = Runs()
+    task = graded_task(assignment, test, files)
+    names = [score.name for score in test.task.scores]
+    runs = Runs({name: [] for name in names}, {name: [] for name in names})
     for run in range(test.task.runs):
         left = begin + seconds - time.monotonic()
         if left < _LEAST:
@@ -116,33 +113,23 @@ def run_task_test(
             continue
         limits = replace(task.limits, run=min(task.limits.run, left))
         _run(assignment, test, replace(task, limits=limits), student, run, references, runs)
-    result = marked(test, _result(test, runs, time.monotonic() - begin))
-    through = runs_by_badness(test, result)
-    best = runs.traces[through[0]] if through else None
-    if (shown := run_to_show(result, through)) is None:
-        return RunTest(result, task, isolation=runs.isolation)
-    result = replace(result, worst=shown)
-    return RunTest(result, task, runs.traces.get(shown), best, runs.isolation)
+    seconds = time.monotonic() - begin
+    mark = mark_of(test, runs.failed, runs.numbers, runs.reference)
+    through = runs_by_badness(test, mark)
+    best = through[0] if through else None
+    return RunTest(task, runs, mark, run_to_show(mark, through), best, seconds)
 
 
-def run_to_show(result: TestResult, through: list[int]) -> int | None:
-    """Return the run to show: the worst, or the first that failed where these cost more."""
-    of_failed = len(result.failed) / result.runs
-    of_scores = (1 - of_failed) * sum((1 - one.fraction) * one.share for one in result.scores)
-    if result.failed and of_failed >= of_scores:
-        begun = [run for run in result.failed if run.step is not None]
-        # One with steps before that, which can be drawn.
-        return next((run.run for run in sorted(begun, key=lambda run: not run.step)), None)
-    return through[-1] if through else None
-
-
-def graded_task(assignment: Assignment, test: TaskTest, path: str) -> GradedTask:
-    """Read a submission for a test; raise SubmissionError if that cannot be."""
-    rules = assignment._rules(test.task.slots)
+def files_for(assignment: Assignment, test: TaskTest, contents: Contents) -> SubmissionFiles:
+    """Return what of a submission counts in a test; raise SubmissionError if nothing does."""
     given = {**assignment.given_files, f"{MODULE}.py": module_source(test.task)}
+    return arranged(contents, assignment._rules(test.task.slots), given)
+
+
+def graded_task(assignment: Assignment, test: TaskTest, files: SubmissionFiles) -> GradedTask:
     return GradedTask(
-        submission=read_submission(path, rules, given),
-        rules=rules,
+        submission=files,
+        rules=assignment._rules(test.task.slots),
         frames=assignment._frames,
         limits=assignment.limits,
         isolation=assignment.isolation,  # type: ignore[arg-type]
@@ -172,8 +159,10 @@ def _run(
     runs.isolation = graded.layers
     if not runs.failed:
         runs.output = graded.output
-    runs.numbers.append(dict(numbers_of(test, graded.result)))
-    runs.reference.append(dict(references.numbers(test, student, run)))
+    own, others = numbers_of(test, graded.result), references.numbers(test, student, run)
+    for name, number in own.items():
+        runs.numbers[name].append(number)
+        runs.reference[name].append(others[name])
     runs.traces[run] = graded.result
 
 
@@ -187,52 +176,3 @@ def failed_run(run: int, error: SubmissionError) -> FailedRun:
         line=error.line,
         cause=error.cause,
     )
-
-
-def _result(test: TaskTest, runs: Runs, seconds: float) -> TestResult:
-    """Return the numbers of a test, not marked yet."""
-    scores = tuple(
-        ScoreResult(
-            name=score.name,
-            title=score.title,
-            values=tuple(numbers[score.name] for numbers in runs.numbers),
-            reference=tuple(numbers[score.name] for numbers in runs.reference),
-            statistic=math.nan,
-            limit=0.0,
-            zero=0.0,
-            fraction=0.0,
-        )
-        for score in test.task.scores
-    )
-    return TestResult(
-        name=test.name,
-        title=test.title,
-        points=0.0,
-        most=test.points,
-        status=NOT_RUN,
-        whose=SubmissionError.whose if runs.failed else None,
-        scores=scores,
-        runs=test.task.runs,
-        failed=tuple(runs.failed),
-        output=clean_text(runs.output),
-        seconds=seconds,
-    )
-
-
-def unmarked(test: TaskTest, status: str, sentence: str, whose: str | None = None) -> TestResult:
-    """Return the result of a test without runs: no points."""
-    return TestResult(
-        name=test.name,
-        title=test.title,
-        number=test.number,
-        public=test.public,
-        points=0.0,
-        most=test.points,
-        status=status,
-        sentence=sentence,
-        whose=whose,
-    )
-
-
-def _unread(test: TaskTest, error: SubmissionError) -> TestResult:
-    return unmarked(test, FAILED, clean_text(str(error)), error.whose)

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from robsim.base.text import said_by
 from robsim.teach.assignments._own_tests.listing import OwnTest, run_own_tests
 from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
 from robsim.teach.assignments.grading.findings import Doctor
+from robsim.teach.assignments.grading.marking import labels_of
 from robsim.teach.assignments.grading.playing import path_of, picture_of
 from robsim.teach.assignments.grading.references import References
-from robsim.teach.assignments.grading.task_runs import run_task_test, unmarked
+from robsim.teach.assignments.grading.task_runs import RunTest, run_task_test
 from robsim.teach.assignments.results import ERROR, TestResult
-from robsim.teach.errors import GraderError, GradingError
+from robsim.teach.errors import GraderError, GradingError, SubmissionError
+from robsim.teach.submissions import SubmissionFiles
 from robsim.teach.texts import clean_text
 
 _DIED = "the grader's own process ended in this test, whenever it was tried: tell your teacher"
@@ -46,22 +47,26 @@ class Unit:
             return (self.test.name,)
         return tuple(one.name for one in self.own)
 
-    def unmarked(self, status: str, sentence: str, whose: str | None) -> tuple[TestResult, ...]:
-        """Return results without points."""
+    def unmarked(self, **told: Any) -> tuple[TestResult, ...]:
+        """Return results without points; `told` are attributes of theirs."""
+        told.setdefault("digest", self.digest)
         if isinstance(self.test, TaskTest):
-            results: tuple[TestResult, ...] = (unmarked(self.test, status, sentence, whose),)
-        else:
-            results = tuple(one.result(status, sentence, whose=whose) for one in self.own)
-        return tuple(replace(one, digest=self.digest) for one in results)
+            return (TestResult(name=self.test.name, points=0.0, **labels_of(self.test), **told),)
+        return tuple(one.result(**told) for one in self.own)
 
 
 class Job(NamedTuple):
-    """A unit of tests of a submission, and how long it may take (s)."""
+    """A unit of tests of a submission, and how long it may take (s).
+
+    It has the submission's files, as they count in a test by a task; a process that runs tests of
+    the teacher's own reads them where they lie.
+    """
 
     submission: int
     unit: int
     student: str
     path: str
+    files: SubmissionFiles | None
     seconds: float
 
 
@@ -70,8 +75,8 @@ class Row(NamedTuple):
 
     Attributes
     ----------
-    job : Job
-        The job.
+    submission, unit : int
+        Those of the job.
     results : tuple of TestResult
         A result for each test.
     isolation : str
@@ -80,16 +85,14 @@ class Row(NamedTuple):
         PNG pictures by test.
     paths : dict of str to list
         The path of the best run, (N, 2), by test.
-    seconds : float
-        How long it took.
     """
 
-    job: Job
+    submission: int
+    unit: int
     results: tuple[TestResult, ...]
-    isolation: str
-    pictures: dict[str, bytes]
-    paths: dict[str, list[list[float]]]
-    seconds: float
+    isolation: str = ""
+    pictures: Mapping[str, bytes] = {}
+    paths: Mapping[str, list[list[float]]] = {}
 
 
 @dataclass(frozen=True)
@@ -112,8 +115,8 @@ class GradingWork:
 
     def lost(self, job: Job, /) -> Row:
         """Return the row of a job whose process ends, whenever it is tried."""
-        results = self.units[job.unit].unmarked(ERROR, _DIED, GraderError.whose)
-        return Row(job, results, "", {}, {}, 0.0)
+        told = {"status": ERROR, "sentence": _DIED, "whose": GraderError.whose}
+        return Row(job.submission, job.unit, self.units[job.unit].unmarked(**told))
 
     def check_can_be_sent(self) -> None:
         """Do nothing: an assignment is plain data."""
@@ -131,43 +134,51 @@ class Grader:
         return [self._row(job) for job in jobs]
 
     def _row(self, job: Job) -> Row:
-        begin = time.monotonic()
         unit = self._work.units[job.unit]
-        row = Row(job, (), "", {}, {}, 0.0)
         try:
-            done = self._by_task if isinstance(unit.test, TaskTest) else self._own
-            row = done(row, unit)
+            if isinstance(unit.test, TaskTest):
+                return self._by_task(job, unit.test, unit.digest)
+            return self._own(job, unit, unit.test)
         except Exception as error:  # not of a submission: these are results
             whose = error.whose if isinstance(error, GradingError) else GraderError.whose
             said = str(error) if isinstance(error, GradingError) else said_by(error)
-            row = row._replace(results=unit.unmarked(ERROR, clean_text(said), whose))
-        results = tuple(replace(one, digest=unit.digest) for one in row.results)
-        return row._replace(results=results, seconds=time.monotonic() - begin)
+            told = {"status": ERROR, "sentence": clean_text(said), "whose": whose}
+            return Row(job.submission, job.unit, unit.unmarked(**told))
 
-    def _own(self, row: Row, unit: Unit) -> Row:
+    def _own(self, job: Job, unit: Unit, test: FileTests) -> Row:
         """Do the tests of a file."""
-        assert isinstance(unit.test, FileTests)
-        job, assignment = row.job, self._work.assignment
-        results = run_own_tests(assignment, unit.test, unit.own, job.path, job.student, job.seconds)
-        return row._replace(results=results)
+        given = (unit.own, job.path, job.student, job.seconds, unit.digest)
+        return Row(job.submission, job.unit, run_own_tests(self._work.assignment, test, *given))
 
-    def _by_task(self, row: Row, unit: Unit) -> Row:
+    def _by_task(self, job: Job, test: TaskTest, digest: str) -> Row:
         """Do a test by a task, with the picture of a run that went wrong."""
-        assert isinstance(unit.test, TaskTest)
-        job, test = row.job, unit.test
-        run = run_task_test(
-            self._work.assignment, test, job.path, job.student, self._references, job.seconds
+        assert job.files is not None
+        given = (job.files, job.student, self._references, job.seconds)
+        run = run_task_test(self._work.assignment, test, *given)
+        finding = self._doctor.finding(run, job.seconds - run.seconds)
+        pictures, caption = self._drawn(job, test, run)
+        result = TestResult(
+            name=test.name,
+            **labels_of(test),
+            **vars(run.mark),
+            whose=SubmissionError.whose if run.mark.failed else None,
+            worst=run.shown,
+            picture=f"{test.name}.png" if pictures else None,
+            caption=caption,
+            finding=finding,
+            output=clean_text(run.runs.output),
+            seconds=run.seconds,
+            digest=digest,
         )
-        left = job.seconds - run.result.seconds
-        result = replace(run.result, finding=self._doctor.finding(run, left))
-        row = row._replace(isolation=run.isolation, results=(result,))
-        if run.best is not None:
-            row.paths[test.name] = path_of(run.best)
-        if run.worst is None or result.worst is None:
-            return row
+        paths = {} if run.best is None else {test.name: path_of(run.runs.traces[run.best])}
+        return Row(job.submission, job.unit, (result,), run.runs.isolation, pictures, paths)
+
+    def _drawn(self, job: Job, test: TaskTest, run: RunTest) -> tuple[dict[str, bytes], str]:
+        """Return the picture of the run to show by test, if there is one, and what it shows."""
+        if run.shown is None or (trace := run.runs.traces.get(run.shown)) is None:
+            return {}, ""
         reference = None
         if test.reference is not None:
-            reference = self._references.trace(test, job.student, result.worst)
-        row.pictures[test.name], caption = picture_of(test, run.worst, reference)
-        shown = replace(result, picture=f"{test.name}.png", caption=caption)
-        return row._replace(results=(shown,))
+            reference = self._references.trace(test, job.student, run.shown)
+        png, caption = picture_of(test, trace, reference)
+        return {test.name: png}, caption
