@@ -83,7 +83,7 @@ def test_the_rewards_of_a_run_sum_to_what_was_done(name):
     idle = sum(drive(robsim.teach.gym.TaskEnv(name, steps=20), still)[0])
     assert idle == pytest.approx(0, abs=0.2)  # the motors are disturbed
     env = robsim.teach.gym.TaskEnv(name)
-    with env.task.solutions[0].choice(env.task).callbacks() as callbacks:
+    with robsim.teach.solution_folder(env.task, env.task.solutions[0]).callbacks() as callbacks:
 
         def policy(observation):
             return np.array(callbacks["control"](env._simulation.last_step), np.float32)

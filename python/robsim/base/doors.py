@@ -16,8 +16,9 @@ class _Wing(ModuleType):
 
     def __setattr__(self, name: str, value: Any) -> None:
         super().__setattr__(name, value)
-        if isinstance(value, ModuleType) and "__all__" in vars(value):
-            present(value, value.__name__ if name in vars(self)["_apart"] else self.__name__)
+        of_wing, apart = vars(self)["_rooms"], vars(self)["_apart"]
+        if name in of_wing or name in apart:
+            present(value, self.__name__ if name in of_wing else value.__name__)
 
 
 def late_names(
@@ -36,7 +37,7 @@ def late_names(
     """
     sys.modules[wing].__class__ = _Wing
     namespace = sys.modules[wing].__dict__
-    namespace["_apart"] = apart
+    namespace |= {"_rooms": rooms, "_apart": apart}
 
     def loaded(room: str) -> ModuleType:
         with sys.modules["robsim"]._loading:

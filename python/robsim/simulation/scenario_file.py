@@ -32,7 +32,7 @@ from robsim.simulation.options import KINDS, background_value
 from robsim.simulation.scenario import OPTIONS, Scenario
 from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import Floor
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging.images import Pixels, png_bytes
 from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
 from robsim.vision.robots.definition import BlobMarker, RobotDefinition, markers_of_tables
 from robsim.vision.robots.lookup import as_robot, robot_names, shipped_robots
@@ -142,9 +142,7 @@ def _png(pixels: Pixels) -> bytes:
     height, width = pixels.shape[:2]
     if height * width > MOST_PIXELS:
         raise ValueError(f"an image must have at most {MOST_PIXELS} px, got {width} x {height}")
-    buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, format="PNG", compress_level=1)
-    return buffer.getvalue()
+    return png_bytes(pixels)
 
 
 _IMAGE = _Key(_image, "PNG in base64", _png, is_needed=True)

@@ -160,6 +160,13 @@ def check_pixels(name: str, pixels: Any, channels: int, alternative: str = "") -
     return pixels
 
 
+def png_bytes(pixels: Pixels) -> bytes:
+    """Return an image (H, W, 3) encoded as PNG; the core's frames have it, too."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, format="PNG", compress_level=1)
+    return buffer.getvalue()
+
+
 def resized(pixels: Pixels, width: int, height: int) -> Pixels:
     """Return an image in another size: box-averaged when smaller, bicubic when larger.
 
