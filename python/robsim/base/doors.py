@@ -16,9 +16,8 @@ class _Wing(ModuleType):
 
     def __setattr__(self, name: str, value: Any) -> None:
         super().__setattr__(name, value)
-        of_wing, apart = vars(self)["_rooms"], vars(self)["_apart"]
-        if name in of_wing or name in apart:
-            present(value, self.__name__ if name in of_wing else value.__name__)
+        if name in vars(self)["_homes"]:
+            present(value, vars(self)["_homes"][name])
 
 
 def late_names(
@@ -37,7 +36,9 @@ def late_names(
     """
     sys.modules[wing].__class__ = _Wing
     namespace = sys.modules[wing].__dict__
-    namespace |= {"_rooms": rooms, "_apart": apart}
+    # Where the names of each room are public.
+    homes = dict.fromkeys(rooms, wing) | {room: f"{wing}.{room}" for room in apart}
+    namespace["_homes"] = homes
 
     def loaded(room: str) -> ModuleType:
         with sys.modules["robsim"]._loading:
@@ -48,7 +49,7 @@ def late_names(
         return sorted(public, key=lambda name: (not name.isupper(), not name[0].isupper(), name))
 
     def get(name: str) -> Any:
-        if name in rooms or name in apart:
+        if name in homes:
             return loaded(name)
         if name.startswith("_") and name != "__all__":
             raise AttributeError(f"module {wing!r} has no attribute {name!r}")
@@ -61,7 +62,7 @@ def late_names(
                 return namespace[name]
         raise no_attribute(f"module {wing!r} has no attribute {name!r}", name, names())
 
-    return get, lambda: sorted([*names(), *rooms, *apart])
+    return get, lambda: sorted([*names(), *homes])
 
 
 def present(module: ModuleType, wing: str) -> None:

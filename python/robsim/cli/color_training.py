@@ -92,9 +92,8 @@ def train(
             markers = load_robot(robot).marker_layout()
             if regions and colors is not None:
                 raise ValueError("--colors and --region of a recording must not both be given")
-            marked = _regions_of_markers(regions, [*markers.colors.values()]) if regions else None
-            found = train_markers(source, markers, colors=colors, regions=marked, margin=margin)
-            trained = [*found]
+            seen = _regions_of_markers(regions, [*markers.colors.values()]) if regions else None
+            trained = [*train_markers(source, markers, colors=colors, regions=seen, margin=margin)]
         else:
             _check_for_images(
                 {

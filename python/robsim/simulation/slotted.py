@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._core import Step
-from robsim.base.spelling import check_names, closest, no_attribute
+from robsim.base.spelling import check_names, closest, no_attribute, with_article
 from robsim.simulation import slots as table
 from robsim.simulation.callbacks.checks import check_callback
 from robsim.simulation.callbacks.signatures import CallTimes
@@ -184,7 +184,7 @@ class Slotted(RobotSlots, ABC):
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
         kind = type(self).__name__
         raise TypeError(
-            f"a {kind} can be neither copied nor pickled, its callbacks and its run "
+            f"{with_article(kind)} can be neither copied nor pickled, its callbacks and its run "
             f"belong to this process: make another, {self._AGAIN}"
         )
 

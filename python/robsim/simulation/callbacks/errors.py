@@ -19,7 +19,7 @@ from robsim.base.source_line import (
     line_of_error,
     users_line_of_callable,
 )
-from robsim.base.spelling import closest
+from robsim.base.spelling import closest, with_article
 from robsim.simulation.callbacks.signatures import accepts, where_defined
 
 _MOST_NOTES = 8
@@ -238,7 +238,7 @@ def _read(value: object, name: str) -> object:
 def _members(kind: type | None) -> str | None:
     if kind is None:
         return None
-    return f"{kind.__name__} has {', '.join(_public(kind))}"
+    return f"{with_article(kind.__name__)} has {', '.join(_public(kind))}"
 
 
 def _public(kind: type) -> list[str]:

@@ -57,7 +57,7 @@ class Controls(Part):
             self._run = _Run(panel.runner, panel.goals)
             settings += self._run.settings()
         if not (isinstance(panel.runner, Experiment) and panel.runner.is_live):
-            settings.append(Speed(panel))  # otherwise the camera sets the pace
+            settings.append(Speed(panel.driver))  # otherwise the camera sets the pace
         self._settings = {setting.name: setting for setting in settings}
         self._limits_told = self._limits()
         self._state_told: dict[str, Any] = {}

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from robsim.base.text import quoted
+from robsim.gui._driver import Driver
 from robsim.gui._link import Refused
 
-if TYPE_CHECKING:
-    from robsim.gui.panels.view import PanelView
 #: What is to be said of a change beyond itself, such as what it has switched on, too.
 Remarks = list[str]
 
@@ -96,17 +95,17 @@ class Speed(Range):
 
     name, low, high, step, unit = "speed", 0.2, 100.0, 0.1, "x"
 
-    def __init__(self, panel: PanelView) -> None:
-        self._panel = panel
+    def __init__(self, driver: Driver) -> None:
+        self._driver = driver
 
     @property
     def value(self) -> float:
-        speed = self._panel.driver.speed
+        speed = self._driver.speed
         return 0.0 if math.isinf(speed) else speed
 
     def is_within(self, value: float) -> bool:
         return value == 0 or super().is_within(value)
 
     def move(self, value: float) -> Remarks:
-        self._panel.driver.speed = value or math.inf
+        self._driver.speed = value or math.inf
         return []

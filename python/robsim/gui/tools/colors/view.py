@@ -39,8 +39,9 @@ from robsim.gui.tools.colors.training import (
 )
 from robsim.gui.tools.pictures import Picture, Pictures
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView
+from robsim.vision.imaging.images import Pixels
 from robsim.vision.markers.color_files import colors_of_text, colors_to_toml, paint_of, save_colors
-from robsim.vision.markers.color_score import ColorScore, score_color
+from robsim.vision.markers.color_score import score_color
 from robsim.vision.robots.definition import RobotDefinition
 
 _LONGEST = 8000  # characters of a colour file
@@ -251,11 +252,11 @@ class ColorsView(ToolView):
             raise ValueError("the one before is not ready yet")
         image, color = picture.frame.image, one.color
 
-        def tell(score: ColorScore | None) -> None:
-            if score is not None:
-                self.send(_score_message(score))
+        def tell(message: dict[str, Any] | None) -> None:
+            if message is not None:
+                self.send(message)
 
-        self._beside.begin(lambda: score_color(image, color, [region], repeats=2), tell)
+        self._beside.begin(lambda: _score_message(image, color, region), tell)
 
     def _take_text(self, text: str) -> None:
         try:
@@ -295,15 +296,15 @@ class ColorsView(ToolView):
         self.send(head, counts.astype("<f4").tobytes())
 
 
-def _score_message(score: ColorScore) -> dict[str, Any]:
-    proposed = score.proposed
+def _score_message(image: Pixels, color: ColorClass, region: Region) -> dict[str, Any]:
+    score = score_color(image, color, [region], repeats=2)
     return {
         "type": "score",
         "name": score.color.name,
         "rate": score.rate,
         "widened_rate": score.widened_rate,
         "margin": score.margin,
-        "ranges": [list(ends) for ends in ranges_of(proposed)],
+        "ranges": [list(ends) for ends in ranges_of(score.proposed)],
         "levels": [
             {"name": sweep.name, "levels": list(sweep.levels), "rates": list(sweep.rates)}
             for sweep in score.sweeps
