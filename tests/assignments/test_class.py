@@ -18,9 +18,11 @@ from robsim.teach import (
     Limit,
     SubmissionResult,
     grade_class,
+    grade_submission,
     load_assignment,
     regrade_class,
 )
+from robsim.teach.assignments.classes import progress
 from small_assignments import LIMITS, TESTS, assignment, drawn_quickly, solution
 from waiting import wait_for
 
@@ -138,6 +140,56 @@ def test_other_limits_and_points_need_no_run(hw3, folders, ran):
     assert repr(grade_class(changed, subs, out)) == repr(anew)
     assert ran == []
     assert result_of(out, "s001") == anew.results[0]
+
+
+def test_tables_have_the_columns_that_are_asked_for_and_no_names(hw3, folders, ran):
+    subs, out = folders
+    told = []
+    grade_class(
+        hw3,
+        subs,
+        out,
+        columns="moodle",
+        pseudonyms=True,
+        on_result=lambda result, changed: told.append((result.student, changed)),
+    )
+    assert told == [("s001", ""), ("s002", ""), ("s003", "")]
+    tables = [(out / name).read_text() for name in ("class.csv", "class.html")]
+    assert "Full name" in tables[0]
+    assert not any("s001" in table for table in tables)
+    regrade_class(hw3, out, columns="canvas")
+    assert "SIS User ID" in (out / "class.csv").read_text()
+    assert ran == []
+    for name, wrong in {"columns": "moodel", "pseudonyms": "yes", "on_result": "print"}.items():
+        with pytest.raises((TypeError, ValueError), match=name):
+            grade_class(hw3, subs, out, **{name: wrong})
+    with pytest.raises(AssignmentError, match="key"):
+        grade_class(replace(hw3, key=None), subs, out, public=True, pseudonyms=True)
+
+
+def test_one_of_a_class_is_graded_without_a_table(hw3, folders, ran):
+    subs, out = folders
+    before = (out / "class.csv").read_bytes()
+    (subs / "s003/estimate_state.py").write_text("def estimate_state(step):\n    return None\n")
+    gradescope = out.parent / "results.json"
+    result = grade_submission(hw3, subs / "s003", out, only="shown", gradescope=gradescope)
+    assert ran == [("s003", "shown")]
+    assert result == result_of(out, "s003")
+    assert json.loads(gradescope.read_text())["score"] == result.points
+    (again,) = grade_class(hw3, subs / "s003", out, only="shown").results
+    assert again == result
+    assert (out / "class.csv").read_bytes() == before
+
+
+def test_a_submission_is_opened_once(hw3, folders, tmp_path, monkeypatch):
+    subs, _ = folders
+    opened = []
+    true = progress.open_submission
+    monkeypatch.setattr(
+        progress, "open_submission", lambda path, rules: opened.append(path) or true(path, rules)
+    )
+    grade_class(hw3, subs, tmp_path / "anew")
+    assert opened == [str(subs / student) for student in ("s001", "s002", "s003")]
 
 
 def test_regrading_refuses_what_was_graded_by_other_tests(hw3, folders, tmp_path):

@@ -3,6 +3,7 @@
 import gc
 import math
 import re
+import shutil
 import textwrap
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from robsim.teach.assignments.grading import marking, references, task_runs
 from robsim.teach.assignments.grading import references as seeds
 from robsim.teach.grading.calling import judged
 from robsim.teach.submissions.reading import open_submission
+from robsim.trace import Trace
 from small_assignments import LIMITS, drawn_quickly
 
 pytestmark = pytest.mark.long
@@ -198,6 +200,20 @@ def test_a_run_played_again_is_the_one_that_was_graded(hw3, right, graded):
         play_run(hw3, right, "hidden", 2)
     with pytest.raises(ValueError, match="'hiden'"):
         play_run(hw3, right, "hiden", 1)
+
+
+def test_the_worst_run_is_played_and_written_where_results_are(graded_class, tmp_path):
+    hw3, subs = graded_class.assignment, graded_class.submissions
+    out = shutil.copytree(graded_class.out, tmp_path / "out")
+    again = play_run(hw3, subs / "s002", "hidden", out=out)
+    assert again.run == graded_class.of("s002").tests[1].worst
+    trace, picture = again.files
+    assert trace == out / f"s002/hidden-run{again.run}.npz"
+    assert len(Trace.load(trace)) == 20
+    assert picture.read_bytes() == again.picture()
+    other = play_run(hw3, subs / "s002", "hidden")
+    assert (other.run, other.files) == (0, ())
+    assert "worst" in str(other)
 
 
 def task_for(hw3, path):

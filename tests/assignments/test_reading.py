@@ -149,3 +149,11 @@ def test_limits_of_another_task_or_of_other_solutions_are_stale(tmp_path):
         of_kind.mkdir(parents=True)
         (of_kind / "estimate_state.py").write_bytes(one.files["estimate_state"] + b"\n")
     assert "the solutions are not those" in calibrated(folder, task("estimate", **SHORT)).stale
+
+
+def test_another_isolation_can_be_asked_for(tmp_path):
+    folder = assignment(tmp_path / "hw3", TESTS)
+    assert load_assignment(folder).isolation == "auto"
+    assert load_assignment(folder, isolation="process").isolation == "process"
+    with pytest.raises(ValueError, match="isolation"):
+        load_assignment(folder, isolation="full")

@@ -82,6 +82,12 @@ def check_bool(name: str, value: Any) -> bool:
     return bool(value)
 
 
+def check_callable(name: str, value: Any) -> None:
+    """Raise TypeError unless the argument is None, or can be called."""
+    if value is not None and not callable(value):
+        raise TypeError(f"{name} must be callable, got {quoted(value)}")
+
+
 def check_text(name: str, value: Any) -> str:
     """Return `value` if it is text; else raise TypeError."""
     if not isinstance(value, str):

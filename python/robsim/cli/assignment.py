@@ -75,20 +75,15 @@ def calibrate_and_print(
     folder: Path, *, jobs: int, false_fail: float = 0.01, confidence: float = 0.95
 ) -> None:
     """Calibrate, and say beforehand how long it takes, afterwards what came of it."""
-    from robsim.teach.assignments import calibrate_assignment, load_assignment
-    from robsim.teach.assignments.calibration import KEPT, seconds_to_calibrate
+    from robsim.teach.assignments import calibrate_assignment
 
-    executor = engine_of(jobs)
-    seconds = seconds_to_calibrate(
-        load_assignment(folder), false_fail=false_fail, confidence=confidence, processes=jobs
-    )
-    goes_on = (folder / KEPT).is_dir()
-    begin = "what was done is kept; all of it takes" if goes_on else "calibrating takes"
-    errors.print_note(f"{begin} about {_duration(seconds)}; Ctrl-C keeps what is done")
-    sys.stderr.flush()
     try:
         found = calibrate_assignment(
-            folder, false_fail=false_fail, confidence=confidence, executor=executor
+            folder,
+            false_fail=false_fail,
+            confidence=confidence,
+            executor=engine_of(jobs),
+            on_begin=_tell_how_long,
         )
     except KeyboardInterrupt:
         errors.print_note(f"to go on: robsim assignment calibrate {folder}")
@@ -97,6 +92,12 @@ def calibrate_and_print(
         errors.show(f"{', '.join(names)}: {calibration}")
         _warn(calibration)
     errors.say(f"written to {folder / 'limits.json'}")
+
+
+def _tell_how_long(seconds: float, goes_on: bool) -> None:
+    begin = "what was done is kept; all of it takes" if goes_on else "calibrating takes"
+    errors.print_note(f"{begin} about {_duration(seconds)}; Ctrl-C keeps what is done")
+    sys.stderr.flush()
 
 
 def _duration(seconds: float) -> str:

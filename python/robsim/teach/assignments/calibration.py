@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
-from robsim.base.checks import check_bool
+from robsim.base.checks import check_bool, check_callable
 from robsim.base.files import write_whole
 from robsim.base.text import one_line
 from robsim.campaigns.engines.executors import DaskClient
@@ -24,7 +25,7 @@ from robsim.teach.tasks.marks.calibration import TaskCalibration, solutions_dige
 from robsim.teach.tasks.solutions import Solution
 
 #: Runs of a calibration that was ended, in the folder of the assignment.
-KEPT = ".calibrating"
+_KEPT = ".calibrating"
 
 
 def calibrate_assignment(
@@ -34,6 +35,7 @@ def calibrate_assignment(
     confidence: float = 0.95,
     executor: int | str | Executor | DaskClient | None = None,
     progress: bool = True,
+    on_begin: Callable[[float, bool], Any] | None = None,
 ) -> dict[str, TaskCalibration]:
     """Calibrate the limits of an assignment by its solutions, and write its ``limits.json``.
 
@@ -45,6 +47,8 @@ def calibrate_assignment(
         The folder of the assignment. The seeds of the runs come from its key.
     false_fail, confidence, executor, progress
         As for `robsim.teach.calibrate`.
+    on_begin : callable, optional
+        Is called with about how long all of it takes (s), and whether runs are kept that count.
 
     Returns
     -------
@@ -62,7 +66,12 @@ def calibrate_assignment(
     """
     assignment = load_assignment(folder)
     check_bool("progress", progress)
-    kept = assignment.folder / KEPT
+    kept = assignment.folder / _KEPT
+    check_callable("on_begin", on_begin)
+    if on_begin is not None:
+        processes = executor if isinstance(executor, int) else 1
+        shares = {"false_fail": false_fail, "confidence": confidence}
+        on_begin(_seconds(assignment, **shares, processes=processes), kept.is_dir())
     found: dict[str, TaskCalibration] = {}
     for test, names in _by_task(assignment):
         solutions = _usable(assignment, test.task)
@@ -83,18 +92,10 @@ def calibrate_assignment(
     return found
 
 
-def seconds_to_calibrate(
-    assignment: Assignment, *, false_fail: float, confidence: float, processes: int
-) -> float:
+def _seconds(assignment: Assignment, **options: Any) -> float:
     """Return about how long `calibrate_assignment` will take (s)."""
     return sum(
-        calibration_seconds(
-            test.task,
-            _usable(assignment, test.task),
-            false_fail=false_fail,
-            confidence=confidence,
-            processes=processes,
-        )
+        calibration_seconds(test.task, _usable(assignment, test.task), **options)
         for test, _ in _by_task(assignment)
     )
 

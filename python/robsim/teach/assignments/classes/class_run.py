@@ -12,7 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from robsim.base.checks import check_bool, check_choice, check_text
+from robsim.base.checks import check_bool, check_callable, check_choice, check_text
 from robsim.base.files import as_path
 from robsim.base.text import one_line, quoted
 from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
@@ -151,8 +151,7 @@ def grade_class(
     engine_value(executor)
     folder = ResultFolder(as_path(out, "out"))
     _check_tables(assignment, columns, pseudonyms=pseudonyms)
-    if on_result is not None and not callable(on_result):
-        raise TypeError(f"on_result must be callable, got {quoted(on_result)}")
+    check_callable("on_result", on_result)
     handed = submissions_in(submissions, assignment)
     plan = plan_of(assignment, only=only, public=public)
     done = grade_all(plan, handed, folder, executor=executor, tell=on_result)

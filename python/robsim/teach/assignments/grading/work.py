@@ -97,15 +97,7 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class GradingWork:
-    """What is sent to those who grade.
-
-    Attributes
-    ----------
-    assignment : Assignment
-        What is graded.
-    units : tuple of Unit
-        Its tests.
-    """
+    """What is sent to the graders: an assignment, and its tests."""
 
     assignment: Assignment
     units: tuple[Unit, ...]
