@@ -87,7 +87,9 @@ class Contents:
     name: str
     files: dict[str, bytes]
     is_one_file: bool = False
-    found: dict[tuple[Rules, frozenset[str]], SubmissionFiles] = field(default_factory=dict)
+    found: dict[tuple[Rules, frozenset[str]], SubmissionFiles] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
 
 def open_submission(path: str | PathLike[str], rules: Rules) -> Contents:

@@ -119,8 +119,8 @@ class Progress:
                     handed, files = self.handed, self._files_for(unit)
                     return Job(self._index, number, handed.student, handed.path, files, seconds)
                 self._end(unit, NOT_RUN, _OUT_OF_TIME)
-            except SubmissionError as error:  # nothing of it is for this test
-                self._end(unit, FAILED, clean_text(str(error)))
+            except Exception as error:  # such as that nothing of it is for this test
+                self._take(unit.failed_by(error))
             del self._left[0]
         return None
 

@@ -38,11 +38,7 @@ class Schedule:
     """
 
     def __init__(
-        self,
-        plan: Plan,
-        handed: Sequence[Handed],
-        folder: ResultFolder,
-        tell: Tell | None,
+        self, plan: Plan, handed: Sequence[Handed], folder: ResultFolder, tell: Tell | None
     ) -> None:
         self._plan, self._folder, self._tell = plan, folder, tell
         self._waiting = enumerate(handed)

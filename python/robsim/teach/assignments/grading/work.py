@@ -14,7 +14,7 @@ from robsim.teach.assignments.grading.marking import labels_of
 from robsim.teach.assignments.grading.playing import path_of, picture_of
 from robsim.teach.assignments.grading.references import References
 from robsim.teach.assignments.grading.task_runs import RunTest, run_task_test
-from robsim.teach.assignments.results import ERROR, TestResult
+from robsim.teach.assignments.results import ERROR, FAILED, TestResult
 from robsim.teach.errors import GraderError, GradingError, SubmissionError
 from robsim.teach.submissions import SubmissionFiles
 from robsim.teach.texts import clean_text
@@ -53,6 +53,13 @@ class Unit:
         if isinstance(self.test, TaskTest):
             return (TestResult(name=self.test.name, points=0.0, **labels_of(self.test), **told),)
         return tuple(one.result(**told) for one in self.own)
+
+    def failed_by(self, error: Exception) -> tuple[TestResult, ...]:
+        """Return the results of tests that could not be run: only the submission loses points."""
+        whose = error.whose if isinstance(error, GradingError) else GraderError.whose
+        said = str(error) if isinstance(error, GradingError) else said_by(error)
+        status = FAILED if isinstance(error, SubmissionError) else ERROR
+        return self.unmarked(status=status, sentence=clean_text(said), whose=whose)
 
 
 class Job(NamedTuple):
@@ -131,11 +138,8 @@ class Grader:
             if isinstance(unit.test, TaskTest):
                 return self._by_task(job, unit.test, unit.digest)
             return self._own(job, unit, unit.test)
-        except Exception as error:  # not of a submission: these are results
-            whose = error.whose if isinstance(error, GradingError) else GraderError.whose
-            said = str(error) if isinstance(error, GradingError) else said_by(error)
-            told = {"status": ERROR, "sentence": clean_text(said), "whose": whose}
-            return Row(job.submission, job.unit, unit.unmarked(**told))
+        except Exception as error:
+            return Row(job.submission, job.unit, unit.failed_by(error))
 
     def _own(self, job: Job, unit: Unit, test: FileTests) -> Row:
         """Do the tests of a file."""
