@@ -9,7 +9,7 @@ namespace robsim::bindings {
 
 namespace {
 
-// What the Python side makes of an error: see simulation/_callbacks/errors.py.
+// Python makes the errors: simulation/callbacks/errors.py.
 py::object errors(const char* function) {
   return py::module_::import("robsim.simulation.callbacks.errors").attr(function);
 }

@@ -149,7 +149,6 @@ def live(
     """Drive a robot under a real camera."""
     from robsim._core import Limits
     from robsim.cli.driving import LiveRun, step_of_model
-    from robsim.cli.live import check_and_report
     from robsim.cli.results import check_folder
     from robsim.cli.sources import opened, rate_of
     from robsim.simulation.options import step_count

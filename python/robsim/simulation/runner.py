@@ -194,8 +194,6 @@ class Runner(Slotted):
         if not progress:
             with self._guarded():
                 return self._core.run(steps, self._pulse)
-        from robsim.simulation.runner import progress_bar
-
         label = progress if isinstance(progress, str) else None
         before = self._core.rows
         with progress_bar(total=total, unit="step", desc=label) as bar, self._guarded():

@@ -55,7 +55,6 @@ def lens(
     as_json: Json = False,
 ) -> None:
     """Calibrate a lens by pictures of a printed board."""
-    from robsim.cli.calibration.lens import taken_pictures
     from robsim.lab.calibration.lens import calibrate_lens
 
     with errors.report_errors():

@@ -50,8 +50,6 @@ def bench(
     as_json: Json = False,
 ) -> None:
     """Measure how fast robsim is on this machine."""
-    from robsim.cli.simulated.bench import run_bench
-
     with errors.report_errors():
         result = run_bench(rounds=rounds)
     errors.show(result.to_json() if as_json else result)

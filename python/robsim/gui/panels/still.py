@@ -91,8 +91,6 @@ class Still(Part):
         self._thread.start()
 
     def _drawn(self, shot: Shot | None) -> bytes:
-        from robsim.gui.panels.still import still_picture  # matplotlib takes its time
-
         panel = self.panel
         return still_picture(panel.record, shot, panel.driver.state, panel.goals)
 

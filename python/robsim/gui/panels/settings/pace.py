@@ -1,4 +1,4 @@
-"""How fast the run goes."""
+"""The classes of controls, and the control of the speed."""
 
 from __future__ import annotations
 
