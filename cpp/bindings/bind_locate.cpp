@@ -182,7 +182,7 @@ ValueError
           "float or None: of the markers' edges; from 4 on a pose can be trusted.")
       .def_property_readonly(
           "seen", [](const Measurement& self) { return blobs_of(self.pair); },
-          "dict of str to Blob or None: by role, what was taken for the markers.");
+          "dict of str to Blob or None: the markers' blobs, by role.");
   const auto make = [](const PoseNumbers& pose, const std::optional<CovarianceRows>& covariance,
                        std::optional<double> misfit, std::optional<double> signal_to_noise,
                        const std::optional<PairValue>& pair) {
@@ -270,8 +270,8 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
             if (!self.first || !self.second) return std::nullopt;
             return by_role<Blob>(self.markers.roles, py::cast(*self.first), py::cast(*self.second));
           },
-          "dict of str to Blob or None: by role, what was taken for the markers; if no pair is "
-          "accepted,\nthose most like them.")
+          "dict of str to Blob or None: the markers' blobs, by role; if no pair is accepted,\nthe "
+          "most similar blobs.")
       .def_readonly("misfit", &Detection::misfit,
                     "float: misfit of the pair, from 0 = perfect; inf without a pair. That of the "
                     "fit\nhas the measurement.")

@@ -89,7 +89,7 @@ __all__ = sorted([*_HOMES, "__version__", "wrap_angle"])
 
 
 class _Package(_ModuleType):
-    """What `robsim` is: Python binds each wing to it when it has been loaded."""
+    """The type of the module `robsim`; Python binds each wing to the module after loading."""
 
     def __setattr__(self, name: str, value: _Any) -> None:
         super().__setattr__(name, value)

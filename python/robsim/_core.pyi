@@ -1074,7 +1074,7 @@ class Measurement:
     @property
     def seen(self) -> dict[str, Blob] | None:
         """
-        dict of str to Blob or None: by role, what was taken for the markers.
+        dict of str to Blob or None: the markers' blobs, by role.
         """
     @property
     def signal_to_noise(self) -> float | None:
@@ -1153,8 +1153,8 @@ class Detection:
     @property
     def seen(self) -> dict[str, Blob] | None:
         """
-        dict of str to Blob or None: by role, what was taken for the markers; if no pair is accepted,
-        those most like them.
+        dict of str to Blob or None: the markers' blobs, by role; if no pair is accepted,
+        the most similar blobs.
         """
 class MissedDetections:
     """

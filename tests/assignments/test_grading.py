@@ -184,7 +184,7 @@ def test_public_runs_need_no_key_and_the_numbers_of_the_reference_can_stand_in_f
     values = {name: tuple(run[name] for run in runs) for name in runs[0]}
     known = replace(shown, reference=None, reference_values=values)
     public = grade_submission(
-        replace(hw3, tests=(known,), key=None), right, public=True, student="somebody"
+        replace(hw3, tests=(known,), key=None), right, public=True, student="student"
     )
     assert [test.scores for test in public.tests] == [graded.tests[0].scores]
     assert public.is_done
@@ -217,7 +217,7 @@ def test_the_worst_run_is_played_and_written_where_results_are(graded_class, tmp
 
 
 def task_for(hw3, path):
-    """What is run of a submission in the first test."""
+    """Return the task of a submission in the first test."""
     contents = open_submission(path, hw3._rules())
     files = task_runs.files_for(hw3, hw3.tests[0], contents)
     return task_runs.graded_task(hw3, hw3.tests[0], files)

@@ -43,7 +43,7 @@ class Mouse(ToolMouse):
 
     @property
     def regions(self):
-        """Those of the red class."""
+        """The regions of the red class."""
         trained = self.tool._view.training.classes.get("red")
         return [sample.region for sample in trained.samples] if trained else []
 

@@ -114,7 +114,7 @@ def test_changes_are_undone_and_a_drag_is_one(view, browser):
     assert value(undo) == ((made,), [20, 20, 27, 27], True, True)
     assert value(undo) == ((), None, False, True)
     assert value(redo) == ((made,), [20, 20, 27, 27], True, True)
-    # A drag of which the beginning is refused is a change of its own, too
+    # A drag is a separate change, too, if its beginning is refused
     changed = value(region(40, 0, 45, 9), region(50, 20, 59, 29, goes_on=True))
     assert changed[0] != (made,)
     assert value(undo) == ((made,), [20, 20, 27, 27], True, True)

@@ -71,7 +71,7 @@ def present(module: ModuleType, wing: str) -> None:
     So `help`, reprs, tracebacks and pickles show the public path, such as ``robsim.Trace`` or
     ``robsim.lab.Camera``, and not the private file that defines it.
     """
-    # What users have at the top is said to be there.
+    # The names at the top belong to `robsim` itself.
     homes = getattr(sys.modules.get("robsim"), "_HOMES", {})
     for name in module.__all__:
         value = getattr(module, name)

@@ -89,8 +89,8 @@ def seed_value(seed: Seed) -> int | SeedRecord | None:
 def stream(seed: np.random.SeedSequence, name: str, robot: int = 0) -> np.random.SeedSequence:
     """Return the seed of a named stream, always the same for the same arguments.
 
-    So a stream of one of several robots does not depend on how many there are. What is of the
-    world, "noise" and "faults", it has under robot 0.
+    A robot's streams do not depend on the number of robots. The streams of the world, "noise"
+    and "faults", belong to robot 0.
     """
     own = (_ROBOTS, robot) if robot else ()
     key = (*seed.spawn_key, *own, STREAMS.index(name))

@@ -47,7 +47,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 
 def no_attribute(message: str, name: str = "", known: Iterable[str] = ()) -> AttributeError:
-    """Return an AttributeError whose message says which of the known names may be meant.
+    """Return an AttributeError whose message suggests the known name closest to `name`.
 
     It has no name: Python, from 3.12 on, would add a suggestion of its own.
     """

@@ -31,7 +31,7 @@ _MOST_NAMED = 4
 def graded_alone(
     assignment: Assignment, submission: Path, out: Path, gradescope: Path | None, **options: Any
 ) -> ClassResult:
-    """Grade a single submission, whatever the folder looks like."""
+    """Grade a file, or a folder of any layout, as a single submission."""
     if gradescope is not None:
         check_file(gradescope)
     with _kept_in(out):
@@ -54,7 +54,7 @@ def _kept_in(out: Path) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        errors.print_note(f"what is done is in {out}: the same command goes on with the rest")
+        errors.print_note(f"the finished results are in {out}; rerun the same command to continue")
         raise
 
 

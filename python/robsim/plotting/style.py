@@ -47,7 +47,7 @@ _SOURCES: dict[type, str] = {
     ConsistencyReport: "robsim.pose_consistency(traces), or nees_consistency or nis_consistency "
     "in robsim.estimation",
     CampaignResult: "what robsim.campaign(...) returns",
-    Iterable: "frames, such as those of a recording",
+    Iterable: "frames, for example of a recording",
     Axes: "axes of matplotlib, such as figure.add_subplot()",
 }
 #: The panels of a figure of several.

@@ -61,7 +61,7 @@ OPTIONS = (
 
 @dataclass(frozen=True, kw_only=True)
 class WorldOptions:
-    """What a world has, whatever robots are in it: its floor, its camera, its seed."""
+    """The options of a world without its robots: its floor, its camera, its seed."""
 
     area: tuple[int, int] = (1200, 1200)
     resolution: tuple[int, int] | None = None
@@ -73,7 +73,7 @@ class WorldOptions:
     seed: Seed = None
 
     def _world_forms(self) -> dict[str, Any]:
-        """Return what is kept in another form than it may be given; raise for what is wrong."""
+        """Return the converted options; raise for invalid ones."""
         check_choice("boundary", self.boundary, BOUNDARIES)
         as_native_noise(self.noise)
         return {
@@ -94,7 +94,7 @@ class WorldOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RobotOptions:
-    """What each robot of a world has for itself: its body, what disturbs it, its software."""
+    """The options of one robot of a world: its body, its disturbances, its software."""
 
     robot: str | PathLike[str] | RobotDefinition | None = None
     dropout: Dropout | None = None
@@ -113,7 +113,7 @@ class RobotOptions:
     control: Spin | DriveAround | Replay | None = _CONTROL
 
     def _robot_forms(self) -> dict[str, Any]:
-        """Return what is kept in another form than it may be given; raise for what is wrong."""
+        """Return the converted options; raise for invalid ones."""
         check_choice("identify_from", self.identify_from, SOURCES)
         as_dropout(self.dropout)
         check_process_noise(self.process_noise)

@@ -195,8 +195,8 @@ _TABLES: dict[type, dict[str, _Key]] = {
     BlobMarker: {"color": _Key(_text), "polygon": _array("px of the image")},
 }
 
-# What a MarkerLayout has in a table of each role such as [markers.right]: the key, and the
-# attribute that has it by role.
+# The keys of a MarkerLayout in each role's table, such as [markers.right], and the attributes that
+# have the values by role.
 _BY_ROLE: dict[str, tuple[str, _Key]] = {
     "color": ("colors", _Key(_text)),
     "position": ("positions", _array("px, forward and right of the centre")),
@@ -448,7 +448,7 @@ def _value_of(table: dict[str, Any], kinds: tuple[type, ...]) -> Any:
 
 
 def _layout_of(tables: Any) -> dict[str, dict[str, Any]]:
-    """Return what the tables of both markers of a layout give, by role."""
+    """Return the attributes of a layout, by role, from the tables of both markers."""
     given = given_by_role("markers", tables, {name: name for name in _BY_ROLE})
     if "position" not in given:
         raise ValueError("position is missing")

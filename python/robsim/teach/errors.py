@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from robsim.simulation import FailedCallback
     from robsim.trace import Trace
 
-#: What can happen to a submission.
+#: The causes of a submission's failure.
 ERROR, TIMEOUT, EXIT = "error", "timeout", "exit"
 
 

@@ -74,7 +74,7 @@ def _size(count: int) -> str:
 
 
 def parse_toml(text: str, most: int = MOST_TOML) -> dict[str, Any]:
-    """Return what a TOML text of at most so many bytes says; the time that it takes is limited.
+    """Parse a TOML text of at most `most` bytes, in limited time.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The doors of the tools: `color_panel`, `robot_panel`, `floor_panel`, and what they open on."""
+"""The doors of the tools: `color_panel`, `robot_panel`, `floor_panel`, and their pictures."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ class ToolView(View):
     @property
     @abstractmethod
     def history(self) -> History[Any]:
-        """What is made, change by change."""
+        """The tool's product, change by change."""
 
     @abstractmethod
     def acts(self) -> Acts:

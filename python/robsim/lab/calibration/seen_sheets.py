@@ -37,7 +37,7 @@ class SeenSheets:
 
     @classmethod
     def of(cls, image: Pixels, mark: float) -> SeenSheets:
-        """Return what a picture shows of sheets with marks of a side (mm)."""
+        """Find the sheets in a picture; `mark` is the side of their marks (mm)."""
         return cls(frame_size(image), mark, find_sheets(image, mark))
 
     def with_mark(self, mark: float) -> SeenSheets:

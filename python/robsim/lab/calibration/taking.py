@@ -80,16 +80,16 @@ def empty_parts(seen: Sequence[Corners], size: tuple[int, int]) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class BoardPictures:
-    """What pictures of one size show of a board: by their names, in the order of taking.
+    """The corners of a board in pictures of one size, by name, in the order of taking.
 
     Attributes
     ----------
     board : Chessboard or Charuco
-        What they show.
+        The board in the pictures.
     size : tuple of int
         Their width and height (px).
     corners : mapping of str to Corners
-        What was found in each.
+        The corners in each picture.
     """
 
     board: Chessboard | Charuco
@@ -146,13 +146,13 @@ class BoardPictures:
 
     @property
     def remove_first(self) -> str:
-        """What to do before others can be taken."""
+        """The remedy for other pictures that do not fit: remove these first."""
         count = len(self)
         return "remove the picture first" if count == 1 else f"remove the {count} pictures first"
 
     @property
     def why_none(self) -> str:
-        """What to look at where no board is found."""
+        """The likely reasons of a missing board, as a question."""
         return why_missing(self.board)
 
     @property

@@ -125,7 +125,7 @@ def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.S
 def _true_model(
     options: RobotOptions, seed: np.random.SeedSequence, belief: RobotModel
 ) -> RobotModel:
-    """Return the model of the world: that of the options, or what the robot half believes in."""
+    """Return the model of the world: the options' model, or else the robot half's belief."""
     model = options._model or belief
     if model.dt != belief.dt:
         raise ValueError(

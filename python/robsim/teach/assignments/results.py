@@ -77,9 +77,9 @@ class ScoreResult:
 
 @dataclass(frozen=True, kw_only=True)
 class FailedRun:
-    """A run that did not come through: its number and what the submission did.
+    """A run that did not come through: its number and the submission's failure.
 
-    Its `cause` is that of the `SubmissionError`.
+    `cause` has the values of `SubmissionError.cause`.
     """
 
     run: int

@@ -30,7 +30,7 @@ class Ending:
     over : bool
         False = it still runs.
     exited : bool
-        Whether it ended by itself or by a signal, and by no limit.
+        Whether it exited or a signal ended it, and no limit was exceeded.
     left : tuple of str
         What could not be removed after it; empty where its end is certain.
     """

@@ -71,7 +71,7 @@ def _take_attribute(mask: str, restored: ExitStack) -> None:
     if module is None:
         return
     if name not in vars(module):
-        if name in vars(module).get("__all__", ()):  # it would be loaded when asked for
+        if name in vars(module).get("__all__", ()):  # its first use would load it
             setattr(module, name, _Absent(mask))
             restored.callback(delattr, module, name)
         return

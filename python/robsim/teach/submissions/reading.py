@@ -81,7 +81,7 @@ class Contents:
     is_one_file : bool
         Whether a Python file or a notebook was handed in, and no folder or zip.
     found : dict
-        What counts of them by rules, and copies in it of given files; as far as it is known.
+        A cache: the files that count, by rules and by copies of given files in the submission.
     """
 
     name: str

@@ -53,7 +53,7 @@ class Task(ABC):
     slots : tuple of str
         The slots that a solution fills.
     given : str
-        What a solution gets at each step, in `try_solution` as where it is graded: ``"frames"``,
+        The input of a solution at each step, in `try_solution` and in grading: ``"frames"``,
         ``"blobs"`` (no frame), ``"pose"`` (the measurement alone).
     scores : tuple of Score
         The numbers of a run; their shares sum to 1.

@@ -1,4 +1,4 @@
-"""A robot while it is drawn: its picture and polygons, guesses of them, and what is missing."""
+"""A robot in drawing: its picture and polygons, guesses of polygons, and its problems."""
 
 from __future__ import annotations
 
@@ -133,13 +133,13 @@ class Sketch:
         return np.array(((width - 1) / 2, (height - 1) / 2))
 
     def part(self, name: str) -> Floats:
-        """Return the polygon of a part; ValueError if there is none of that name."""
+        """Return the polygon of a part; raise ValueError if the name is unknown."""
         if not isinstance(name, str) or name not in self.parts:
             raise ValueError(f"part must be one of {', '.join(self.parts)}, got {quoted(name)}")
         return self.parts[name]
 
     def with_part(self, name: str, polygon: Any) -> Sketch:
-        """Return it with another polygon in place of what is there; none = nothing is drawn.
+        """Return the sketch with another polygon for a part; an empty polygon draws nothing.
 
         Raises
         ------

@@ -124,7 +124,7 @@ class Stages:
     def _problem(self) -> str | None:
         """Return why the run could not go on."""
         try:
-            self._runner._check_slots()  # not the world, which no slot can mend
+            self._runner._check_slots()  # not the world: no slot can repair it
         except ValueError as error:
             return str(error)
         return None

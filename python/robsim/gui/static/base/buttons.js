@@ -29,14 +29,14 @@ export function showButton(button, name) {
   button.replaceChildren(icon(name), ...(button.classList.contains("robsim-icon") ? [] : [label]));
 }
 
-/** A group of which one is chosen, by a click or the arrow keys: `choose(value)` is called. */
+/** Make a radio group: a click or an arrow key calls `choose(value)`. */
 export function makeRadios(className, ariaLabel, choose) {
   const element = make("div", { className, role: "radiogroup", ariaLabel });
   moveByArrows(element, ({ ariaDisabled, value }) => ariaDisabled == "true" || choose(value));
   const makeOne = ({ value }) =>
     make("button", { type: "button", role: "radio", value, onclick: () => choose(value) });
   let [names, all] = ["", ""]; // that are shown
-  /** Show some options, {value, textContent, ...}, of which one is chosen. */
+  /** Show some options, {value, textContent, ...}; `chosen` is the value of the checked one. */
   const show = (options, chosen) => {
     const [oldNames, old] = [names, all];
     names = options.map(({ value }) => value).join("\n");

@@ -22,7 +22,7 @@ export function makeContext(el, send, choices = {}) {
     state: { state: "paused", values: {} },
     frame: null, // the head that is shown, with `picture`, an ImageBitmap
     local: remembered({ ...LOOKS, ...choices }), // of this view alone, which the browser keeps
-    /** Call a listener at events of one type or several, such as "setup state". */
+    /** Listen to events: `types` is one type or several, such as "setup state". */
     on(types, listener) {
       for (const type of types.split(" "))
         listeners.set(type, [...(listeners.get(type) ?? []), listener]);

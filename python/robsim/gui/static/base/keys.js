@@ -1,5 +1,5 @@
 // @ts-check
-// Keys on an element, and what is dragged on it.
+// Keys and drags on an element.
 
 /** Where the arrow keys lead, to the right and down. */
 export const ARROWS =
@@ -10,8 +10,8 @@ export const arrowStep = ({ key, shiftKey }) =>
   ARROWS[key]?.map((side) => side * (shiftKey ? 10 : 1));
 
 /**
- * Let keys do something on an element: `act(event)` returns false for those of others. Escape goes
- * on to the panel, where it stops the robot.
+ * Handle keys on an element: `act(event)` returns false for an unknown key. Escape also reaches the
+ * panel, which then stops the robot.
  */
 export function listenToKeys(element, act) {
   element.addEventListener("keydown", (event) => {
@@ -21,7 +21,7 @@ export function listenToKeys(element, act) {
   });
 }
 
-/** Let things be dragged: `begin(event)` returns {move(event), drop()} for what is there. */
+/** Handle drags: `begin(event)` returns the dragged thing, {move(event), drop()}, or null. */
 export function listenToDrags(element, begin) {
   let held = null;
   element.addEventListener("pointerdown", (event) => {

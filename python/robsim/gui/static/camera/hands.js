@@ -5,18 +5,18 @@ import { distance } from "../base/geometry.js";
 import { listenToKeys } from "../base/keys.js";
 
 const REACH = 10; // px on the screen that a point takes
-const FINGER = 2.2; // times that of a mouse
+const FINGER = 2.2; // times the reach of a mouse
 
 /**
- * Let hands do something on a picture. Later ones lie over earlier ones; the uppermost one that
- * `isOn()` has the pointer. A hand has what it wants of these, in pixels of the picture:
- * `hover(at, where)`, null = away, and where on the canvas; `click(at)`; `doubleClick(at)` and
- * `key(event)`, which return whether they have taken it; `grab(at)`, which returns what is dragged
- * from there: {at: where it is, `key`, move(at, goesOn), drop(), giveUp() if that is not the same};
- * `draw(scene)`; `drags()`, false where nothing is dragged. One without `isOn` draws, and has keys.
+ * Let hands act on a picture. Later hands lie over earlier ones; the uppermost hand with a true
+ * `isOn()` has the pointer. A hand has some of these methods, with pixels of the picture as `at`:
+ * `hover(at, where)` (null = away; `where` is on the canvas), `click(at)`, `draw(scene)`.
+ * `doubleClick(at)` and `key(event)` return whether the hand has handled the event. `grab(at)`
+ * returns the dragged thing: {at, `key`, move(at, goesOn), drop(), giveUp() if unlike drop()}.
+ * `drags()` is false where nothing is dragged. A hand without `isOn` draws, and has keys.
  */
 export function makeHands(context, hands, { canvas, lens, later, zoomed }) {
-  let held = null; // what is dragged, or was, until Python has it where it is
+  let held = null; // the dragged thing, until Python's first state after the drop
   let [isHeld, isNew, off] = [false, false, [0, 0]];
   const upper = () => hands.findLast((hand) => hand.isOn?.());
   const at = lens.toPixel;

@@ -37,7 +37,7 @@ export function drawLine(scene, points, color, { isClosed = false, ...options } 
   strokePath(scene, color, options);
 }
 
-/** Draw the outline of what lies between two points of the canvas. */
+/** Draw the rectangle between two corners on the canvas. */
 export function drawBox(scene, [left, top], [right, bottom], color, options = {}) {
   const corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
   drawLine(scene, corners, color, { isClosed: true, ...options });

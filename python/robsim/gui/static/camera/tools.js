@@ -12,7 +12,7 @@ import { drawLine } from "./strokes.js";
 const CROSS_STEP = 10; // px of the work area; with Shift ten times as many
 const TOOLS = ["go_to", "draw_path"];
 
-/** What the pointer does on a picture: "look", "go_to" or "draw_path". */
+/** Make the tools of the pointer on a picture: "look", "go_to" and "draw_path". */
 export function makeTools(context, picture) {
   const draft = makeDraft();
   const cross = makeCross(context);
@@ -73,7 +73,7 @@ export function makeTools(context, picture) {
   const grabLine = (begin, at) => {
     const toArea = (pixel) => pixelToArea(context.frame)(pixel);
     const [u, v] = at;
-    /** What a pixel of the screen is on the work area, about. */
+    /** Return the approximate size of a screen pixel on the work area. */
     const size = () => distance(toArea([u, v]), toArea([u + picture.pixels(1), v])) || 1;
     draft.begin(inArea(context, begin));
     return {

@@ -2,7 +2,7 @@
 // Undo and redo: Python has what there was before; here are the buttons and the keys.
 import { makeAct } from "./pieces.js";
 
-/** Return both buttons. The keys are heard anywhere but in what is typed. */
+/** Return both buttons. The keys act everywhere but in text fields. */
 export function makeHistory(context) {
   const [undo, redo] = ["undo", "redo"].map((name) => makeAct(context, name));
   context.on("state", (state) => {

@@ -1,5 +1,5 @@
 // @ts-check
-// What the sides of all tools are made of: rows, words, buttons, fields, tables, what is wrong.
+// The pieces of all tools' sides: rows, words, buttons, fields, tables, lists of problems.
 import { makeTextButton } from "../base/buttons.js";
 import { make, say } from "../base/dom.js";
 import { text } from "../base/texts.js";
@@ -15,7 +15,7 @@ export const makeWords = (name) =>
 export const makeHint = (name) =>
   make("p", { className: "robsim-quiet robsim-tool-hint", textContent: text(name) });
 
-/** A button that sends a message, if there is one: of its own name if no other is given. */
+/** Make a button that sends `message()`, if there is one; the default type is the `name`. */
 export const makeAct = (context, name, kind = "", message = () => ({ type: name }), words = name) =>
   makeTextButton(name, kind, () => {
     const told = message();
@@ -33,7 +33,7 @@ export function makeNumberField(name, take, about = {}) {
   return makeTextField(name, take, { type: "number", step: "any", onchange, ...about });
 }
 
-/** A field in which a number is typed; what is none is marked, and not taken; null = empty. */
+/** Make a field for a typed number, null = empty; an invalid number is marked and ignored. */
 export function makeDecimalField(name, take, about = {}) {
   const onchange = ({ target }) => {
     const value = readNumber(target);
@@ -61,7 +61,7 @@ export function showIn(field, value) {
 
 export const asWords = (value) => (value == null ? "" : String(Number(value.toFixed(3))));
 
-/** The fields of a place, `tell(x, y)`; `known()` is that before; `label` begins a text. */
+/** Make the fields of `tell(x, y)`; `known()` is the previous place, `label` the texts' prefix. */
 export function makePlaceFields({ number, prefix, label, known, tell }, about = {}) {
   const fields = ["x", "y"].map((axis) => makeDecimalField(`${prefix}${axis}_${number}`, () =>
     tell(...fields.map((field, i) => readNumber(field, known()?.[i] ?? null))),
@@ -84,7 +84,7 @@ export function makeTable(columns) {
 export const makeCut = (label, onclick) => make("button", { type: "button", onclick,
   className: "robsim-point-cut", textContent: "\u00d7", ariaLabel: label, title: label });
 
-/** A list of sentences, such as problems; it is hidden while there are none. */
+/** Make a list of sentences, such as problems; an empty list is hidden. */
 export function makeList(about = { className: "robsim-problems", role: "status" }) {
   const element = make("ul", { ...about, hidden: true });
   const show = (words) => {

@@ -1,6 +1,6 @@
 // @ts-check
-// What all tools are: a picture with hands on it, what stands below and beside it; what is done
-// with messages, keys and files.
+// The frame of all tools: a picture with hands, parts below and next to the picture, messages,
+// keys and files.
 import { asPicture } from "../base/buffers.js";
 import { makeContext } from "../base/context.js";
 import { make } from "../base/dom.js";
@@ -16,8 +16,8 @@ const TYPING = "textarea, input:not([type=range], [type=checkbox])";
 
 /**
  * Render a tool. `build({context, picture, film, history})` returns its `hands`, as camera/hands.js
- * has them, and elements: those `over` the picture and at its `foot`, what is `below` it, those
- * `beside` it.
+ * has them, and elements: lists `over` the picture, at its `foot` and `beside` it, and one
+ * `below` it.
  */
 export function renderTool({ el, send }, name, build) {
   const context = makeContext(el, send);
@@ -56,7 +56,7 @@ function layOut(context, name, picture, { over = [], foot = [], below, beside })
   const about = { className: `robsim-panel robsim-tool robsim-tool-${name}`, tabIndex: -1 };
   const panel = make("div", about, left, right, makeNotes(context).element);
   panel.addEventListener("keydown", (event) =>
-    event.target.matches(TYPING) && event.stopPropagation()); // what is typed is nothing else
+    event.target.matches(TYPING) && event.stopPropagation()); // typed keys are no shortcuts
   load.listen(panel);
   return panel;
 }

@@ -1,4 +1,4 @@
-"""What users hold of the panel that trains colours."""
+"""`ColorPanel`: the users' side of the panel that trains colours."""
 
 from __future__ import annotations
 

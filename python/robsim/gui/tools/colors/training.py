@@ -1,4 +1,4 @@
-"""Colour classes while they are trained: regions of pictures, ranges, and what they find."""
+"""Colour classes in training: regions of pictures, ranges, found blobs and pixels."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
     ) -> None:
         """Make a class from a region of a picture, and the first `keep` regions that it had.
 
-        `goes_on`, here and below: it is the same change as the one before, undone with it.
+        `goes_on`, here and below: the change extends the previous one; one undo reverts both.
 
         Raises
         ------
@@ -179,7 +179,7 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
         ]
 
     def _with(self, color: ColorClass) -> TrainedClass:
-        """Return the class of a name with other ranges; what was trained of it stays."""
+        """Return the class of a name with other ranges; its regions and options stay."""
         return replace(self.classes.get(color.name, TrainedClass(color)), color=color)
 
     def _put(self, made: TrainedClass, *, goes_on: bool) -> None:

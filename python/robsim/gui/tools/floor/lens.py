@@ -106,7 +106,7 @@ class LensPictures:
 
     @property
     def board(self) -> Board:
-        """What is looked for."""
+        """The board to find in the pictures."""
         return self.taken.board
 
     # What changes it.
@@ -294,7 +294,7 @@ class LensPictures:
             return
 
         def done(found: LensCalibration | str | None) -> None:
-            if self._fitted is self.taken:  # somebody did not want to wait for it
+            if self._fitted is self.taken:  # `fit_now` was faster
                 self._tell()
                 return
             self._fitted = taken

@@ -1,4 +1,4 @@
-"""What users hold of the panel that calibrates a floor."""
+"""`FloorPanel`: the users' side of the panel that calibrates a floor."""
 
 from __future__ import annotations
 

@@ -384,7 +384,7 @@ class FloorView(ToolView):
                 return "there is no picture yet"
             if way == "sheets":
                 if not by.corners:
-                    return "press Find sheets: there are none yet"
+                    return "no sheets found yet; press Find sheets"
                 found: FloorCalibration = by.floor(
                     area=draft.area,
                     mm_per_px=draft.mm_per_px,

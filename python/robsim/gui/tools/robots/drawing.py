@@ -33,7 +33,7 @@ class RobotDrawing(History[Sketch]):
     def put(self, part: str, polygon: Any, *, goes_on: bool = False) -> None:
         """Draw a polygon in place of what is there; none = nothing is drawn.
 
-        `goes_on`: it is the same change as the one before, undone with it.
+        `goes_on`: the change extends the previous one; one undo reverts both.
         """
         self.go_to(self.sketch.with_part(part, polygon), goes_on=goes_on)
 

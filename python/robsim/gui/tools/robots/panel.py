@@ -1,4 +1,4 @@
-"""What users hold of the panel that defines a robot."""
+"""`RobotPanel`: the users' side of the panel that defines a robot."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def grade_submission(
     Parameters
     ----------
     assignment : Assignment
-        What is graded, by which rules.
+        The assignment, with its tests and rules.
     submission : path
         A folder, a Python file, a notebook, or a zip of these.
     out : path, optional
@@ -116,7 +116,7 @@ def grade_class(
     Parameters
     ----------
     assignment : Assignment
-        What is graded, by which rules.
+        The assignment, with its tests and rules.
     submissions : path
         The folder with the submissions; or a single one.
     out : path
@@ -130,10 +130,10 @@ def grade_class(
     columns : {"robsim", "moodle", "canvas", "blackboard"}
         The learning platform whose columns ``class.csv`` has.
     pseudonyms : bool
-        Whether the files of the class have nobody's name.
+        Whether the files of the class have pseudonyms instead of names.
     on_result : callable, optional
-        Is called with each submission's result when it is done, and why it was graded anew, ``""``
-        if it was not.
+        Is called with the result of each finished submission, and the reason why it was graded
+        again, ``""`` if it was not.
 
     Returns
     -------
@@ -169,10 +169,10 @@ def regrade_class(
     columns: str = "robsim",
     pseudonyms: bool = False,
 ) -> ClassResult:
-    """Mark results anew, after limits or points of an assignment have changed.
+    """Recompute the marks after limits or points of an assignment have changed.
 
-    Nothing is run: the numbers of the runs are those in the folder. The page of the class says
-    nothing of programs that resemble each other, as there are none here.
+    Nothing is run: the numbers of the runs are those in the folder. The page of the class does
+    not report similar programs, because the programs are not read.
 
     Parameters
     ----------

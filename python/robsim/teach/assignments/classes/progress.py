@@ -161,7 +161,7 @@ class Progress:
 def again(unit: Unit, result: TestResult) -> TestResult:
     """Return a result with the points and sentences of today."""
     if isinstance(unit.test, TaskTest):
-        # One without runs has no points, whatever the limits are.
+        # A test without runs has no points under any limits.
         if not result.scores:
             return replace(result, **labels_of(unit.test))
         return marked_anew(unit.test, result)

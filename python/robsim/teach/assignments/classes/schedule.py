@@ -34,7 +34,7 @@ class Schedule:
     folder : ResultFolder
         Where results are written after each test.
     tell : callable, optional
-        Is called with the result of each submission that is done, and why it was graded anew.
+        Is called with the result of each finished submission, and why it was graded again.
     """
 
     def __init__(

@@ -114,7 +114,7 @@ def write_class_files(
 ) -> None:
     """Write page and table of a class into the folder of its results; a single one is no class.
 
-    Without the `programs` by student nothing is said of programs that resemble each other.
+    Without the `programs` by student the page does not report similar programs.
     """
     if len(results) < 2:
         return

@@ -29,7 +29,7 @@ Numbers = Mapping[str, Sequence[float]]
 
 @dataclass(frozen=True, kw_only=True)
 class Mark:
-    """What the runs of a test come to by its limits and points; attributes as of `TestResult`."""
+    """The mark of a test's runs by its limits and points; attributes as of `TestResult`."""
 
     runs: int
     failed: tuple[FailedRun, ...]
@@ -51,7 +51,7 @@ def mark_of(
     failed : sequence of FailedRun
         The runs that did not come through.
     numbers, reference : mapping of str to sequence of float
-        By score: the numbers of the others, and those of the reference in the same runs.
+        By score: the numbers of the other runs, and the reference's numbers in the same runs.
     """
     scores = tuple(
         _scored(test, score, tuple(numbers[score.name]), tuple(reference[score.name]))
@@ -74,7 +74,7 @@ def mark_of(
 
 
 def marked_anew(test: TaskTest, result: TestResult) -> TestResult:
-    """Return a result with the points and sentences of today; what it has of these counts not."""
+    """Return a result with the points and sentences recomputed for the test."""
     numbers = {score.name: score.values for score in result.scores}
     reference = {score.name: score.reference for score in result.scores}
     mark = mark_of(test, result.failed, numbers, reference)
@@ -82,7 +82,7 @@ def marked_anew(test: TaskTest, result: TestResult) -> TestResult:
 
 
 def labels_of(test: TaskTest) -> dict[str, Any]:
-    """Return what a result has of its test, but its name."""
+    """Return the attributes that a result has from its test, except the name."""
     labels = {"title": test.title, "number": test.number, "public": test.public}
     return labels | {"most": test.points}
 

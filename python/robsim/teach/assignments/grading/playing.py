@@ -124,7 +124,7 @@ def play_run(
     Parameters
     ----------
     assignment : Assignment
-        What the submission was graded by.
+        The assignment that the submission was graded by.
     submission : path
         What was handed in.
     test : str

@@ -33,7 +33,7 @@ def of(
 
 def _of_failed(failed: Sequence[FailedRun], runs: int, *, public: bool) -> str:
     first = failed[0]
-    if not public:  # the text of an error may tell what was in the run
+    if not public:  # an error's text may reveal the hidden run
         by = first.slot if first.slot is not None else "the submission"
         which = "All" if len(failed) == runs else "Some"
         return f"{which} runs ended early: {by} {_HOW.get(first.cause, 'failed')}."

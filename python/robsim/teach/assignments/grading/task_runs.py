@@ -31,7 +31,7 @@ class Runs:
     Attributes
     ----------
     numbers, reference : dict of str to list
-        By score: those of the runs that came through, and of the reference in the same ones.
+        By score: the numbers of the runs that came through, and of the reference in the same runs.
     failed : list of FailedRun
         Those that did not.
     traces : dict of int to Trace
@@ -63,13 +63,13 @@ class RunTest:
     Attributes
     ----------
     task : GradedTask
-        What was run.
+        The task of the runs.
     runs : Runs
         The runs.
     mark : Mark
-        What they come to.
+        The mark of the runs.
     shown, best : int or None
-        The number of the run to show, and that of the best one; None = there is none.
+        The number of the run to show, and of the best run; None = no such run.
     seconds : float
         How long it took.
     """

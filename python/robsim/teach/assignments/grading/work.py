@@ -48,7 +48,7 @@ class Unit:
         return tuple(one.name for one in self.own)
 
     def unmarked(self, **told: Any) -> tuple[TestResult, ...]:
-        """Return results without points; `told` are attributes of theirs."""
+        """Return results without points; `told` are further attributes."""
         told.setdefault("digest", self.digest)
         if isinstance(self.test, TaskTest):
             return (TestResult(name=self.test.name, points=0.0, **labels_of(self.test), **told),)
@@ -83,7 +83,7 @@ class Row(NamedTuple):
     Attributes
     ----------
     submission, unit : int
-        Those of the job.
+        The job's submission and unit.
     results : tuple of TestResult
         A result for each test.
     isolation : str
@@ -170,7 +170,7 @@ class Grader:
         return Row(job.submission, job.unit, (result,), run.runs.isolation, pictures, paths)
 
     def _drawn(self, job: Job, test: TaskTest, run: RunTest) -> tuple[dict[str, bytes], str]:
-        """Return the picture of the run to show by test, if there is one, and what it shows."""
+        """Return the picture of the run to show by test, if there is one, and its caption."""
         if run.shown is None or (trace := run.runs.traces.get(run.shown)) is None:
             return {}, ""
         reference = None

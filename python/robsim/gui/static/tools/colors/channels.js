@@ -11,7 +11,7 @@ const CHANNELS = ["y", "u", "v"];
 const LEVELS = 256;
 const GRIP = 12; // px beside an end that take it
 
-/** Python is told three [lower, upper], both included. */
+/** Make the channels' editor; Python receives three [lower, upper], both included. */
 export function makeChannels(context) {
   let counts = null; // 3 x 256
   let ranges = null; // of the chosen class

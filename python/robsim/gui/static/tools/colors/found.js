@@ -1,5 +1,5 @@
 // @ts-check
-// What the classes find in the picture: the pixels of each, and the boxes of the blobs.
+// The classes' finds in the picture: the pixels of each class, and the boxes of the blobs.
 
 export function drawFound(scene) {
   const { pen, frame, lens, context } = scene;

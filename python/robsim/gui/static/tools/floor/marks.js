@@ -27,7 +27,7 @@ export function standing({ fit, by }, number) {
     ? "worst" : "";
 }
 
-/** `snaps()` is whether corners catch clicks; `hovered(pixel)` is told of what is dragged. */
+/** `snaps()` returns whether corners catch clicks; `hovered(pixel)` receives a drag's place. */
 export function makeMarks(context, picture, snaps, hovered) {
   const state = () => context.state;
   const isOn = () => state().by == "points";
@@ -38,7 +38,7 @@ export function makeMarks(context, picture, snaps, hovered) {
   const reach = () => (snaps() ? Math.max(picture.pixels(SNAP_REACH), LEAST_SNAP) : 0);
   const choose = (number) => context.send({ type: "choose", point: number });
   const add = (at, within) => context.send({ type: "add", at, reach: within });
-  /** What is dragged: a point, also in a magnifying glass. */
+  /** Return a point as a thing to drag, also in a magnifying glass. */
   const thing = ({ number, at }) => ({ key: number, at, move: (to, goesOn) => {
     context.send({ type: "move", point: number, at: to, goes_on: goesOn });
     hovered(to);
@@ -58,7 +58,7 @@ export function makeMarks(context, picture, snaps, hovered) {
   const cut = () => context.send({ type: "cut", point: state().chosen });
   const snap = () =>
     context.send({ type: "snap", point: state().chosen, reach: Math.max(reach(), 12) });
-  /** Do what a key does with the chosen point; return whether it does anything. */
+  /** Apply a key to the chosen point; return whether the key has an effect. */
   const press = (event) => {
     if (!chosen()) return false;
     if (event.key == "Delete" || event.key == "Backspace") cut();

@@ -1,5 +1,5 @@
 // @ts-check
-// How well the floor fits, what is wrong or missing; the file.
+// The fit of the floor, its problems and its file.
 import { make, say } from "../../base/dom.js";
 import { text } from "../../base/texts.js";
 import { makeAct, makeList, makePart, makeRow, makeTextField, makeVerdict } from "../pieces.js";

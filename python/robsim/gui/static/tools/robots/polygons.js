@@ -8,7 +8,7 @@ const CORNER = 4.5; // px on the screen
 const CHOSEN_INK = "#2fd16b";
 const HEADING = 46; // px on the screen, of its arrow
 
-/** What is done is told to Python at once. */
+/** Make the hand that edits polygons; Python receives each change at once. */
 export function makePolygons(context, picture) {
   let chosen = -1; // the corner that the keys move
   const state = () => context.state;
