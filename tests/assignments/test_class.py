@@ -188,7 +188,7 @@ def test_a_submission_is_opened_once(hw3, folders, tmp_path, monkeypatch):
     monkeypatch.setattr(
         progress, "open_submission", lambda path, rules: opened.append(path) or true(path, rules)
     )
-    grade_class(hw3, subs, tmp_path / "anew")
+    grade_class(hw3, subs, tmp_path / "again")
     assert opened == [str(subs / student) for student in ("s001", "s002", "s003")]
 
 

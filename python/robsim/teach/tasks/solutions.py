@@ -6,7 +6,7 @@ A file of ``assets/solutions`` has those of a task, in TOML::
     "robot.py" = "park"      # a file that the base of another task has
     [right.NAME]             # another one: the base with these changes, in turn
     says = "..."             # the first line of its first file
-    "old" = "new"            # instead of a text, in all files of the base that have it
+    "old" = "new"            # instead of a text, in all files of the base that have it.
     "first ... last" = "new" # instead of all from the first words to the last
     "control.py" = "..."     # another file
 

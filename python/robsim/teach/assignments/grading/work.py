@@ -104,7 +104,7 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class GradingWork:
-    """What is sent to the graders: an assignment, and its tests."""
+    """The message to the graders: an assignment, and its tests."""
 
     assignment: Assignment
     units: tuple[Unit, ...]
