@@ -204,7 +204,7 @@ OTHERS = (
     *("teach/assignments/rehearsal.py", "teach/assignments/making.py"),
     *("teach/assignments/_own_tests/child.py", "teach/assignments/packing/gradescope.py"),
     *("campaigns/engines/processes.py", "cli/results.py", "cli/simulated/run.py"),
-    *("gui/panels/still.py", "vision/imaging/video.py"),
+    *("gui/panels/still_picture.py", "vision/imaging/video.py"),
     *("plotting/beside.py", "plotting/style.py", "trace/sessions/writer.py"),
     "trace/_trace_file.py",
 )

@@ -137,7 +137,7 @@ def test_a_callback_may_pause_its_own_run():
 
 
 def test_a_closed_panel_says_so_and_shows_its_end(monkeypatch):
-    monkeypatch.setattr("robsim.gui.panels.still._figure", quick_figure)
+    monkeypatch.setattr("robsim.gui.panels.still_picture._figure", quick_figure)
     sim = simulation()
     with robsim.panel(sim) as panel:
         panel.step()
@@ -156,7 +156,7 @@ def test_a_closed_panel_says_so_and_shows_its_end(monkeypatch):
 
 
 def test_a_snapshot_shows_the_panel_as_it_is(panel, tmp_path, monkeypatch):
-    monkeypatch.setattr("robsim.gui.panels.still._figure", quick_figure)
+    monkeypatch.setattr("robsim.gui.panels.still_picture._figure", quick_figure)
     before = panel.snapshot()
     panel.step()
     after = panel.snapshot()

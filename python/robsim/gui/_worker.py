@@ -20,6 +20,8 @@ _LONGEST_WAIT = 3600.0  # s; conditions take no infinity
 _MOST_REPORTS = 100
 _at_work: weakref.WeakSet[Worker] = weakref.WeakSet()
 _lock = threading.Lock()  # of that
+#: Held to draw a figure: one at a time.
+drawing = threading.Lock()
 
 
 class Worker(ABC):

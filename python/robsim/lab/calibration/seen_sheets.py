@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,6 @@ from robsim.lab.calibration.floor import calibrate_floor_by_corners
 from robsim.lab.calibration.floor_report import FloorCalibration
 from robsim.lab.calibration.patterns.floor_sheet import FloorSheet, find_sheets
 from robsim.lab.calibration.patterns.pattern import Corners
-from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.images import Pixels, frame_size
 
 
@@ -49,29 +49,15 @@ class SeenSheets:
         }
         return replace(self, mark=mark, corners=corners)
 
-    def floor(
-        self,
-        *,
-        area: tuple[int, int],
-        mm_per_px: float,
-        marker_height: float,
-        lens: Calibration | None,
-    ) -> FloorCalibration:
-        """Return the calibration by these sheets, one at least, as `calibrate_floor_by_sheets`."""
+    def floor(self, **options: Any) -> FloorCalibration:
+        """Return the calibration by these sheets, one at least; options as `calibrate_floor`."""
         where = {
             number: (x, y)
             for number, (x, y) in self.places.items()
             if number in self.corners and x is not None and y is not None
         }
         return calibrate_floor_by_corners(
-            self.corners,
-            self.size,
-            area=area,
-            mm_per_px=mm_per_px,
-            marker_height=marker_height,
-            lens=lens,
-            mark=self.mark,
-            places=where,
+            self.corners, self.size, mark=self.mark, places=where, **options
         )
 
 

@@ -12,10 +12,9 @@ from robsim.base.checks import Floats
 from robsim.estimation.identification.batch import BatchEstimate, batch_estimate, judged
 from robsim.estimation.identification.determined import Identifiability
 from robsim.gui._link import Link
-from robsim.gui._worker import Beside
+from robsim.gui._worker import Beside, drawing
 from robsim.gui.panels.analysis.statistics import Summary
 from robsim.gui.panels.part import Part
-from robsim.gui.panels.still import drawing
 from robsim.trace import PARAMETER_NAMES, Trace
 
 if TYPE_CHECKING:
