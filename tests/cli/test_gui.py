@@ -223,7 +223,7 @@ def test_a_task_has_its_world_and_its_goal(seen, tmp_path):
 
 def test_the_scores_of_a_whole_run_of_a_task_are_told(seen, tmp_path, monkeypatch):
     task = robsim.teach.Park(steps=20)
-    monkeypatch.setattr("robsim.teach.tasks.by_name.task", lambda name: task)
+    monkeypatch.setattr("robsim.teach.tasks.task", lambda name: task)
 
     def wait(page, patience):
         for _ in range(25):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from robsim.vision import Intrinsics, PlaneMap
+from waiting import wait_for
 
 pytestmark = pytest.mark.slow
 
@@ -54,8 +55,7 @@ def test_the_picture_fills_its_box_in_device_pixels_and_another_size_is_told(cam
     assert host.tab.evaluate(size) == [1200, 1200]
     assert host.sent("hello")[0]["width"] > 0
     host.tab.add_style_tag(content=".robsim-view { width: 400px !important; }")
-    host.rest(200)
-    assert [message["width"] for message in host.sent("size")][-1] == 800
+    wait_for(lambda: [message["width"] for message in host.sent("size")][-1:] == [800])
 
 
 def test_a_camera_that_is_not_square_is_letterboxed(camera):
