@@ -35,8 +35,8 @@ if sys.platform == "win32":
         shutil.rmtree(folder, ignore_errors=True)
 else:
     from robsim.teach.isolation._processes.become_worker import become_worker
-    from robsim.teach.isolation._processes.descendants import wait_for_end
     from robsim.teach.isolation._processes.scratch import remove
+    from robsim.teach.isolation._processes.zombies import wait_for_end
 
 _LAST_WORDS = 5.0  # s that may pass between the end of a worker and that of its output
 _AT_ONCE = 1 << 16  # bytes
