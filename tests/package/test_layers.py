@@ -121,18 +121,23 @@ def room_of(module):
     return next((r for r in (".".join(parts[:2]), parts[0] if parts else "") if r in ROOMS), "")
 
 
-def imported_rooms(file):
-    """The rooms of robsim that a file imports, those for type checking left out."""
+def imported_names(file):
+    """The names of robsim that a file imports at run time, with their modules."""
     tree = ast.parse(file.read_text())
     for node in ast.walk(tree):
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
             node.body = []
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("robsim"):
-            yield from (room_of(f"{node.module}.{alias.name}") for alias in node.names)
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
-            yield from (room_of(name) for name in names if name.startswith("robsim."))
+            yield from (name for name in names if name.startswith("robsim."))
+
+
+def module_of(file):
+    parts = file.relative_to(ROOT / "python").with_suffix("").parts
+    return ".".join(parts).removesuffix(".__init__")
 
 
 @pytest.mark.skipif(not (ROOT / "python").is_dir(), reason="needs the sources")
@@ -140,12 +145,26 @@ def test_python_rooms_import_only_from_those_before_them():
     package = ROOT / "python/robsim"
     used = set()
     for file in package.rglob("*.py"):
-        parts = file.relative_to(package.parent).with_suffix("").parts
-        room = room_of(".".join(parts).removesuffix(".__init__"))
+        room = room_of(module_of(file))
         used.add(room)
-        for imported in {*imported_rooms(file)} - {room, ""}:
+        for imported in {*map(room_of, imported_names(file))} - {room, ""}:
             assert ROOMS.index(imported) < ROOMS.index(room or "__main__"), (file, imported)
     assert used - {""} == {*ROOMS} - {"_core", "_firewire", "_gige"}
+
+
+@pytest.mark.skipif(not (ROOT / "python").is_dir(), reason="needs the sources")
+def test_no_circle_of_imports_at_run_time():
+    """The doors of packages are left out, since they import their modules."""
+    modules = (f for f in (ROOT / "python/robsim").rglob("*.py") if not f.stem.startswith("__"))
+    files = {module_of(file): file for file in modules}
+    left = {
+        module: {name for one in imported_names(file) for name in (one, one.rpartition(".")[0])}
+        for module, file in files.items()
+    }
+    while ends := [module for module, imported in left.items() if not imported & {*left}]:
+        for module in ends:
+            del left[module]
+    assert not left
 
 
 @pytest.mark.skipif(not (ROOT / "python").is_dir(), reason="needs the sources")

@@ -6,7 +6,7 @@ import base64
 import datetime
 import io
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +29,6 @@ from robsim.base.seeds import SeedRecord
 from robsim.base.spelling import check_names
 from robsim.base.text import cut, one_line, quoted
 from robsim.simulation.options import KINDS, background_value
-from robsim.simulation.scenario import OPTIONS, Scenario
 from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import Floor
 from robsim.vision.imaging.images import Pixels, png_bytes
@@ -40,6 +39,8 @@ from robsim.vision.robots.marker_roles import given_by_role, taken_roles
 
 if TYPE_CHECKING:
     from tomlkit.items import Item
+
+    from robsim.simulation.scenario import Scenario
 
 MOST_BYTES = 64 * 2**20  # of a file
 MOST_PIXELS = 25_000_000  # of an image
@@ -384,7 +385,7 @@ def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
     try:
         if len(text) > MOST_BYTES:
             raise ValueError(f"text must have at most {MOST_BYTES >> 20} MB")
-        return cls(**options_of(_parsed(text), OPTIONS))
+        return cls(**options_of(_parsed(text), [field.name for field in fields(cls)]))
     except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{one_line(source)}: {error}") from error
 
