@@ -1,12 +1,16 @@
 """The rule of English, checked in new prose (tests/support/english.py)."""
 
+import shutil
 import subprocess
 
 import pytest
 
 import english
 
-pytestmark = pytest.mark.usefixtures("repository")
+pytestmark = [
+    pytest.mark.skipif(shutil.which("git") is None, reason="needs Git"),
+    pytest.mark.usefixtures("repository"),
+]
 
 OLD = '"""Return the picture."""\n\n\ndef picture():\n    # Nobody keeps it.\n    return 1\n'
 
