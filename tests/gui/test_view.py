@@ -8,6 +8,7 @@ import pytest
 
 from browsers import FakeBrowser, Link, PanelView, panel_of, settled
 from robsim.gui import _link
+from robsim.gui.panels.run.camera import Shot
 from small_runs import SOON, done, robsim_threads, simulation
 from waiting import wait_for
 
@@ -181,7 +182,7 @@ def test_views_that_say_nothing_while_others_do_are_forgotten(monkeypatch):
 @pytest.mark.long
 def test_while_the_view_is_busy_only_the_newest_frame_is_kept():
     def shots():
-        return [one for one in gc.get_objects() if type(one).__name__ == "Shot"]
+        return [one for one in gc.get_objects() if type(one) is Shot]
 
     before = shots()  # of other tests
     with panel_of(simulation()) as (view, browser):
