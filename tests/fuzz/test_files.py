@@ -78,10 +78,19 @@ def scratch(tmp_path_factory):
     return tmp_path_factory.mktemp("scratch")
 
 
+@st.composite
+def one_bit_changed(draw, content):
+    """A file's content with one bit changed, which many readers take."""
+    if not content:
+        return content
+    at = draw(st.integers(0, len(content) - 1))
+    return content[:at] + bytes((content[at] ^ 1 << draw(st.integers(0, 7)),)) + content[at + 1 :]
+
+
 def some(data, contents):
     """One of the whole files, or one that is damaged."""
     content = data.draw(st.sampled_from(contents))
-    return data.draw(st.one_of(st.just(content), mutations(content), mutations(content)))
+    return data.draw(st.one_of(st.just(content), one_bit_changed(content), mutations(content)))
 
 
 def check_trace(path):
