@@ -120,7 +120,8 @@ def test_the_largest_message(page):
     with greeted(page) as client:
         client.send(b" " * (1 << 20))
         assert client.hear("note")
-        client.send(b" " * ((1 << 20) + 1))
+        with suppress(ConnectionError):  # closed, and the rest not read
+            client.send(b" " * ((1 << 20) + 1))
         assert client.is_closed()
         wait_for(lambda: not page.pages)
 
