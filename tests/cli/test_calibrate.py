@@ -115,6 +115,8 @@ def test_what_is_missing_or_wrong_is_named():
     save_image("grey.png", np.full((480, 640, 3), 90, np.uint8))
     Path("bad.csv").write_text("a,1,2,3,4\nb,nan,2,3,4\n")
     Path("empty.csv").write_text("name,u,v,x,y\n")
+    Path("large.csv").write_text("a,1,2,3,4\n" * 2**17)
+    Path("coded.csv").write_bytes("M\u00fcller,1,2,3,4\n".encode("latin-1"))
     floor = ("floor", "--calibration", "camera.toml", *AREA)
     sheet = ("sheet", "--out", "a.pdf")
     for named, arguments in {
@@ -130,6 +132,8 @@ def test_what_is_missing_or_wrong_is_named():
         "--board": ("lens", "x.png", "--board", "9"),
         "--positions": (*floor, "--pixels", "1,2 3,4 5,6 7,8"),
         "bad.csv: mark 2": (*floor, "--marks", "bad.csv"),
+        "large.csv must have at most 1 MB": (*floor, "--marks", "large.csv"),
+        "coded.csv is not UTF-8 text": (*floor, "--marks", "coded.csv"),
         "--out": ("sheet", "--out", "sheet.png"),
         "nowhere": ("lens", "x.png", "--out", "nowhere/a.toml"),
         "charuco": (*sheet, "--kind", "charco"),

@@ -66,7 +66,7 @@ def read_text(path: Path, most: int = MOST_TOML) -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ValueError(f"{one_line(path)} is not a TOML file: it is not UTF-8 text") from error
+        raise ValueError(f"{one_line(path)} is not UTF-8 text") from error
 
 
 def _size(count: int) -> str:

@@ -182,7 +182,9 @@ def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) 
 
 
 def _read_marks(file: Path) -> tuple[list[str], list[list[float]], list[list[float]]]:
-    rows = list(csv.reader(file.read_text("utf-8-sig", errors="replace").splitlines()))
+    from robsim.base.files import read_text
+
+    rows = list(csv.reader(read_text(file).splitlines()))
     rows = [[cell.strip() for cell in row] for row in rows if any(map(str.strip, row))]
     if rows and tuple(map(str.lower, rows[0])) == _COLUMNS:
         rows = rows[1:]
