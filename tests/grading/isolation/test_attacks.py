@@ -263,9 +263,16 @@ def test_the_check_tries_all_and_says_what_held():
     assert bool(report) == report.strict == (report.verdict == "closed")
     bare = check_isolation(isolation="process")
     assert not bare
-    assert not bare.attempts["read a file"][0]
+    # An attempt on a missing file would be no attempt.
+    assert not any(bare.attempts[name][0] for name in tried["files"])
     assert not bare.attempts["start a process"][0]
     assert bare.verdict.startswith("open: files, processes, network")
+
+
+def test_the_line_of_all_workers_is_the_same():
+    """Each worker may have another user."""
+    lines = {layer.Layers((layer.Layer(USER, True, number),)).line for number in ("60600", "60601")}
+    assert lines == {"isolation: own user"}
 
 
 def test_strict_is_refused_where_something_is_open(worker):

@@ -188,4 +188,4 @@ def _targets() -> Iterator[dict[str, Any]]:
 def _hidden_file() -> str:
     """Return a file of robsim's that is hidden from the worker, and that it does not need."""
     package = Path(sys.modules["robsim"].__file__ or "")
-    return str(package.parent / "reference" / "__init__.py")
+    return str(package.parent / "estimation/reference/__init__.py")

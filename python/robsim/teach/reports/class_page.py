@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import statistics
 from collections.abc import Mapping, Sequence
 from urllib.parse import quote
@@ -76,9 +75,7 @@ def _head(results: Sequence[SubmissionResult]) -> Html:
     mean, middle = statistics.fmean(points), statistics.median(points)
     count = f"{len(results)} submission{'' if len(results) == 1 else 's'}"
     text = f"{count}; mean {number(mean)}, median {number(middle)} of {number(most)} points"
-    # Each worker may have a user of its own.
-    kinds = {re.sub(r"\buser \d+", "own user", words.isolation_text(each)) for each in results}
-    facts = sorted(kinds - {""})
+    facts = sorted({words.isolation_text(each) for each in results} - {""})
     isolation = [tag("p", f"Isolation: {fact}", class_="quiet") for fact in facts]
     unfinished = sum(not result.is_done for result in results)
     unread = sum(result.is_unread for result in results)

@@ -22,8 +22,9 @@ class Layer:
     @property
     def phrase(self) -> str:
         """The layer in the line of the report: ``"files (Landlock 7)"``."""
-        named = f"{self.name} {self.text}" if self.name == "user" else f"{self.name} ({self.text})"
-        return named if self.holds and self.text else self.name
+        if self.name == USER and self.holds:  # without its number: workers have different users
+            return "own user"
+        return f"{self.name} ({self.text})" if self.holds and self.text else self.name
 
 
 PROCESS, LIMITS, USER, MEMORY = "process", "limits", "user", "memory"
