@@ -163,18 +163,25 @@ def test_what_is_masked_cannot_be_had(tmp_path):
         assert importlib.import_module("robsim.estimation.reference") is robsim.estimation.reference
 
 
-def test_a_masked_function_cannot_be_had(tmp_path):
-    rules = Rules(slots=("control",), masked=("robsim.locate",))
-    for use in ("robsim.locate()", "robsim.locate(None)", "robsim.locate.__doc__"):
-        source = f"import robsim\n\n\ndef control(step):\n    {use}\n"
+@pytest.mark.parametrize("home", ["robsim", "robsim.vision"])
+@pytest.mark.parametrize("is_loaded", [True, False])
+def test_a_masked_function_cannot_be_had(tmp_path, monkeypatch, home, is_loaded):
+    module = importlib.import_module(home)
+    if is_loaded:
+        assert module.locate
+    else:
+        monkeypatch.delitem(vars(module), "locate", raising=False)
+    rules = Rules(slots=("control",), masked=(f"{home}.locate",))
+    for use in (f"{home}.locate()", f"{home}.locate(None)", f"{home}.locate.__doc__"):
+        source = f"import {home}\n\n\ndef control(step):\n    {use}\n"
         files = sent(write(tmp_path / "s001", control=source), rules)
         with loaded_slots(files, rules) as callbacks:
-            with pytest.raises(ImportError, match=r"robsim\.locate is not there"):
+            with pytest.raises(ImportError, match=f"{home}.locate is not there"):
                 callbacks["control"](None)
             robsim.Simulation(measure=True).run(2)  # robsim itself has it
-    error = failure(write(tmp_path / "s002", control=f"from robsim import locate\n{PLAIN}"), rules)
-    assert "robsim.locate is not there" in str(error)
-    assert robsim.locate.__name__ == "locate"
+    error = failure(write(tmp_path / "s002", control=f"from {home} import locate\n{PLAIN}"), rules)
+    assert f"{home}.locate is not there" in str(error)
+    assert module.locate.__name__ == "locate"
 
 
 def test_only_what_is_allowed_can_be_imported(tmp_path):

@@ -71,7 +71,7 @@ def _take_attribute(mask: str, restored: ExitStack) -> None:
     if module is None:
         return
     if name not in vars(module):
-        if name in vars(module).get("__all__", ()):  # its first use would load it
+        if _is_late(module, name):
             setattr(module, name, _Absent(mask))
             restored.callback(delattr, module, name)
         return
@@ -81,6 +81,12 @@ def _take_attribute(mask: str, restored: ExitStack) -> None:
     else:
         setattr(module, name, _Absent(mask))
     restored.callback(setattr, module, name, value)
+
+
+def _is_late(module: ModuleType, name: str) -> bool:
+    """Whether the first use of a name would load the name; the finder refuses modules."""
+    rooms = vars(module).get("_homes")  # of a wing, which has the names of its rooms
+    return name in vars(module).get("__all__", ()) if rooms is None else name not in rooms
 
 
 def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
