@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from robsim.base.spelling import suggestion
 from robsim.base.text import quoted
 
 Floats = NDArray[np.float64]
+_Text = TypeVar("_Text", bound=str)
 #: Longest name of a colour or a robot (characters).
 LONGEST_NAME = 40
 
@@ -113,14 +114,14 @@ def check_name(argument: str, name: Any) -> str:
     return text
 
 
-def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
+def check_choice(name: str, value: Any, choices: tuple[_Text, ...]) -> _Text:
     """Return `value` if it is one of `choices`; else raise TypeError or ValueError."""
     expected = f"{name} must be one of {', '.join(map(repr, choices))}, got {quoted(value)}"
     if not isinstance(value, str):
         raise TypeError(expected)
     if value not in choices:
         raise ValueError(expected + suggestion(value, choices))
-    return value
+    return choices[choices.index(value)]
 
 
 def check_mm_per_px(value: Any) -> float:

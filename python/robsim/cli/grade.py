@@ -42,10 +42,12 @@ def print_isolation(isolation: str, *, as_json: bool) -> None:
 
 def checked_isolation(isolation: str) -> IsolationReport:
     """Return what holds at a level, as it was tried out."""
+    from robsim.base.checks import check_choice
     from robsim.teach.isolation.check import check_isolation
+    from robsim.teach.isolation.limits import LEVELS
 
     with errors.report_errors():
-        return check_isolation(isolation=isolation)  # type: ignore[arg-type]
+        return check_isolation(isolation=check_choice("isolation", isolation, LEVELS))
 
 
 EXAMPLE = "Example: robsim grade hw3 submissions"
@@ -159,15 +161,18 @@ def grade(
         print_isolation(isolation or "auto", as_json=as_json)
         return
     with _reported():
+        from robsim.base.checks import check_choice
         from robsim.cli import marks
         from robsim.teach.assignments import load_assignment, regrade_class
+        from robsim.teach.isolation.limits import LEVELS
 
         if assignment is None:
             raise ValueError(
                 "which assignment? robsim grade ASSIGNMENT SUBMISSIONS; --check-isolation looks "
                 "at this machine"
             )
-        given = load_assignment(assignment, isolation=isolation)  # type: ignore[arg-type]
+        level = None if isolation is None else check_choice("isolation", isolation, LEVELS)
+        given = load_assignment(assignment, isolation=level)
         if gui and play is None:
             raise ValueError("--gui shows the run to --play: give that, too")
         executor = engine_of(jobs)

@@ -10,7 +10,7 @@ from typing import Any
 from robsim.base.text import quoted
 from robsim.teach.grading.keys import Key
 from robsim.teach.grading.task import Frames, rules_of
-from robsim.teach.isolation.limits import Limits
+from robsim.teach.isolation.limits import Isolation, Limits
 from robsim.teach.submissions import Rules
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.score import Limit
@@ -124,7 +124,7 @@ class Assignment:
     given_files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     own_seeds: bool = True
     key: Key | None = None
-    isolation: str = "auto"
+    isolation: Isolation = "auto"
     limits: Limits = field(default_factory=Limits)
     points: float | None = None
     seconds: float = SECONDS

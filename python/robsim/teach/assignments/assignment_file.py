@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 from os import PathLike
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from robsim.base.checks import check_choice, check_name, is_int
 from robsim.base.files import as_folder, read_toml
@@ -24,6 +24,7 @@ from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import MODULE, Solution, solutions_in
 
 _NEEDED: Any = object()
+_Text = TypeVar("_Text", bound=str)
 
 
 class Keys:
@@ -79,7 +80,7 @@ class Keys:
         value = self._values[key]
         return value if isinstance(value, str) and value else self._got(key, "a text")
 
-    def choice(self, key: str, choices: tuple[str, ...], default: str = _NEEDED) -> str:
+    def choice(self, key: str, choices: tuple[_Text, ...], default: _Text = _NEEDED) -> _Text:
         """Return one of some texts."""
         if not self._given(key, default):
             return default

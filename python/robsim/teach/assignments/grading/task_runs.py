@@ -132,7 +132,7 @@ def graded_task(assignment: Assignment, test: TaskTest, files: SubmissionFiles) 
         rules=assignment._rules(test.task.slots),
         frames=assignment._frames,
         limits=assignment.limits,
-        isolation=assignment.isolation,  # type: ignore[arg-type]
+        isolation=assignment.isolation,
     )
 
 
