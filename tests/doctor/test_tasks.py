@@ -6,7 +6,16 @@ import textwrap
 import pytest
 
 from commands import command
-from robsim.teach import TASKS, Estimate, Measure, Park, TaskReport, check_folder, try_solution
+from robsim.teach import (
+    TASKS,
+    Estimate,
+    Identify,
+    Measure,
+    Park,
+    TaskReport,
+    check_folder,
+    try_solution,
+)
 from sizes import thorough
 
 # What is found first of each of the wrong solutions that ship.
@@ -142,6 +151,14 @@ def test_the_file_says_nothing_of_the_values_and_the_task_does(tmp_path):
     """What another sheet has said is not believed."""
     folder = folder_of(tmp_path, shipped(Estimate(), "reference") | {"task": "AREA = None\n"})
     assert check_folder(folder, task=Estimate(runs=2)).trial.failed == {}
+
+
+def test_a_problem_of_an_estimator_is_reported_for_one_of_its_files(tmp_path):
+    folder = folder_of(tmp_path, shipped(Identify(), "naive"))
+    of_files = check_folder(folder).problems
+    assert [problem.kind for problem in of_files] == ["no adaptation"] * 2
+    problems = check_folder(folder, task=Identify(runs=1)).problems
+    assert [problem for problem in problems if problem.kind == "no adaptation"] == [of_files[0]]
 
 
 def test_what_cannot_be_loaded_is_not_tried(tmp_path):

@@ -172,12 +172,13 @@ def _label_of(name: str, value: Any) -> Label:
     )
 
 
-def choice_of(name: str, value: Any) -> Choice:
+def choice_of(name: str, value: Any, argument: str = "vary: ") -> Choice:
+    """Return a value of an option as a choice; messages begin with the argument that has it."""
     if isinstance(value, (Data, Callback, Factory, Folder, WholeRun)):
         return value
     if name == FOLDER:
         if not isinstance(value, (str, PathLike)):
-            raise TypeError(f"vary: folder must have paths of folders, got {quoted(value)}")
+            raise TypeError(f"{argument}folder must have paths of folders, got {quoted(value)}")
         return Folder.read(value, tuple(SLOTS))
     if name not in SLOTS:
         return Data(value)
@@ -192,10 +193,10 @@ def choice_of(name: str, value: Any) -> Choice:
     if not callable(value) or is_data or name in AT_START:
         check_callback(name, value)
         return Callback(name, value)
-    return _code(name, value)
+    return _code(name, value, argument)
 
 
-def _code(slot: str, value: Any) -> Factory | Callback:
+def _code(slot: str, value: Any, argument: str) -> Factory | Callback:
     """Return a callable for a slot of each step: what makes the callback, or the callback."""
     is_plain = isroutine(value) or isclass(value) or isinstance(value, functools.partial)
     if accepts(value, 0) and is_plain:
@@ -204,8 +205,8 @@ def _code(slot: str, value: Any) -> Factory | Callback:
     if isclass(value) or not isroutine(value) or getattr(value, "__self__", None) is not None:
         what = "the class" if isclass(value) else "an object that may remember its run:"
         raise TypeError(
-            f"vary: {slot} must be a function without arguments that makes the callback of a run, "
-            f"or a plain function, got {what} {quoted(value)}: give such as lambda: ..."
+            f"{argument}{slot} must be a function without arguments that makes the callback of a "
+            f"run, or a plain function, got {what} {quoted(value)}: give such as lambda: ..."
         )
     check_callback(slot, value)
     return Callback(slot, value)

@@ -336,7 +336,8 @@ def _choices(
     check_names(f"the task {task.name} has no slot", callbacks, task.slots, TypeError)
     if solution is None:
         names = [getattr(value, "__name__", slot) for slot, value in callbacks.items()]
-        return ", ".join(names), {slot: _code(slot, value) for slot, value in callbacks.items()}
+        choices = {slot: choice_of(slot, value, "") for slot, value in callbacks.items()}
+        return ", ".join(names), choices
     if not isinstance(solution, Solution):
         if not isinstance(solution, (str, PathLike)):
             raise TypeError(
@@ -348,13 +349,6 @@ def _choices(
     with folder.callbacks():  # which raises what its files raise
         pass
     return solution.name, {FOLDER: folder}
-
-
-def _code(slot: str, value: Any) -> Choice:
-    try:
-        return choice_of(slot, value)
-    except (TypeError, ValueError) as error:
-        raise type(error)(str(error).removeprefix("vary: ")) from None
 
 
 def _runs_of(

@@ -8,7 +8,7 @@ from contextlib import redirect_stdout
 from dataclasses import fields
 from os import PathLike
 
-from robsim.base.check_report import Problem
+from robsim.base.check_report import CheckReport, Problem
 from robsim.base.text import quoted
 from robsim.simulation.slots import RobotSlots
 from robsim.teach.doctor._trial import TIME_LIMIT, StdoutCapture
@@ -108,13 +108,14 @@ def _remarks(report: FolderReport, task: Task, solution: Solution) -> Iterator[s
                 yield f"{name}.py has {masked}, which cannot be had where the task is graded"
 
 
-def _once(problems: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield problems without those of an estimator that the file of its update has again."""
+def _once(report: FolderReport) -> Iterator[Problem]:
+    """Yield the problems of all files, each problem of an estimator for the first file only."""
+    checks = [check for check in report.checks.values() if isinstance(check, CheckReport)]
+    of_files = [problem for check in checks for problem in check.problems]
     known = set()
-    for problem in problems:
-        told = problem.kind, problem.sentence.partition(": ")[2]
-        if told not in known:
-            known.add(told)
+    for problem, of_file in zip(report.problems, of_files, strict=True):
+        if (found := (of_file.kind, of_file.sentence)) not in known:
+            known.add(found)
             yield problem
 
 
@@ -132,7 +133,7 @@ def _joined(
     return TaskReport(
         **known
         | {
-            "problems": (*_once(report.problems), *findings),
+            "problems": (*_once(report), *findings),
             "remarks": (*remarks, *report.remarks),
             "tables": (*(() if trial is None else trial.tables), *report.tables),
         },
