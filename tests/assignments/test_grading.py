@@ -64,6 +64,13 @@ def test_the_reference_itself_has_all_points(graded):
     assert "s001, Through dropouts" in str(graded)
 
 
+@pytest.mark.parametrize("name", ["", ".", "..", "a/b", "class.csv"])
+def test_a_student_name_without_a_folder_is_refused(hw3, right, tmp_path, name):
+    with pytest.raises(AssignmentError, match="name"):
+        grade_submission(hw3, right, tmp_path / "out", student=name)
+    assert [file.name for file in tmp_path.rglob("*")] == ["out"]
+
+
 def test_a_naive_solution_loses_points_and_is_told_why(graded_class):
     shown, hidden = graded_class.of("s002").tests
     assert shown.points < shown.most

@@ -21,7 +21,7 @@ from robsim.teach.reports.writing import RESULT, write_class, write_student
 from robsim.teach.tasks.solutions import MODULE, module_source
 
 PATHS = "paths.json"
-_TAKEN = frozenset({"class.html", "class.csv", "results.json"})
+_TAKEN = frozenset({"", ".", "..", "class.html", "class.csv", "results.json"})
 _MOST = 2**26  # bytes
 
 
