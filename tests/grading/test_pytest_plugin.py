@@ -302,3 +302,11 @@ def test_functions_are_called_and_each_test_has_worlds_of_its_own(tmp_path):
         test = f"grade::test_double[{number}]"
         again = Submission(mine, slots="control", key=key, test=test, limits=PATIENT)
         assert str(again.run(scenario, steps=1).pose_true[0].tolist()) == started[number - 1]
+
+
+def test_only_lines_of_tests_are_shown():
+    assert all(folder.is_dir() for folder in _pytest_plugin._NOT_THEIRS)
+    with pytest.raises(TypeError) as error:
+        robsim.Trace.load(3)
+    assert len(error.traceback) > 1
+    assert [str(line.path) for line in _pytest_plugin._lines_of_tests(error)] == [__file__]

@@ -27,8 +27,8 @@ _WHOSE = "robsim_whose"  # of a report
 # What a submission does is a failed test, what others do an error.
 _FAILED, _ERROR = ("failed", "F", "FAILED"), ("error", "E", "ERROR")
 _NOT_THEIRS = (
-    Path(__file__).parents[1],
-    Path(__file__).parents[2] / "pytest_robsim",
+    Path(__file__).parents[2],  # robsim
+    Path(__file__).parents[3] / "pytest_robsim",
     Path(pytest.__file__).parents[1] / "_pytest",
     Path(pluggy.__file__).parent,
 )
