@@ -130,7 +130,9 @@ def _read_info(archive: zipfile.ZipFile) -> dict[str, Any]:
         raise ValueError(f"its info is {dtype} of shape {quoted(shape)}, not a text")
     if size > _MOST_INFO:
         raise ValueError(f"its info has more than {_MOST_INFO >> 20} MB")
-    info = json.loads(str(_read_array(archive, _INFO)))
+    code_points = _read_array(archive, _INFO).astype(dtype.newbyteorder("<")).tobytes()
+    # numpy itself makes a broken str of a number that is no code point
+    info = json.loads(code_points.decode("utf-32-le").rstrip("\0"))
     if not isinstance(info, dict):
         raise ValueError("its info is not a table of values")
     return info
