@@ -93,7 +93,8 @@ class _Package(_ModuleType):
 
     def __setattr__(self, name: str, value: _Any) -> None:
         super().__setattr__(name, value)
-        if name in _WINGS and "__all__" in vars(value):
+        # Tests may set another object instead of a wing.
+        if name in _WINGS and isinstance(value, _ModuleType) and "__all__" in vars(value):
             from robsim.base.doors import present
 
             present(value, value.__name__)

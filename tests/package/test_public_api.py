@@ -96,6 +96,14 @@ print(errors)
 """
 
 
+@pytest.mark.parametrize("name", ["robsim.plotting", "robsim.lab.cameras"])
+@pytest.mark.parametrize("double", [None, object()])
+def test_tests_may_set_a_double_instead_of_a_module(monkeypatch, name, double):
+    home, _, module = name.rpartition(".")
+    monkeypatch.setattr(name, double)
+    assert getattr(importlib.import_module(home), module) is double
+
+
 @pytest.mark.long
 def test_threads_that_ask_for_rooms_at_once_get_whole_ones():
     run = subprocess.run([sys.executable, "-c", AT_ONCE], capture_output=True, text=True)
