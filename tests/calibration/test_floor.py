@@ -211,5 +211,7 @@ def test_the_grid_lies_on_the_floor():
             assert not mask[v, u]
     with pytest.raises(ValueError, match=r"320 x 240.*640 x 480"):
         draw_grid(grey[:240, :320], report.calibration)
+    with pytest.raises(ValueError, match=r"size of image .*\(640, 9\)"):
+        draw_grid(grey[:9], report.calibration)
     with pytest.raises(ValueError, match="floor"):
         draw_grid(grey, dataclasses.replace(LENS))

@@ -202,6 +202,8 @@ def test_measured_marks_and_a_picture_keep_the_sheets_in_it(with_sheets):
         calibrate_floor(pixels, places, **options)
     with pytest.raises(ValueError, match=r"480 x 400 px"):
         sheet_shifts(image[:400], kept)
+    with pytest.raises(ValueError, match=r"size of image .*\(480, 9\)"):
+        sheet_shifts(image[:9], kept)
 
 
 def test_another_sheet_of_the_same_number_does_not_count(with_sheets):

@@ -67,7 +67,7 @@ VALID = {
 
 #: Values of the right kind are all taken, or refused by the name of something else.
 ANY_MEANING = {
-    *("campaign(runs)", "calibrate(seed)", "draw_grid(image)", "sheet_shifts(image)"),
+    *("campaign(runs)", "calibrate(seed)"),
     *("Chessboard.find(image)", "Charuco.find(image)", "find_sheets(image)"),
 }
 

@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from robsim._core import Frame, PlaneMap
-from robsim.base.checks import Floats, check_float
+from robsim.base.checks import Floats, check_float, check_size
 from robsim.base.text import listed, quoted
 from robsim.lab.calibration.patterns.floor_sheet import FloorSheet, find_marks, sheet_of
 from robsim.lab.calibration.patterns.pattern import Corners
@@ -58,7 +58,7 @@ def draw_grid(
     if not isinstance(calibration, Calibration):
         raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
     step = None if step is None else check_float("step", step, "mm", exclusive_minimum=0)
-    calibration.check_frames(frame_size(pixels))
+    calibration.check_frames(check_size("size of image", frame_size(pixels)))
     above = calibration.plane_map  # refuses a calibration without a floor
     floor, area = calibration.floor, calibration.area
     assert floor is not None
@@ -228,7 +228,7 @@ def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, f
     if not isinstance(calibration, Calibration):
         raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
     pixels = frame_pixels("image", image)
-    calibration.check_frames(frame_size(pixels))
+    calibration.check_frames(check_size("size of image", frame_size(pixels)))
     off: dict[int, float] = {}  # by the mark; of two of one number the nearer one counts
     for number, corners in find_marks(pixels) if calibration.marks else ():
         if number in calibration.marks:
