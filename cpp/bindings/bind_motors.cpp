@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "python/numpy.hpp"
 #include "python/signature.hpp"
 #include "python/values.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/lab/motors/motor_link.hpp"
 #include "robsim/lab/motors/motor_receiver.hpp"
 #include "robsim/lab/motors/protocol.hpp"
@@ -348,13 +350,19 @@ std::shared_ptr<MotorReceiver> make_receiver(int port, const std::string& host,
   });
 }
 
+double checked_seconds(const char* name, double time) {
+  if (std::isfinite(time)) return time;
+  throw py::value_error(std::string(name) + " must be finite (s), got " + to_text(time));
+}
+
 void bind_receiver(py::module_& module) {
   Class<ReceivedInput, std::shared_ptr<ReceivedInput>>(
       public_in(module, "robsim._core"), "ReceivedInput", "What a robot has received.")
       .def(
           "mean",
           [](const ReceivedInput& self, double start, double end) {
-            return to_array(self.mean(start, end));
+            return to_array(
+                self.mean(checked_seconds("start", start), checked_seconds("end", end)));
           },
           py::arg("start"), py::arg("end"), R"(
 Return the mean of what the robot acted upon between two times.
@@ -368,6 +376,11 @@ Returns
 -------
 array (2,)
     The input (V); 0 while it stood. If both times are one, that at this time.
+
+Raises
+------
+ValueError
+    If a time is not finite.
 )");
 
   Class<MotorReceiver, ReceivedInput, std::shared_ptr<MotorReceiver>>(

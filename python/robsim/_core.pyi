@@ -1936,6 +1936,11 @@ class ReceivedInput:
         -------
         array (2,)
             The input (V); 0 while it stood. If both times are one, that at this time.
+        
+        Raises
+        ------
+        ValueError
+            If a time is not finite.
         """
 class MotorReceiver(ReceivedInput):
     """

@@ -109,6 +109,11 @@ def test_it_stops_by_itself_when_the_time_to_live_is_over(robot, sender):
     assert end.t == pytest.approx(begin.t + 0.03, abs=1e-9)
     assert robot.mean(begin.t, end.t).tolist() == [1, 2]
     assert robot.mean(begin.t, begin.t + 0.06) == pytest.approx([0.5, 1])
+    for wrong in (np.nan, np.inf, -np.inf):
+        with pytest.raises(ValueError, match="start"):
+            robot.mean(wrong, end.t)
+        with pytest.raises(ValueError, match="end"):
+            robot.mean(begin.t, wrong)
     assert robot.input.tolist() == [0, 0]
 
 

@@ -61,8 +61,6 @@ VALID = {
         for name in ("area", "distance")
     },
     "Limits.applied(dt)": [np.inf],
-    "MotorReceiver.mean(start)": NOT_FINITE,
-    "MotorReceiver.mean(end)": NOT_FINITE,
 }
 
 #: Values of the right kind are all taken, or refused by the name of something else.
