@@ -414,7 +414,7 @@ def test_wrong_info(forge):
         "theta_true": ("text", ["12345"] * 3, [[0.0] * 4] * 3, [[np.nan] * 5] * 3),
         "dt": ("x", 0, np.inf, 10**400),
         "area": (5, [1, 2, 3], [1.5, "a"], [0, 1]),
-        "seed": (1,),
+        "seed": (1, {"entropy": 1}, {"spawn_key": []}, {"entropy": 1, "spawn_key": [], "a": 1}),
         "robot": (5,),
         "colour": ("red",),
     }.items():

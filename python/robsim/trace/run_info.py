@@ -15,6 +15,7 @@ from robsim.trace.columns import as_numbers
 from robsim.trace.units import px_length
 
 _MOST_HEADINGS = 2**31 - 1
+_SEED_KEYS = {"entropy", "spawn_key"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +30,8 @@ class RunInfo:
         True parameters of the robot model, rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
         NaN = not known, for recorded frames.
     seed : dict
-        ``entropy`` and ``spawn_key`` of the run's `numpy.random.SeedSequence`.
+        ``entropy`` and ``spawn_key`` of the run's `numpy.random.SeedSequence`. Default: an empty
+        dict, the seed is unknown, as of recorded frames.
     identify_from : str
         The data that the online estimate is made from: truth, measurement or estimate.
     area : tuple of int
@@ -86,8 +88,10 @@ class RunInfo:
                 f"theta_true must be 3 x 5 finite numbers, got {quoted(self.theta_true)}"
             )
         object.__setattr__(self, "theta_true", tuple(map(tuple, theta.tolist())))
-        if not isinstance(self.seed, Mapping):
-            raise ValueError(f"seed must have entropy and spawn_key, got {quoted(self.seed)}")
+        if not isinstance(self.seed, Mapping) or set(self.seed) not in (_SEED_KEYS, set()):
+            raise ValueError(
+                f"seed must have entropy and spawn_key, or be empty, got {quoted(self.seed)}"
+            )
         area = self.area if isinstance(self.area, tuple) else ()
         if len(area) != 2 or not all(type(size) is int and size > 0 for size in area):
             raise ValueError(f"area must be (width, height), two ints, got {quoted(self.area)}")
