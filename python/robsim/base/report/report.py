@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from robsim.base.checks import check_int
-from robsim.base.report.forms import as_dict, as_frame, as_line, as_text
+from robsim.base.report.forms import as_dict, as_frame, as_html, as_line, as_text
 from robsim.base.report.problem import Problem
 from robsim.base.report.table import Quantity, Table
 
@@ -122,8 +122,6 @@ class Report(ABC):
         return f"<{type(self).__name__}: {as_line(self, 80)}>"
 
     def _repr_html_(self) -> str:
-        from robsim.base.report.forms import as_html
-
         return as_html(self)
 
     def to_dict(self) -> dict[str, Any]:
