@@ -190,12 +190,12 @@ void Callback::refuse(std::int64_t k) const {
 
 void ObjectEstimator::check() const { errors("check_estimator")(object_); }
 
-AxisMatrix ObjectEstimator::update(const Step& step) {
+AxisMatrix ObjectEstimator::update(Step& step) {
   if (!py::hasattr(object_, "update")) check();
   const py::object method = object_.attr("update");
   const Callback update("estimate_parameters", method,
                         "the callback estimate_parameters (its default: step.estimator.update)");
-  const Regression& sample = step.sample.value().regression;
+  const Regression& sample = step.find_sample().value().regression;
   const py::object result = update(step.k, to_array(sample.phi), to_array(sample.y.data(), {3}));
   return update.convert(step.k, [&] { return axis_matrix_from(result, "the result"); });
 }

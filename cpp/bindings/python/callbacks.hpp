@@ -96,7 +96,7 @@ class ObjectEstimator : public ParameterEstimator {
  public:
   explicit ObjectEstimator(py::object object) : object_(std::move(object)) {}
 
-  AxisMatrix update(const Step& step) override;
+  AxisMatrix update(Step& step) override;
   void check() const override;
   bool is_interpreted() const override { return true; }
   const py::object& object() const { return object_; }

@@ -71,7 +71,7 @@ std::shared_ptr<Step> make_step(
   if (measurement) step->measurement = measurement_from(*measurement, "measurement");
   step->estimate = estimate;
   if (parameters) step->parameters = axis_matrix_from(*parameters, "parameters");
-  step->sample = sample;
+  step->set_sample(sample);
   if (u) step->u = input_from(*u, "u");
   return step;
 }
@@ -96,6 +96,10 @@ std::optional<Vision> vision_of(const Step& step) {
   return Vision{vision.colors(), vision.markers(), vision.smoothing()};
 }
 
+std::optional<Sample> sample_of(const Step& self) {
+  return const_cast<Step&>(self).find_sample();  // it is made when somebody looks
+}
+
 // Equal are steps with the same numbers. It fills up during the step: there is no hash.
 void define_step_value(Class<Step, std::shared_ptr<Step>>& cls) {
   const auto u_of = [](const std::optional<Input>& u) {
@@ -118,7 +122,7 @@ void define_step_value(Class<Step, std::shared_ptr<Step>>& cls) {
         step->dt = dt;
         step->last_u = input_of(last_input);
         step->u = converted(input, [](const Pair& v) { return input_of(v); });
-        step->sample = sample;
+        step->set_sample(sample);
         step->parameters = converted(theta, [](const Matrix& m) { return matrix_of(m); });
         step->measurement = measurement;
         step->detection = detection;
@@ -128,12 +132,12 @@ void define_step_value(Class<Step, std::shared_ptr<Step>>& cls) {
   const auto no_make = [] { return std::shared_ptr<Step>(); };
   define_equality(
       cls, Fields(no_make, Field("k", &Step::k), Field("t", &Step::t), Field("dt", &Step::dt),
-                  Field("last_u", last_u), Field("u", u), Field("sample", &Step::sample),
+                  Field("last_u", last_u), Field("u", u), Field("sample", &sample_of),
                   Field("parameters", parameters), Field("measurement", &Step::measurement),
                   Field("detection", &Step::detection), Field("estimate", &Step::estimate)));
   define_pickle(cls,
                 Fields(make, Field("k", &Step::k), Field("t", &Step::t), Field("dt", &Step::dt),
-                       Field("last_u", last_u), Field("u", u), Field("sample", &Step::sample),
+                       Field("last_u", last_u), Field("u", u), Field("sample", &sample_of),
                        Field("parameters", parameters), Field("measurement", &Step::measurement),
                        Field("detection", &Step::detection), Field("estimate", &Step::estimate),
                        Field("frame", &frame_of), Field("vision", &vision_of)));
@@ -230,7 +234,7 @@ Examples
           "array (3, 5) or None: the parameters estimated by now.")
       .def_property_readonly(
           "sample",
-          [](const Step& self) { return readable(self).gives_sample ? self.sample : std::nullopt; },
+          [](Step& self) { return readable(self).gives_sample ? self.find_sample() : std::nullopt; },
           "Sample or None: the newest complete sample. None at the start, and where a\n"
           "bounce or a missing measurement interrupts the record.")
       .def_property_readonly(

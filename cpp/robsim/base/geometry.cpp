@@ -6,14 +6,9 @@
 
 namespace robsim {
 
-double wrap_angle(double angle) {
-  if (angle > -pi && angle <= pi) return angle;  // the common case; remainder() is slow
+double wrap_far_angle(double angle) {
   const double wrapped = std::remainder(angle, 2 * pi);
   return wrapped <= -pi ? pi : wrapped;
-}
-
-bool is_finite(const Pose& pose) {
-  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.heading);
 }
 
 namespace {

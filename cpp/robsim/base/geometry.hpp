@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -20,10 +21,17 @@ struct Pose {
   double heading = 0;
 };
 
-/// The angle in (-pi, pi] that differs from `angle` (rad) by full turns. Angles wrap here only.
-double wrap_angle(double angle);
+/// `wrap_angle` of an angle that is not within (-pi, pi].
+double wrap_far_angle(double angle);
 
-bool is_finite(const Pose& pose);
+/// The angle in (-pi, pi] that differs from `angle` (rad) by full turns. Angles wrap here only.
+inline double wrap_angle(double angle) {
+  return angle > -pi && angle <= pi ? angle : wrap_far_angle(angle);
+}
+
+inline bool is_finite(const Pose& pose) {
+  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.heading);
+}
 
 using Polygon = std::vector<Point>;
 

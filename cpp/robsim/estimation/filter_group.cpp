@@ -196,9 +196,23 @@ ROBSIM_INLINE void FilterGroup::write_variances(double* variances, int n) const 
   }
 }
 
+template <int n>
+void FilterGroup::write_fixed_variances(double* variances) const {
+  write_variances(variances, n);
+}
+
+#if ROBSIM_HAS_AVX2_CODE
+template <int n>
+ROBSIM_AVX2 void FilterGroup::write_fixed_variances_avx2(double* variances) const {
+  write_variances(variances, n);
+}
+#endif
+
 void FilterGroup::write_standard_errors_unscaled(double* errors) const {
   if (parameters_ == robot_parameters) {
-    write_variances(errors, robot_parameters);
+    const auto write = ROBSIM_PICK(&FilterGroup::write_fixed_variances<robot_parameters>,
+                                   &FilterGroup::write_fixed_variances_avx2<robot_parameters>);
+    (this->*write)(errors);
   } else {
     write_variances(errors, parameters_);
   }

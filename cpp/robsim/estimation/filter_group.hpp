@@ -61,6 +61,10 @@ class FilterGroup {
   void write_theta(double* theta, int n) const;
   void limit_covariance();
   void write_variances(double* variances, int n) const;
+  template <int n>
+  void write_fixed_variances(double* variances) const;
+  template <int n>
+  void write_fixed_variances_avx2(double* variances) const;
 
   int parameters_;
   int filters_;

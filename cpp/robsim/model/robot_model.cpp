@@ -116,8 +116,11 @@ void check_stable(const AxisMatrix& theta) {
 
 }  // namespace
 
-AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u) {
-  const auto [sin, cos] = elementary::sin_cos(pose_1[2]);
+namespace {
+
+AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u,
+                      const elementary::SinCos& turn) {
+  const auto [sin, cos] = turn;
   AxisMatrix phi;
   phi << pose_1[0], pose_2[0], u.u1 * cos, u.u2 * cos, cos,  //
       pose_1[1], pose_2[1], u.u1 * sin, u.u2 * sin, sin,     //
@@ -125,11 +128,22 @@ AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, 
   return phi;
 }
 
-AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u) {
+AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u,
+                      const elementary::SinCos& turn) {
   // theta(k-2) = theta(k-1) - wrap(theta(k-1) - theta(k-2)), theta here the heading
   const double heading_2 = pose_1.heading - wrap_angle(pose_1.heading - pose_2.heading);
   return regressors(UnwrappedPose(pose_1.x, pose_1.y, pose_1.heading),
-                    UnwrappedPose(pose_2.x, pose_2.y, heading_2), u);
+                    UnwrappedPose(pose_2.x, pose_2.y, heading_2), u, turn);
+}
+
+}  // namespace
+
+AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u) {
+  return regressors(pose_1, pose_2, u, elementary::sin_cos(pose_1[2]));
+}
+
+AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u) {
+  return regressors(pose_1, pose_2, u, elementary::sin_cos(pose_1.heading));
 }
 
 UnwrappedPose predict(const AxisMatrix& theta, const AxisMatrix& phi) {
@@ -157,9 +171,14 @@ PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, cons
   return J;
 }
 
-Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u) {
+Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u,
+                      const elementary::SinCos& turn) {
   const double heading = pose_1.heading + wrap_angle(pose.heading - pose_1.heading);
-  return {regressors(pose_1, pose_2, u), {pose.x, pose.y, heading}};
+  return {regressors(pose_1, pose_2, u, turn), {pose.x, pose.y, heading}};
+}
+
+Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u) {
+  return regression(pose, pose_1, pose_2, u, elementary::sin_cos(pose_1.heading));
 }
 
 bool is_multiple(double time, double dt) {
@@ -188,7 +207,12 @@ RobotModel::RobotModel(const AxisMatrix& theta, double dt) : theta_(theta), dt_(
 }
 
 Pose RobotModel::predict(const Pose& pose_1, const Pose& pose_2, const Input& u) const {
-  const UnwrappedPose next = robsim::predict(theta_, regressors(pose_1, pose_2, u));
+  return predict(pose_1, pose_2, u, elementary::sin_cos(pose_1.heading));
+}
+
+Pose RobotModel::predict(const Pose& pose_1, const Pose& pose_2, const Input& u,
+                         const elementary::SinCos& turn) const {
+  const UnwrappedPose next = robsim::predict(theta_, regressors(pose_1, pose_2, u, turn));
   return {next[0], next[1], wrap_angle(next[2])};
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "robsim/base/elementary/elementary.hpp"
 #include "robsim/base/geometry.hpp"
 
 namespace robsim {
@@ -63,6 +64,10 @@ PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, cons
 /// `pose_1`.
 Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u);
 
+/// The same for who knows sine and cosine of the heading of `pose_1`.
+Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u,
+                      const elementary::SinCos& turn);
+
 /// True if a time (s) is a multiple of dt, at least one, within dt / 4.
 bool is_multiple(double time, double dt);
 
@@ -90,6 +95,10 @@ class RobotModel {
 
   /// The pose of step k from those of steps k-1 and k-2 and the input of step k-1.
   Pose predict(const Pose& pose_1, const Pose& pose_2, const Input& u) const;
+
+  /// The same for who knows sine and cosine of the heading of `pose_1`.
+  Pose predict(const Pose& pose_1, const Pose& pose_2, const Input& u,
+               const elementary::SinCos& turn) const;
 
   /// The same with headings as they come, in and out: without a wrapped jump.
   UnwrappedPose predict(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2,

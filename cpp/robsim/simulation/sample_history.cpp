@@ -22,7 +22,7 @@ void SampleHistory::begin(const Step& step, const RobotModel& model,
     time_ += step.dt;
     n_steps_ += n;
   }
-  if (last_u) past_[0].u = *last_u;
+  if (last_u) past(0).u = *last_u;
 }
 
 void SampleHistory::check_interval(const Step& step, const RobotModel& model) const {
@@ -33,22 +33,28 @@ void SampleHistory::check_interval(const Step& step, const RobotModel& model) co
 
 void SampleHistory::write_newest(Step& step, const Truth* truth) const {
   const bool from_truth = identify_from_ == IdentifyFrom::truth;
-  if (step.sample || (from_truth && !truth)) return;
-  const Past& last = past_[from_truth ? 0 : 1];
-  const Past& before = past_[from_truth ? 1 : 2];
-  const std::optional<Pose>& seen = past_[0].pose;
+  if (step.has_sample() || (from_truth && !truth)) return;
+  const Past& last = past(from_truth ? 0 : 1);
+  const Past& before = past(from_truth ? 1 : 2);
+  const std::optional<Pose>& seen = past(0).pose;
   const Pose* const now = from_truth ? &truth->pose : seen ? &*seen : nullptr;
-  const bool is_first = from_truth ? !follows_ || truth->bounced : past_[0].is_first;
+  const bool is_first = from_truth ? !follows_ || truth->bounced : past(0).is_first;
   if (!now || !last.pose || !before.pose || is_first || last.is_first) return;
-  step.sample.emplace(
-      Sample{regression(*now, *last.pose, *before.pose, last.u), step.k - (from_truth ? 0 : 1)});
+  Moves& moves = step.moves.emplace();  // in its place: a copy of what was just written is slow
+  moves.pose = *now;
+  moves.pose_1 = *last.pose;
+  moves.pose_2 = *before.pose;
+  moves.u = last.u;
+  moves.k = step.k - (from_truth ? 0 : 1);
+  if (from_truth) moves.turn = truth->turn;
 }
 
 void SampleHistory::add(const Step& step, const Truth* truth) {
-  past_[2] = past_[1];
-  past_[1] = past_[0];
-  past_[0] = {pose_of(step, truth), !follows_ || (truth && truth->bounced),
-              step.u.value_or(Input{})};
+  newest_ = (newest_ + past_.size() - 1) % past_.size();
+  Past& newest = past(0);
+  newest.pose = pose_of(step, truth);
+  newest.is_first = !follows_ || (truth && truth->bounced);
+  newest.u = step.u ? *step.u : Input{};
 }
 
 std::optional<Pose> SampleHistory::pose_of(const Step& step, const Truth* truth) const {

@@ -45,8 +45,12 @@ class SampleHistory {
 
   std::optional<Pose> pose_of(const Step& step, const Truth* truth) const;
 
+  Past& past(std::size_t age) { return past_[(newest_ + age) % past_.size()]; }
+  const Past& past(std::size_t age) const { return past_[(newest_ + age) % past_.size()]; }
+
   IdentifyFrom identify_from_;
-  std::array<Past, 3> past_;  // the newest first
+  std::array<Past, 3> past_;  // a ring, older and older from the newest on
+  std::size_t newest_ = 0;
   bool follows_ = true;       // this step does from the one before
   int off_beat_ = 0;          // steps up to this one that came at another time than their turn
   double time_ = 0;           // s, of all steps

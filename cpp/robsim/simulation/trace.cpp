@@ -64,16 +64,6 @@ void Trace::reserve(std::int64_t rows) {
   capacity_ = rows;
 }
 
-double* Trace::writable(Column& column) {
-  if (rows() == capacity_) reserve(capacity_ + 1);
-  return column.memory_->data() + static_cast<std::size_t>(rows()) * column.width_;
-}
-
-void Trace::append() {
-  if (rows() == capacity_) reserve(capacity_ + 1);
-  rows_.store(rows() + 1, std::memory_order_release);
-}
-
 void Trace::clear() {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (Column& column : columns_) {

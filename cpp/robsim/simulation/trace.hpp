@@ -57,10 +57,16 @@ class Trace {
   void reserve(std::int64_t rows);
 
   /// The numbers of the row that is being written, all missing at first.
-  double* writable(Column& column);
+  double* writable(Column& column) {
+    if (rows() == capacity_) reserve(capacity_ + 1);
+    return column.memory_->data() + static_cast<std::size_t>(rows()) * column.width_;
+  }
 
   /// Ends the row that is being written.
-  void append();
+  void append() {
+    if (rows() == capacity_) reserve(capacity_ + 1);
+    rows_.store(rows() + 1, std::memory_order_release);
+  }
 
   /// Forgets all rows and columns, keeps the memory that nobody else holds for the next run.
   void clear();

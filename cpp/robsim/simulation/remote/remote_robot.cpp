@@ -91,7 +91,7 @@ StepMessage RemoteRobot::question(Step& step, StageBit stage) const {
   message.done = before(stage) | (options_.measures_first ? measure_bit : 0U);
   message.has_frame = step.has_frame;
   message.frame = frame_of(step);
-  if (options_.sends_samples) message.sample = step.sample;
+  if (options_.sends_samples) message.sample = step.find_sample();
   message.parameters = step.parameters;
   message.measurement = step.measurement;
   message.estimate = step.estimate;
@@ -131,7 +131,7 @@ void RemoteRobot::refuse(StageBit stage, std::int64_t k, const std::string& what
   throw std::logic_error(what);
 }
 
-AxisMatrix RemoteEstimator::update(const Step&) {
+AxisMatrix RemoteEstimator::update(Step&) {
   throw std::logic_error("the parameters are estimated in another process");
 }
 

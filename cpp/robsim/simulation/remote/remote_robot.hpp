@@ -68,7 +68,7 @@ class RemoteEstimator : public ParameterEstimator {
  public:
   explicit RemoteEstimator(const RemoteRobot& robot) : robot_(&robot) {}
 
-  AxisMatrix update(const Step& step) override;
+  AxisMatrix update(Step& step) override;
   bool has_standard_errors() const override { return robot_->has_standard_errors(); }
   bool write_standard_errors_unscaled(double* errors) const override;
 

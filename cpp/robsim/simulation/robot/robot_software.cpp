@@ -24,7 +24,6 @@ void RobotSoftware::start() {
   last_u_ = {};
   held_.reset();
   missed_.clear();
-  parameters_.reset();
   state_size_ = 0;
   model_ = std::move(model);
 }
@@ -45,9 +44,8 @@ void RobotSoftware::begin_step(std::int64_t k, double dt, const Observation& obs
   step_->dt = dt;
   step_->last_u = observation.last_u.value_or(last_u_);
   step_->has_frame = observation.has_frame;
-  step_->sample = observation.sample;
+  if (observation.sample) step_->set_sample(observation.sample);
   step_->measurement = observation.measurement;
-  step_->parameters = parameters_;
   if (step_->estimator != estimator_) step_->estimator = estimator_;
   step_->controller_seed = options_.controller_seed;
   step_->given = options_.given;
@@ -56,8 +54,10 @@ void RobotSoftware::begin_step(std::int64_t k, double dt, const Observation& obs
 
 void RobotSoftware::renew_step() {
   if (step_ && !is_kept_(step_) && step_->marker_vision() == vision_.get()) return;
-  if (step_) step_->end();
-  step_ = std::make_shared<Step>(guard_, vision_);
+  const StepPointer last = std::exchange(step_, std::make_shared<Step>(guard_, vision_));
+  if (!last) return;
+  last->end();
+  step_->parameters = last->parameters;
 }
 
 bool RobotSoftware::has_estimator_alone() const {
@@ -72,9 +72,7 @@ std::optional<ThreadGuard::Run> RobotSoftware::hold_estimator() const {
 
 void RobotSoftware::estimate_parameters() {
   if (!stages_.estimate_parameters) return;
-  const std::optional<AxisMatrix> result = stages_.estimate_parameters.call(step_);
-  if (result) parameters_ = result;
-  step_->parameters = parameters_;
+  if (const auto result = stages_.estimate_parameters.call(step_)) step_->parameters = *result;
 }
 
 void RobotSoftware::measure() {

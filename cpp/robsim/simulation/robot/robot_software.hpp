@@ -112,7 +112,6 @@ class RobotSoftware {
   Input last_u_;
   std::optional<Pose> held_;
   std::map<DetectionResult, MissedDetections> missed_;
-  std::optional<AxisMatrix> parameters_;
   std::size_t state_size_ = 0;  // further numbers of the state estimator
 };
 

@@ -15,8 +15,8 @@ RecursiveEstimator::RecursiveEstimator(std::shared_ptr<GuardedLeastSquares> filt
   }
 }
 
-AxisMatrix RecursiveEstimator::update(const Step& step) {
-  const Regression& sample = step.sample.value().regression;
+AxisMatrix RecursiveEstimator::update(Step& step) {
+  const Regression& sample = step.find_sample().value().regression;
   AxisMatrix theta;
   filters_->update(sample.phi.data(), sample.y.data(), 1, theta.data());
   return theta;
@@ -35,7 +35,7 @@ std::shared_ptr<ParameterEstimator> default_parameter_estimator(const RobotModel
 }
 
 std::optional<AxisMatrix> update_estimator(const StepPointer& step) {
-  if (!step->sample) return std::nullopt;
+  if (!step->has_sample()) return std::nullopt;
   return step->estimator->update(*step);
 }
 

@@ -21,7 +21,7 @@ class ParameterEstimator {
   virtual ~ParameterEstimator() = default;
 
   /// Takes the step's sample in and returns the parameters estimated by now.
-  virtual AxisMatrix update(const Step& step) = 0;
+  virtual AxisMatrix update(Step& step) = 0;
 
   /// Throws unless it can be updated.
   virtual void check() const {}
@@ -59,7 +59,7 @@ class RecursiveEstimator : public ParameterEstimator {
  public:
   explicit RecursiveEstimator(std::shared_ptr<GuardedLeastSquares> filters);
 
-  AxisMatrix update(const Step& step) override;
+  AxisMatrix update(Step& step) override;
   bool has_standard_errors() const override { return true; }
   bool write_standard_errors_unscaled(double* errors) const override;
   const ThreadGuard* guard() const override { return &filters_->guard(); }

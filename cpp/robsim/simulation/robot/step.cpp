@@ -95,6 +95,16 @@ const BlobsByColor& Step::given_blobs() {
   return find_blobs();
 }
 
+const std::optional<Sample>& Step::find_sample() {
+  if (!sample_ && moves) {
+    const auto& [pose, pose_1, pose_2, u, of_step, turn] = *moves;
+    sample_.emplace(Sample{turn ? regression(pose, pose_1, pose_2, u, *turn)
+                                : regression(pose, pose_1, pose_2, u),
+                           of_step});
+  }
+  return sample_;
+}
+
 std::optional<Measurement> Step::detect() {
   const BlobsByColor& found = find_blobs();
   detection = open_vision().detect(found, *frame);
@@ -121,8 +131,8 @@ void Step::check_thread() const {
 }
 
 void Step::begin(const std::shared_ptr<Camera>& the_camera) {
-  sample.reset();
-  parameters.reset();
+  sample_.reset();
+  moves.reset();
   measurement.reset();
   detection.reset();
   estimate.reset();

@@ -56,6 +56,14 @@ enum class Given {
   pose,  // the measurement alone
 };
 
+/// What the newest sample is made of, once somebody asks for it.
+struct Moves {
+  Pose pose, pose_1, pose_2;  // of steps k, k-1 and k-2
+  Input u;                    // of step k-1
+  std::int64_t k = 0;
+  std::optional<elementary::SinCos> turn;  // of the heading of pose_1, where it is known
+};
+
 /// What the robot half may know of a step. It fills up from stage to stage.
 struct Step {
   /// `marker_vision` may be missing: such a step has no markers.
@@ -66,8 +74,8 @@ struct Step {
   double t = 0;   // s
   double dt = 0;  // s
   Input last_u;   // the input of step k-1
-  std::optional<Sample> sample;
-  std::optional<AxisMatrix> parameters;
+  std::optional<Moves> moves;  // in place of a sample
+  std::optional<AxisMatrix> parameters;  // the newest: those of the step before until it has some
   std::optional<Measurement> measurement;
   std::optional<Detection> detection;  // of the default measurement
   std::optional<Estimate> estimate;
@@ -91,6 +99,11 @@ struct Step {
   /// As look and find_blobs, for callbacks. Throw std::runtime_error where these are not given.
   const Frame* given_frame();
   const BlobsByColor& given_blobs();
+
+  /// The newest complete sample, if there is one.
+  const std::optional<Sample>& find_sample();
+  void set_sample(const std::optional<Sample>& sample) { sample_ = sample; }
+  bool has_sample() const { return sample_ || moves; }
 
   /// The default measurement: looks for the markers among the blobs, and keeps what it found.
   std::optional<Measurement> detect();
@@ -120,6 +133,7 @@ struct Step {
   const std::shared_ptr<const RunGuard> guard;
   const std::shared_ptr<MarkerVision> vision;
   std::shared_ptr<Camera> camera;
+  std::optional<Sample> sample_;
   std::atomic<bool> is_over{false};
 };
 

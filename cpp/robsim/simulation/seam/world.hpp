@@ -17,6 +17,7 @@ struct Truth {
   bool hidden = false;        // from the camera
   double gaussian_noise = 0;  // %
   double uniform_noise = 0;   // %
+  std::optional<elementary::SinCos> turn;  // of the heading of the step before, where it is known
 };
 
 /// What became of an input.

@@ -189,19 +189,23 @@ void SimulatedWorld::move_robot(std::int64_t k) {
                    bounce(options_.area, options_.robot_radius, truth_.pose, last_pose_);
 }
 
-Pose SimulatedWorld::next_pose(std::int64_t k) const {
+Pose SimulatedWorld::next_pose(std::int64_t k) {
   const Input u = options_.disturbance.disturbed(acting_input(k - 1), k);
-  const double dt = model_->dt();
-  const Pose pose = slots_.evaluate_model
-                        ? slots_.evaluate_model.call({k, static_cast<double>(k) * dt, dt,
-                                                      truth_.pose, last_pose_, u, *model_})
-                        : model_->predict(truth_.pose, last_pose_, u);
-  return options_.disturbance.disturbed(pose, k);
+  if (slots_.evaluate_model) {
+    const double dt = model_->dt();
+    const Pose pose = slots_.evaluate_model.call(
+        {k, static_cast<double>(k) * dt, dt, truth_.pose, last_pose_, u, *model_});
+    return options_.disturbance.disturbed(pose, k);
+  }
+  truth_.turn = elementary::sin_cos(truth_.pose.heading);
+  return options_.disturbance.disturbed(
+      model_->predict(truth_.pose, last_pose_, u, *truth_.turn), k);
 }
 
 // The mean of the inputs that act from step k to step k + 1.
 Input SimulatedWorld::acting_input(std::int64_t k) const {
   const auto sent = [&](std::int64_t step) { return step < 0 ? Input{} : at_step(sent_, step); };
+  if (options_.motor_delay == 0) return sent(k);
   const double n = std::floor(options_.motor_delay), f = options_.motor_delay - n;
   const std::int64_t newest = k - static_cast<std::int64_t>(n);
   const Input u = sent(newest);

@@ -150,7 +150,7 @@ class SimulatedWorld : public World {
  private:
   void move_robot(std::int64_t k);
   void capture(std::int64_t k);
-  Pose next_pose(std::int64_t k) const;
+  Pose next_pose(std::int64_t k);
   Input acting_input(std::int64_t k) const;
   Pan followed_view() const;
   Renderer& renderer();
