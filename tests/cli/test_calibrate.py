@@ -128,7 +128,7 @@ def test_what_is_missing_or_wrong_is_named():
         "--marker-height must": (*floor, "--marker-height", "high"),
         "--place": (*floor, "grey.png", "--place", "one"),
         "empty.csv": (*floor, "--marks", "empty.csv"),
-        "--number": (*sheet, "--kind", "floor", "--number", "17"),
+        "number": (*sheet, "--kind", "floor", "--number", "17"),
         "--board": ("lens", "x.png", "--board", "9"),
         "--positions": (*floor, "--pixels", "1,2 3,4 5,6 7,8"),
         "bad.csv: mark 2": (*floor, "--marks", "bad.csv"),

@@ -166,7 +166,7 @@ def test_add_with_all_options(tmp_path):
 def test_add_from_a_robot():
     done("add", "mine", "lab", "--size", "60")
     assert load_robot("mine").size == 60
-    assert "--overwrite replaces it" in refused("add", "mine", "lab")
+    assert "overwrite=True replaces it" in refused("add", "mine", "lab")
     done("add", "mine", "lab", "--overwrite")
     assert load_robot("mine").size == 120
 
@@ -176,11 +176,11 @@ def test_add_refuses_and_leaves_nothing_behind(user_folder):
     Image.new("L", (30, 30), 99).save("grey.png")
     for named, *arguments in [
         ("ships with robsim", "lab", "sheep"),
-        ("NAME", "../x", "lab"),
+        ("name", "../x", "lab"),
         ("text.png", "mine", "text.png"),
         ("--marker", "mine", "lab", "--marker", "red=hello"),
         ("--marker", "mine", "lab", "--marker", "1,2 3,4 5,9"),
-        ("--marker red", "mine", "lab", "--marker", "red=nan,1 2,2 3,1"),
+        ("markers['red']", "mine", "lab", "--marker", "red=nan,1 2,2 3,1"),
         ("--outline", "mine", "lab", "--outline", "1 2 3"),
         ("--centre", "mine", "lab", "--centre", "1,2 3,4"),
         ("(red) and back marker", "mine", "lab", "--marker", "red=120,260 190,260 150,330"),
@@ -197,7 +197,7 @@ def test_rotate():
     assert "180°, faces left" in done("rotate", "mine", "90")
     assert "134.5°\n" in done("rotate", "mine", "-45.5")
     assert load_robot("mine").alignment == 134.5
-    assert "DEGREES" in refused("rotate", "mine", "inf")
+    assert "degrees" in refused("rotate", "mine", "inf")
     assert "ships with robsim" in refused("rotate", "lab", "-90")
 
 

@@ -161,12 +161,12 @@ def test_what_makes_no_sense_is_said_and_nothing_is_graded(hw3):
         "submission": ("hw3", "nothing"),
         "'show'": ("hw3", "subs", "--only", "show"),
         "--jobs": ("hw3", "subs", "--jobs", "0"),
-        "--isolation": ("hw3", "subs", "--isolation", "full"),
+        "isolation": ("hw3", "subs", "--isolation", "full"),
         "moodle": ("hw3", "subs", "--columns", "moodel"),
-        "--out": ("hw3", "subs", "--out", "subs"),
+        "out": ("hw3", "subs", "--out", "subs"),
         "results": ("hw3", "--regrade"),
         "has 2": ("hw3", "subs", "--play", "shown"),
-        "--run": ("hw3", "subs/s001", "--play", "shown", "--run", "7"),
+        "run must": ("hw3", "subs/s001", "--play", "shown", "--run", "7"),
     }.items():
         run = command("grade", *arguments)
         assert (run.exit_code, run.stdout) == (2, ""), arguments

@@ -119,7 +119,7 @@ def test_a_mistake_is_told_before_anything_opens(tmp_path):
         "nowhere.mkv": ("nowhere.mkv",),
         "--speed": ("--speed", "0"),
         "max": ("--speed", "fast"),
-        "--port": ("--port", "70000"),
+        "port": ("--port", "70000"),
         "'prak'": ("--task", "prak"),
         "--task": ("--task", "park", "--scenario", "a.toml"),
         "--train": ("--task", "park", "--train"),

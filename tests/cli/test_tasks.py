@@ -81,7 +81,7 @@ def test_what_is_wrong_is_named(tmp_path):
     for named, words in {
         "mesure": ("show", "mesure"),
         "nothing": ("try", "park", "nothing"),
-        "--runs": ("try", "park", ".", "--runs", "0"),
+        "runs": ("try", "park", ".", "--runs", "0"),
         "a.txt": ("try", "park", ".", "--figure", "a.txt"),
         "control.py": ("try", "park", "."),
     }.items():

@@ -83,7 +83,7 @@ def train(
     """Find the ranges of a colour in images of it, or those of markers in a recording."""
     from robsim.cli.results import check_figure_name, check_file
 
-    with errors.naming_options({"region": "--region"}), errors.report_errors():
+    with errors.report_errors():
         if to:
             check_file(to)
         if name is None:

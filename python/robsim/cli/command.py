@@ -14,16 +14,11 @@ from robsim.cli import errors
 
 
 class Command(TyperCommand):
-    """A command that names its own options in errors."""
+    """A command whose --help shows no types."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the parameters."""
         return _without_types(super().get_params(ctx))
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command."""
-        with errors.naming_options({str(p.name): _shown(p) for p in self.params}):
-            return super().invoke(ctx)
 
 
 class Group(TyperGroup):
@@ -85,11 +80,6 @@ def _without_types(params: list[Any]) -> list[Any]:
         if param.param_type_name == "argument" or param.name == "help":
             param.display_type_rich = lambda ctx: None
     return params
-
-
-def _shown(param: Any) -> str:
-    """Return the name of a parameter as --help shows it."""
-    return str(param.metavar) if param.param_type_name == "argument" else str(param.opts[0])
 
 
 def argument(value: str, text: str, **more: Any) -> Any:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import traceback
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,36 +20,6 @@ if TYPE_CHECKING:
 
 _WIDEST = 1000  # characters
 _WIDEST_PAGE = 100
-
-# Arguments of Python with the names that the command has for them.
-_option_of: dict[str, str] = {}
-
-
-@contextmanager
-def naming_options(options: Mapping[str, str]) -> Iterator[None]:
-    """Let the errors inside the context speak of options: ``{"time_limit": "--time-limit"}``."""
-    before = dict(_option_of)
-    _option_of.update(options)
-    try:
-        yield
-    finally:
-        _option_of.clear()
-        _option_of.update(before)
-
-
-def in_words_of_the_shell(text: str) -> str:
-    """Return the message of an error with the options of the command for arguments of Python."""
-    from robsim.simulation.slots import SLOTS
-
-    for name, option in _option_of.items():
-        # "steps must be ...", "area: ...", "measure=True", "control=...", "time_limit = 3 s"
-        text = re.sub(rf"(^|; | and ){name}(?=( and [\w-]+)? must\b|: )", rf"\1{option}", text)
-        # "markers['red'] must be ..."
-        text = re.sub(rf"(^|; ){name}\['([^']*)'\](?= must\b)", rf"\1{option} \2", text)
-        text = re.sub(rf"\b{name}(=True( \(--[\w-]+\))?|=\.\.\.|(?= = ))", option, text)
-    for slot in SLOTS:
-        text = text.replace(f"{slot}=...", f"a file {slot}.py")
-    return text
 
 
 @contextmanager
@@ -84,7 +53,7 @@ def _sentence(error: BaseException) -> str:
     text = str(error)
     if isinstance(error, OSError) and error.filename and error.strerror:
         text = f"{error.filename}: {error.strerror}"
-    return in_words_of_the_shell("\n".join(map(one_line, [text, *getattr(error, "__notes__", [])])))
+    return "\n".join(map(one_line, [text, *getattr(error, "__notes__", [])]))
 
 
 def _in_callbacks(error: BaseException, folder: Path) -> str | None:
@@ -97,15 +66,12 @@ def _in_callbacks(error: BaseException, folder: Path) -> str | None:
     ]
     if not frames and not isinstance(error, SyntaxError):
         return None
-    notes = in_words_of_the_shell("; ".join(getattr(error, "__notes__", [])))
+    notes = "; ".join(getattr(error, "__notes__", []))
     summary = traceback.format_list(frames)
     kind = traceback.TracebackException(type(error), error, None)
     kind.__notes__ = None
-    told = "".join(kind.format_exception_only())
-    if isinstance(error, TimeoutError):  # ours, and not the words of the user's code
-        told = in_words_of_the_shell(told)
-    lines = [f"{notes or 'in a callback'}:\n", *summary, told]
-    return "".join(lines).rstrip()
+    told = kind.format_exception_only()
+    return "".join([f"{notes or 'in a callback'}:\n", *summary, *told]).rstrip()
 
 
 def print_error(error: object) -> None:

@@ -30,9 +30,7 @@ def about(option: str) -> Iterator[None]:
     try:
         yield
     except (TypeError, ValueError) as error:
-        message = str(error).removeprefix(option.lstrip("-").replace("-", "_") + " must")
-        is_named = message == str(error)
-        raise ValueError(f"{option}: {error}" if is_named else f"{option} must{message}") from error
+        raise ValueError(f"{option}: {error}") from error
 
 
 def parse_size(option: str, text: str | None) -> tuple[int, int] | None:

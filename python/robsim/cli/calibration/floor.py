@@ -7,12 +7,13 @@ import math
 from pathlib import Path
 from typing import Annotated, Any
 
+from robsim.base.checks import check_mm_per_px
 from robsim.base.text import quoted
 from robsim.cli import errors
 from robsim.cli.calibration.options import Mark, check_out, height_of, pictures_of, report_and_save
 from robsim.cli.command import argument, number_option, option
 from robsim.cli.shared import Json
-from robsim.cli.text import parse_points, parse_size
+from robsim.cli.text import about, parse_points, parse_size
 
 _COLUMNS = "name", "u", "v", "x", "y"
 EXAMPLE = (
@@ -102,7 +103,7 @@ def floor(
     """Calibrate where a camera looks at the floor from."""
     from robsim.vision.imaging.calibration_file import load_calibration
 
-    with errors.naming_options({"mm_per_px": "--scale"}), errors.report_errors():
+    with errors.report_errors():
         file = out or calibration or Path("camera.toml")
         check_out(file, ".toml", "--out" if out else "--calibration")
         if area is None or scale is None:
@@ -112,6 +113,8 @@ def floor(
                 "of the work area in px, and how many mm of the floor a px is, such as "
                 "--area 1200x1200 --scale 2"
             )
+        with about("--scale"):
+            check_mm_per_px(scale)
         height = height_of("--marker-height", marker_height)
         if height and calibration is None:
             raise ValueError(

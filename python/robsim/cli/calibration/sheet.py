@@ -38,7 +38,7 @@ def sheet(
     from robsim.lab.calibration.patterns.floor_sheet import FloorSheet
     from robsim.lab.calibration.patterns.printing import save_sheet
 
-    with errors.naming_options({"number": "--number"}), errors.report_errors():
+    with errors.report_errors():
         check_out(out, ".pdf")
         with about("--kind"):
             check_choice("kind", kind, KINDS)
