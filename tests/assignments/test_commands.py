@@ -1,13 +1,19 @@
-"""The examples of ``robsim assignment`` and ``robsim grade``, from a new folder to marks."""
+"""The commands of an assignment, from a new folder to marks."""
 
+import csv
 import shlex
 import shutil
 
 import pytest
 
 from commands import command
-from robsim.cli import assignment, grade
-from small_assignments import solution
+from robsim.cli import assignment as commands
+from robsim.cli import grade
+from robsim.teach import SubmissionResult, grade_class, load_assignment
+from small_assignments import PATIENT, TESTS, assignment, drawn_quickly, solution
+from submissions import packed
+
+# --- the examples of the commands
 
 
 def run(line, *more, cwd, status=(0,)):
@@ -22,7 +28,7 @@ def run(line, *more, cwd, status=(0,)):
 def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
     monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 3)
     monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.WRONG_TESTS", 2)
-    run(assignment.NEW_EXAMPLE, "--no-calibrate", "--seed", "1", cwd=tmp_path)
+    run(commands.NEW_EXAMPLE, "--no-calibrate", "--seed", "1", cwd=tmp_path)
     folder = tmp_path / "hw1"
     file = folder / "assignment.toml"
     text = file.read_text().replace("runs = 10", "runs = 2").replace("steps = 150", "steps = 20")
@@ -30,14 +36,21 @@ def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
     for wrong in (folder / "solutions/park/wrong").iterdir():
         if wrong.name != "naive":
             shutil.rmtree(wrong)
-    run(assignment.CALIBRATE_EXAMPLE, "--false-fail", "0.5", "--confidence", "0.5", cwd=tmp_path)
+    run(
+        commands.CALIBRATE_EXAMPLE,
+        "--false-fail",
+        "0.5",
+        "--confidence",
+        "0.5",
+        cwd=tmp_path,
+    )
     # What is hostile, and the doctor, are tried elsewhere.
     rehearsal = "robsim.teach.assignments.rehearsal"
     monkeypatch.setattr(f"{rehearsal}.hostile_submissions", lambda _: ())
     monkeypatch.setattr("robsim.teach.assignments.grading.findings._SECONDS", 0.1)
     # With limits of so few tests, right ones may fail.
-    assert "right: reference" in run(assignment.CHECK_EXAMPLE, cwd=tmp_path, status=(0, 1)).stdout
-    run(assignment.PACK_EXAMPLE, cwd=tmp_path)
+    assert "right: reference" in run(commands.CHECK_EXAMPLE, cwd=tmp_path, status=(0, 1)).stdout
+    run(commands.PACK_EXAMPLE, cwd=tmp_path)
     assert (tmp_path / "hw1-students.zip").is_file()
     folder.rename(tmp_path / "hw3")
     solution(tmp_path / "submissions/anna", kind="park")
@@ -56,3 +69,31 @@ def test_what_makes_no_sense_is_refused(tmp_path):
         done = command("assignment", *words)
         assert done.exit_code == 2
         assert named in done.stderr
+
+
+# --- from zips to marks
+
+
+def test_zips_become_marks(tmp_path):
+    text = PATIENT + TESTS.replace("runs = 2", "runs = 1")
+    hw3 = load_assignment(assignment(tmp_path / "hw3", text))
+    right = {file.name: file.read_text() for file in solution(tmp_path / "right").iterdir()}
+    wrong = "def estimate_state(step):\n    return step.k / 0\n"
+    (tmp_path / "subs").mkdir()
+    packed(tmp_path / "subs/anna.zip", right)
+    packed(tmp_path / "subs/ben.zip", {"hw3/estimate_state.py": wrong})
+    out = tmp_path / "graded"
+    with drawn_quickly():
+        result = grade_class(hw3, tmp_path / "subs", out)
+    assert {one.student: one.points for one in result.results} == {"anna": 6, "ben": 0}
+    with (out / "class.csv").open(newline="") as file:
+        assert {row["student"]: row["points"] for row in csv.DictReader(file)} == {
+            "anna": "6",
+            "ben": "0",
+        }
+    assert {file.name for file in out.iterdir()} == {*("anna", "ben", "class.csv", "class.html")}
+    for one in result.results:
+        files = {file.name for file in (out / one.student).iterdir()}
+        assert {"index.html", "teacher.html", "result.txt", "result.json"} <= files
+        told = SubmissionResult.from_json((out / one.student / "result.json").read_text())
+        assert (told.points, told.is_done) == (one.points, True)
