@@ -1,6 +1,7 @@
-"""The values of the core: equal, hashed, copied, pickled and shown by what they are made of."""
+"""Native values and calls: equality, copies, text, signatures."""
 
 import copy
+import inspect
 import pickle
 from unittest.mock import ANY
 
@@ -26,10 +27,14 @@ from robsim import (
     Spin,
     Step,
     Unicycle,
+    find_blobs,
 )
 from robsim._core import WorldState
 from robsim.estimation import Sample, least_squares
 from robsim.vision import Blob, MarkerLayout, PlaneMap
+
+# --- values
+
 
 TRIANGLE = np.array([[0, 0], [4, 0], [4, 4]])
 IMAGE = np.arange(4 * 5 * 3, dtype=np.uint8).reshape(4, 5, 3)
@@ -199,3 +204,56 @@ def test_frames_are_equal_if_every_pixel_is(index, value, t):
     image[2, 1, 2] = 0
     assert one == Frame(image, t=t, index=index)
     assert hash(one) == hash(Frame(image, t=t, index=index))
+
+
+# --- signatures
+
+
+BLACK = np.zeros((4, 4, 3), np.uint8)
+NATIVE = [
+    *(Frame, Spin, RobotModel.predict, PlaneMap.from_points, find_blobs, robsim.locate),
+    *(robsim.wrap_angle, robsim.DriveAround, robsim.estimation.least_squares),
+]
+
+
+def test_native_functions_have_signatures_and_their_types_in_the_doc():
+    for function in NATIVE:
+        signature = inspect.signature(function)
+        doc = (function.__init__ if inspect.isclass(function) else function).__doc__
+        first = doc.strip().splitlines()[0]
+        assert all(parameter in first for parameter in signature.parameters)
+        assert "SupportsFloat" not in first
+    assert list(inspect.signature(RobotModel().predict).parameters) == [
+        *("pose_1", "pose_2", "u", "unwrapped")
+    ]
+
+
+def test_a_call_that_fits_no_signature_says_what_is_wrong():
+    for call, *words in (
+        (lambda: find_blobs(), "find_blobs", "image"),
+        (lambda: find_blobs(BLACK, [], None), "2 positional", "got 3", "markers="),
+        (lambda: find_blobs(BLACK, [], regoin=3), "'regoin'", "'region'"),
+        (lambda: Frame(BLACK, time=3), "'time'", "t_arrival, epoch"),
+        (lambda: robsim.Unicycle(x=3), "'x'", "none"),
+        (lambda: RobotModel.predict(), "predict", "object"),
+        (lambda: Spin("1"), "voltage must be a number", "'1'"),
+        (lambda: RobotModel(None), "parameters", "RobotParameters", "None"),
+        (lambda: find_blobs(BLACK, "red"), "colors", "ColorClass", "'red'"),
+        (lambda: robsim.DriveAround(hold=2**31), "hold", "2147483647, got 2147483648"),
+        (lambda: robsim.Observation(BLACK), "frame", "uint8 array of shape (4, 4, 3)"),
+        (lambda: Spin()(3), "step must be a Step"),
+    ):
+        with pytest.raises(TypeError) as caught:
+            call()
+        for word in words:
+            assert word in str(caught.value)
+        assert "incompatible" not in str(caught.value)  # nor pybind11's list of signatures
+
+
+def test_a_type_error_of_a_callback_stays_what_it_is():
+    def control(step):
+        return 1 + "1", 0
+
+    with pytest.raises(TypeError, match="unsupported operand") as caught:
+        robsim.Simulation(control=control).run(1)
+    assert caught.traceback[-1].name == "control"
