@@ -1,11 +1,12 @@
-"""GigE Vision: frames of the simulated lab that Aravis' fake camera sends and `Camera` reads.
+"""GigE Vision: frames of cameras, and invalid replies of cameras."""
 
-To open a camera takes seconds: one looks at several things each time.
-"""
-
+import _thread
 import os
 import re
+import signal
+import struct
 import subprocess
+import threading
 from contextlib import suppress
 
 import numpy as np
@@ -13,6 +14,8 @@ import pytest
 
 import robsim
 from commands import command
+from gige_between import DISCOVERY, LEADER, READ_MEMORY, between
+from gige_between import URL as BETWEEN
 from gige_cameras import (
     ADDRESS,
     URL,
@@ -20,6 +23,7 @@ from gige_cameras import (
     driven,
     measured,
     opened,
+    served,
     through,
     ticks_of,
     wait_for_camera,
@@ -34,6 +38,8 @@ from robsim.lab import (
 )
 from sizes import thorough
 from waiting import wait_for
+
+# --- frames of the simulated lab
 
 
 def held():
@@ -215,3 +221,79 @@ def test_live_drives_the_robot(server, tmp_path):
     wait_for(lambda: command(*words).exit_code == 0)  # it may not be reached at once
     track = robsim.Trace.load(tmp_path / "trace.npz").pose_measured
     assert abs(track[-1, :2] - track[0, :2]).max() > 10
+
+
+# --- invalid replies
+
+
+VENDOR = 0x48  # register
+NO_UTF8 = b"\xff\xe9" * 32
+
+
+def with_odd_names(command, address, packet):
+    """A camera whose vendor and model are no UTF-8."""
+    if command != DISCOVERY:
+        return packet
+    return packet[: 8 + VENDOR] + NO_UTF8 + packet[8 + VENDOR + len(NO_UTF8) :]
+
+
+def announced(width, height):
+    """Let frames tell another size than they have."""
+
+    def sent(packet):
+        if packet[4] & 0x7F != LEADER:
+            return packet
+        return packet[:24] + struct.pack(">II", width, height) + packet[32:]
+
+    return sent
+
+
+@pytest.mark.slow
+@pytest.mark.sanitized
+@pytest.mark.parametrize("size", [(2**31 - 1, 2**31 - 1), (0, 0)])
+def test_a_frame_that_is_smaller_than_it_tells(size):
+    with (
+        served(fps=10),
+        between(with_odd_names, sent=announced(*size)),
+        pytest.raises(CaptureError, match="no frame"),
+    ):
+        opened(BETWEEN)
+
+
+@pytest.mark.slow
+def test_frames_that_no_memory_holds():
+    # The camera's XML has a formula of the bytes of a frame.
+    def answer(command, _, packet):
+        if command != READ_MEMORY:
+            return packet
+        return packet[:12] + packet[12:].replace(b"* HEIGHT *", b"* 999999 *")
+
+    with served(fps=10), between(answer), pytest.raises(CaptureError, match="268435456"):
+        opened(BETWEEN)
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_the_wait_for_a_camera_that_only_says_that_it_will_answer():
+    # GigE Vision: PENDING_ACK, which asks for so many ms of patience.
+    asked = threading.Event()
+
+    def answer(command, address, packet):
+        if command == DISCOVERY:
+            return packet
+        asked.set()
+        return struct.pack(">HHH", 0, 0x89, 4) + packet[6:8] + struct.pack(">HH", 0, 65535)
+
+    def interrupt():
+        if asked.wait(300):
+            _thread.interrupt_main()
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with served(fps=10), between(answer):
+            thread = threading.Thread(target=interrupt)
+            thread.start()
+            with pytest.raises(KeyboardInterrupt):
+                opened(BETWEEN)
+            thread.join()
+    finally:
+        signal.signal(signal.SIGINT, before)
