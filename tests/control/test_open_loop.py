@@ -1,4 +1,4 @@
-"""Excitation controllers against what the theory says of their signals."""
+"""Controllers without feedback: excitation and replay."""
 
 from dataclasses import FrozenInstanceError, replace
 from itertools import pairwise
@@ -9,10 +9,12 @@ import pytest
 
 import robsim
 from commands import command
+from robsim import DriveAround, Replay, Simulation
 from robsim.control import Chirp, MultiSine, PseudoRandomBinary
 from sizes import thorough
 
-pytestmark = pytest.mark.kernels
+# --- excitation
+
 
 DT = 0.2
 KINDS = [PseudoRandomBinary, MultiSine, Chirp]
@@ -31,6 +33,7 @@ def autocorrelation(x, y):
 # --- pseudo-random binary sequences
 
 
+@pytest.mark.kernels
 @pytest.mark.long
 @pytest.mark.parametrize("order", thorough(range(3, 13), (3, 6, 9, 12)))
 def test_a_sequence_is_balanced_and_of_maximum_length(order):
@@ -46,6 +49,7 @@ def test_a_sequence_is_balanced_and_of_maximum_length(order):
         assert len(np.unique(windows[:length], axis=0)) == length
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize("seed", [0, 5])
 def test_a_sequence_looks_like_white_noise(seed):
     control = PseudoRandomBinary(low=-1, high=1, hold=1, order=7, seed=seed)
@@ -59,6 +63,7 @@ def test_a_sequence_looks_like_white_noise(seed):
     assert between[0] == pytest.approx(-1 / 127)
 
 
+@pytest.mark.kernels
 def test_a_voltage_is_held():
     fast = voltages(PseudoRandomBinary(hold=1, order=5), 31)
     held = voltages(PseudoRandomBinary(hold=4, order=5), 4 * 31)
@@ -72,6 +77,7 @@ def crest_factor(signal):
     return np.abs(signal).max() / np.sqrt(np.mean(signal**2))
 
 
+@pytest.mark.kernels
 def test_the_sines_are_where_they_should_be_and_nowhere_else():
     control = MultiSine(low=-1, high=1, minimum_frequency=0.0125, maximum_frequency=0.4)
     left, right = control.frequencies
@@ -88,6 +94,7 @@ def test_the_sines_are_where_they_should_be_and_nowhere_else():
     assert abs(np.mean(u[:, 0] * u[:, 1])) < 1e-12
 
 
+@pytest.mark.kernels
 @pytest.mark.long
 @pytest.mark.parametrize("highest", thorough((0.1, 0.3, 1.0), (0.1, 1.0)))
 def test_the_peaks_are_low(highest):
@@ -101,6 +108,7 @@ def test_the_peaks_are_low(highest):
         assert 0.99 < np.abs(motor).max() < 1
 
 
+@pytest.mark.kernels
 def test_the_sines_repeat_after_a_period():
     u = voltages(MultiSine(seed=2), 800)
     np.testing.assert_allclose(u[400:], u[:400], atol=1e-12)
@@ -109,6 +117,7 @@ def test_the_sines_repeat_after_a_period():
 # --- swept sines
 
 
+@pytest.mark.kernels
 @pytest.mark.long
 def test_the_frequency_of_a_chirp_is_what_it_says():
     control = Chirp(low=-1, high=1, minimum_frequency=0.02, maximum_frequency=0.5, duration=80)
@@ -130,6 +139,7 @@ def test_the_frequency_of_a_chirp_is_what_it_says():
         np.testing.assert_allclose(turned, 0.5, atol=1e-3)
 
 
+@pytest.mark.kernels
 def test_a_chirp_starts_anew_after_its_duration():
     u = voltages(Chirp(duration=20), 300)
     np.testing.assert_allclose(u[100:200], u[:100], atol=1e-9)
@@ -139,6 +149,7 @@ def test_a_chirp_starts_anew_after_its_duration():
 # --- all of them
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_limits_are_kept_and_reached(kind):
     for low, high in ((-0.5, 1.5), (-3, -1)):
@@ -149,6 +160,7 @@ def test_the_limits_are_kept_and_reached(kind):
         assert (np.abs(u - middle).max(axis=0) > 0.95 * reach).all()
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize("kind", [PseudoRandomBinary, MultiSine])
 def test_the_seed_decides(kind):
     first = voltages(kind(seed=7), 200)
@@ -156,6 +168,7 @@ def test_the_seed_decides(kind):
     assert (voltages(kind(seed=8), 200) != first).any()
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_step_says_it_all(kind):
     """One object serves any number of runs, at any step."""
@@ -170,6 +183,7 @@ def test_a_step_says_it_all(kind):
         control.high = 2.0
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize("kind", KINDS)
 def test_from_the_truth_each_gives_all_parameters(kind):
     options = {"boundary": "unlimited", "estimate_parameters": True, "seed": 1}
@@ -182,6 +196,7 @@ def test_from_the_truth_each_gives_all_parameters(kind):
     np.testing.assert_allclose(report.batch[:, 4], truth[:, 4], atol=1e-9)
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize(
     ("kind", "name", "wrong"),
     [
@@ -209,6 +224,7 @@ def test_wrong_options_are_named(kind, name, wrong):
         kind(**wrong)
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize("kind", [MultiSine, Chirp])
 def test_a_frequency_must_be_below_half_the_sampling_frequency(kind):
     control = kind(maximum_frequency=2.5)
@@ -220,6 +236,7 @@ def test_a_frequency_must_be_below_half_the_sampling_frequency(kind):
 # --- by name
 
 
+@pytest.mark.kernels
 @pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_on_the_command_line_one_takes_the_place_of_the_folders(tmp_path):
@@ -233,3 +250,48 @@ def test_on_the_command_line_one_takes_the_place_of_the_folders(tmp_path):
 
     np.testing.assert_array_equal(run("multi-sine"), voltages(MultiSine(), 20))
     np.testing.assert_array_equal(run("chirp"), voltages(Chirp(), 20))
+
+
+# --- replay
+
+
+NAN, INF = np.nan, np.inf
+U = np.arange(6.0).reshape(3, 2) / 10
+
+
+def test_a_run_is_driven_once_more():
+    first = Simulation(control=DriveAround(), seed=1).run(40)
+    again = Simulation(control=Replay(first.u)).run(40)
+    assert np.array_equal(again.u, first.u)
+    assert np.array_equal(again.pose_true, first.pose_true)
+
+
+def test_beyond_the_end_there_is_no_input():
+    sim = Simulation(control=Replay(U))
+    with pytest.raises(IndexError, match=r"3 rows.*step 3"):
+        sim.run(5)
+    assert np.array_equal(sim.trace.u, U)
+    assert len(Simulation(control=Replay(U)).run(3)) == 3
+
+
+def test_no_inputs_at_all():
+    assert Replay(np.empty((0, 2))).u.shape == (0, 2)
+    with pytest.raises(IndexError, match="0 rows"):
+        Simulation(control=Replay(np.empty((0, 2)))).run(1)
+
+
+def test_the_inputs_are_its_own_and_read_only():
+    given = U.copy()
+    replay = Replay(given)
+    given[:] = 9
+    u = replay.u
+    del replay
+    assert np.array_equal(u, U)
+    with pytest.raises(ValueError, match="read-only"):
+        u[0] = 1
+
+
+def test_what_is_no_record_of_inputs():
+    for wrong in ([], U.T, U[0], U[None], [(1, NAN)], [(INF, 1)]):
+        with pytest.raises(ValueError, match=r"^u\b"):
+            Replay(wrong)
