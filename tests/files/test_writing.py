@@ -1,7 +1,9 @@
-"""Where files are written to: through links, with their modes, into devices and pipes."""
+"""The writing of files: links, modes, devices, faults."""
 
+import importlib.util
 import os
 import re
+import shutil
 import stat
 import subprocess
 import sys
@@ -12,10 +14,20 @@ import numpy as np
 import pytest
 
 import robsim
+import sanitizers
 from robsim import vision as imaging
 from robsim.base.files import copy_files, open_whole, write_whole
+from sizes import thorough
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="links, modes and pipes of POSIX")
+COMPILER = shutil.which("cc") or shutil.which("gcc")
+on_posix = pytest.mark.skipif(os.name == "nt", reason="links, modes and pipes of POSIX")
+with_compiler = pytest.mark.skipif(
+    not (COMPILER and sys.platform == "linux"), reason="needs a C compiler"
+)
+
+
+# --- links, modes, devices and pipes
+
 
 PACKAGE = Path(robsim.__file__).resolve().parent
 PICTURE = np.full((8, 16, 3), 7, np.uint8)
@@ -48,6 +60,7 @@ def saver(request):
     return request.param, SAVERS[request.param]
 
 
+@on_posix
 def test_a_link_stays_one_and_leads_to_the_new_content(tmp_path, saver):
     suffix, save = saver
     (tmp_path / "there").mkdir()
@@ -62,6 +75,7 @@ def test_a_link_stays_one_and_leads_to_the_new_content(tmp_path, saver):
         assert target.stat().st_size > 10
 
 
+@on_posix
 def test_a_new_file_has_the_mode_of_the_umask_and_an_old_one_its_own(tmp_path, saver):
     suffix, save = saver
     file = tmp_path / f"run{suffix}"
@@ -77,6 +91,7 @@ def test_a_new_file_has_the_mode_of_the_umask_and_an_old_one_its_own(tmp_path, s
         os.umask(before)
 
 
+@on_posix
 def test_a_pipe_is_written_into(tmp_path, saver):
     suffix, save = saver
     pipe, got = tmp_path / f"pipe{suffix}", []
@@ -92,6 +107,7 @@ def test_a_pipe_is_written_into(tmp_path, saver):
     assert got[0] == expected or suffix == ".mkv"  # which has a random number in it
 
 
+@on_posix
 def test_a_device_stays_one(tmp_path):
     write_whole(Path("/dev/null"), b"content")
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
@@ -102,6 +118,7 @@ def test_a_device_stays_one(tmp_path):
     assert caught.value.filename == str(link)
 
 
+@on_posix
 def test_a_name_may_be_as_long_as_the_system_allows(tmp_path, saver):
     suffix, save = saver
     for length in (222, 255):
@@ -114,6 +131,7 @@ def test_a_name_may_be_as_long_as_the_system_allows(tmp_path, saver):
     assert caught.value.filename == str(tmp_path / (256 * "x"))
 
 
+@on_posix
 def test_where_no_file_can_be(tmp_path, saver):
     suffix, save = saver
     folder = tmp_path / f"folder{suffix}"
@@ -126,6 +144,7 @@ def test_where_no_file_can_be(tmp_path, saver):
     assert names(folder) == []
 
 
+@on_posix
 @pytest.mark.skipif(os.name == "posix" and os.getuid() == 0, reason="root may write everywhere")
 def test_a_file_that_is_protected_is_not_replaced(tmp_path):
     file = tmp_path / "mine"
@@ -136,6 +155,7 @@ def test_a_file_that_is_protected_is_not_replaced(tmp_path):
     assert file.read_text() == "old"
 
 
+@on_posix
 def test_an_exception_leaves_the_old_content(tmp_path):
     file = tmp_path / "run.csv"
     write_whole(file, b"old")
@@ -151,6 +171,7 @@ def test_an_exception_leaves_the_old_content(tmp_path):
     assert names(tmp_path) == ["run.csv"]
 
 
+@on_posix
 def test_content_is_on_the_disk_before_it_has_its_name_and_the_name_after_it(tmp_path, monkeypatch):
     calls = []
     sync, replace = os.fsync, os.replace
@@ -170,6 +191,7 @@ def test_content_is_on_the_disk_before_it_has_its_name_and_the_name_after_it(tmp
     assert calls == ["fsync", "replace", "fsync of the folder"]
 
 
+@on_posix
 def test_a_copy_takes_the_place_of_nothing_that_is_there(tmp_path):
     source = tmp_path / "source"
     source.write_text("ours")
@@ -181,6 +203,7 @@ def test_a_copy_takes_the_place_of_nothing_that_is_there(tmp_path):
     assert names(tmp_path / "new") == ["source"]
 
 
+@on_posix
 @pytest.mark.long
 def test_two_processes_write_into_one_folder_and_lose_nothing(tmp_path):
     program = (
@@ -215,8 +238,40 @@ WRITES = re.compile(
 )
 
 
+@on_posix
 @pytest.mark.long
 def test_every_file_is_written_by_the_one_writer():
     texts = {str(f.relative_to(PACKAGE)): f.read_text() for f in PACKAGE.rglob("*.py")}
     found = [name for name, text in texts.items() if WRITES.search(text)]
     assert [name for name in found if not name.startswith(OTHERS)] == []
+
+
+# --- faults
+
+
+SUPPORT = Path(__file__).parents[1] / "support"
+
+
+def survived(folder, kind, *writers):
+    """Try the faults of a kind on some writers, in a process of its own."""
+    library = folder / "faults.so"
+    source = str(SUPPORT / "faults.c")
+    command = [COMPILER, "-shared", "-fPIC", "-Wall", "-Werror", "-o", str(library), source, "-ldl"]
+    subprocess.run(command, check=True)
+    if sanitizers.ADDRESS:
+        pytest.skip("the sanitizer must be loaded first")
+    environment = {**os.environ, "LD_PRELOAD": str(library), "OPENBLAS_NUM_THREADS": "1"}
+    environment["PYTHONPATH"] = os.pathsep.join(sys.path)
+    program = [sys.executable, "-W", "error", str(SUPPORT / "faults.py"), str(folder), kind]
+    done = subprocess.run([*program, *writers], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert {line.split(": ")[0] for line in done.stdout.splitlines()} == set(writers)
+
+
+@pytest.mark.slow
+@with_compiler
+@pytest.mark.parametrize("kind", ["errors", "kills"])
+def test_every_writer_survives_all_of_it(tmp_path, kind):
+    video = ("mp4",) if importlib.util.find_spec("cv2") else ()
+    writers = ("csv", "robot", "removed robot", *thorough(("trace", "rotated robot", *video), ()))
+    survived(tmp_path, kind, *writers)

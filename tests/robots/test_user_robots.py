@@ -196,7 +196,7 @@ def test_sources_that_are_none_and_colours_that_are_not_seen(user_folder, photo,
     assert add_robot("mine", "lab", colors=colors, ignore_colors=True).name == "mine"
 
 
-# --- files: what fails in the middle is in tests/files/test_faults.py
+# --- files: what fails in the middle is in tests/files/test_writing.py
 
 
 def test_a_failing_add_leaves_nothing_behind(user_folder, monkeypatch):
