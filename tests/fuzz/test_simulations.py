@@ -1,4 +1,6 @@
-"""Simulations of random scenarios, with callbacks that return anything: a run, or words."""
+"""Random simulations and random measurements: a result or a refusal."""
+
+import pickle
 
 import numpy as np
 import pytest
@@ -6,10 +8,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import robsim
-from fuzzing import FLOATS, attempt, fuzzed
+from fuzzing import (
+    FLOATS,
+    ORDINARY,
+    POSITIVE,
+    SEEDS,
+    arrays,
+    attempt,
+    fuzzed,
+    images,
+    on_every_path,
+    with_stride,
+)
+from robsim.vision import Blob, MarkerLayout, PlaneMap, detect
 from scenarios import scenarios
 
-pytestmark = [pytest.mark.fuzz, pytest.mark.long]
+pytestmark = pytest.mark.fuzz
+
+
+# --- simulations
+
 
 POSES = st.tuples(st.floats(-50, 300), st.floats(-50, 300), st.floats(-7, 7))
 SQUARES = st.integers(0, 2**31).map(
@@ -66,6 +84,7 @@ def callbacks(draw):
     return given
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::robsim.vision.SmallMarkersWarning")
 @fuzzed
 @given(
@@ -96,3 +115,144 @@ def run(sim, n):
         if not str(error).startswith("the recorded inputs have"):
             raise
     return sim.trace
+
+
+# --- measurements
+
+
+COLORS = robsim.load_colors()
+LARGE = st.integers(60, 140) | st.sampled_from((63, 64, 65, 127, 128, 129))
+SIZES = st.one_of(
+    st.tuples(LARGE, LARGE), st.tuples(LARGE, LARGE), st.tuples(*[st.integers(1, 8)] * 2)
+)
+
+
+@st.composite
+def outlines(draw):
+    """A polygon: round, a star, or any points."""
+    if draw(st.integers(0, 3)) == 0:
+        return draw(arrays((st.integers(0, 9), 2), (4, 2), (3, 2)))
+    count = draw(st.integers(3, 40))
+    radius = draw(st.floats(1, 14)) * np.ones(count)
+    radius[:: draw(st.integers(1, 3))] *= draw(st.floats(0.1, 1))
+    angles = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    return np.column_stack((radius * np.cos(angles), radius * np.sin(angles)))
+
+
+@st.composite
+def layouts(draw):
+    """Two markers with outlines, or places alone."""
+    distance, offset = draw(st.floats(10, 40)), draw(st.floats(-10, 10))
+    places = {"right": (offset, distance / 2), "left": (offset, -distance / 2)}
+    first, second = draw(outlines()), draw(outlines())
+    kind = draw(st.sampled_from(("polygons", "polygons", "places", "both")))
+    if kind == "places":
+        return attempt(MarkerLayout.from_positions, places)
+    given = {"right": first, "left": second}
+    if kind == "both":
+        return attempt(MarkerLayout.from_positions, places, polygons=given)
+    if all(np.ndim(one) == 2 and np.shape(one)[1:] == (2,) for one in given.values()):
+        given = {role: np.add(one, places[role]) for role, one in given.items()}
+    return attempt(MarkerLayout.from_markers, given)
+
+
+def picture(layout, size, light, noise, seed):
+    """Two discs where the markers are, in any light; they may lie partly beyond the picture."""
+    rng = np.random.default_rng(seed)
+    height, width = size
+    v, u = np.indices((height, width))
+    image = np.full((height, width, 3), rng.integers(60, 250), float)
+    pose = rng.uniform((0.3 * width, 0.3 * height, -4), (0.7 * width, 0.7 * height, 4))
+    turn = np.array(((np.cos(pose[2]), -np.sin(pose[2])), (np.sin(pose[2]), np.cos(pose[2]))))
+    for role, color in (("right", (200, 40, 45)), ("left", (35, 60, 210))):
+        centre = pose[:2] + turn @ layout.positions[role]
+        radius = np.sqrt(np.nan_to_num(layout.areas[role], nan=200) / np.pi)
+        covered = np.clip(radius - np.hypot(u - centre[0], v - centre[1]), 0, 1)[..., np.newaxis]
+        image += covered * (color - image)
+    return np.clip(light * image + noise * rng.normal(size=image.shape), 0, 255).astype(np.uint8)
+
+
+def check(detection):
+    """What is measured is finite, and a value that is made anew from its parts."""
+    assert pickle.loads(pickle.dumps(detection)) == detection
+    measurement = detection.measurement
+    if measurement is None:
+        assert detection.reason
+        return
+    assert np.isfinite(measurement.pose).all()
+    if measurement.covariance is not None:
+        assert np.isfinite(measurement.covariance).all()
+        assert (np.linalg.eigvalsh(measurement.covariance) >= -1e-9).all()
+
+
+def same_on_every_path(call):
+    first, *others = on_every_path(call)
+    for other in others:
+        assert other == first
+        if first is not None:
+            assert repr(other) == repr(first)
+    return first
+
+
+@fuzzed
+@given(
+    st.data(), layouts(), SIZES, st.floats(0.02, 1.2) | st.floats(0.6, 1),
+    st.sampled_from((0, 0, 2, 20)), SEEDS, st.booleans(),
+)  # fmt: skip
+def test_pictures_of_markers(data, layout, size, light, noise, seed, with_colors):
+    if layout is None or not np.isfinite(list(layout.positions.values())).all():
+        return
+    image = with_stride(data.draw, picture(layout, size, light, noise, seed))
+    given = {"image": image, "colors": COLORS if with_colors else None}
+
+    def measured():
+        blobs = robsim.find_blobs(image, COLORS, markers=layout)
+        return attempt(detect, blobs, layout, **given)
+
+    detection = same_on_every_path(measured)
+    if detection is not None:
+        check(detection)
+        assert measured() == detection  # nothing is kept from call to call
+
+
+@st.composite
+def blobs(draw, color, layout):
+    """A blob that may lie anywhere, of any size; two in three where a marker may be."""
+    sides = st.one_of(st.integers(-5, 100), st.integers(-(2**31), 2**31 - 1))
+    left, right = sorted(draw(st.tuples(sides, sides)))
+    top, bottom = sorted(draw(st.tuples(sides, sides)))
+    box = (left, top, right, bottom)
+    if draw(st.integers(0, 2)):
+        role = {"red": "right", "blue": "left"}[color]
+        area = round(np.nan_to_num(layout.areas[role], nan=200))
+        place = tuple(np.add((30, 30), layout.positions[role]))
+    else:
+        area = draw(st.integers(1, 900) | st.integers(-1, 2**63 - 1))
+        place = draw(st.tuples(ORDINARY, ORDINARY) | st.tuples(FLOATS, FLOATS))
+    return attempt(Blob, color, area=area, centroid=place, bounding_box=box)
+
+
+@fuzzed
+@given(
+    st.data(), layouts(), images(),
+    st.sampled_from(("identity", "identity", "scaled", "oblique")),
+    arrays((3, 3), numbers=POSITIVE),
+)  # fmt: skip
+def test_blobs_that_are_not_those_of_the_image(data, layout, image, kind, matrix):
+    if layout is None:
+        return
+    found = {
+        color: [data.draw(blobs(color, layout)) for _ in range(data.draw(st.integers(1, 2)))]
+        for color in ("red", "blue")
+    }
+    found = {color: [one for one in some if one is not None] for color, some in found.items()}
+    plane_map = {
+        "identity": PlaneMap,
+        "scaled": lambda: PlaneMap.scaled((64, 48), (64, 51)),
+        "oblique": lambda: attempt(PlaneMap, matrix) or PlaneMap(),
+    }[kind]()
+    detection = same_on_every_path(
+        lambda: attempt(detect, found, layout, image=image, plane_map=plane_map)
+    )
+    if detection is not None:
+        check(detection)
