@@ -1,8 +1,10 @@
-"""What a submission tries against the grader and the machine, and what each layer holds alone."""
+"""Layers of isolation against attacks, with all rights and with fewer."""
 
 import ctypes
+import json
 import os
 import socket
+import subprocess
 import sys
 from pathlib import Path
 
@@ -13,7 +15,14 @@ import robsim
 from graded import layer
 from robsim.teach import IsolationError, check_isolation
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="layers are for Linux")
+on_linux = pytest.mark.skipif(sys.platform != "linux", reason="layers are for Linux")
+as_root = pytest.mark.skipif(
+    sys.platform != "linux" or os.geteuid() != 0, reason="gives rights of root away"
+)
+
+
+# --- attacks
+
 
 CALLS, FILES, USER, PIDS, NETWORK = ALL = (
     *(layer.CALLS, layer.FILES, layer.USER, layer.PIDS, layer.NETWORK),
@@ -100,6 +109,7 @@ BY_CALLS = {
 }
 
 
+@on_linux
 @pytest.mark.long
 @pytest.mark.skipif(os.uname().machine != "x86_64", reason="by the numbers of x86-64")
 @pytest.mark.parametrize("without", [(), only(CALLS)], ids=["all layers", "system calls alone"])
@@ -142,11 +152,13 @@ print("fine")
 """
 
 
+@on_linux
 @pytest.mark.long
 def test_honest_code_runs(tried):
     assert tried(HONEST)[1].endswith("fine\n")
 
 
+@on_linux
 @pytest.mark.parametrize("without", [(), only(FILES)], ids=["all layers", "files alone"])
 def test_files_are_closed(tried, without, tmp_path):
     secret = tmp_path / "truth.txt"
@@ -184,6 +196,7 @@ def test_files_are_closed(tried, without, tmp_path):
     assert os.listdir(tmp_path) == ["truth.txt"]
 
 
+@on_linux
 def test_what_is_hidden_cannot_be_read(tried):
     package = Path(robsim.__file__).parent
     folder, file = package / "estimation/reference", package / "estimation/evaluation/errors.py"
@@ -200,6 +213,7 @@ def test_what_is_hidden_cannot_be_read(tried):
     assert beside == "reached"
 
 
+@on_linux
 def test_the_network_is_closed(tried):
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
@@ -209,6 +223,7 @@ def test_the_network_is_closed(tried):
             assert "refused" in output or not layers.holds(alone)
 
 
+@on_linux
 def test_the_memory_of_the_grader_is_closed(tried):
     secret = ctypes.create_string_buffer(b"truth")
     where = ctypes.addressof(secret)
@@ -224,6 +239,7 @@ if libc.process_vm_readv({GRADER}, a, 1, b, 1, 0) < 0: raise OSError(ctypes.get_
         assert output.count("refused") == 2, (alone, output)
 
 
+@on_linux
 def test_own_numbers_and_a_user_hold_a_bomb(tried):
     source = """
 import os, time
@@ -242,6 +258,7 @@ print(count)
     assert int(output) < 8
 
 
+@on_linux
 def test_the_check_tries_all_and_says_what_held():
     report = check_isolation()
     assert "isolation: process" in str(report)
@@ -269,12 +286,14 @@ def test_the_check_tries_all_and_says_what_held():
     assert bare.verdict.startswith("open: files, processes, network")
 
 
+@on_linux
 def test_the_line_of_all_workers_is_the_same():
     """Each worker may have another user."""
     lines = {layer.Layers((layer.Layer(USER, True, number),)).line for number in ("60600", "60601")}
     assert lines == {"isolation: own user"}
 
 
+@on_linux
 def test_strict_is_refused_where_something_is_open(worker):
     for left_out in ((CALLS,), (CALLS, NETWORK), ALL):
         with (
@@ -284,6 +303,7 @@ def test_strict_is_refused_where_something_is_open(worker):
             pass
 
 
+@on_linux
 def test_all_layers_hold_on_a_machine_that_has_them(tried):
     layers, _ = tried("print(1)", isolation="auto")
     assert layers.holds(FILES) == (graded.landlock.landlock_abi() > 0)
@@ -291,3 +311,44 @@ def test_all_layers_hold_on_a_machine_that_has_them(tried):
         assert layers.holds(CALLS)
     if all(layers.closed.values()):
         assert layers.certain_end
+
+
+# --- graders with fewer rights
+
+
+# The rights that root has in a container as Docker starts it, by their numbers.
+CONTAINER = (0, 1, 3, 4, 5, 6, 7, 8, 10, 13, 18, 27, 29, 31)
+
+CHECK = """
+import struct, sys
+from robsim.teach.isolation._layers import calls
+keep = set(map(int, sys.argv[1:]))
+for number in range(41):
+    if number not in keep:
+        calls.prctl(calls.PR_CAPBSET_DROP, number)
+mask = sum(1 << number for number in keep)
+words = (mask & 0xFFFFFFFF, mask & 0xFFFFFFFF, 0, mask >> 32, mask >> 32, 0)
+calls._libc.capset(struct.pack("<Ii", 0x20080522, 0), struct.pack("<6I", *words))
+assert not calls.has_capability(21)
+from robsim.teach import check_isolation
+import json
+report = check_isolation()
+print(json.dumps([report.layers, report.attempts, report.closed]))
+"""
+
+
+@pytest.mark.long
+@as_root
+@pytest.mark.parametrize("rights", [CONTAINER, ()], ids=["a container", "root without rights"])
+def test_what_holds_without_the_right_to_administer(rights):
+    command = [sys.executable, "-c", CHECK, *map(str, rights)]
+    run = subprocess.run(command, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    layers, attempts, closed = json.loads(run.stdout.splitlines()[-1])
+    held = {name for name, holds, _ in layers if holds}
+    assert not held & {"own network", "own process numbers"}
+    if not rights:
+        assert "user" not in held
+    if {"files", "system calls"} <= held:
+        assert all(closed.values())
+        assert all(refused for refused, _ in attempts.values()), attempts
