@@ -1,6 +1,10 @@
-"""The page's server, without a browser: lines, slow readers, its end."""
+"""The page: its server, its module, its tabs in a browser."""
 
+import json
+import re
+import shutil
 import socket
+import subprocess
 import threading
 from contextlib import ExitStack
 from types import SimpleNamespace
@@ -10,8 +14,11 @@ import pytest
 import robsim
 from browsers import Page, PanelView
 from page_client import Client, connected, greeted, request
+from robsim.gui.hosts.script import STATIC, page_script, script
 from small_runs import robsim_threads
 from waiting import wait_for
+
+# --- the server
 
 
 @pytest.fixture
@@ -155,3 +162,143 @@ def test_the_address_that_starts_a_browser_leads_there_once(page, started, monke
     assert request(page, "/")[0] == 404
     page.open()
     assert started[1] != url
+
+
+# --- the module and its texts
+
+
+def test_each_file_has_a_scope_of_its_own():
+    files = [file for file in STATIC.rglob("*.js") if file.name != "page.js"]
+    top = re.findall(r"^const (\w+) = \(\(\) => {$", script(), re.MULTILINE)
+    assert len(set(top)) == len(top) == len(files)
+    # Whatever else begins a line is inside one of them.
+    outside = re.sub(r"^const \w+ = \(\(\) => {$.*?^}\)\(\);$", "", script(), flags=re.M | re.S)
+    names = re.findall(r"^(?:async )?(?:const|let|class|function) (\w+)", outside, re.MULTILINE)
+    assert names == ["TEXTS"]
+
+
+def test_the_module_imports_nothing():
+    assert re.findall(r"^(?:import|export (?!default))", script(), re.MULTILINE) == []
+
+
+def test_no_text_becomes_code_or_elements():
+    ways = r"(?:inner|outer)HTML|insertAdjacentHTML|document\.write|srcdoc|\beval\(|new Function"
+    handlers = r"setAttribute\(['\"`]on|javascript:"
+    code = script() + page_script()
+    assert re.findall(f"{ways}|createContextualFragment|parseFromString|{handlers}", code) == []
+
+
+@pytest.mark.long
+def test_node_can_read_it(tmp_path):
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("needs node")
+    (tmp_path / "view.mjs").write_text(script(), "utf-8")
+    assert subprocess.run([node, "--check", tmp_path / "view.mjs"], check=False).returncode == 0
+
+
+TEXTS = json.loads((STATIC / "texts.json").read_text("utf-8"))
+CODE = {str(file.relative_to(STATIC)): file.read_text("utf-8") for file in STATIC.rglob("*.js")}
+#: Functions whose first text is the name of one.
+ASKING = r"text|makeButton|makeWords|makeHint|makeAct\(context"
+
+
+def test_every_text_that_is_asked_for_is_there():
+    asked = {
+        (file, name)
+        for file, code in CODE.items()
+        for name in re.findall(rf'\b(?:{ASKING})[(,]\s*"([^"]+)"(?!, \{{\}}, )', code)
+    }
+    assert len(asked) > 50
+    assert {(file, name) for file, name in asked if name not in TEXTS} == set()
+
+
+def test_names_that_are_made_up_begin_as_texts_do():
+    made = {
+        (file, start)
+        for file, code in CODE.items()
+        for start in re.findall(r"\btext\(\s*`([\w.]+\.)\$\{", code)
+    }
+    assert {one for one in made if not any(name.startswith(one[1]) for name in TEXTS)} == set()
+
+
+# --- a real browser
+
+
+MAIN = "main[data-state='{}']"
+
+
+@pytest.fixture
+def served(chromium):
+    """A page of our own, so that it can be closed; what the browser complains of is not asked."""
+    view = PanelView(robsim.Simulation(area=(300, 300), measure=True, seed=1))
+    page = Page(view)
+    context = chromium.new_context()
+    context.set_default_timeout(300_000)  # ms
+    yield view, page, context
+    context.close()
+    page.close()
+    view.close(300)
+
+
+def shown(context, page, state="paused"):
+    tab = context.new_page()
+    tab.goto(page.url)
+    tab.wait_for_selector(MAIN.format(state))
+    return tab
+
+
+@pytest.mark.slow
+def test_a_broken_line_is_mended_and_one_that_stays_broken_pauses_the_run(served, patience):
+    patience(1000.0)  # s: the run goes on till it is back
+    view, page, context = served
+    tab = shown(context, page)
+    tab.click("button[name=start]")
+    tab.wait_for_selector(MAIN.format("running"))
+    (socket,) = page.pages
+    page._loop.call_soon_threadsafe(socket.cut)
+    wait_for(lambda: page.pages and socket not in page.pages)
+    tab.wait_for_selector(MAIN.format("running"))
+    assert view.driver.state == "running"
+    patience(0.0)
+    (socket,) = page.pages
+    page._loop.call_soon_threadsafe(socket.cut)
+    tab.wait_for_selector(MAIN.format("paused"))
+    assert view.driver.state == "paused"
+    wait_for(lambda: len(view.links) == 1)
+
+
+@pytest.mark.slow
+def test_a_page_tells_that_python_has_gone(served):
+    _, page, context = served
+    tab = context.new_page()
+    tab.clock.install()  # its pauses take no time
+    tab.goto(page.url)
+    tab.wait_for_selector(MAIN.format("paused"))
+    page.close()
+    tab.wait_for_selector(MAIN.format("lost"))
+    while tab.locator(MAIN.format("lost")).count():  # each try takes a while
+        tab.clock.run_for(10_000)
+        tab.wait_for_timeout(50)
+    tab.wait_for_selector(MAIN.format("gone"))
+
+
+@pytest.mark.slow
+def test_what_a_callback_says_is_text(open_panel):
+    code = '</script><img src=x onerror="document.title=1"><script>document.title=1</script>'
+
+    def control(step):
+        raise ValueError(code + "\u202e\x1b[31m" + "x" * 10**6)
+
+    control.__name__ = code
+    _, tab = open_panel(robsim.Simulation(seed=1, control=control))
+    tab.locator("button[name='step']").first.click()
+    tab.wait_for_selector("main[data-state='failed']")
+    error = tab.locator(".robsim-error-text")
+    error.wait_for()
+    assert code in error.text_content()
+    tab.locator("button[name='to_callbacks']").click()
+    row = tab.locator(".robsim-slot", has_text=code[:20]).first
+    row.wait_for()
+    assert tab.title() != "1"
+    assert tab.locator("main img, main script").count() == 0
