@@ -1,4 +1,6 @@
-"""Identification of a robot whose inputs act late: the bias without the delay, and none with it."""
+"""Identification with late inputs and lost frames."""
+
+import functools
 
 import numpy as np
 import pytest
@@ -9,7 +11,8 @@ from robsim.estimation import instrumental_variables, output_error, regression_o
 from robsim.trace import Trace
 from sizes import thorough
 
-pytestmark = pytest.mark.kernels
+# --- late inputs
+
 
 TRUTH = robsim.RobotModel().theta
 NOISE = np.array([0.3, 0.3, 0.01])  # px, px, rad
@@ -37,6 +40,7 @@ def gain_errors(theta):
     return np.nanmax(np.abs(theta / np.where(TRUTH, TRUTH, np.nan) - 1)[:, 2:4])
 
 
+@pytest.mark.kernels
 @pytest.mark.long
 @each_method
 @pytest.mark.parametrize("delay", [0, 2.4, 40.5])
@@ -54,6 +58,7 @@ def test_the_true_delay_gives_back_the_true_parameters(method, delay):
         assert gain_errors(without.batch) > 0.04
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize("fit", [output_error, instrumental_variables])
 def test_noise_adds_no_bias_to_a_fit_that_knows_the_delay(fit):
     trace = late_run()
@@ -65,6 +70,7 @@ def test_noise_adds_no_bias_to_a_fit_that_knows_the_delay(fit):
     assert beyond[without.determined].max() > 8
 
 
+@pytest.mark.kernels
 @pytest.mark.long
 @pytest.mark.parametrize("delay", [2.4, 0.0])
 def test_the_delay_is_estimated_and_the_parameters_with_it(delay):
@@ -79,6 +85,7 @@ def test_the_delay_is_estimated_and_the_parameters_with_it(delay):
     assert "input delay" in str(found)
 
 
+@pytest.mark.kernels
 @pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.6, 3])
 def test_the_standard_error_of_the_delay_is_honest(delay):
@@ -91,6 +98,7 @@ def test_the_standard_error_of_the_delay_is_honest(delay):
     assert low < np.square(errors).sum() < high
 
 
+@pytest.mark.kernels
 @pytest.mark.long
 def test_a_batch_estimate_estimates_the_delay_from_measured_poses():
     trace = late_run(delay=1.7, boundary="bounce", steps=250)
@@ -103,6 +111,7 @@ def test_a_batch_estimate_estimates_the_delay_from_measured_poses():
     assert found.to_dict()["input_delay"] == found.input_delay
 
 
+@pytest.mark.kernels
 @pytest.mark.long
 def test_a_delay_beyond_what_is_searched_is_no_result():
     trace = late_run(delay=14, steps=150)
@@ -113,6 +122,7 @@ def test_a_delay_beyond_what_is_searched_is_no_result():
 # --- where the inputs that act are not known
 
 
+@pytest.mark.kernels
 def test_a_part_of_a_run_begins_where_its_inputs_are_known():
     trace = late_run(delay=2.4)
     part = trace[100:]
@@ -125,6 +135,7 @@ def test_a_part_of_a_run_begins_where_its_inputs_are_known():
     assert regression_of(trace, input_delay=2.4).k[0] == 2
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize("group", ["interrupted", "t"])
 def test_for_so_long_after_lost_frames_and_stops_no_sample_is_valid(group):
     trace = late_run(delay=2.4, steps=60)
@@ -140,6 +151,7 @@ def test_for_so_long_after_lost_frames_and_stops_no_sample_is_valid(group):
     assert late.left_out == 5
 
 
+@pytest.mark.kernels
 def test_after_a_bounce_the_inputs_are_known():
     trace = late_run(delay=2.4, boundary="bounce", start=(1100, 600, 0.0), steps=400)
     bounces = np.flatnonzero(trace.bounced)
@@ -153,6 +165,7 @@ def test_after_a_bounce_the_inputs_are_known():
 # --- wrong arguments
 
 
+@pytest.mark.kernels
 def test_a_delay_has_limits_and_is_fitted_by_output_error_alone():
     trace = late_run(steps=30)
     for method in METHODS:
@@ -163,3 +176,100 @@ def test_a_delay_has_limits_and_is_fitted_by_output_error_alone():
         robsim.batch_estimate(trace, method="output_error", input_delay="fitted")
     with pytest.raises(ValueError, match="output_error"):
         robsim.batch_estimate(trace, input_delay="fit")
+
+
+# --- lost frames
+
+
+DT = 0.2
+B1X = 2
+
+
+@functools.cache
+def driven(steps):
+    """Return the frames of a drive around, and its inputs."""
+    sim = robsim.Simulation(
+        headings=None,
+        resolution=(300, 300),
+        # errors that do not depend on the place, as the standard errors take them to be
+        noise=robsim.GaussianNoise(10),
+        control=robsim.DriveAround(),
+        seed=3,
+    )
+    frames = [sim.step().frame for _ in range(steps)]
+    assert not sim.trace.bounced.any()
+    return frames, sim.trace
+
+
+def without(lost, steps):
+    """Return the trace of the frames that are left; their times start at one dt."""
+    frames, simulated = driven(steps)
+    kept = np.setdiff1d(np.arange(steps), lost)
+    timed = [
+        robsim.Frame(frames[k].image, t=DT * (k + 1), index=k, plane_map=frames[k].plane_map)
+        for k in kept
+    ]
+    sim = robsim.Experiment(timed, control=lambda step: simulated.u[step.frame.index])
+    return sim.run()
+
+
+def exact(lost, steps):
+    """Return a run with true poses that has lost steps."""
+    run = robsim.Simulation(boundary="unlimited", control=robsim.DriveAround(), seed=3).run(steps)
+    kept = np.setdiff1d(np.arange(steps), lost)
+    groups = {"t": run.t, "pose_true": run.pose_true, "u": run.u, "bounced": run.bounced}
+    return robsim.Trace({name: rows[kept] for name, rows in groups.items()}, run.info)
+
+
+def tenth_of(steps):
+    return np.random.default_rng(1).choice(np.arange(1, steps), steps // 10, replace=False)
+
+
+def check_b1x(report, share):
+    b1x = robsim.RobotModel().theta[0, B1X]
+    error = abs(report.batch[0, B1X] - b1x)
+    assert error < share * b1x
+    assert error < 4 * report.standard_errors[0, B1X]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("method", "share"), [("output_error", 0.02), ("instrumental_variables", 0.05)]
+)
+def test_lost_frames_do_not_spoil_the_unbiased_methods(method, share):
+    report = robsim.batch_estimate(without(tenth_of(600), 600), method=method)
+    assert report.converged
+    check_b1x(report, share)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("select", ["valid", "all"])
+def test_exact_poses_with_gaps_give_back_the_parameters(method, select):
+    report = robsim.batch_estimate(exact(tenth_of(600), 600), method=method, select=select)
+    np.testing.assert_allclose(report.batch, robsim.RobotModel().theta, atol=1e-6)
+
+
+@pytest.mark.long
+def test_a_lost_frame_costs_the_samples_that_span_it():
+    trace = without([20], 40)
+    found = robsim.estimation.regression_of(trace)
+    # Of 39 steps 0..38, step 20 comes two dt after step 19.
+    np.testing.assert_array_equal(found.k, np.setdiff1d(np.arange(2, 39), [20, 21]))
+    assert found.left_out == 2
+    longest = robsim.estimation.regression_of(trace, select="longest")
+    np.testing.assert_array_equal(longest.k, np.arange(2, 20))
+    assert "2 samples with a bounce, a missing pose or lost frames" in str(
+        robsim.batch_estimate(trace)
+    )
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("method", METHODS)
+def test_a_time_that_is_no_multiple_of_dt_is_refused(method):
+    trace = exact([], 40)
+    times = trace.t + np.where(trace.k < 20, 0, DT / 3)
+    groups = {"t": times, "pose_true": trace.pose_true, "u": trace.u, "bounced": trace.bounced}
+    trace = robsim.Trace(groups, trace.info)
+    with pytest.raises(ValueError, match=r"must be a multiple of the model's dt, 0.2 s, got 0.266"):
+        robsim.batch_estimate(trace, method=method)
