@@ -1,6 +1,10 @@
-"""A live run from end to end, on a camera and a robot that do what the test says."""
+"""Live runs from end to end, with and without faults."""
 
 import itertools
+import os
+import subprocess
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,9 +12,18 @@ import pytest
 
 import robsim
 import sessions
+from needs import needs_double
 from python_cameras import PATIENT, SteppedCamera
 from robsim.lab import MotorReceiver, UdpMotors
+from sizes import thorough
 from waiting import wait_for
+
+with_proc = pytest.mark.skipif(
+    not Path("/proc/self/task").is_dir(), reason="needs /proc and terminals"
+)
+
+
+# --- no faults
 
 
 def test_a_robot_is_stopped_while_frames_stop_and_driven_when_they_return():
@@ -66,3 +79,49 @@ def test_a_robot_is_stopped_while_frames_stop_and_driven_when_they_return():
     assert inputs[round(1 + (n - 1) / 100, 4)] < stopped < inputs[round(1 + n / 100, 4)]
     assert robot.events[-1].kind == "stop"
     assert "timeout" not in {event.kind for event in robot.events}
+
+
+# --- faults
+
+
+ROUNDS = thorough(range(0, 60, 3), range(0, 60, 5))
+ROUNDS_ON_WIRES = thorough((17, 21, 24, 35, 52), (17, 24, 35))  # what goes wrong with cameras
+SLACK = 100  # s, by which a busy machine may be late
+FRAMES = thorough(10_000, 4000)
+
+
+def check(*words):
+    path = os.pathsep.join(filter(None, sys.path))
+    done = subprocess.run(
+        [sys.executable, "-m", *map(str, words)],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": path},
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+@with_proc
+def test_whatever_goes_wrong_the_robot_stands():
+    pytest.importorskip("serial")
+    check("live_faults", "--slack", SLACK, "--workers", 1, "--only", *ROUNDS)
+
+
+@pytest.mark.slow
+@with_proc
+def test_whatever_goes_wrong_with_a_bus_or_a_server_the_robot_stands():
+    pytest.importorskip("serial")
+    needs_double("firewire")
+    needs_double("gige")
+    check(
+        *("live_faults", "--slack", SLACK, "--workers", 1, "--cameras", "firewire", "gige"),
+        *("--only", *ROUNDS_ON_WIRES),
+    )
+
+
+@pytest.mark.slow
+@with_proc
+def test_a_long_stream_needs_no_more_memory():
+    check("live_faults.stream", "--frames", FRAMES)
