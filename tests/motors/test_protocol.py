@@ -1,8 +1,11 @@
-"""Lines of the protocol: written, read back, damaged."""
+"""The protocol of motors: lines, limits, firmware."""
 
 import binascii
 import locale
+import random
 import re
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
@@ -10,7 +13,16 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import motor_lines
+from motor_lines import drive_line, line, stop_line
+from motor_lines import example as page_example
 from robsim._core import parse_line, to_line
+from robsim.lab import Limits
+
+with_compiler = pytest.mark.skipif(not shutil.which("c++"), reason="needs a C++ compiler")
+
+
+# --- lines
+
 
 FORM = re.compile(
     rb"(?:u ([0-9]{1,5}) (-?[0-9]{1,3}\.[0-9]{4}) (-?[0-9]{1,3}\.[0-9]{4}) ([0-9]{1,5}) "
@@ -121,3 +133,152 @@ def test_what_fits_into_no_line_is_refused():
             to_line("u", 1, (u1, 0), 300)
     with pytest.raises(ValueError, match="finite"):
         to_line("u", 1, (np.nan, 0), 300)
+
+
+# --- limits
+
+
+volts = st.floats(-20, 20)
+inputs = st.tuples(volts, volts)
+limits = st.floats(0.01, 30)
+
+
+@given(inputs, limits)
+def test_a_voltage_limit_keeps_the_curve(u, limit):
+    result = Limits(voltage=limit).applied(u, (0, 0), 0.1)
+    assert np.abs(result).max() <= limit
+    if np.abs(u).max() <= limit:
+        assert result.tolist() == list(u)
+    else:
+        assert np.abs(result).max() == pytest.approx(limit)
+        assert result[0] * u[1] == pytest.approx(result[1] * u[0], abs=1e-9)
+        assert (result * u >= 0).all()
+
+
+@given(inputs, inputs, limits, st.floats(0, 2))
+def test_a_slew_rate_limits_the_change_and_keeps_its_direction(u, before, limit, dt):
+    result = Limits(slew_rate=limit).applied(u, before, dt)
+    change, wanted = result - before, np.subtract(u, before)
+    if u == (0, 0):
+        assert result.tolist() == [0, 0]
+        return
+    assert np.abs(change).max() <= limit * dt + 1e-12
+    assert change[0] * wanted[1] == pytest.approx(change[1] * wanted[0], abs=1e-9)
+    if np.abs(wanted).max() <= limit * dt:
+        assert result.tolist() == list(u)
+
+
+@given(inputs, limits, limits, st.floats(0.01, 2))
+def test_both_limits_hold_on_the_way_to_any_input(u, voltage, slew_rate, dt):
+    both = Limits(voltage=voltage, slew_rate=slew_rate)
+    before = np.zeros(2)
+    for _ in range(20):
+        after = both.applied(u, before, dt)
+        assert np.abs(after).max() <= voltage
+        assert np.abs(after - before).max() <= slew_rate * dt + 1e-12
+        before = after
+
+
+def test_stopping_is_never_slowed_down():
+    assert Limits(voltage=1, slew_rate=0.01).applied((0, 0), (9, -9), 0.0).tolist() == [0, 0]
+
+
+def test_what_is_out_of_range_is_refused():
+    for name in ("voltage", "slew_rate"):
+        for value in (0, -1, float("nan")):
+            with pytest.raises(ValueError, match=name):
+                Limits(**{name: value})
+    with pytest.raises(ValueError, match="dt"):
+        Limits(slew_rate=1).applied((1, 1), (0, 0), -1)
+
+
+# --- firmware
+
+
+# Of stdin: a time (ms) and the bytes that come then, in hexadecimal. To stdout: what is driven.
+BOARD = r"""
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+uint32_t now = 0;
+uint32_t millis() { return now; }
+void drive(float u1, float u2) { std::printf("%u %.4f %.4f\n", now, u1, u2); }
+struct {
+  std::string bytes;
+  void begin(long) {}
+  int available() { return bytes.size(); }
+  int read() { int c = bytes[0]; bytes.erase(0, 1); return c; }
+} Serial;
+FIRMWARE
+int main() {
+  setup();
+  unsigned time;
+  char hex[100000];
+  while (std::scanf("%u %99999s", &time, hex) == 2) {
+    for (; now < time; ++now) loop();
+    for (char* c = hex; *c != '-' && *c; c += 2) {
+      char digits[3] = {c[0], c[1], 0};
+      Serial.bytes += static_cast<char>(std::strtoul(digits, nullptr, 16));
+    }
+    loop();
+  }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("firmware")
+    (folder / "board.cpp").write_text(BOARD.replace("FIRMWARE", page_example("cpp")))
+    command = ["c++", "-std=c++17", "-w", "-o", folder / "board", folder / "board.cpp"]
+    subprocess.run(command, check=True)
+
+    def run(*said):
+        text = "".join(f"{t} {text.hex() or '-'}\n" for t, text in said)
+        done = subprocess.run(
+            [folder / "board"], input=text, capture_output=True, text=True, check=True
+        )
+        return [tuple(map(float, row.split())) for row in done.stdout.splitlines()]
+
+    return run
+
+
+@pytest.mark.slow
+@with_compiler
+def test_it_obeys_and_stops_by_itself(driven):
+    assert driven((10, drive_line(7, 0.5, -0.25, 300)), (1000, b"")) == [
+        (10, 0.5, -0.25),
+        (310, 0, 0),
+    ]
+    assert driven((10, drive_line(7, ttl=300)), (200, drive_line(8, ttl=300)), (900, b"")) == [
+        (10, 1, 2),
+        (200, 1, 2),
+        (500, 0, 0),
+    ]
+    assert driven((10, drive_line(7)), (20, stop_line(8))) == [(10, 1, 2), (20, 0, 0)]
+
+
+@pytest.mark.slow
+@with_compiler
+def test_it_ignores_what_it_must(driven):
+    old = [(11, drive_line(7, 3)), (12, drive_line(6, 3)), (13, drive_line(7 + 32768, 3))]
+    damaged = [
+        (20, drive_line(8, 3)[:-3] + b"00\n"),
+        (21, b"x" * 300 + drive_line(9, 3)),
+        (22, b"\n\n*\n\0\0\n*1234\n"),
+        (23, line("a 12")),
+        (24, bytes(range(256)) + b"\n"),
+    ]
+    after = (30, drive_line(8, 4)[:-1] + b"\r\n")
+    assert driven((10, drive_line(7)), *old, *damaged, after) == [(10, 1, 2), (30, 4, 2)]
+
+
+@pytest.mark.slow
+@with_compiler
+def test_random_bytes_do_it_no_harm(driven):
+    random.seed(1)
+    noise = [(k, random.randbytes(random.randrange(1, 200))) for k in range(300)]
+    assert driven(*noise, (400, b"\n" + drive_line(1))) == [(400, 1, 2)]
