@@ -1,8 +1,11 @@
-"""The pages of the documentation: their programs run, and print the tables beside them."""
+"""The pages of the documentation: programs, tables, sensitivity."""
 
 import contextlib
+import importlib.util
 import io
 import re
+import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,14 +13,21 @@ import pytest
 
 import robsim
 from bench_campaign import dask_tasks, parent, scaling
+from robsim.campaigns import CampaignSpec
 
-SITE = Path(__file__).parents[2] / "notebooks/site"
+ROOT = Path(__file__).parents[2]
+SITE = ROOT / "notebooks/site"
+SCRIPT = ROOT / "assets/draw_sensitivity.py"
+pytestmark = pytest.mark.long
+
+with_pages = pytest.mark.skipif(not SITE.is_dir(), reason="needs the sources")
+with_script = pytest.mark.skipif(not SCRIPT.is_file(), reason="needs the sources")
+
+
+# --- programs and tables
+
+
 PAGES = sorted(SITE.glob("*.md"))
-
-pytestmark = [
-    pytest.mark.long,
-    pytest.mark.skipif(not SITE.is_dir(), reason="needs the sources"),
-]
 
 
 def programs(page):
@@ -27,6 +37,7 @@ def programs(page):
 WITH_PROGRAMS = [page for page in PAGES if programs(page)]
 
 
+@with_pages
 @pytest.mark.parametrize("page", WITH_PROGRAMS, ids=lambda page: page.stem)
 def test_the_programs_of_a_page_print_its_tables(page):
     text = page.read_text(encoding="utf-8")
@@ -38,6 +49,7 @@ def test_the_programs_of_a_page_print_its_tables(page):
         assert "\n".join(rows) in text
 
 
+@with_pages
 def test_pages_show_pictures_and_pages_that_are_there():
     readme = (SITE.parents[1] / "README.md").read_text(encoding="utf-8")
     for page in PAGES:
@@ -61,6 +73,7 @@ def bounds():
     return found
 
 
+@with_pages
 def test_the_table_of_bounds_is_that_of_the_function(bounds):
     text = (SITE / "measurement.md").read_text(encoding="utf-8")
     columns = {
@@ -75,6 +88,7 @@ def test_the_table_of_bounds_is_that_of_the_function(bounds):
         assert bound.rmse_heading_deg == pytest.approx(heading, rel=0.06)
 
 
+@with_pages
 def test_the_formula_for_round_markers_is_near_the_bound(bounds):
     best = {}
     exec(programs(SITE / "measurement.md")[1], best)
@@ -100,6 +114,7 @@ def cells(text, begin):
     return [[cell.strip() for cell in row.strip("| ").split("|")] for row in rows]
 
 
+@with_pages
 def test_what_many_workers_give_follows_from_the_costs_of_the_page():
     text = (SITE / "campaigns.md").read_text(encoding="utf-8")
     costs = [1e-6 * float(cost.removesuffix(" us")) for _, cost in cells(text, "what it costs")]
@@ -120,3 +135,77 @@ def test_what_many_workers_give_follows_from_the_costs_of_the_page():
         assert one.rate == pytest.approx(float(shown[2]), rel=0.03)
         needed = found.chunk_needed(seconds)
         assert shown[-1] == ("none" if needed is None else str(needed))
+
+
+# --- the page of sensitivity
+
+
+PAGE = ROOT / "notebooks/site/sensitivity.md"
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location(SCRIPT.stem, SCRIPT)
+    module = importlib.util.module_from_spec(spec)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, SCRIPT.stem, module)  # where dataclasses look for it
+        spec.loader.exec_module(module)
+        yield module
+
+
+@pytest.fixture
+def errors_in(script, monkeypatch):
+    """The errors of a setting in two short runs."""
+
+    def errors_in(name):
+        short = replace(script.SETTINGS[name], steps=80)
+        monkeypatch.setitem(script.SETTINGS, name, short)
+        return script.errors_of(name, runs=2)
+
+    return errors_in
+
+
+@with_script
+def test_every_setting_is_a_campaign_and_stands_on_the_page(script):
+    page = PAGE.read_text(encoding="utf-8")
+    for name, setting in script.SETTINGS.items():
+        spec = CampaignSpec(
+            scenario=setting.scenario,
+            vary=setting.vary,
+            metrics=setting.metrics,
+            runs=1,
+            steps=setting.steps,
+        )
+        labels = {" ".join(map(str, case.labels.values())) for case in spec.cases}
+        assert setting.base in {"", *labels, *setting.metrics}
+        assert f"**{name}**" in page
+    assert f"{script.RUNS} runs" in page
+
+
+@with_script
+def test_the_marked_value_is_the_base_itself(script):
+    """What the panels have in common is one case: there the same seeds give the same errors."""
+    for name in ("drawn headings", "voltages", "lost frames", "hold of a voltage"):
+        setting = script.SETTINGS[name]
+        spec = CampaignSpec(
+            scenario=setting.scenario, vary=setting.vary, metrics=setting.metrics, runs=1, steps=5
+        )
+        (case,) = (one for one in spec.cases if str(*one.labels.values()) == setting.base)
+        marked = robsim.Simulation(spec._scenario_of(case), seed=3).run(30)
+        base = robsim.Simulation(script.BASE, seed=3).run(30)
+        np.testing.assert_array_equal(marked.pose_measured, base.pose_measured)
+
+
+@with_script
+def test_more_noise_means_larger_errors_in_the_figure_and_the_table(script, errors_in):
+    found = {"camera noise": errors_in("camera noise")}
+    values, errors, _ = found["camera noise"]
+    assert (errors[:, -1] > 3 * errors[:, 1]).all()
+    figure = script.figure_of(found)
+    (axes,) = figure.axes
+    assert axes.get_title(loc="left") == "camera noise"
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == list(values)
+    lines = {line.get_label(): line for line in axes.lines}
+    for group, drawn in zip(script.GROUPS, errors, strict=True):
+        np.testing.assert_allclose(lines[group].get_ydata(), np.clip(drawn, *script._LIMITS))
+    assert f"{errors[0, -1]:.2g} (" in script.table("camera noise", found["camera noise"])

@@ -1,7 +1,10 @@
-"""What is public: names at the top and, by subject, in the rooms; nothing else can be reached."""
+"""Public names and their stubs."""
 
+import ast
 import importlib
 import inspect
+import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -10,6 +13,11 @@ from pathlib import Path
 import pytest
 
 import robsim
+from needs import needs_extension
+from robsim import Scenario, Simulation
+
+# --- names
+
 
 TESTS = Path(__file__).parents[1]
 ROOMS = (*robsim._WINGS, "estimation.reference", "teach.gym")
@@ -108,3 +116,128 @@ def test_tests_may_set_a_double_instead_of_a_module(monkeypatch, name, double):
 def test_threads_that_ask_for_rooms_at_once_get_whole_ones():
     run = subprocess.run([sys.executable, "-c", AT_ONCE], capture_output=True, text=True)
     assert (run.stdout, run.stderr) == ("[]\n", "")
+
+
+# --- misspelled names
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "named"),
+    [
+        (lambda: Simulation(mesure=True), TypeError, "'mesure'.*'measure'"),
+        (lambda: Scenario(boundary="bonce"), ValueError, "'bounce'"),
+        (lambda: setattr(Simulation(), "mesure", True), AttributeError, "'mesure'.*'measure'"),
+        (lambda: robsim.nees, AttributeError, "robsim.estimation.nees"),
+        (lambda: robsim.goToPoint, AttributeError, "'GoToPoint'"),
+    ],
+)
+def test_what_may_be_meant_is_told(call, error, named):
+    with pytest.raises(error) as caught:
+        call()
+    assert re.search(named, str(caught.value))
+
+
+def test_a_misspelled_file(tmp_path):
+    robsim.vision.save_colors(tmp_path / "mine.toml", robsim.load_colors())
+    with pytest.raises(FileNotFoundError, match=r"mine\.toml.*main\.toml"):
+        robsim.load_colors(tmp_path / "main.toml")
+
+
+# --- the stub of the core
+
+
+SCRIPT = Path(__file__).parents[1] / "support" / "write_stub.py"
+
+
+@pytest.mark.long
+def test_the_stub_of_the_core_is_up_to_date(tmp_path):
+    if not shutil.which("pybind11-stubgen", path=str(Path(sys.executable).parent)):
+        raise RuntimeError("the tests need pybind11-stubgen: pip install pybind11-stubgen")
+    subprocess.run([sys.executable, SCRIPT, tmp_path], check=True, capture_output=True)
+    shipped = Path(robsim.__file__).with_name("_core.pyi").read_text()
+    assert (tmp_path / "robsim/_core.pyi").read_text() == shipped, "write it anew: ./run stubs"
+
+
+def test_the_package_says_that_it_is_typed():
+    assert Path(robsim.__file__).with_name("py.typed").is_file()
+
+
+# --- stubs of cameras
+
+
+# pybind11's words for what a function takes, in those of the stubs.
+WORDS = [
+    (r"typing\.SupportsInt \| typing\.SupportsIndex", "int"),
+    (r"typing\.SupportsFloat \| typing\.SupportsIndex", "float"),
+    (
+        r"typing\.Annotated\[collections\.abc\.Sequence\[(\w+)\], \"FixedSize\(4\)\"\]",
+        r"tuple[\1, \1, \1, \1]",
+    ),
+    (r"(collections\.abc|robsim\.\w+)\.", ""),
+]
+# What pybind11 knows of a result of Python's; the stub says more.
+VAGUE = {"dict": ("dict[", "Info"), "list": ("list[",), "object": ("Info",)}
+
+
+def parsed(doc, name, owner):
+    """Return the first line of a function's doc as a function of the stub."""
+    line = doc.strip().splitlines()[0]
+    for pattern, word in WORDS:
+        line = re.sub(pattern, word, line)
+    line = re.sub(rf"^\w*\((self|arg0): {owner}\b", "(self", line)
+    return ast.parse(f"def {name}{line.removeprefix(name)}: ...").body[0]
+
+
+def compare(real, written, place):
+    assert ast.unparse(real.args) == ast.unparse(written.args), place
+    result, said = ast.unparse(real.returns), ast.unparse(written.returns)
+    assert result == said or said.startswith(VAGUE.get(result, "-")), f"{place} -> {said}"
+
+
+def doc_of(value):
+    return (value.fget if isinstance(value, property) else value).__doc__
+
+
+def is_public(name):
+    return not name.startswith("_") or name == "__init__"
+
+
+def stub_of(module):
+    """Return the nodes of a stub by their names, its own names for types put in."""
+    text = Path(robsim.__file__).with_name(f"{module}.pyi").read_text()
+    for alias, value in re.findall(r"^(_\w+) = (.+)$", text, re.MULTILINE):
+        text = re.sub(rf"\b{alias}\b", value, text)
+    nodes = ast.parse(text).body
+    named = {n.name: n for n in nodes if isinstance(n, (ast.ClassDef, ast.FunctionDef))}
+    named |= {n.target.id: n for n in nodes if isinstance(n, ast.AnnAssign)}
+    ours = ("TypedDict", "Identity")  # of the stub alone
+    return {
+        k: n for k, n in named.items() if not any(b.id in ours for b in getattr(n, "bases", ()))
+    }
+
+
+@pytest.mark.parametrize("name", ["firewire", "gige"])
+def test_the_stub_has_the_names_and_signatures_of_the_extension(name):
+    extension, stub = needs_extension(name), stub_of(f"_{name}")
+    real = {key: value for key, value in vars(extension).items() if is_public(key)}
+    assert real.keys() == stub.keys()
+    for key, value in real.items():
+        node = stub[key]
+        if isinstance(value, str):
+            assert ast.unparse(node.annotation) == "str"
+        elif not isinstance(value, type):
+            compare(parsed(value.__doc__, key, ""), node, key)
+        else:
+            compare_class(value, node)
+
+
+def compare_class(value, node):
+    bases = [base.__name__ for base in value.__bases__ if base.__name__ != "pybind11_object"]
+    assert bases == [base.id for base in node.bases]
+    members = {key: one for key, one in vars(value).items() if is_public(key)}
+    written = {one.name: one for one in node.body if isinstance(one, ast.FunctionDef)}
+    assert members.keys() == written.keys(), value.__name__
+    for key, one in members.items():
+        compare(parsed(doc_of(one), key, value.__name__), written[key], f"{value.__name__}.{key}")
+        decorators = [decorator.id for decorator in written[key].decorator_list]
+        assert decorators == ["property"] * isinstance(one, property), key
