@@ -1,4 +1,4 @@
-"""The picture of a robot definition: what stands where."""
+"""Figures of robots and their colours."""
 
 import sys
 
@@ -8,10 +8,13 @@ from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 
 from drawn_robots import box, painted
-from robsim import load_robot
-from robsim.plotting import plot_robot
+from robsim import ColorClass, load_robot
+from robsim.plotting import plot_color_histograms, plot_robot
 from robsim.plotting import style as style
-from robsim.vision import BlobMarker, RobotDefinition, robot_from_image
+from robsim.vision import BlobMarker, RobotDefinition, color_histograms, robot_from_image
+
+# --- robots
+
 
 RED, BLUE = box(240, 240, 319, 319), box(80, 200, 159, 279)
 
@@ -114,3 +117,32 @@ def test_axes_that_are_given():
     assert plot_robot(load_robot("lab"), ax=mine) is mine
     assert mine.get_images()
     mine.figure.draw_without_rendering()
+
+
+# --- colours
+
+
+@pytest.mark.long
+def test_the_figure_shows_histograms_and_ranges():
+    image = np.full((40, 40, 3), (150, 148, 146), np.uint8)
+    image[10:30, 10:30] = (198, 36, 40)
+    histograms = color_histograms(image, (10, 10, 29, 29))
+    color = ColorClass.from_histograms(histograms, name="red")
+    figure = plot_color_histograms(
+        histograms, color, others=color_histograms(image, (0, 0, 39, 39)), picture="floor.png"
+    )
+    assert figure.get_suptitle() == "pixels of the colour red in floor.png"
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert titles == ["no limit", "from 0 to 154", "from 156 to 255"]
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["the whole image", "pixels of red"]
+    figure.canvas.draw()
+    axes = np.array(figure.axes)
+    assert plot_color_histograms(histograms, ColorClass("a"), axes=axes) is figure
+
+
+def test_the_figure_refuses_other_shapes():
+    for name in ("histograms", "others", "axes"):
+        values = {"histograms": np.zeros((3, 256))} | {name: np.zeros((2, 256))}
+        with pytest.raises(ValueError, match=name):
+            plot_color_histograms(color=ColorClass("red"), **values)
