@@ -1,12 +1,51 @@
-"""Limits from tests of right solutions: what they promise, by simulation; where points end."""
+"""Limits of tasks: tolerance bounds, promises, shipped limits."""
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest
+from scipy.stats import binom, binomtest
 
-from robsim.teach import Estimate, Limit, Measure
+from grading_promises import calibration, files, promises, tolerance
+from robsim.teach import Estimate, Limit, Measure, task
 from robsim.teach.tasks.marks import sets
-from robsim.teach.tasks.marks.limits import limits_from
+from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from, share_interval
+from sizes import thorough
+
+# --- tolerance bounds
+
+
+def test_the_fewest_values_are_those_of_the_tables():
+    for exceeded, fewest in {0.05: 59, 0.01: 299, 0.005: 598, 0.001: 2995}.items():
+        assert fewest_values(exceeded, 0.95) == fewest
+        assert bound_rank(fewest, exceeded, 0.95) == 1
+        with pytest.raises(ValueError, match=f"{fewest}.*{fewest - 1}"):
+            bound_rank(fewest - 1, exceeded, 0.95)
+
+
+def test_the_rank_is_the_largest_that_has_the_confidence():
+    for n in (299, 472, 473, 628, 629, 5000):
+        rank = bound_rank(n, 0.01, 0.95)
+        assert binom.sf(rank - 1, n, 0.01) >= 0.95 > binom.sf(rank, n, 0.01)
+
+
+@pytest.mark.parametrize("n", [299, 700])
+def test_a_bound_is_exceeded_too_often_as_rarely_as_promised(n, rng):
+    # of 2000 bounds; whatever the distribution is, the ranks are those of uniform numbers
+    values = np.sort(rng.uniform(size=(2000, n)), axis=1)
+    exceeded = 1 - values[:, -bound_rank(n, 0.01, 0.95)]
+    too_often = int(np.count_nonzero(exceeded > 0.01))
+    assert binomtest(too_often, 2000, 0.05, alternative="greater").pvalue > 1e-4
+    # and not for being far too large
+    assert too_often > 20
+
+
+def test_the_interval_of_a_share_is_the_exact_one():
+    for count, n in ((0, 60), (1, 60), (57, 60), (60, 60), (9, 1000)):
+        expected = binomtest(count, n).proportion_ci(0.95, method="exact")
+        assert share_interval(count, n) == pytest.approx((expected.low, expected.high))
+
+
+# --- limits
+
 
 PILOT = 60
 
@@ -103,3 +142,36 @@ def test_the_statistic_of_a_test_is_that_of_runs_that_came_through():
     assert found.through.tolist() == [1, 0.5, 0]
     assert found.statistics[:2] == pytest.approx(np.array([[2, 2, 3], [8, 8, 2]]))
     assert np.isnan(found.statistics[2]).all()
+
+
+# --- shipped limits
+
+
+NAMES = sorted(files.shipped_calibrations())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_limits_are_those_of_the_task_and_its_solutions_as_they_are(name):
+    shipped = files.shipped_calibrations()[name]
+    assert shipped.stale(task(name)) is None, "run ./run study limits"
+    assert shipped.limits.keys() == {score.name for score in task(name).scores}
+    assert shipped.stale(task(name, runs=11)) is not None
+    # They promise 1 %, and every wrong solution fails.
+    assert (shipped.false_fail, shipped.confidence) == (0.01, 0.95)
+    assert shipped.rank == tolerance.bound_rank(shipped.tests, 0.01, 0.95)
+    for one in shipped.solutions:
+        if one.is_right:
+            assert one.failing < shipped.rank, one
+            assert one.points == 1
+        else:
+            assert one.rate >= calibration.POWER, one
+            assert one.points < 0.2 or one.name != "naive"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", thorough(NAMES, ["estimate"]))
+def test_a_few_tests_on_fresh_runs_come_out_as_promised(name):
+    found = promises(files.shipped_calibrations()[name], graded=4, graded_wrong=2, seed=77)
+    assert len(found) == len(task(name).solutions)
+    for promise in found:
+        assert promise.holds, promise
