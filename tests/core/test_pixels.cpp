@@ -1,16 +1,50 @@
-// Frames of cameras in memory that ends with their last byte: under AddressSanitizer whatever
-// reads or writes beyond it fails.
+// The owners of pixels, and raw formats. Memory of raw frames ends with their last byte, so that
+// AddressSanitizer finds each access beyond it.
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "raw/from_rgb.hpp"
 #include "robsim/base/simd/cpu_path.hpp"
+#include "robsim/imaging/image.hpp"
 #include "robsim/imaging/raw/pixel_format.hpp"
 
 namespace robsim {
 namespace {
+
+// --- owners
+
+TEST(Image, OneWithoutPixelsIsAnEmptyView) {
+  Image image;
+  EXPECT_TRUE(image.empty());
+  EXPECT_TRUE(image.writable_view().box().empty());
+}
+
+TEST(Image, BorrowedPixelsAreNotWritten) {
+  Image owner(4, 3);
+  Image borrowed(owner.view(), nullptr);
+  EXPECT_THROW(borrowed.writable_view(), std::logic_error);
+  EXPECT_EQ(owner.writable_view().data, owner.view().data);
+}
+
+TEST(ImagePool, GivesMemoryAgainWhenNobodyHoldsItAndItHasTheSize) {
+  ImagePool pool;
+  Image first = pool.take(4, 3);
+  const std::uint8_t* const pixels = first.view().data;
+  EXPECT_NE(pool.take(4, 3).view().data, pixels) << "still held";
+  first = {};
+  for (const auto& [width, height] : {std::pair{5, 3}, std::pair{4, 2}}) {
+    const Image other = pool.take(width, height);
+    EXPECT_EQ(other.width(), width);
+    EXPECT_EQ(other.height(), height);
+    EXPECT_NE(other.view().data, pixels);
+  }
+  EXPECT_EQ(pool.take(4, 3).view().data, pixels);
+}
+
+// --- raw formats
 
 constexpr PixelFormat formats[] = {PixelFormat::mono8,      PixelFormat::mono16,
                                    PixelFormat::yuv411,     PixelFormat::yuv422,
