@@ -13,10 +13,10 @@ from bench_accuracy import apriltag, result, run
 from bench_camera import run as camera
 from bench_camera import serving
 from commands import command
-from needs import needs_double
 from robsim import _core
 from robsim.cli.simulated import bench as bench_table
 from sent_pixels import from_rgb
+from surroundings import needs_double
 
 cv2 = pytest.importorskip("cv2")
 

@@ -12,8 +12,8 @@ import pytest
 
 import robsim
 from campaign_code import Faster, final, run_of, steady
-from disks import full_disk
 from robsim.campaigns import campaign
+from surroundings import full_disk
 
 PAGE = 4096  # bytes, in SQLite
 

@@ -9,7 +9,6 @@ import pytest
 
 import robsim
 from commands import command
-from needs import needs_extension
 from robsim.lab import (
     CameraBusyError,
     CaptureError,
@@ -19,6 +18,7 @@ from robsim.lab import (
     find_cameras,
 )
 from robsim.lab.cameras import finding as _finding
+from surroundings import needs_extension
 
 NODES = {"/dev/video*": ["/dev/video10", "/dev/video2", "/dev/videodriver"]}
 

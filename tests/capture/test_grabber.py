@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import robsim
-from python_cameras import PATIENT, EndlessCamera, SteppedCamera, read_on
+from python_devices import PATIENT, EndlessCamera, SteppedCamera, read_on
 from robsim.lab import CaptureError, UnpluggedError
 from threads import forks, in_fork, in_thread
 from waiting import wait_for
@@ -160,9 +160,9 @@ class TestTheEnd:
 
 OPEN = f"""
 import sys; sys.path.insert(0, {os.path.dirname(__file__) + "/../support"!r})
-import numpy, robsim, python_cameras
+import numpy, robsim, python_devices
 image = numpy.zeros((24, 32, 3), numpy.uint8)
-camera = robsim.Camera(python_cameras.EndlessCamera(image), **python_cameras.PATIENT)
+camera = robsim.Camera(python_devices.EndlessCamera(image), **python_devices.PATIENT)
 camera.read()
 """
 
@@ -191,8 +191,8 @@ def test_ctrl_c_ends_the_wait_for_a_frame():
     code = """
     import _thread, signal, threading
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background ignores it
-    source = python_cameras.SteppedCamera([image], permits=1)
-    camera = robsim.Camera(source, **python_cameras.PATIENT)
+    source = python_devices.SteppedCamera([image], permits=1)
+    camera = robsim.Camera(source, **python_devices.PATIENT)
     camera.read()
     try:
         threading.Timer(0.2, _thread.interrupt_main).start()

@@ -10,7 +10,7 @@ import posed_frames
 import robsim
 from mjpeg_server import MjpegServer, jpeg
 from posed_frames import AREA, difference
-from python_cameras import PATIENT, read_on
+from python_devices import PATIENT, read_on
 from robsim import _core
 from robsim.lab import (
     CaptureError,

@@ -10,10 +10,9 @@ from pathlib import Path
 import pytest
 
 import robsim
-from interpreter import LONGER_AND_LONGER, keep_interpreter
-from python_cameras import PATIENT
+from python_devices import PATIENT
 from robsim.lab import FrameTimeoutError
-from waiting import wait_for
+from waiting import LONGER_AND_LONGER, keep_interpreter, wait_for
 
 pytest.importorskip("cv2")
 

@@ -8,7 +8,7 @@ import posed_frames
 import robsim
 from mjpeg_server import MjpegServer, jpeg
 from posed_frames import AREA, POSES, SIZE, difference, true_difference
-from python_cameras import PATIENT, SteppedCamera
+from python_devices import PATIENT, SteppedCamera
 from robsim.lab import EndOfStream
 
 pytestmark = [pytest.mark.threads, pytest.mark.long]

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from photographed_sheets import LAID, OBLIQUE, VIEWS, board_pictures, floor_picture
-from python_cameras import EndlessCamera
+from python_devices import EndlessCamera
 from robsim.cli import app
 from robsim.lab import Chessboard
 from robsim.lab.calibration.taking import BoardTaker

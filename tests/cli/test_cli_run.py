@@ -12,9 +12,9 @@ import pytest
 
 import robsim
 from commands import cli, command
-from disks import full_disk
 from robsim.cli import main
 from robsim.vision import save_image
+from surroundings import full_disk
 
 pytestmark = pytest.mark.long
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import robsim
-import sanitizers
+import surroundings
 from robsim import vision as imaging
 from robsim.base.files import copy_files, open_whole, write_whole
 from sizes import thorough
@@ -258,7 +258,7 @@ def survived(folder, kind, *writers):
     source = str(SUPPORT / "faults.c")
     command = [COMPILER, "-shared", "-fPIC", "-Wall", "-Werror", "-o", str(library), source, "-ldl"]
     subprocess.run(command, check=True)
-    if sanitizers.ADDRESS:
+    if surroundings.ADDRESS_SANITIZER:
         pytest.skip("the sanitizer must be loaded first")
     environment = {**os.environ, "LD_PRELOAD": str(library), "OPENBLAS_NUM_THREADS": "1"}
     environment["PYTHONPATH"] = os.pathsep.join(sys.path)

@@ -4,7 +4,7 @@ import pytest
 
 import robsim
 from browsers import panel_of
-from python_cameras import EndlessCamera, SteppedCamera
+from python_devices import EndlessCamera, SteppedCamera
 from small_runs import IMAGE, SOON, done, experiment
 from waiting import wait_for
 

@@ -10,7 +10,7 @@ from PIL import Image
 
 import robsim
 from browsers import FakeBrowser, settled
-from python_cameras import PATIENT, SteppedCamera
+from python_devices import PATIENT, SteppedCamera
 from robsim import ColorClass
 from robsim.gui.tools.colors.training import ColorTraining
 from robsim.vision import classify, color_histograms, load_colors, save_colors, save_image

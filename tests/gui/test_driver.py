@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import robsim
-from python_cameras import SteppedCamera
-from python_motors import Sender
+from python_devices import Sender, SteppedCamera
 from robsim.gui import _worker
 from robsim.gui._driver import Driver
 from small_runs import IMAGE, SOON, done, experiment, frames, simulation

@@ -9,7 +9,7 @@ import pytest
 
 import robsim
 from browsers import FakeBrowser, pixels_of_floor, settled, tiled_floor
-from python_cameras import PATIENT, EndlessCamera
+from python_devices import PATIENT, EndlessCamera
 from robsim.lab import Chessboard, Corners, FloorSheet
 from robsim.vision import Calibration, Intrinsics, load_calibration, save_calibration, save_image
 from waiting import wait_for

@@ -8,7 +8,7 @@ import pytest
 import robsim
 from browsers import FakeBrowser, settled
 from drawn_robots import covered
-from python_cameras import PATIENT, EndlessCamera
+from python_devices import PATIENT, EndlessCamera
 from robsim.gui.tools.robots.drawing import RobotDrawing
 from robsim.vision import load_colors, load_robot
 from robsim.vision.robots.sketch import Sketch, guess_marker, guess_outline

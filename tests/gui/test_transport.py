@@ -12,8 +12,7 @@ import pytest
 
 import robsim
 from browsers import FakeBrowser, panel_of
-from python_cameras import SteppedCamera
-from python_motors import Sender
+from python_devices import Sender, SteppedCamera
 from small_runs import IMAGE, SOON, done, experiment, frames, simulation
 from waiting import wait_for
 

@@ -17,7 +17,7 @@ import robsim
 from browsers import FakeBrowser, Page, settled
 from fuzzing import fuzzed
 from page_client import BINARY, greeted
-from python_cameras import PATIENT, SteppedCamera
+from python_devices import PATIENT, SteppedCamera
 from robsim.gui.hosts.serving import packed_message, unpacked_message
 from robsim.vision import load_robot
 from waiting import wait_for

@@ -7,7 +7,7 @@ import pytest
 
 import robsim
 from browsers import settled
-from drops import drag_file
+from chromium_browser import drag_file
 from robsim.vision import save_image
 from waiting import wait_for
 

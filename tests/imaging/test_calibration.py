@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robsim
-from python_cameras import PATIENT
+from python_devices import PATIENT
 from refusals import refuses
 from robsim.vision import (
     Calibration,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robsim
-from python_cameras import PATIENT
+from python_devices import PATIENT
 from refusals import refuses
 from robsim import Frame
 from robsim.lab import SimulatedLab

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from robsim.vision import Intrinsics, PlaneMap
-from tilted_camera import TiltedCamera
+from scenes import TiltedCamera
 
 pytest.importorskip("cv2")
 

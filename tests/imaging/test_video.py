@@ -9,10 +9,10 @@ import pytest
 from PIL import Image
 
 import robsim
-from disks import full_disk
 from refusals import refuses
 from robsim import Recording
 from robsim.vision import VideoWriter, save_video
+from surroundings import full_disk
 
 cv2 = pytest.importorskip("cv2")
 

@@ -8,7 +8,7 @@ import pytest
 
 import robsim
 from photographed_sheets import DOTS, printed
-from python_cameras import PATIENT, EndlessCamera
+from python_devices import PATIENT, EndlessCamera
 from robsim.lab import (
     FloorSheet,
     Lens,

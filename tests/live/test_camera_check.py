@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robsim
-from python_cameras import PATIENT, EndlessCamera
+from python_devices import PATIENT, EndlessCamera
 from robsim.lab import (
     Camera,
     CameraFaults,

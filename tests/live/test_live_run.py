@@ -12,10 +12,10 @@ import pytest
 
 import robsim
 import sessions
-from needs import needs_double
-from python_cameras import PATIENT, SteppedCamera
+from python_devices import PATIENT, SteppedCamera
 from robsim.lab import MotorReceiver, UdpMotors
 from sizes import thorough
+from surroundings import needs_double
 from waiting import wait_for
 
 with_proc = pytest.mark.skipif(

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import robsim
-from python_cameras import PATIENT
+from python_devices import PATIENT
 from robsim import _core
 from robsim.lab import Lens, SimulatedLab
 from robsim.vision import PlaneMap, detect
+from scenes import TiltedCamera
 from sizes import thorough
-from tilted_camera import TiltedCamera
 
 pytestmark = pytest.mark.long
 

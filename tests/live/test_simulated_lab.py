@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import robsim
-from python_cameras import PATIENT, read_on
+from python_devices import PATIENT, read_on
 from robsim.lab import (
     CameraFaults,
     CaptureError,

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from interpreter import LONGER_AND_LONGER, keep_interpreter
 from motor_lines import example
 from robsim._core import Watchdog
 from robsim.lab import (
@@ -25,7 +24,7 @@ from robsim.lab import (
     UdpMotors,
 )
 from threads import forks, in_fork, in_thread
-from waiting import wait_for
+from waiting import LONGER_AND_LONGER, keep_interpreter, wait_for
 
 pytestmark = [
     pytest.mark.long,

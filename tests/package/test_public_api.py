@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 import robsim
-from needs import needs_extension
 from robsim import Scenario, Simulation
+from surroundings import needs_extension
 
 # --- names
 

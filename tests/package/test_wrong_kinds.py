@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import robsim
-from python_cameras import SteppedCamera
+from python_devices import SteppedCamera
 from refusals import NO_IMAGE, NO_PAIR, NO_POLYGON, NO_POSE, NOT_FINITE, short
 from robsim.teach.tasks.marks.calibration import shipped_calibrations
 

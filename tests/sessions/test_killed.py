@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-import sanitizers
+import surroundings
 from sizes import thorough
 
 pytest.importorskip("cv2")
@@ -41,7 +41,7 @@ def library(tmp_path_factory):
     """The library that lets calls to the system fail."""
     if not (COMPILER and sys.platform == "linux"):
         pytest.skip("needs a C compiler")
-    if sanitizers.ADDRESS:
+    if surroundings.ADDRESS_SANITIZER:
         pytest.skip("the sanitizer must be loaded first")
     path = tmp_path_factory.mktemp("faults") / "faults.so"
     source = str(SUPPORT / "faults.c")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robsim
-import sanitizers
+import surroundings
 
 # --- garbage
 
@@ -157,7 +157,7 @@ def test_a_robot_too_large_to_be_kept_in_all_headings_looks_the_same():
 
 @pytest.mark.long
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs a limit of memory")
-@pytest.mark.skipif(sanitizers.ADDRESS, reason="the sanitizer ends where memory does")
+@pytest.mark.skipif(surroundings.ADDRESS_SANITIZER, reason="the sanitizer ends where memory does")
 def test_memory_that_is_used_up_is_told_in_words():
     code = """
 import resource, robsim

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import robsim
-from python_motors import Sender
+from python_devices import Sender
 from robsim.lab import HaltedError, Limits, LineError, MotorReceiver, RecordedMotors, UdpMotors
 from threads import in_thread
 from waiting import wait_for

@@ -1,4 +1,4 @@
-"""Debian's Chromium, driven by Playwright, for tests of pages."""
+"""Debian's Chromium, driven by Playwright: its tabs, and files dragged into them."""
 
 import shutil
 
@@ -31,3 +31,22 @@ def new_tab(browser, *, size=(1440, 900), theme="light", **options):
     tab.on("pageerror", lambda error: complaints.append(str(error)))
     tab.on("console", lambda m: m.type == "error" and complaints.append(m.text))
     return tab, complaints
+
+
+def drag_file(tab, file, look=None, *, at=(300, 300), drops=True):
+    """Drag a file to a place of a tab, and drop it, or leave; `look` is called in between."""
+    session = tab.context.new_cdp_session(tab)
+    about = {"items": [], "files": [str(file)], "dragOperationsMask": 1}
+
+    def do(kind, x, y):
+        session.send("Input.dispatchDragEvent", {"type": kind, "x": x, "y": y, "data": about})
+
+    do("dragEnter", *at)
+    do("dragOver", *at)
+    if look:
+        look()
+    if drops:
+        do("drop", *at)
+    else:
+        do("dragOver", -5, -5)
+    session.detach()

@@ -11,11 +11,11 @@ import numpy as np
 
 import robsim
 from doubles import GigeServer
-from needs import needs_double, needs_extension
-from python_cameras import PATIENT
+from python_devices import PATIENT
 from robsim import _core
 from robsim.lab import CameraBusyError, NoCameraError, SimulatedLab, UdpMotors, UnpluggedError
 from sent_pixels import from_rgb
+from surroundings import needs_double, needs_extension
 from waiting import wait_for
 
 ADDRESS = "127.0.0.1"

@@ -10,13 +10,13 @@ import warnings
 
 import pytest
 
-import sanitizers
+import surroundings
 
 
 def forks(test):
     """Mark a test that forks beside threads."""
     there = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-    under = sanitizers.ADDRESS or sanitizers.THREAD
+    under = surroundings.ADDRESS_SANITIZER or surroundings.THREAD_SANITIZER
     return there(pytest.mark.skipif(under, reason="forks beside threads")(test))
 
 

@@ -1,5 +1,6 @@
-"""Waiting for what another thread does."""
+"""Waits for other threads, and the interpreter held from them."""
 
+import ctypes
 import time
 
 
@@ -10,3 +11,11 @@ def wait_for(condition, seconds=300):
         assert time.monotonic() < end, "it took too long"
         time.sleep(0.01)
     return result
+
+
+#: s, one after the other: on a busy machine it may take long until other threads have their turn.
+LONGER_AND_LONGER = (0.2, 1, 4, 16)
+
+
+def keep_interpreter(seconds):
+    ctypes.PyDLL(None).usleep(int(1e6 * seconds))

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 import robsim
-import sanitizers
+import surroundings
 from threads import forks, in_fork, running
 
 pytestmark = [
@@ -94,7 +94,9 @@ while not sim.n_steps:
 @pytest.mark.slow
 @pytest.mark.sanitized
 @pytest.mark.long
-@pytest.mark.skipif(sanitizers.ADDRESS, reason="it takes a thread that Python ends for a fault")
+@pytest.mark.skipif(
+    surroundings.ADDRESS_SANITIZER, reason="it takes a thread that Python ends for a fault"
+)
 @pytest.mark.parametrize("options", ["", "control=lambda step: (0, 0), time_limit=300"])
 def test_the_end_of_python_during_a_run(options):
     assert python(DAEMON.format(options=options)) == (0, "", "")

@@ -7,7 +7,7 @@ import pytest
 
 import robsim
 from robsim.vision import Blob, MarkerLayout, detect
-from tilted_camera import TiltedCamera
+from scenes import TiltedCamera
 
 pytest.importorskip("cv2")
 

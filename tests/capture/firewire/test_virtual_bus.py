@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-import sanitizers
+import surroundings
 from doubles import with_bus_library
-from needs import needs_double
+from surroundings import needs_double
 
 pytestmark = [pytest.mark.slow, pytest.mark.sanitized]
 
@@ -38,4 +38,4 @@ def test_on_the_bus(case):
     )
     assert run.returncode == 0, run.stdout + run.stderr
     assert re.search(r"\d+ passed", run.stdout), run.stdout
-    assert sanitizers.THREAD or "skipped" not in run.stdout
+    assert surroundings.THREAD_SANITIZER or "skipped" not in run.stdout

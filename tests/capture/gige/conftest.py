@@ -1,7 +1,7 @@
 import pytest
 
 import gige_cameras
-from needs import needs_extension
+from surroundings import needs_extension
 
 
 @pytest.fixture(autouse=True)

@@ -28,7 +28,6 @@ from gige_cameras import (
     ticks_of,
     wait_for_camera,
 )
-from needs import needs_extension, needs_program
 from robsim.lab import (
     CameraBusyError,
     CameraFeatures,
@@ -37,6 +36,7 @@ from robsim.lab import (
     NoCameraError,
 )
 from sizes import thorough
+from surroundings import needs_extension, needs_program
 from waiting import wait_for
 
 # --- frames of the simulated lab

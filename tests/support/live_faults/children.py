@@ -18,9 +18,8 @@ import numpy as np
 
 import gige_cameras
 import robsim
-from interpreter import keep_interpreter
 from robsim.trace import Session
-from waiting import wait_for
+from waiting import keep_interpreter, wait_for
 
 from . import cameras, robots, wired
 from .rounds import Checked, input_of, inputs_of

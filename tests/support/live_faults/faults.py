@@ -10,9 +10,8 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from interpreter import keep_interpreter
 from robsim.lab import CaptureError, LineError
-from waiting import wait_for
+from waiting import keep_interpreter, wait_for
 
 from . import cameras, robots, wired
 

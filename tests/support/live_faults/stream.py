@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import robsim
-from python_cameras import EndlessCamera
+from python_devices import EndlessCamera
 
 ROOM = 8e6  # bytes, for what allocators keep
 BYTES_PER_STEP = 250  # of the trace; it doubles its memory when that is full

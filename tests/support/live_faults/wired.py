@@ -6,8 +6,8 @@ from contextlib import contextmanager, nullcontext
 import gige_cameras
 import robsim
 from doubles import GigeServer, VirtualBus, with_bus_library
-from needs import needs_extension
 from robsim.lab import SimulatedLab
+from surroundings import needs_extension
 from waiting import wait_for
 
 CAN = {

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import robsim
-import sanitizers
+import surroundings
 from bus_cameras import LARGE, SIZE, error_of, new_lab
 from doubles import VirtualCamera
-from python_cameras import PATIENT
+from python_devices import PATIENT
 from robsim.lab import CameraFeatures, CaptureError
 from waiting import wait_for
 
@@ -83,7 +83,7 @@ def test_a_rate_that_is_too_fast_for_the_bus_is_refused_with_those_that_are_not(
         opened(fps=400)
 
 
-@pytest.mark.skipif(sanitizers.THREAD, reason="too slow for 60 large frames a second")
+@pytest.mark.skipif(surroundings.THREAD_SANITIZER, reason="too slow for 60 large frames a second")
 @pytest.mark.parametrize("card_is_fast", [True, False])
 def test_a_fast_camera_sends_no_faster_than_it_must_and_the_card_can(start, card_is_fast):
     lab = new_lab(LARGE, fps=60)

@@ -15,7 +15,7 @@ import pytest
 
 import robsim
 from bus_cameras import LARGE, SIZE, error_of, new_lab
-from python_cameras import PATIENT
+from python_devices import PATIENT
 from robsim import _firewire
 from robsim.lab import (
     CameraFeatures,

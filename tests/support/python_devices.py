@@ -1,4 +1,4 @@
-"""Cameras in Python that do what a test says."""
+"""Cameras and motors in Python, whose tests set their acts."""
 
 import threading
 
@@ -77,3 +77,20 @@ class EndlessCamera:
 
     def close(self):
         pass
+
+
+class Sender:
+    """It keeps what it is sent, or raises its `error`."""
+
+    def __init__(self):
+        self.sent = []
+        self.error = None
+
+    def __call__(self, u):
+        if self.error is not None:
+            raise self.error
+        self.sent.append(tuple(u))
+
+    @property
+    def stands(self):
+        return self.sent[-1:] == [(0.0, 0.0)]

@@ -1,8 +1,9 @@
-"""What tests need that not every machine has. CI names it in ROBSIM_NEEDS: there it must be."""
+"""The surroundings of tests: extensions, programs, sanitizers, a full disk."""
 
 import importlib
 import os
 import shutil
+from contextlib import contextmanager
 
 import pytest
 
@@ -40,3 +41,21 @@ def _without(what, reason):
     if what in os.environ.get("ROBSIM_NEEDS", "").split(","):
         pytest.fail(f"{what} is in ROBSIM_NEEDS, and {reason}")
     pytest.skip(reason)
+
+
+#: Sanitizers that `./run sanitize` and `./run thorough` load.
+_LOADED = os.environ.get("LD_PRELOAD", "")
+ADDRESS_SANITIZER = "libasan" in _LOADED
+THREAD_SANITIZER = "libtsan" in _LOADED
+
+
+@contextmanager
+def full_disk(room):
+    """No file of this process grows beyond so many bytes."""
+    resource = pytest.importorskip("resource", reason="a limit of POSIX")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
