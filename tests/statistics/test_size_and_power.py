@@ -9,10 +9,10 @@ import pytest
 
 import robsim
 import tracked_standard_errors
-from nees_of_runs import nees_by_step, reports
 from robsim.estimation import reference
 from size_and_power import Row, as_json, as_markdown, family_names, measured
 from size_and_power.families import doctor
+from size_and_power.families.reference_filters import nees_by_step, reports
 from sizes import thorough
 
 # --- rates

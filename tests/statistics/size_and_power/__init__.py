@@ -4,8 +4,7 @@
 are the trials, in ``TRIALS``. All such modules are found by themselves.
 """
 
-from size_and_power.row import Row
 from size_and_power.table import as_json, as_markdown, family_names, measured
-from size_and_power.trials import Trials, random_of
+from size_and_power.trials import Row, Trials, random_of
 
 __all__ = ["Row", "Trials", "as_json", "as_markdown", "family_names", "measured", "random_of"]

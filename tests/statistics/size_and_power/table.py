@@ -9,8 +9,7 @@ from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
 
-from size_and_power.row import Row
-from size_and_power.trials import Trials
+from size_and_power.trials import Row, Trials
 
 _HEADS = ("verdict", "what is true", "record", "answer", "trials", "rate", "95 % interval")
 _ENDS = ("promised", "")

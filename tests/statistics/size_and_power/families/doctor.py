@@ -13,8 +13,7 @@ import parameter_estimators
 import state_estimators
 from robsim.teach import check_estimator, check_parameter_estimator
 from robsim.teach.doctor import _situations
-from size_and_power.row import Row
-from size_and_power.trials import Trials, random_of
+from size_and_power.trials import Row, Trials, random_of
 
 _ZOOS = {
     "state": (state_estimators, check_estimator),

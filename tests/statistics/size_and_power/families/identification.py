@@ -4,8 +4,7 @@ import numpy as np
 
 import robsim
 from robsim.estimation import parameter_convergence
-from size_and_power.row import Row
-from size_and_power.trials import Trials, random_of
+from size_and_power.trials import Row, Trials, random_of
 
 _SHARE = 0.2
 _STEPS = 400

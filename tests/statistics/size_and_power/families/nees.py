@@ -2,8 +2,7 @@
 
 from robsim.estimation import nees_consistency
 from size_and_power.linear_filter import factors, filtered, key_of
-from size_and_power.row import Row
-from size_and_power.trials import Trials, random_of
+from size_and_power.trials import Row, Trials, random_of
 
 STEPS = 100
 

@@ -4,8 +4,7 @@ import numpy as np
 
 import robsim
 from robsim.simulation.frame_source import drives_backwards
-from size_and_power.row import Row
-from size_and_power.trials import Trials, random_of
+from size_and_power.trials import Row, Trials, random_of
 
 _STEPS = 100
 _SIGMA = np.array([1.0, 1.0, 0.1])  # of a measured pose (px, px, rad)

@@ -3,8 +3,7 @@
 import numpy as np
 
 from robsim.estimation import whiteness
-from size_and_power.row import Row
-from size_and_power.trials import Trials, random_of
+from size_and_power.trials import Row, Trials, random_of
 
 _SHAPES = ((20, 3), (40, 1), (60, 3), (100, 1), (100, 3), (200, 3), (400, 3), (1000, 3), (5, 12, 3))
 _SIZE = (0.04, 0.07)
