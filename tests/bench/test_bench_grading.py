@@ -9,7 +9,7 @@ import pytest
 
 import benches
 from bench_grading import run as grading_run
-from bench_panel import in_page
+from bench_panel import hosts
 from bench_panel import run as panel_run
 from bench_panel.figures import Painted, PanelBench, Watched, painted
 from chromium_browser import running_chromium
@@ -81,4 +81,4 @@ def chromium():
 
 @pytest.mark.slow
 def test_frames_are_painted_in_their_order(chromium, monkeypatch):
-    assert_order(monkeypatch, in_page, lambda s: in_page.measure_page(chromium, s))
+    assert_order(monkeypatch, hosts, lambda s: hosts.measure_page(chromium, s))

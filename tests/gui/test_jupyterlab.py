@@ -8,14 +8,14 @@ from urllib.request import Request, urlopen
 import numpy as np
 import pytest
 
-from bench_panel import in_lab
+from bench_panel import hosts
 from bench_panel.lab import Lab, lab_server, write_notebook
 from painted_frames import assert_order
 from robsim.vision import save_image
 from waiting import wait_for
 
 # Found, not loaded: that takes seconds, also where these tests are left out.
-if not in_lab.is_lab_there():
+if not hosts.is_lab_there():
     pytest.skip("needs jupyterlab and anywidget", allow_module_level=True)
 
 pytestmark = pytest.mark.slow
@@ -193,4 +193,4 @@ def test_a_panel_and_a_tool_in_a_notebook(chromium, lab, file, server, monkeypat
     shown(lab, "paused")
     check_a_saved_notebook_keeps_the_picture_of_the_last_pause(lab, file, server)
     check_a_tool_takes_a_file_and_trains_a_colour(chromium, server)
-    assert_order(monkeypatch, in_lab, lambda s: in_lab.measure_notebook(chromium, server, s))
+    assert_order(monkeypatch, hosts, lambda s: hosts.measure_notebook(chromium, server, s))

@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from bench_panel.barcode import SAMPLER
 from bench_panel.figures import Watched
+from bench_panel.scene import SAMPLER
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, Page

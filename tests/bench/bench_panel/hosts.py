@@ -1,4 +1,4 @@
-"""The panel in a JupyterLab, measured."""
+"""The panel in a page and in a JupyterLab, measured."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 from bench_panel.browser import new_context, watch
 from bench_panel.figures import Painted, painted
 from bench_panel.lab import Lab, Server, lab_server, write_notebook
+from bench_panel.scene import measured_view
+from robsim.gui.hosts.page import Page
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -47,3 +49,18 @@ def measure_notebook(browser: Browser, server: Server, seconds: float) -> Painte
         lab.run(1)
         steps = dict(json.loads(lab.output(1)))
     return painted("JupyterLab", watched, steps)
+
+
+def measure_page(browser: Browser, seconds: float) -> Painted:
+    """Return what a page paints."""
+    view, steps = measured_view()
+    page = Page(view)
+    try:
+        with new_context(browser) as context:
+            tab = context.new_page()
+            tab.goto(page.url)
+            watched = watch(tab, seconds)
+    finally:
+        page.close()
+        view.close()
+    return painted("page", watched, steps)
