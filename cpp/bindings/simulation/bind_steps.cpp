@@ -97,7 +97,7 @@ std::optional<Vision> vision_of(const Step& step) {
 }
 
 std::optional<Sample> sample_of(const Step& self) {
-  return const_cast<Step&>(self).find_sample();  // it is made when somebody looks
+  return const_cast<Step&>(self).find_sample();  // the first look makes it
 }
 
 // Equal are steps with the same numbers. It fills up during the step: there is no hash.
@@ -234,7 +234,9 @@ Examples
           "array (3, 5) or None: the parameters estimated by now.")
       .def_property_readonly(
           "sample",
-          [](Step& self) { return readable(self).gives_sample ? self.find_sample() : std::nullopt; },
+          [](Step& self) {
+            return readable(self).gives_sample ? self.find_sample() : std::nullopt;
+          },
           "Sample or None: the newest complete sample. None at the start, and where a\n"
           "bounce or a missing measurement interrupts the record.")
       .def_property_readonly(

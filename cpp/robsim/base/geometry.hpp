@@ -21,7 +21,7 @@ struct Pose {
   double heading = 0;
 };
 
-/// `wrap_angle` of an angle that is not within (-pi, pi].
+/// `wrap_angle` outside (-pi, pi].
 double wrap_far_angle(double angle);
 
 /// The angle in (-pi, pi] that differs from `angle` (rad) by full turns. Angles wrap here only.

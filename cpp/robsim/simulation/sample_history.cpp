@@ -40,7 +40,7 @@ void SampleHistory::write_newest(Step& step, const Truth* truth) const {
   const Pose* const now = from_truth ? &truth->pose : seen ? &*seen : nullptr;
   const bool is_first = from_truth ? !follows_ || truth->bounced : past(0).is_first;
   if (!now || !last.pose || !before.pose || is_first || last.is_first) return;
-  Moves& moves = step.moves.emplace();  // in its place: a copy of what was just written is slow
+  Moves& moves = step.moves.emplace();  // in its place: a copy would wait for the writes
   moves.pose = *now;
   moves.pose_1 = *last.pose;
   moves.pose_2 = *before.pose;

@@ -56,7 +56,7 @@ enum class Given {
   pose,  // the measurement alone
 };
 
-/// What the newest sample is made of, once somebody asks for it.
+/// The poses and the input of the newest sample.
 struct Moves {
   Pose pose, pose_1, pose_2;  // of steps k, k-1 and k-2
   Input u;                    // of step k-1
@@ -71,11 +71,11 @@ struct Step {
       : guard(std::move(run_guard)), vision(std::move(marker_vision)) {}
 
   std::int64_t k = 0;
-  double t = 0;   // s
-  double dt = 0;  // s
-  Input last_u;   // the input of step k-1
-  std::optional<Moves> moves;  // in place of a sample
-  std::optional<AxisMatrix> parameters;  // the newest: those of the step before until it has some
+  double t = 0;                          // s
+  double dt = 0;                         // s
+  Input last_u;                          // the input of step k-1
+  std::optional<Moves> moves;            // instead of a sample
+  std::optional<AxisMatrix> parameters;  // the newest ones, if there are any
   std::optional<Measurement> measurement;
   std::optional<Detection> detection;  // of the default measurement
   std::optional<Estimate> estimate;

@@ -13,10 +13,10 @@ namespace robsim {
 struct Truth {
   Pose pose;
   bool bounced = false;
-  Point view;                 // by which the camera's view is displaced, work-area px
-  bool hidden = false;        // from the camera
-  double gaussian_noise = 0;  // %
-  double uniform_noise = 0;   // %
+  Point view;                              // by which the camera's view is displaced, work-area px
+  bool hidden = false;                     // from the camera
+  double gaussian_noise = 0;               // %
+  double uniform_noise = 0;                // %
   std::optional<elementary::SinCos> turn;  // of the heading of the step before, where it is known
 };
 

@@ -198,8 +198,8 @@ Pose SimulatedWorld::next_pose(std::int64_t k) {
     return options_.disturbance.disturbed(pose, k);
   }
   truth_.turn = elementary::sin_cos(truth_.pose.heading);
-  return options_.disturbance.disturbed(
-      model_->predict(truth_.pose, last_pose_, u, *truth_.turn), k);
+  return options_.disturbance.disturbed(model_->predict(truth_.pose, last_pose_, u, *truth_.turn),
+                                        k);
 }
 
 // The mean of the inputs that act from step k to step k + 1.
