@@ -10,7 +10,7 @@ import os
 import sys
 from pathlib import Path
 
-from robsim.teach import TASKS, calibrate, task
+from robsim.teach import TASKS, calibrate_task, task
 from robsim.teach.tasks.marks.calibrate import calibration_seconds
 from robsim.teach.tasks.marks.calibration import read_calibrations, write_calibrations
 
@@ -34,7 +34,7 @@ def main() -> int:
         one = task(name)
         minutes = calibration_seconds(one, processes=jobs) / 60
         print(f"{name}: about {minutes:.0f} min", file=sys.stderr, flush=True)
-        calibration = calibrate(
+        calibration = calibrate_task(
             one, seed=SEED, executor=jobs, store=given.keep and given.keep / name
         )
         print(calibration, end="\n\n", flush=True)

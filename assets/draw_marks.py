@@ -22,7 +22,7 @@ from matplotlib.ticker import LogFormatter
 
 import robsim
 from robsim.plotting import style as style
-from robsim.teach import Limit, Task
+from robsim.teach import ScoreLimit, Task
 from robsim.teach.tasks.marks.calibrate import PILOT_TESTS, WRONG_TESTS
 from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from
 from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
@@ -66,7 +66,7 @@ class Tests:
         }
 
     @cached_property
-    def limits(self) -> dict[str, Limit]:
+    def limits(self) -> dict[str, ScoreLimit]:
         """The limits, from as many tests as there are."""
         right = [self.sets[one.name] for one in self.task.solutions if one.is_right]
         count = len(right[0].through) - PILOT_TESTS

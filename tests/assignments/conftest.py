@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from chromium_browser import running_chromium
-from robsim.teach import Assignment, ClassResult, Limit, grade_class, load_assignment
+from robsim.teach import Assignment, ClassResult, ScoreLimit, grade_class, load_assignment
 from small_assignments import assignment, drawn_quickly, solution, work
 
 RAISES = """
@@ -17,7 +17,7 @@ def estimate_state(step):
     return robsim.Estimate((600.0, 600.0, 0.0), np.eye(3))
 """
 #: Between the reference, whose statistic is 1, and a naive solution.
-TIGHT = Limit(full=1.0001, zero=1.5)
+TIGHT = ScoreLimit(full=1.0001, zero=1.5)
 
 
 @pytest.fixture(scope="module")

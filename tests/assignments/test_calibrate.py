@@ -60,7 +60,7 @@ def test_seeds_come_from_the_key(folder, monkeypatch):
         asked.append(seed)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(calibration, "calibrate", calibrate)
+    monkeypatch.setattr(calibration, "calibrate_task", calibrate)
     with pytest.raises(KeyboardInterrupt):
         calibrate_assignment(folder, **QUICK)
     assert asked == [Key.read(folder / "key").world_seed("", "calibration public", 0)]
@@ -78,7 +78,7 @@ def test_one_that_is_ended_goes_on(folder, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(calibration, "calibrate", ended)
+        patch.setattr(calibration, "calibrate_task", ended)
         with pytest.raises(KeyboardInterrupt):
             calibrate_assignment(folder, **QUICK)
     kept = [file.name for file in (folder / ".calibrating").rglob("*.sqlite")]

@@ -15,7 +15,7 @@ import pytest
 from clusters import local_cluster
 from robsim.teach import (
     AssignmentError,
-    Limit,
+    ScoreLimit,
     SubmissionResult,
     grade_class,
     grade_submission,
@@ -32,7 +32,7 @@ HOSTILE = {
     "floods": "def estimate_state(step):\n    while True:\n        print('x' * 10**6)\n",
     "kills": "import os, signal\ndef estimate_state(step):\n    os.kill(os.getppid(), 9)\n",
 }
-STRICT = {name: Limit(full=0.5, zero=1.5) for name in LIMITS}
+STRICT = {name: ScoreLimit(full=0.5, zero=1.5) for name in LIMITS}
 
 pytestmark = pytest.mark.long
 

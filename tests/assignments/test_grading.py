@@ -11,7 +11,14 @@ import pytest
 
 from graded import graded_run
 from graded_results import FailedRun
-from robsim.teach import AssignmentError, Key, Limit, SubmissionError, grade_submission, play_run
+from robsim.teach import (
+    AssignmentError,
+    Key,
+    ScoreLimit,
+    SubmissionError,
+    grade_submission,
+    play_run,
+)
 from robsim.teach.assignments.grading import marking, references, task_runs
 from robsim.teach.assignments.grading import references as seeds
 from robsim.teach.grading.calling import judged
@@ -150,10 +157,10 @@ def test_a_run_that_fails_is_played_up_to_there(graded_class, tmp_path):
 
 def test_points_are_linear_in_the_logarithm_between_the_limits(hw3, graded):
     test, result = hw3.tests[0], graded.tests[0]
-    wide = {name: Limit(full=10.0, zero=20.0) for name in LIMITS}
+    wide = {name: ScoreLimit(full=10.0, zero=20.0) for name in LIMITS}
     assert marking.marked_anew(replace(test, limits=wide), result).points == 2
     # the statistic of position and heading is 1: half way between 1 / 2 and 2
-    middle = wide | {name: Limit(full=0.5, zero=2.0) for name in ("position", "heading")}
+    middle = wide | {name: ScoreLimit(full=0.5, zero=2.0) for name in ("position", "heading")}
     again = marking.marked_anew(replace(test, limits=middle), result)
     assert again.points == pytest.approx(2 * (0.5 * 0.7 + 0.3))
 

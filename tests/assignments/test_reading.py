@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import pytest
 
-from robsim.teach import AssignmentError, Key, Limit, load_assignment, new_assignment, task
+from robsim.teach import AssignmentError, Key, ScoreLimit, load_assignment, new_assignment, task
 from robsim.teach.tasks.marks import calibration
 from robsim.teach.tasks.solutions import solutions_in
 from small_assignments import LIMITS, SHORT, TESTS, assignment
@@ -112,7 +112,7 @@ def test_what_a_file_does_not_say_comes_from_the_tasks(tmp_path):
     assert (shown.public, hidden.public) == (True, False)
     assert (hidden.number, hidden.points) == ("3.1", 4)
     assert shown.reference.name == "reference"
-    assert shown.limits["consistency"] == Limit(full=3.0, zero=100.0, low=0.3, low_zero=0.01)
+    assert shown.limits["consistency"] == ScoreLimit(full=3.0, zero=100.0, low=0.3, low_zero=0.01)
     assert found.key == Key.read(tmp_path / "hw3/key")
 
 
@@ -201,7 +201,7 @@ def calibrated(folder, made):
     record = calibration.TaskCalibration(
         task=made.name,
         parameters=made.parameters,
-        limits={name: Limit(**limit) for name, limit in LIMITS.items()},
+        limits={name: ScoreLimit(**limit) for name, limit in LIMITS.items()},
         false_fail=0.01,
         confidence=0.95,
         tests=299,

@@ -8,7 +8,7 @@ import pytest
 
 import robsim
 from commands import command
-from robsim.teach import TASKS, Limit, Park, check_folder
+from robsim.teach import TASKS, ParkTask, ScoreLimit, check_folder
 from robsim.teach.tasks import trial as _trying
 from small_assignments import solution
 
@@ -169,7 +169,7 @@ def limits(monkeypatch):
 
     class Calibration:
         task_digest = ""
-        limits: ClassVar = {score.name: Limit(full=5, zero=20) for score in Park.scores}
+        limits: ClassVar = {score.name: ScoreLimit(full=5, zero=20) for score in ParkTask.scores}
 
     monkeypatch.setattr(_trying, "shipped_calibrations", lambda: {"park": Calibration})
 
@@ -189,7 +189,7 @@ def test_a_task_is_shown_and_written_once(tmp_path):
     command("tasks", "show", "park", "--to", "mine", cwd=tmp_path)
     mine = tmp_path / "mine"
     assert {file.name for file in mine.iterdir()} == {"sheet.md", "control.py", "task.py"}
-    assert (mine / "sheet.md").read_text() == Park().sheet
+    assert (mine / "sheet.md").read_text() == ParkTask().sheet
     (mine / "control.py").write_text("mine")
     run = command("tasks", "show", "park", "--to", "mine", cwd=tmp_path)
     assert run.exit_code == 2

@@ -204,7 +204,7 @@ def test_a_tool_works_on_a_picture_and_on_an_example(
 
 
 def test_a_task_has_its_world_and_its_goal(seen, tmp_path):
-    task = robsim.teach.Park()
+    task = robsim.teach.ParkTask()
     task.begin(tmp_path / "mine")
     run = command("gui", str(tmp_path / "mine"), "--task", "park", "--seed", "1")
     assert run.exit_code == 0, run.stderr
@@ -215,14 +215,14 @@ def test_a_task_has_its_world_and_its_goal(seen, tmp_path):
     assert "1 of the 150 steps" in run.stdout
     assert command("gui", "--task", "follow").exit_code == 0
     assert seen.view.goals.shape == (3, 2)
-    short = robsim.teach.Park(steps=3)
+    short = robsim.teach.ParkTask(steps=3)
     short.simulation(seed=1).run(3).save(tmp_path / "trace.npz")
     assert command("gui", "trace.npz", "--task", "park", cwd=tmp_path).exit_code == 0
     assert np.array_equal(seen.view.goals, short.goals)
 
 
 def test_the_scores_of_a_whole_run_of_a_task_are_told(seen, tmp_path, monkeypatch):
-    task = robsim.teach.Park(steps=20)
+    task = robsim.teach.ParkTask(steps=20)
     monkeypatch.setattr("robsim.teach.tasks.task", lambda name: task)
 
     def wait(page, patience):

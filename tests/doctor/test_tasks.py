@@ -8,10 +8,10 @@ import pytest
 from commands import command
 from robsim.teach import (
     TASKS,
-    Estimate,
-    Identify,
-    Measure,
-    Park,
+    EstimateTask,
+    IdentifyTask,
+    MeasureTask,
+    ParkTask,
     TaskReport,
     check_folder,
     try_solution,
@@ -119,12 +119,12 @@ def test_what_ships_is_told_apart_and_explained(tmp_path, name, solution):
 @pytest.fixture(scope="module")
 def too_sure(tmp_path_factory):
     """A folder whose filter has too small an R, and a file that the task does not ask for."""
-    files = shipped(Estimate(), "r_too_small") | {"control": "no Python"}
+    files = shipped(EstimateTask(), "r_too_small") | {"control": "no Python"}
     return folder_of(tmp_path_factory.mktemp("too_sure"), files)
 
 
 def test_a_page_says_what_is_short_and_why(too_sure):
-    task = Estimate(runs=4)
+    task = EstimateTask(runs=4)
     report = check_folder(too_sure, task=task)
     assert isinstance(report, TaskReport)
     assert not report.is_solved
@@ -149,15 +149,15 @@ def test_the_command_gives_the_report(too_sure):
 
 def test_the_file_says_nothing_of_the_values_and_the_task_does(tmp_path):
     """What another sheet has said is not believed."""
-    folder = folder_of(tmp_path, shipped(Estimate(), "reference") | {"task": "AREA = None\n"})
-    assert check_folder(folder, task=Estimate(runs=2)).trial.failed == {}
+    folder = folder_of(tmp_path, shipped(EstimateTask(), "reference") | {"task": "AREA = None\n"})
+    assert check_folder(folder, task=EstimateTask(runs=2)).trial.failed == {}
 
 
 def test_a_problem_of_an_estimator_is_reported_for_one_of_its_files(tmp_path):
-    folder = folder_of(tmp_path, shipped(Identify(), "naive"))
+    folder = folder_of(tmp_path, shipped(IdentifyTask(), "naive"))
     of_files = check_folder(folder).problems
     assert [problem.kind for problem in of_files] == ["no adaptation"] * 2
-    problems = check_folder(folder, task=Identify(runs=1)).problems
+    problems = check_folder(folder, task=IdentifyTask(runs=1)).problems
     assert [problem for problem in problems if problem.kind == "no adaptation"] == [of_files[0]]
 
 
@@ -181,7 +181,9 @@ def test_runs_that_fail_are_told(tmp_path):
                 raise KeyError("late")
             return None
         """
-    report = check_folder(folder_of(tmp_path, {"measure": late}), task=Measure(runs=2, steps=30))
+    report = check_folder(
+        folder_of(tmp_path, {"measure": late}), task=MeasureTask(runs=2, steps=30)
+    )
     (failed,) = (one for one in report.findings if one.kind == "run fails")
     assert all(word in failed.sentence for word in ("2 of 2", "KeyError: 'late'", "measure.py"))
 
@@ -189,14 +191,14 @@ def test_runs_that_fail_are_told(tmp_path):
 def test_a_file_that_is_switched_off_is_told(tmp_path):
     off = "ENABLED = False\n\n\ndef control(step):\n    return 0, 0\n"
     folder = folder_of(tmp_path, {"control": off})
-    report = check_folder(folder, task=Park(steps=20, runs=1))
+    report = check_folder(folder, task=ParkTask(steps=20, runs=1))
     assert report.verdicts["control"] == "default"
     assert any("ENABLED = True" in remark for remark in report.remarks)
 
 
 def test_what_is_masked_is_told(tmp_path):
-    folder = folder_of(tmp_path, shipped(Measure(), "reference"))
-    report = check_folder(folder, task=Measure(runs=1, steps=20))
+    folder = folder_of(tmp_path, shipped(MeasureTask(), "reference"))
+    report = check_folder(folder, task=MeasureTask(runs=1, steps=20))
     assert any("robsim.locate" in remark for remark in report.remarks)
 
 
@@ -205,6 +207,6 @@ def test_what_cannot_be_is_refused(tmp_path):
     with pytest.raises(ValueError, match="parc"):
         check_folder(folder, task="parc")
     with pytest.raises(TypeError, match="task"):
-        check_folder(folder, task=Park)
+        check_folder(folder, task=ParkTask)
     with pytest.raises(ValueError, match=r"measure\.py"):
         check_folder(folder, task="measure")

@@ -8,7 +8,7 @@ import pytest
 
 import robsim
 from graded import PATIENT, assert_same_trace, folder_of, ran, ran_here
-from robsim.teach import AssignmentError, Limits, Submission, SubmissionError
+from robsim.teach import AssignmentError, Submission, SubmissionError, WorkerLimits
 from submissions import notebook
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("patient_grader")]
@@ -142,7 +142,7 @@ def test_what_goes_wrong_is_told_with_function_and_line(tmp_path):
 
 def test_each_call_has_its_time_and_the_first_one_more(tmp_path):
     text = "import time\ndef f(seconds):\n    time.sleep(seconds)\n    return 0\n"
-    graded = of(tmp_path, text, "f", limits=Limits(call=0.1, first_call=300.0, run=600.0))
+    graded = of(tmp_path, text, "f", limits=WorkerLimits(call=0.1, first_call=300.0, run=600.0))
     assert graded.call("f", 0.3) == 0
     with pytest.raises(SubmissionError, match=r"^f took longer than 0.1 s \(in call 2 of 3\)$"):
         graded.calls("f", [(0.0,), (600.0,), (0.0,)])
@@ -269,7 +269,7 @@ def test_what_goes_wrong_is_the_submissions_fault_with_its_step(tmp_path):
         error = failure_of_world(tmp_path, line)
         assert re.search(message, str(error)), str(error)
         assert error.line == number
-    limits = Limits(call=0.3, first_call=300.0, run=600.0)
+    limits = WorkerLimits(call=0.3, first_call=300.0, run=600.0)
     hangs = failure_of_world(tmp_path, "[0 for _ in iter(int, 1)]", k=2, limits=limits)
     assert "evaluate_model took longer than 0.3 s" in str(hangs)
 

@@ -25,7 +25,7 @@ TESTS = """
 import pytest
 import robsim
 
-LIMITS = robsim.teach.Limits(call=300.0, first_call=300.0, run=600.0)
+LIMITS = robsim.teach.WorkerLimits(call=300.0, first_call=300.0, run=600.0)
 pytestmark = pytest.mark.robsim_submission(slots="control", limits=LIMITS)
 SCENARIO = robsim.Scenario(resolution=(200, 200), measure=True)
 
@@ -269,7 +269,7 @@ def test_without_isolation_nothing_is_run(class_room, monkeypatch):
 FUNCTIONS = """
 import pytest, robsim
 
-LIMITS = robsim.teach.Limits(call=300.0, first_call=300.0, run=600.0)
+LIMITS = robsim.teach.WorkerLimits(call=300.0, first_call=300.0, run=600.0)
 pytestmark = pytest.mark.robsim_submission(slots="control", functions="double", limits=LIMITS)
 SCENARIO = robsim.Scenario(resolution=(100, 100), start="random")
 

@@ -14,14 +14,14 @@ import pytest
 import graded
 import robsim
 from graded import HONEST, PATIENT, assert_same_trace, folder_of, ran_here
-from robsim.teach import Key, Limits, Submission, SubmissionError, check_isolation
+from robsim.teach import Key, Submission, SubmissionError, WorkerLimits, check_isolation
 from sizes import thorough
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("patient_grader")]
 
 SCENARIO = robsim.Scenario(resolution=(200, 200), measure=True, noise=robsim.GaussianNoise(5))
 #: A step may take a moment, the first one minutes: what hangs hangs at step 1.
-SHORT = Limits(call=0.3, first_call=300.0, run=600.0)
+SHORT = WorkerLimits(call=0.3, first_call=300.0, run=600.0)
 
 
 def submission(tmp_path, slots="control", **options):
@@ -78,7 +78,7 @@ def test_a_submission_that_cannot_be_loaded_says_so(tmp_path):
     for text in ("def control(step) return 1", "1 / 0", "import os; os._exit(3)", "x = 1"):
         with pytest.raises(SubmissionError):
             submission(tmp_path, control=text).run(SCENARIO, steps=3)
-    endless = submission(tmp_path, control="while True: pass", limits=Limits(first_call=0.5))
+    endless = submission(tmp_path, control="while True: pass", limits=WorkerLimits(first_call=0.5))
     with pytest.raises(SubmissionError, match="took longer"):
         endless.run(SCENARIO, steps=3)
 

@@ -52,7 +52,7 @@ def test_the_same_actions_give_the_same_run_as_a_simulation():
     remaining = iter(actions)
     drive(env, lambda observation: next(remaining))
     trace = env._simulation.trace
-    again = robsim.teach.Park(steps=25).simulation(
+    again = robsim.teach.ParkTask(steps=25).simulation(
         seed=env_seed(seed=1), control=lambda step: tuple(map(float, actions[step.k]))
     )
     assert again.run(25) == trace[:25]
@@ -96,7 +96,7 @@ def test_wrong_arguments():
         with pytest.raises(ValueError, match=name):
             robsim.teach.gym.TaskEnv(**{name: value})
     with pytest.raises(TypeError, match="noise"):
-        robsim.teach.gym.TaskEnv(robsim.teach.Park(), noise=3)
+        robsim.teach.gym.TaskEnv(robsim.teach.ParkTask(), noise=3)
 
 
 def test_there_is_no_step_before_the_first_reset():

@@ -65,7 +65,7 @@ VALID = {
 
 #: Values of the right kind are all taken, or refused by the name of something else.
 ANY_MEANING = {
-    *("campaign(runs)", "calibrate(seed)"),
+    *("campaign(runs)", "calibrate_task(seed)"),
     *("Chessboard.find(image)", "Charuco.find(image)", "find_sheets(image)"),
 }
 
@@ -152,7 +152,7 @@ def calibrated():
 
 @cache
 def assignment():
-    measure = robsim.teach.Measure(steps=2, runs=1)
+    measure = robsim.teach.MeasureTask(steps=2, runs=1)
     test = robsim.teach.TaskTest(name="ekf", title="Measure", task=measure, points=1)
     return robsim.teach.Assignment(
         folder=Path(),
@@ -182,13 +182,13 @@ EXAMPLES = {
     "plot_runs.runs": lambda: {"one": trace()},
     "Score.floor": lambda: 0.1,
     "Score.statistic.values": lambda: [1.0, 2.0],
-    "solution_folder.task": robsim.teach.Measure,
-    "solution_folder.solution": lambda: robsim.teach.Measure().solutions[0],
-    "try_solution.task": lambda: robsim.teach.Measure(steps=2, runs=1),
+    "solution_folder.task": robsim.teach.MeasureTask,
+    "solution_folder.solution": lambda: robsim.teach.MeasureTask().solutions[0],
+    "try_solution.task": lambda: robsim.teach.MeasureTask(steps=2, runs=1),
     "Solution.read.is_right": lambda: True,
     "TaskCalibration.from_record.record": lambda: calibrated().as_record(),
-    "TaskCalibration.stale.task": robsim.teach.Estimate,
-    "calibrate.task": lambda: robsim.teach.Estimate(steps=20, runs=1),
+    "TaskCalibration.stale.task": robsim.teach.EstimateTask,
+    "calibrate_task.task": lambda: robsim.teach.EstimateTask(steps=20, runs=1),
     "Submission.call.name": lambda: "fit",
     "Submission.calls.name": lambda: "fit",
     "Intrinsics.matrix": lambda: [[50, 0, 20], [0, 50, 20], [0, 0, 1]],
@@ -344,8 +344,8 @@ def floor_panel():
 #: What methods are called on, where the class cannot be made of the examples alone.
 OBJECTS = {
     "TaskCalibration": calibrated,
-    "Task": robsim.teach.Measure,
-    "Solution": lambda: robsim.teach.Measure().solutions[0],
+    "Task": robsim.teach.MeasureTask,
+    "Solution": lambda: robsim.teach.MeasureTask().solutions[0],
     "Experiment": lambda: robsim.Experiment([robsim.Frame(image())]),
     "CampaignResult": campaign,
     "CampaignSpec": lambda: campaign().spec,

@@ -7,7 +7,7 @@ import textwrap
 import numpy as np
 
 import robsim
-from robsim.teach import Limits
+from robsim.teach import WorkerLimits
 from robsim.teach.grading.graded_run import all_here, graded_run
 from robsim.teach.grading.keys import RunSeeds
 from robsim.teach.grading.task import Task
@@ -22,7 +22,7 @@ if sys.platform == "linux":
     from robsim.teach.isolation._layers import users as users
 
 #: Minutes: honest code never comes to them, on a busy machine neither.
-PATIENT = Limits(call=300.0, first_call=300.0, run=600.0, cpu=300.0)
+PATIENT = WorkerLimits(call=300.0, first_call=300.0, run=600.0, cpu=300.0)
 
 HONEST = {
     "define_model": """

@@ -21,7 +21,7 @@ import numpy as np
 
 import robsim
 from robsim.campaigns import campaign
-from robsim.teach import Estimate, Key, SubmissionResult, grade_submission, load_assignment
+from robsim.teach import EstimateTask, Key, SubmissionResult, grade_submission, load_assignment
 from robsim.trace import Session
 from robsim.vision import (
     Calibration,
@@ -208,7 +208,7 @@ def _assignment(folder: Path) -> Any:
 
 def _graded(assignment: Path) -> str:
     """Return the result of the reference solution, without times and names of this machine."""
-    reference = Estimate().solutions[0]
+    reference = EstimateTask().solutions[0]
     with tempfile.TemporaryDirectory() as name:
         submission, own = Path(name, "ada"), Path(name, "hw3")
         shutil.copytree(assignment, own)

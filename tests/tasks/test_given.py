@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.teach import Identify, Park, Submission, try_solution
+from robsim.teach import IdentifyTask, ParkTask, Submission, try_solution
 
 SCENARIO = robsim.Scenario(
     robot="lab", area=(400, 400), resolution=(200, 200), start=(200, 200, 0.3), measure=True
@@ -40,7 +40,7 @@ def folder_with(tmp_path, **sources):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ParkByBlobs(Park):
+class ParkByBlobs(ParkTask):
     """A task of which the blobs are given."""
 
     given: ClassVar[str] = "blobs"
@@ -64,7 +64,9 @@ def test_a_simulation_of_ones_own_gives_all(tmp_path):
     assert trace.u[-1].tolist() == [0.3, 1.5]
 
 
-@pytest.mark.parametrize(("task", "remedy"), [(Park, "step.measurement"), (ParkByBlobs, "blobs")])
+@pytest.mark.parametrize(
+    ("task", "remedy"), [(ParkTask, "step.measurement"), (ParkByBlobs, "blobs")]
+)
 def test_who_looks_at_a_frame_that_is_not_given_fails_at_home(task, remedy):
     def control(step):
         return step.frame.t, 0.0
@@ -86,14 +88,14 @@ def test_samples_are_for_who_estimates_parameters():
         seen.append(step.sample)
         return 0.3, 0.3
 
-    try_solution(Park(steps=8, runs=1), control=control, progress=False)
+    try_solution(ParkTask(steps=8, runs=1), control=control, progress=False)
     assert {*seen} == {None}
 
     def estimate(step):
         seen.append(step.sample)
         return np.zeros((3, 5))
 
-    try_solution(Identify(steps=20, runs=1), estimate_parameters=estimate, progress=False)
+    try_solution(IdentifyTask(steps=20, runs=1), estimate_parameters=estimate, progress=False)
     assert any(sample is not None for sample in seen)
 
 
@@ -105,7 +107,7 @@ def test_what_is_not_given_hides_no_other_error():
             return step.frame
         return step.measurement.pose[0] if step.measurement is None else (0, 0)
 
-    trial = try_solution(Park(steps=40, runs=1, dropout=0.6), control=control, progress=False)
+    trial = try_solution(ParkTask(steps=40, runs=1, dropout=0.6), control=control, progress=False)
     assert "'NoneType' object has no attribute 'pose'" in trial.failed[0]
 
 

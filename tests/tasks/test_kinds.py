@@ -5,7 +5,7 @@ import pytest
 
 import robsim
 from robsim.estimation import wrapped_error
-from robsim.teach import Estimate, Follow, Identify, Measure, solution_folder
+from robsim.teach import EstimateTask, FollowTask, IdentifyTask, MeasureTask, solution_folder
 
 # --- estimate
 
@@ -13,7 +13,7 @@ from robsim.teach import Estimate, Follow, Identify, Measure, solution_folder
 @pytest.mark.long
 def test_the_told_noise_of_measurements_is_what_they_have():
     for noise in (0, 20):
-        one = Estimate(noise=noise, dropout=0)
+        one = EstimateTask(noise=noise, dropout=0)
         errors = [
             wrapped_error(trace.pose_measured, trace.pose_true)
             for trace in (one.simulation(seed=seed).run(60) for seed in range(8))
@@ -23,7 +23,7 @@ def test_the_told_noise_of_measurements_is_what_they_have():
 
 
 def test_a_pose_and_a_covariance_are_scored_by_hand():
-    one = Estimate(steps=30, dropout=0)
+    one = EstimateTask(steps=30, dropout=0)
     truth = one.simulation(seed=1).run(30).pose_true
 
     def estimate_state(step):
@@ -37,7 +37,7 @@ def test_a_pose_and_a_covariance_are_scored_by_hand():
 
 
 def test_without_an_estimate_there_is_no_score_and_without_a_covariance_no_consistency():
-    one = Estimate(steps=20, dropout=0)
+    one = EstimateTask(steps=20, dropout=0)
     trace = one.simulation(
         seed=1, estimate_state=lambda step: robsim.Estimate((0, 0, 0), np.zeros((3, 3)))
     ).run(20)
@@ -47,7 +47,7 @@ def test_without_an_estimate_there_is_no_score_and_without_a_covariance_no_consi
 
 @pytest.mark.long
 def test_the_reference_is_consistent_with_the_noises_that_are_told():
-    one = Estimate(slip=1.0, turn=0.03, noise=10)
+    one = EstimateTask(slip=1.0, turn=0.03, noise=10)
     result = robsim.campaign(
         one.scenario,
         vary={"folder": {"reference": solution_folder(one, one.solutions[0])}},
@@ -66,7 +66,7 @@ def test_the_reference_is_consistent_with_the_noises_that_are_told():
 
 def driven_along(positions, control=lambda step: (0.0, 0.0)):
     """A run that is at these positions."""
-    one = Follow(waypoints=[(200, 200), (300, 200)], steps=len(positions), dropout=0, noise=0)
+    one = FollowTask(waypoints=[(200, 200), (300, 200)], steps=len(positions), dropout=0, noise=0)
     poses = [(*position, 0.0) for position in positions]
     scenario = one.scenario.replace(start=poses[0], process_noise=None, measure=False)
     sim = robsim.Simulation(scenario, evaluate_model=lambda world: poses[world.k], control=control)
@@ -111,14 +111,14 @@ def run_with(one, theta_of_step):
 
 
 def test_each_run_has_a_robot_of_its_own():
-    one = Identify(steps=30)
+    one = IdentifyTask(steps=30)
     thetas = [one.simulation(seed=seed).run(3).info.theta_true for seed in range(3)]
     assert not np.allclose(thetas[0], thetas[1], rtol=0.01)
     assert np.allclose(np.median(thetas, axis=0), one.values["THETA"], atol=0.2)
 
 
 def test_the_true_parameters_have_no_error_and_others_what_they_predict():
-    one = Identify(steps=30)
+    one = IdentifyTask(steps=30)
     truth = np.asarray(one.simulation(seed=1).run(3).info.theta_true)
     assert one.score(run_with(one, lambda k: truth)) == pytest.approx(
         {"position": 0, "heading": 0, "early": 0}, abs=1e-9
@@ -137,7 +137,7 @@ def test_the_true_parameters_have_no_error_and_others_what_they_predict():
 
 
 def test_without_parameters_there_is_no_score():
-    one = Identify(steps=30)
+    one = IdentifyTask(steps=30)
     assert np.isnan(list(one.score(one.simulation(seed=1).run(30)).values())).all()
 
 
@@ -145,7 +145,7 @@ def test_without_parameters_there_is_no_score():
 
 
 def test_no_measurement_is_the_worst_there_is():
-    one = Measure(steps=12)
+    one = MeasureTask(steps=12)
     trace = one.simulation(seed=1, measure=lambda step: None).run(one.steps)
     numbers = one.score(trace)
     assert np.isnan(numbers["position"])
@@ -154,7 +154,7 @@ def test_no_measurement_is_the_worst_there_is():
 
 
 def test_errors_and_false_poses_are_scored_by_hand():
-    one = Measure(steps=20, dropout=0, noise=0)
+    one = MeasureTask(steps=20, dropout=0, noise=0)
     truth = one.simulation(seed=1).run(20).pose_true
 
     def measure(step):
@@ -170,6 +170,6 @@ def test_errors_and_false_poses_are_scored_by_hand():
 
 
 def test_a_pose_of_a_hidden_robot_is_not_lost_if_it_is_right():
-    one = Measure(steps=12, dropout=1)
+    one = MeasureTask(steps=12, dropout=1)
     numbers = one.score(one.simulation(seed=1).run(12))
     assert numbers["lost"] == 0

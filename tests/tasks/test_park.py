@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.teach import Park
+from robsim.teach import ParkTask
 
 
 def run_at(goal_offset, control=lambda step: (0.0, 0.0)):
     """A run that stands still at a place beside the goal."""
-    one = Park(goal=(400, 300, 1), steps=10, noise=0, dropout=0, mismatch=0)
+    one = ParkTask(goal=(400, 300, 1), steps=10, noise=0, dropout=0, mismatch=0)
     scenario = one.scenario.replace(
         start=np.add(one.goal, goal_offset), process_noise=None, measure=False
     )

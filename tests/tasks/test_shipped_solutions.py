@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import robsim
-from robsim.teach import TASKS, Limits, Submission, SubmissionError, check_isolation
+from robsim.teach import TASKS, Submission, SubmissionError, WorkerLimits, check_isolation
 from robsim.teach.tasks import solutions as _shipped
 from write_solutions import sources_in
 
@@ -75,7 +75,7 @@ def test_a_change_of_what_is_not_there_is_refused(tmp_path, monkeypatch):
 
 @pytest.mark.long
 @pytest.mark.parametrize("code", [
-    "robsim.teach.Park().solutions",
+    "robsim.teach.ParkTask().solutions",
     "open(os.path.join(os.path.dirname(robsim.__file__), 'tasks', 'solutions.bin'), 'rb')",
 ])  # fmt: skip
 def test_a_submission_that_is_graded_cannot_unpack_them(tmp_path, code):
@@ -83,7 +83,7 @@ def test_a_submission_that_is_graded_cannot_unpack_them(tmp_path, code):
         pytest.skip("files are open here")
     file = tmp_path / "control.py"
     file.write_text(f"import os\nimport robsim\n{code}\ndef control(step):\n    return 0, 0\n")
-    limits = Limits(first_call=300, run=600)
+    limits = WorkerLimits(first_call=300, run=600)
     graded = Submission(file, slots="control", masked=TASKS["park"]().masked, limits=limits)
     with pytest.raises(SubmissionError, match="tasks"):
         graded.run(robsim.Scenario(resolution=(200, 200)), steps=2, seed=1)

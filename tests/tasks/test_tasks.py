@@ -6,13 +6,13 @@ import pytest
 import robsim
 from robsim.teach import (
     TASKS,
-    Estimate,
-    Follow,
-    Identify,
-    Limit,
-    Measure,
-    Park,
+    EstimateTask,
+    FollowTask,
+    IdentifyTask,
+    MeasureTask,
+    ParkTask,
     Score,
+    ScoreLimit,
     solution_folder,
     task,
 )
@@ -35,9 +35,9 @@ def errors_of(one, solution):
 
 
 def test_a_task_by_name_is_that_of_its_class():
-    assert task("measure", noise=20, steps=10) == Measure(noise=20, steps=10)
-    assert Park(**Park(goal=[300, 200, 1]).parameters) == Park(goal=(300, 200, 1))
-    assert Park().simulation(seed=4, control=robsim.Spin()).run(3).info.scenario.seed == 4
+    assert task("measure", noise=20, steps=10) == MeasureTask(noise=20, steps=10)
+    assert ParkTask(**ParkTask(goal=[300, 200, 1]).parameters) == ParkTask(goal=(300, 200, 1))
+    assert ParkTask().simulation(seed=4, control=robsim.Spin()).run(3).info.scenario.seed == 4
 
 
 @pytest.mark.parametrize(
@@ -45,15 +45,15 @@ def test_a_task_by_name_is_that_of_its_class():
     [
         (lambda: task("mesure"), "'mesure'"),
         (lambda: task("measure", nois=3), "'nois'"),
-        (lambda: Measure(noise=-1), "noise"),
-        (lambda: Measure(dropout=1.1), "dropout"),
-        (lambda: Estimate(steps=19), "steps"),
-        (lambda: Identify(mismatch=0), "mismatch"),
-        (lambda: Park(goal=(1, 2)), "goal"),
-        (lambda: Park(goal=(20, 300, 0)), "goal.*80"),
-        (lambda: Follow(waypoints=[(200, 900)]), "waypoints.*80"),
-        (lambda: Park(mismatch=1), "mismatch"),
-        (lambda: Limit(full=1, zero=2, low=0.5), "low_zero"),
+        (lambda: MeasureTask(noise=-1), "noise"),
+        (lambda: MeasureTask(dropout=1.1), "dropout"),
+        (lambda: EstimateTask(steps=19), "steps"),
+        (lambda: IdentifyTask(mismatch=0), "mismatch"),
+        (lambda: ParkTask(goal=(1, 2)), "goal"),
+        (lambda: ParkTask(goal=(20, 300, 0)), "goal.*80"),
+        (lambda: FollowTask(waypoints=[(200, 900)]), "waypoints.*80"),
+        (lambda: ParkTask(mismatch=1), "mismatch"),
+        (lambda: ScoreLimit(full=1, zero=2, low=0.5), "low_zero"),
         (lambda: Score(name="a", title="a", floor=2, worst=1), "worst"),
     ],
 )
@@ -106,7 +106,7 @@ def test_the_files_of_a_solution_are_as_they_were_read(tmp_path):
     file.write_text("from task import GOAL\n\ndef control(step):\n    return 0, 0\n")
     solution = robsim.teach.Solution.read(tmp_path, "control", is_right=True)
     file.write_text("nonsense")
-    assert errors_of(Park(steps=3), solution) == [None]
+    assert errors_of(ParkTask(steps=3), solution) == [None]
 
 
 def test_a_statistic_is_a_geometric_mean_within_floor_and_worst():
@@ -121,10 +121,10 @@ def test_a_statistic_is_a_geometric_mean_within_floor_and_worst():
 
 
 def test_points_are_linear_in_the_logarithm_between_the_limits():
-    limit = Limit(full=1.2, zero=4.8, low=0.5, low_zero=0.125)
+    limit = ScoreLimit(full=1.2, zero=4.8, low=0.5, low_zero=0.125)
     assert [limit.fraction(s) for s in (0.6, 1.2, 2.4, 4.8, 9)] == pytest.approx([1, 1, 0.5, 0, 0])
     assert [limit.fraction(s) for s in (0.5, 0.25, 0.125, 0.1)] == pytest.approx([1, 0.5, 0, 0])
-    assert Limit(full=1.2, zero=1.1).fraction(1.3) == 0
+    assert ScoreLimit(full=1.2, zero=1.1).fraction(1.3) == 0
 
 
 @pytest.mark.long

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robsim
-from robsim.teach import Limit, Measure, Park, solution_folder, try_solution
+from robsim.teach import MeasureTask, ParkTask, ScoreLimit, solution_folder, try_solution
 from robsim.teach.tasks import trial as _trying
 from small_assignments import solution
 
@@ -23,7 +23,9 @@ class Calibration:
 @pytest.fixture(autouse=True)
 def limits(monkeypatch):
     wide = {"position": 3, "heading": 3, "lost": 3}
-    hand_made = {"measure": Calibration(**{n: Limit(full=f, zero=12) for n, f in wide.items()})}
+    hand_made = {
+        "measure": Calibration(**{n: ScoreLimit(full=f, zero=12) for n, f in wide.items()})
+    }
     monkeypatch.setattr(_trying, "shipped_calibrations", lambda: hand_made)
 
 
@@ -36,7 +38,7 @@ def shipped(task, name):
 
 
 def test_the_reference_is_as_good_as_itself_and_naive_is_not(tmp_path):
-    task = Measure(**SHORT)
+    task = MeasureTask(**SHORT)
     own = tried(task, shipped(task, "reference"))
     assert any("default parameters" in remark for remark in own.remarks)
     assert own.verdict == "as good as the reference"
@@ -50,7 +52,7 @@ def test_the_reference_is_as_good_as_itself_and_naive_is_not(tmp_path):
 
 
 def test_the_worst_run_is_drawn_beside_the_reference():
-    task = Measure(**SHORT)
+    task = MeasureTask(**SHORT)
     trial = tried(task, shipped(task, "whole_pixels"))
     assert trial.worst in (0, 1)
     losses = [trial.values["position"][i] / trial.reference["position"][i] for i in (0, 1)]
@@ -64,7 +66,7 @@ def test_a_file_and_a_folder_are_read_anew_and_told_the_values(tmp_path):
     file = tmp_path / "control.py"
     file.write_text("from task import GOAL\n\n\ndef control(step):\n    return GOAL[0] * 0, 0.5\n")
     (tmp_path / "task.py").write_text("GOAL = None  # what another task has said\n")
-    task = Park(steps=5, runs=1)
+    task = ParkTask(steps=5, runs=1)
     trial = tried(task, file)
     assert trial.solution == "control.py"
     assert trial.trace.u[0].tolist() == [0, 0.5]
@@ -84,7 +86,7 @@ def test_a_class_is_made_anew_for_each_run():
             self.calls += 1
             return 0.0, 0.1
 
-    task = Park(steps=5, runs=3)
+    task = ParkTask(steps=5, runs=3)
     trial = tried(task, control=Counting)
     assert trial.solution == "Counting"
     assert {one.calls for one in made} <= {0, 5}  # one is made to look at it
@@ -97,7 +99,7 @@ def test_runs_that_fail_are_told_with_their_line():
             raise KeyError("speed")
         return 0.0, 0.0
 
-    trial = tried(Park(steps=5, runs=2, dropout=0), control=broken)
+    trial = tried(ParkTask(steps=5, runs=2, dropout=0), control=broken)
     assert trial.verdict == "fails"
     assert list(trial.failed) == [0, 1]
     assert "KeyError: 'speed' (test_trying.py:" in str(trial)
@@ -107,7 +109,7 @@ def test_runs_that_fail_are_told_with_their_line():
 
 
 def test_a_run_that_fails_takes_its_part_of_the_points():
-    task = Measure(steps=20, runs=4)
+    task = MeasureTask(steps=20, runs=4)
     with solution_folder(task, shipped(task, "reference")).callbacks() as callbacks:
         reference = callbacks["measure"]
 
@@ -123,7 +125,7 @@ def test_a_run_that_fails_takes_its_part_of_the_points():
 
 
 def test_without_limits_there_is_no_verdict_and_another_seed_is_another_run():
-    task = Park(steps=5, runs=1)
+    task = ParkTask(steps=5, runs=1)
     trials = [tried(task, control=robsim.Spin, seed=seed) for seed in (4, 4, 5)]
     broken = tried(task, control=lambda step: (0, 3))
     assert broken.broken == (0,)
@@ -146,11 +148,11 @@ def test_without_limits_there_is_no_verdict_and_another_seed_is_another_run():
 )
 def test_what_is_wrong_is_named(call, named):
     with pytest.raises((TypeError, ValueError), match=named):
-        call(Park(steps=5, runs=1))
+        call(ParkTask(steps=5, runs=1))
 
 
 def test_files_that_are_missing_or_misspelled_are_named(tmp_path):
-    task = Park(steps=5, runs=1)
+    task = ParkTask(steps=5, runs=1)
     with pytest.raises(FileNotFoundError):
         tried(task, tmp_path / "nothing")
     (tmp_path / "contrl.py").write_text("def control(step):\n    return 0, 0\n")

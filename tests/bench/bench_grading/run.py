@@ -13,12 +13,12 @@ from robsim.simulation import Scenario, Simulation
 from robsim.teach.grading.graded_run import all_here, asking, graded_run, started
 from robsim.teach.grading.keys import RunSeeds
 from robsim.teach.grading.task import Task
-from robsim.teach.isolation import Isolation, Limits
+from robsim.teach.isolation import Isolation, WorkerLimits
 from robsim.teach.submissions import Rules, SubmissionFiles
 from robsim.vision.imaging.noise import GaussianNoise
 
 _WARM_UP = 20  # steps
-_PATIENT = Limits(call=60, first_call=60, run=1e6, cpu=1e6)
+_PATIENT = WorkerLimits(call=60, first_call=60, run=1e6, cpu=1e6)
 
 _MEASURE = """
 import robsim

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import pytest
 
 import graded
-from robsim.teach import Limits
+from robsim.teach import WorkerLimits
 from robsim.teach import isolation as _isolation
 
 MINUTES = 300.0  # s: nothing here waits for so long, on a busy machine neither
@@ -51,7 +51,7 @@ def worker(entries):
                     hidden=hidden,
                     without=without,
                     path=(entries,),
-                    limits=Limits(**limits),
+                    limits=WorkerLimits(**limits),
                 )
             ours.settimeout(MINUTES)
             with started:

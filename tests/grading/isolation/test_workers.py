@@ -7,7 +7,7 @@ import pytest
 
 from graded import layer
 from red_team.ground import descendants
-from robsim.teach import Limits
+from robsim.teach import WorkerLimits
 from sizes import thorough
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="zygotes are for Linux")
@@ -101,14 +101,14 @@ def test_nothing_of_the_grader_is_in_a_worker(ended, monkeypatch):
 def test_limits_are_limited():
     least = {"memory": 64 << 20, "output": 0, "open_files": 16, "threads": 1, "submission_files": 1}
     for name, value in least.items():
-        assert getattr(Limits(**{name: value}), name) == value
+        assert getattr(WorkerLimits(**{name: value}), name) == value
         with pytest.raises(ValueError, match=rf"\b{name}\b"):
-            Limits(**{name: value - 1})
+            WorkerLimits(**{name: value - 1})
     for name in ("call", "first_call", "run", "cpu"):
-        Limits(**{name: 1e6})
+        WorkerLimits(**{name: 1e6})
         for value in (0.0, 1.1e6):
             with pytest.raises(ValueError, match=rf"\b{name}\b"):
-                Limits(**{name: value})
+                WorkerLimits(**{name: value})
 
 
 def test_another_isolation_is_refused(worker):

@@ -19,7 +19,7 @@ import robsim
 from graded import assert_same_trace, zygotes
 from red_team.attack import HONEST, ITS_OWN, PATIENT, PROCESS, SHORT, Attack, file_of
 from red_team.calls import CALLS, HONEST_FIT
-from robsim.teach import Key, Limits, Submission, SubmissionError
+from robsim.teach import Key, Submission, SubmissionError, WorkerLimits
 from robsim.trace import Trace
 from waiting import wait_for
 
@@ -91,7 +91,7 @@ class Ground:
             "slots": "estimate_state",
             "masked": ["robsim.estimation.reference"],
             "frames": True,
-            "limits": Limits(output=1 << 14, **limits | attack.limits),
+            "limits": WorkerLimits(output=1 << 14, **limits | attack.limits),
             "key": KEY,
             "student": "one of a class",
         }

@@ -5,10 +5,10 @@ import json
 
 import pytest
 
-from robsim.teach import Estimate, Measure, TaskCalibration, calibrate
+from robsim.teach import EstimateTask, MeasureTask, TaskCalibration, calibrate_task
 from robsim.teach.tasks.marks import calibration as files
 
-TASK = Estimate(steps=20, runs=2)
+TASK = EstimateTask(steps=20, runs=2)
 CHOSEN = ("reference", "larger_r", "naive", "no_q")
 SOLUTIONS = [one for one in TASK.solutions if one.name in CHOSEN]
 FAILING = dataclasses.replace(
@@ -33,7 +33,7 @@ def few_tests():
 
 
 def calibrated(keep):
-    return calibrate(
+    return calibrate_task(
         TASK,
         SOLUTIONS,
         false_fail=0.2,
@@ -100,7 +100,7 @@ def test_what_changed_is_to_be_calibrated_again(calibration):
     record = json.loads(json.dumps(calibration.as_record()))
     known = TaskCalibration.from_record(record)
     assert known.stale(TASK, SOLUTIONS) is None
-    other_task = Estimate(steps=20, runs=2, slip=0.31)
+    other_task = EstimateTask(steps=20, runs=2, slip=0.31)
     assert known.stale(other_task, SOLUTIONS).startswith("the task is not the one")
     changed = dataclasses.replace(SOLUTIONS[1], files=SOLUTIONS[1].files | {"more": b"x = 1"})
     assert known.stale(TASK, [SOLUTIONS[0], changed, *SOLUTIONS[2:]]).startswith("the solutions")
@@ -113,15 +113,15 @@ def test_what_changed_is_to_be_calibrated_again(calibration):
         ([SOLUTIONS[0], *SOLUTIONS[2:]], "another"),
         (SOLUTIONS[1:], "first 'reference'"),
         ([one for one in SOLUTIONS if one.name != "naive"], "'naive'"),
-        (Measure().solutions, "estimate_state.*measure"),
+        (MeasureTask().solutions, "estimate_state.*measure"),
         ([SOLUTIONS[0], FAILING, *SOLUTIONS[2:]], "'larger_r'.*no such filter"),
     ],
 )
 def test_solutions_that_are_no_help_are_refused(solutions, named):
     with pytest.raises(ValueError, match=named):
-        calibrate(TASK, solutions, false_fail=0.5, confidence=0.5, progress=False)
+        calibrate_task(TASK, solutions, false_fail=0.5, confidence=0.5, progress=False)
 
 
 def test_too_few_tests_for_a_promise_are_refused():
     with pytest.raises(ValueError, match=r"tests.*299"):
-        calibrate(TASK, SOLUTIONS, tests=298)
+        calibrate_task(TASK, SOLUTIONS, tests=298)

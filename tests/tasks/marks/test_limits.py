@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import binom, binomtest
 
 from grading_promises import calibration, files, promises, tolerance
-from robsim.teach import Estimate, Limit, Measure, task
+from robsim.teach import EstimateTask, MeasureTask, ScoreLimit, task
 from robsim.teach.tasks.marks import sets
 from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from, share_interval
 from sizes import thorough
@@ -64,7 +64,7 @@ def skewed(rng, n, *, scale, shift):
 
 @pytest.mark.long
 def test_right_solutions_fail_as_rarely_as_promised_whatever_the_distribution(rng):
-    task, promised, n = Estimate(), 0.05, 59
+    task, promised, n = EstimateTask(), 0.05, 59
     kinds = [{"scale": 1.0, "shift": 0.0}, {"scale": 1.3, "shift": -0.05}]
     naive = as_sets(np.full((3, 3), 5.0))
     fresh = [skewed(rng, 4000, **kind) for kind in kinds]
@@ -85,7 +85,7 @@ def test_right_solutions_fail_as_rarely_as_promised_whatever_the_distribution(rn
 
 
 def test_of_right_solutions_the_worst_test_of_all_sets_the_limits():
-    task = Measure()
+    task = MeasureTask()
     rows = np.full((PILOT + 5, 3), 1.0)
     rows[:PILOT, 0] = np.exp(0.04 * np.tile([1, -1], PILOT // 2))
     rows[:PILOT, 1] = np.exp(0.1 * np.tile([1, -1], PILOT // 2))
@@ -103,12 +103,14 @@ def test_a_score_that_hardly_ever_differs_does_not_scale_the_limits_of_others():
     rows = np.full((PILOT + 5, 3), 1.0)
     rows[:PILOT, 1] = np.exp(0.1 * np.tile([1, -1], PILOT // 2))
     rows[-1] = [1.09, 1.0, 1.0]  # the only test in which it does
-    limits = limits_from(Measure(), [as_sets(rows)], as_sets(np.full((3, 3), 9.0)), PILOT, rank=1)
+    limits = limits_from(
+        MeasureTask(), [as_sets(rows)], as_sets(np.full((3, 3), 9.0)), PILOT, rank=1
+    )
     assert limits["heading"].full < np.exp(0.3)
 
 
 def test_no_points_are_given_where_naive_is_and_never_close_to_the_limit():
-    task = Estimate()
+    task = EstimateTask()
     rows = np.tile(np.exp([[0.1, 0.1, 0.1], [0.1, 0.1, -0.1]]), (PILOT, 1))
     naive = as_sets(np.tile([3.0, 1.0, 0.01], (3, 1)))
     limits = limits_from(task, [as_sets(rows)], naive, PILOT, rank=1)
@@ -119,14 +121,14 @@ def test_no_points_are_given_where_naive_is_and_never_close_to_the_limit():
 
 
 LIMITS = {
-    "position": Limit(full=1.5, zero=6.0),
-    "heading": Limit(full=2.0, zero=3.0),
-    "consistency": Limit(full=2.0, zero=4.0, low=0.5, low_zero=0.25),
+    "position": ScoreLimit(full=1.5, zero=6.0),
+    "heading": ScoreLimit(full=2.0, zero=3.0),
+    "consistency": ScoreLimit(full=2.0, zero=4.0, low=0.5, low_zero=0.25),
 }
 
 
 def test_points_are_shares_of_fractions_less_what_failed():
-    scores = Estimate().scores
+    scores = EstimateTask().scores
     assert sets.points_of(scores, LIMITS, [1.5, 2.0, 0.5], 1.0) == pytest.approx(1)
     assert sets.points_of(scores, LIMITS, [3.0, 2.0, 1.0], 1.0) == pytest.approx(0.35 / 2 + 0.65)
     assert sets.points_of(scores, LIMITS, [1.0, 1.0, 1.0], 0.7) == pytest.approx(0.7)
@@ -134,7 +136,7 @@ def test_points_are_shares_of_fractions_less_what_failed():
 
 
 def test_the_statistic_of_a_test_is_that_of_runs_that_came_through():
-    task = Estimate(runs=2)
+    task = EstimateTask(runs=2)
     failed = np.array([False, False, False, True, True, True])
     own = sets.Runs(np.array([[2.0, 2, 3]] * 2 + [[8.0, 8, 2]] + [[np.nan] * 3] * 3), failed)
     reference = sets.Runs(np.ones((6, 3)), np.zeros(6, dtype=bool))

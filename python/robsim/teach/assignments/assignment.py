@@ -10,10 +10,10 @@ from typing import Any
 from robsim.base.text import quoted
 from robsim.teach.grading.keys import Key
 from robsim.teach.grading.task import Frames, rules_of
-from robsim.teach.isolation.limits import Isolation, Limits
+from robsim.teach.isolation.limits import Isolation, WorkerLimits
 from robsim.teach.submissions import Rules
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.score import Limit
+from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
 
 #: Who has the public tests has their key, too: they are the same for all.
@@ -37,7 +37,7 @@ class TaskTest:
     public : bool
         Whether students get it: they see its numbers and pictures, and can run it. Its seeds are
         those of the public key, the same for all.
-    limits : mapping of str to Limit
+    limits : mapping of str to ScoreLimit
         Those of the scores, by name; empty until they are calibrated.
     stale : str
         Why the limits were not calibrated for this task, or these solutions; "" = they were, or
@@ -55,7 +55,7 @@ class TaskTest:
     task: Task
     points: float
     public: bool = True
-    limits: Mapping[str, Limit] = field(default_factory=dict)
+    limits: Mapping[str, ScoreLimit] = field(default_factory=dict)
     stale: str = ""
     reference: Solution | None = field(default=None, repr=False)
     reference_values: Mapping[str, tuple[float, ...]] = field(default_factory=dict, repr=False)
@@ -101,7 +101,7 @@ class Assignment:
         What the seeds of tests that are not public come from; None = there is none.
     isolation : str
         How submissions are shut in.
-    limits : robsim.teach.Limits
+    limits : robsim.teach.WorkerLimits
         What a run may take.
     points : float or None
         How many all tests give together, also those that are not in this folder; None = not known.
@@ -125,7 +125,7 @@ class Assignment:
     own_seeds: bool = True
     key: Key | None = None
     isolation: Isolation = "auto"
-    limits: Limits = field(default_factory=Limits)
+    limits: WorkerLimits = field(default_factory=WorkerLimits)
     points: float | None = None
     seconds: float = SECONDS
     tests: tuple[TaskTest, ...] = ()

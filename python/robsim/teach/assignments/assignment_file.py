@@ -17,7 +17,7 @@ from robsim.teach.assignments.limits_file import RecordedTest, read_limits
 from robsim.teach.errors import AssignmentError
 from robsim.teach.grading.keys import Key
 from robsim.teach.grading.robot_half import ROBOT_SLOTS
-from robsim.teach.isolation.limits import LEVELS, Isolation, Limits
+from robsim.teach.isolation.limits import LEVELS, Isolation, WorkerLimits
 from robsim.teach.submissions.names import checked_path
 from robsim.teach.tasks.by_name import TASKS, task
 from robsim.teach.tasks.definition import Task
@@ -139,7 +139,7 @@ _OLD_MASKS = {
     "robsim.reference": "robsim.estimation.reference",
     **{f"robsim.{room}": f"robsim.teach.{room}" for room in ("tasks", "grading", "assignments")},
 }
-_LIMIT_KEYS = (*Limits.__dataclass_fields__, "submission")
+_LIMIT_KEYS = (*WorkerLimits.__dataclass_fields__, "submission")
 _GIVEN = ("pose", "blobs", "frames")  # each has what those before it have
 _MOST_POINTS, _MOST_SECONDS, _MOST_GIVEN = 1e6, 1e6, 2**24
 
@@ -325,13 +325,13 @@ def _renamed(masked: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(_OLD_MASKS.get(name, name) for name in masked))
 
 
-def _limits(keys: Keys) -> tuple[float, Limits]:
+def _limits(keys: Keys) -> tuple[float, WorkerLimits]:
     values = dict(keys.table("limits"))
     own = Keys(values, FILE, _LIMIT_KEYS, "[limits]")
     seconds = own.number("submission", SECONDS, most=_MOST_SECONDS)
     values.pop("submission", None)
     try:
-        return seconds, Limits(**values)
+        return seconds, WorkerLimits(**values)
     except (TypeError, ValueError) as error:
         own.refuse(error)
 

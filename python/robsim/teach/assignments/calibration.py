@@ -20,7 +20,11 @@ from robsim.teach.assignments.assignment_file import SOLUTIONS, load_assignment,
 from robsim.teach.assignments.grading.references import key_for
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.marks.calibrate import calibrate, calibration_seconds, check_solutions
+from robsim.teach.tasks.marks.calibrate import (
+    calibrate_task,
+    calibration_seconds,
+    check_solutions,
+)
 from robsim.teach.tasks.marks.calibration import TaskCalibration, solutions_digest, task_digest
 from robsim.teach.tasks.solutions import Solution
 
@@ -46,7 +50,7 @@ def calibrate_assignment(
     folder : path
         The folder of the assignment. The seeds of the runs come from its key.
     false_fail, confidence, executor, progress
-        As for `robsim.teach.calibrate`.
+        As for `robsim.teach.calibrate_task`.
     on_begin : callable, optional
         Is called with about how long all of it takes (s), and whether runs are kept that count.
 
@@ -76,7 +80,7 @@ def calibrate_assignment(
     for test, names in _by_task(assignment):
         solutions = _usable(assignment, test.task)
         digest = f"{task_digest(test.task)}-{solutions_digest(solutions)}"
-        made = calibrate(
+        made = calibrate_task(
             test.task,
             solutions,
             false_fail=false_fail,

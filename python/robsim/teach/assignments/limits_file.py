@@ -14,7 +14,7 @@ from robsim.base.spelling import check_names
 from robsim.base.text import quoted
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.marks.calibration import TaskCalibration
-from robsim.teach.tasks.score import Limit
+from robsim.teach.tasks.score import ScoreLimit
 
 FILE = "limits.json"
 FORMAT = 1
@@ -28,7 +28,7 @@ class RecordedTest:
 
     Attributes
     ----------
-    limits : mapping of str to Limit
+    limits : mapping of str to ScoreLimit
         By score.
     reference : mapping of str to tuple of float
         The numbers of the reference in each run, by score; for those who do not have it.
@@ -36,7 +36,7 @@ class RecordedTest:
         What the limits rest on; None = they were written by hand, or it is not known here.
     """
 
-    limits: Mapping[str, Limit] = field(default_factory=dict)
+    limits: Mapping[str, ScoreLimit] = field(default_factory=dict)
     reference: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     calibration: TaskCalibration | None = None
 
@@ -91,7 +91,7 @@ def _table(place: str, values: Mapping[str, Any], key: str) -> Mapping[str, Any]
     return value if isinstance(value, dict) else _refuse(f"{place}: {key} must be an object")
 
 
-def _limit(place: str, values: Any) -> Limit:
+def _limit(place: str, values: Any) -> ScoreLimit:
     if not isinstance(values, dict) or not {"full", "zero"} <= values.keys():
         _refuse(f"{place} must have full and zero, got {quoted(values)}")
     check_names(f"{FILE}: {place} has no", values, _LIMIT, lambda text: AssignmentError(text))
@@ -102,7 +102,7 @@ def _limit(place: str, values: Any) -> Limit:
         }
     except (TypeError, ValueError) as error:
         _refuse(f"{place}: {error}")
-    return Limit(**numbers)
+    return ScoreLimit(**numbers)
 
 
 def _numbers(place: str, values: Any) -> tuple[float, ...]:

@@ -56,7 +56,7 @@ class ScoreResult:
     statistic : float
         What they come to; NaN = no run came through.
     limit, zero, low, low_zero : float or None
-        As of the `Limit`.
+        As of the `ScoreLimit`.
     fraction, share : float
         The part of its points that it gives, 0 to 1, and its share of those of the test.
     """

@@ -3,7 +3,7 @@
 from robsim.teach.errors import AssignmentError, GraderError, GradingError, SubmissionError
 from robsim.teach.grading.keys import Key
 from robsim.teach.grading.submission import Submission
-from robsim.teach.isolation import IsolationError, IsolationReport, Limits, check_isolation
+from robsim.teach.isolation import IsolationError, IsolationReport, WorkerLimits, check_isolation
 from robsim.teach.texts import clean_text, fenced
 
 __all__ = [
@@ -13,9 +13,9 @@ __all__ = [
     "IsolationError",
     "IsolationReport",
     "Key",
-    "Limits",
     "Submission",
     "SubmissionError",
+    "WorkerLimits",
     "check_isolation",
     "clean_text",
     "fenced",

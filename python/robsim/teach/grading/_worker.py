@@ -20,7 +20,7 @@ from robsim.teach.grading._wire import LIMITS, Channel, Kind, Ready, WireError
 from robsim.teach.grading.answering import CallSetup
 from robsim.teach.grading.robot_half import ROBOT_SLOTS, Setup, groups_of
 from robsim.teach.grading.task import Done
-from robsim.teach.isolation import Isolation, Limits, start_worker
+from robsim.teach.isolation import Isolation, WorkerLimits, start_worker
 from robsim.teach.isolation.ending import GRADER_LOST_IT
 from robsim.teach.isolation.limits import as_size
 from robsim.teach.texts import ErrorText, clean_text
@@ -50,7 +50,7 @@ class Worker:
         What it is told.
     memory : FrameMemory, optional
         Where it sees frames.
-    limits : Limits
+    limits : WorkerLimits
         What it may take.
     isolation : str
         How it is shut in.
@@ -66,7 +66,7 @@ class Worker:
         setup: Setup | CallSetup,
         *,
         memory: FrameMemory | None,
-        limits: Limits,
+        limits: WorkerLimits,
         isolation: Isolation,
         hidden: Sequence[str],
     ) -> None:

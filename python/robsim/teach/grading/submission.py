@@ -30,7 +30,7 @@ from robsim.teach.grading.keys import Key
 from robsim.teach.grading.many_runs import GradedRuns, seeds_of
 from robsim.teach.grading.robot_half import ROBOT_SLOTS
 from robsim.teach.grading.task import Done, Task, check_samples, rules_of
-from robsim.teach.isolation import Isolation, Limits
+from robsim.teach.isolation import Isolation, WorkerLimits
 from robsim.teach.isolation.limits import LEVELS
 from robsim.teach.submissions import read_submission
 from robsim.trace import Trace
@@ -72,7 +72,7 @@ class Submission:
     frames : bool or "blobs", optional
         Whether it sees the frames, or the blobs in them alone. Default: the frames, if it fills
         `measure`. Poses are cheaper.
-    limits : Limits, optional
+    limits : WorkerLimits, optional
         What it may weigh, and what a run may take: time, memory, output, files.
     isolation : {"auto", "strict", "process", "none"}
         How its process is shut in; see `check_isolation`.
@@ -119,7 +119,7 @@ class Submission:
         imports: Iterable[str] | None = None,
         masked: Iterable[str] = (),
         frames: bool | Literal["blobs"] | None = None,
-        limits: Limits | None = None,
+        limits: WorkerLimits | None = None,
         isolation: Isolation = "auto",
         key: Key | None = None,
         student: str | None = None,
@@ -130,7 +130,7 @@ class Submission:
             check_choice("frames", frames, ("blobs",))
         elif frames is not None:
             check_bool("frames", frames)
-        for name, value, kind in (("limits", limits, Limits), ("key", key, Key)):
+        for name, value, kind in (("limits", limits, WorkerLimits), ("key", key, Key)):
             if value is not None and not isinstance(value, kind):
                 raise TypeError(f"{name} must be {kind.__name__}, got {quoted(value)}")
         check_choice("isolation", isolation, LEVELS)
@@ -138,7 +138,7 @@ class Submission:
         _check_given(given)
         given_student = None if student is None else _name("student", student)
         self._test = None if test is None else _name("test", test)
-        limits = limits or Limits()
+        limits = limits or WorkerLimits()
         rules = rules_of(slots, functions, imports, masked, limits)
         files = read_submission(path, rules, given)
         self.name = files.name

@@ -13,7 +13,7 @@ from typing import Any, Generic, Literal, TypeVar
 
 from robsim.simulation import Scenario
 from robsim.simulation.slots import ESTIMATORS, ROBOT, STEP, WORLD, names
-from robsim.teach.isolation import Isolation, Limits
+from robsim.teach.isolation import Isolation, WorkerLimits
 from robsim.teach.isolation.limits import room_for
 from robsim.teach.submissions import Rules, SubmissionFiles
 
@@ -36,7 +36,7 @@ def rules_of(
     functions: str | Iterable[str],
     imports: Iterable[str] | None,
     masked: Iterable[str],
-    limits: Limits,
+    limits: WorkerLimits,
 ) -> Rules:
     """Return the rules of an assignment; raise TypeError or ValueError."""
     rules = Rules.of(
@@ -106,7 +106,7 @@ class Task:
     frames : bool, "blobs" or None
         Whether it sees the frames, or the blobs in them alone; None = the frames, if it fills
         `measure`.
-    limits : Limits
+    limits : WorkerLimits
         What a run may take.
     isolation : str
         How its process is shut in.
@@ -117,7 +117,7 @@ class Task:
     submission: SubmissionFiles
     rules: Rules
     frames: Frames = None
-    limits: Limits = field(default_factory=Limits)
+    limits: WorkerLimits = field(default_factory=WorkerLimits)
     isolation: Isolation = "auto"
     callbacks: Mapping[str, Any] = field(default_factory=dict)
 
@@ -139,7 +139,7 @@ class Task:
         )
 
     @property
-    def limits_of_worker(self) -> Limits:
+    def limits_of_worker(self) -> WorkerLimits:
         """The limits, with room for the files that were handed in: they are written there, too."""
         sizes = [len(content) for content in self.submission.sources.values()]
         return dataclasses.replace(

@@ -21,8 +21,8 @@ from robsim.simulation.world.world_of_scenario import frame_size
 from robsim.teach.tasks.by_name import TASKS
 from robsim.teach.tasks.by_name import task as task_by_name
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.kinds.follow import Follow
-from robsim.teach.tasks.kinds.park import Park
+from robsim.teach.tasks.kinds.follow import FollowTask
+from robsim.teach.tasks.kinds.park import ParkTask
 
 _LENGTH = 100.0  # px of the work area that count as 1
 
@@ -47,7 +47,7 @@ class Reward(ABC):
 class ParkReward(Reward):
     """The distance from the goal, and near it the heading error."""
 
-    def __init__(self, task: Park, pose: Floats) -> None:
+    def __init__(self, task: ParkTask, pose: Floats) -> None:
         self._goal = task.goal
         super().__init__(pose)
 
@@ -62,7 +62,7 @@ class ParkReward(Reward):
 class FollowReward(Reward):
     """The way that is left along the path, and the distance from it."""
 
-    def __init__(self, task: Follow, pose: Floats) -> None:
+    def __init__(self, task: FollowTask, pose: Floats) -> None:
         self._points = np.vstack((pose[:2], task.waypoints))
         self._radius: float = task.values["WAYPOINT_RADIUS"]
         self._next = 1  # the number of the waypoint that is driven to
@@ -85,8 +85,8 @@ class FollowReward(Reward):
 
 #: By the kind of task: what makes the reward of a run from the task and the first pose.
 REWARDS: Mapping[type[Task], Callable[[Any, Floats], Reward]] = {
-    Park: ParkReward,
-    Follow: FollowReward,
+    ParkTask: ParkReward,
+    FollowTask: FollowReward,
 }
 
 

@@ -3,7 +3,7 @@
 from robsim.teach.isolation._process import WorkerProcess
 from robsim.teach.isolation.check import IsolationReport, check_isolation
 from robsim.teach.isolation.ending import Ending
-from robsim.teach.isolation.limits import Isolation, Limits
+from robsim.teach.isolation.limits import Isolation, WorkerLimits
 from robsim.teach.isolation.start import IsolationError, start_worker
 
 __all__ = [
@@ -11,7 +11,7 @@ __all__ = [
     "Isolation",
     "IsolationError",
     "IsolationReport",
-    "Limits",
+    "WorkerLimits",
     "WorkerProcess",
     "check_isolation",
     "start_worker",

@@ -6,7 +6,7 @@ import math
 import signal
 from dataclasses import dataclass
 
-from robsim.teach.isolation.limits import Limits, as_size
+from robsim.teach.isolation.limits import WorkerLimits, as_size
 
 #: Exit codes of a worker's own: it could not shut itself in; it found no more memory.
 NOT_SHUT_IN, NO_MEMORY = 70, 71
@@ -52,7 +52,7 @@ def ending_of(
     cpu_seconds: float,
     max_rss: int,
     *,
-    limits: Limits,
+    limits: WorkerLimits,
     killed: bool,
     too_much_written: bool,
     left: list[str],
@@ -69,7 +69,7 @@ def ending_of(
     return Ending(text, cpu_seconds, max_rss, exited=not by_limit, left=tuple(left))
 
 
-def _by_limit(code: int, cpu_seconds: float, limits: Limits) -> str:
+def _by_limit(code: int, cpu_seconds: float, limits: WorkerLimits) -> str:
     """Return which limit ended a worker; "" = none did."""
     if code == NO_MEMORY:
         return f"its process asked for more than {as_size(limits.memory)} of memory"

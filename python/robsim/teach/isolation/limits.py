@@ -14,7 +14,7 @@ BLOCK = 1 << 16
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limits:
+class WorkerLimits:
     """What a submission may weigh, and what one run may take: time, memory, output, files, threads.
 
     Parameters
@@ -106,7 +106,7 @@ class Request:
     ----------
     entry : str
         ``"module:function"``: trusted code, called as ``function(channel, memory)``.
-    limits : Limits
+    limits : WorkerLimits
         What it may take.
     isolation : str
         One of `LEVELS`.
@@ -119,7 +119,7 @@ class Request:
     """
 
     entry: str
-    limits: Limits
+    limits: WorkerLimits
     isolation: Isolation
     hidden: tuple[str, ...] = ()
     user: int | None = None
@@ -138,7 +138,7 @@ class Request:
         return cls(
             **{
                 **message,
-                "limits": Limits(**message["limits"]),
+                "limits": WorkerLimits(**message["limits"]),
                 "hidden": tuple(message["hidden"]),
                 "without": tuple(message["without"]),
             }

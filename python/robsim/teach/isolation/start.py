@@ -11,7 +11,7 @@ from robsim.base.checks import check_choice
 from robsim.base.text import quoted
 from robsim.teach.errors import GraderError
 from robsim.teach.isolation._process import WorkerProcess
-from robsim.teach.isolation.limits import LEVELS, Isolation, Limits, Request
+from robsim.teach.isolation.limits import LEVELS, Isolation, Request, WorkerLimits
 
 HAS_ZYGOTE = sys.platform == "linux"
 
@@ -25,7 +25,7 @@ def start_worker(
     entry: str,
     channel: socket.socket,
     memory: Sequence[int] = (),
-    limits: Limits | None = None,
+    limits: WorkerLimits | None = None,
     isolation: Isolation = "auto",
     hidden: Sequence[str] = (),
     modules: Sequence[str] = ("numpy", "robsim"),
@@ -43,7 +43,7 @@ def start_worker(
         The worker's end; it gets a copy, and the caller closes this one.
     memory : sequence of int
         Descriptors that it gets copies of.
-    limits : Limits, optional
+    limits : WorkerLimits, optional
         What it may take.
     isolation : {"auto", "none", "process", "strict"}
         ``"auto"``: all that works here; ``"none"``: a process, and nothing else; ``"process"``:
@@ -72,7 +72,7 @@ def start_worker(
         raise ValueError(f"entry must be 'module:function', got {quoted(entry)}")
     request = Request(
         entry=entry,
-        limits=limits or Limits(),
+        limits=limits or WorkerLimits(),
         isolation=isolation,
         hidden=tuple(map(os.path.abspath, hidden)),
         without=tuple(without),

@@ -9,13 +9,13 @@ from typing import Any
 from robsim.base.checks import check_text
 from robsim.base.spelling import check_names
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.kinds.estimate import Estimate
-from robsim.teach.tasks.kinds.follow import Follow
-from robsim.teach.tasks.kinds.identify import Identify
-from robsim.teach.tasks.kinds.measure import Measure
-from robsim.teach.tasks.kinds.park import Park
+from robsim.teach.tasks.kinds.estimate import EstimateTask
+from robsim.teach.tasks.kinds.follow import FollowTask
+from robsim.teach.tasks.kinds.identify import IdentifyTask
+from robsim.teach.tasks.kinds.measure import MeasureTask
+from robsim.teach.tasks.kinds.park import ParkTask
 
-_KINDS = (Park, Follow, Identify, Measure, Estimate)
+_KINDS = (ParkTask, FollowTask, IdentifyTask, MeasureTask, EstimateTask)
 
 #: The kinds of tasks by name.
 TASKS: Mapping[str, type[Task]] = MappingProxyType({kind.name: kind for kind in _KINDS})

@@ -111,7 +111,7 @@ class Score:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limit:
+class ScoreLimit:
     """Up to where the statistic of a score has full points, and from where on none.
 
     Parameters

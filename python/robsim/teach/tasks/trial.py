@@ -22,7 +22,7 @@ from robsim.campaigns.runs import CaseRuns
 from robsim.teach.tasks.definition import MOST_RUNS, Task, check_task, solution_folder
 from robsim.teach.tasks.marks.calibration import shipped_calibrations, task_digest
 from robsim.teach.tasks.marks.sets import points_of
-from robsim.teach.tasks.score import Limit, Score
+from robsim.teach.tasks.score import Score, ScoreLimit
 from robsim.teach.tasks.solutions import REFERENCE, Solution
 from robsim.trace import Trace
 
@@ -47,7 +47,7 @@ class TaskTrial(Report):
     values, reference : mapping of str to tuple of float
         The numbers of the runs, by the name of the score: its own and those of the reference. NaN =
         there is none, and for its own also where the run failed.
-    limits : mapping of str to Limit
+    limits : mapping of str to ScoreLimit
         Up to where a score has all points, by its name; empty = not known.
     failed : mapping of int to str
         Runs that ended with an error, by number, and what that was.
@@ -68,7 +68,7 @@ class TaskTrial(Report):
     seed: int
     values: Mapping[str, tuple[float, ...]]
     reference: Mapping[str, tuple[float, ...]]
-    limits: Mapping[str, Limit]
+    limits: Mapping[str, ScoreLimit]
     failed: Mapping[int, str]
     broken: tuple[int, ...]
     rule: str | None
@@ -213,7 +213,7 @@ def _median(values: tuple[float, ...]) -> float:
     return float(np.median(known)) if known else math.nan
 
 
-def _in_words(limit: Limit) -> tuple[str, str]:
+def _in_words(limit: ScoreLimit) -> tuple[str, str]:
     """Return where a score has all points, and where none."""
     if limit.low is None or limit.low_zero is None:
         return f"up to {limit.full:.3g}", f"from {limit.zero:.3g}"
@@ -286,7 +286,7 @@ def try_solution(
 
     Examples
     --------
-    >>> park = robsim.teach.Park()
+    >>> park = robsim.teach.ParkTask()
     >>> robsim.teach.try_solution(park, control=my_controller, runs=2)  # doctest: +SKIP
     """
     check_task(task)
@@ -430,7 +430,7 @@ def _worst(
     return max(runs, key=loss, default=None)
 
 
-def _limits(task: Task) -> tuple[Mapping[str, Limit], bool]:
+def _limits(task: Task) -> tuple[Mapping[str, ScoreLimit], bool]:
     """Return the limits that ship for its kind, and whether they are for its parameters."""
     shipped = shipped_calibrations().get(task.name)
     if shipped is None:

@@ -18,7 +18,7 @@ from robsim.teach.assignments.results import (
     TestResult,
 )
 from robsim.teach.errors import AssignmentError
-from robsim.teach.tasks.score import Limit, Score
+from robsim.teach.tasks.score import Score, ScoreLimit
 
 _ALL = 1 - 1e-9
 
@@ -94,7 +94,7 @@ def status_of(points: float, most: float) -> str:
     return PARTIAL if points > 0 else FAILED
 
 
-def limit_of(test: TaskTest, score: Score) -> Limit:
+def limit_of(test: TaskTest, score: Score) -> ScoreLimit:
     """Return the limit of a score; raise AssignmentError if there is none."""
     if score.name not in test.limits:
         raise AssignmentError(

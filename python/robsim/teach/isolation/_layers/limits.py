@@ -7,12 +7,12 @@ import resource
 import sys
 
 from robsim.teach.isolation._layers.layer import LIMITS, Layer
-from robsim.teach.isolation.limits import Limits, as_size
+from robsim.teach.isolation.limits import WorkerLimits, as_size
 
 assert sys.platform != "win32"
 
 
-def limit(limits: Limits, *, own_user: bool) -> Layer:
+def limit(limits: WorkerLimits, *, own_user: bool) -> Layer:
     """Limit memory, processor time, files, and, where the user is its own, threads."""
     wanted = {
         "RLIMIT_AS": limits.memory,

@@ -28,7 +28,7 @@ _HOLD = 4
 
 
 @dataclass(frozen=True, kw_only=True)
-class Estimate(Task):
+class EstimateTask(Task):
     """Estimate the pose of a robot that slips, from noisy measurements that are missing at times.
 
     Parameters

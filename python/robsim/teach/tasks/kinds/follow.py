@@ -22,7 +22,7 @@ _RADIUS = 25.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Follow(DrivingTask):
+class FollowTask(DrivingTask):
     """Drive along a path, from waypoint to waypoint.
 
     Parameters

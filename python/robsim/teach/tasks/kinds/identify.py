@@ -26,7 +26,7 @@ _EXCITATION = DriveAround(low=-1.0, high=3.0, hold=6)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Identify(Task):
+class IdentifyTask(Task):
     """Identify the parameters of a robot recursively, from the poses that a camera measures.
 
     What is scored is what the parameters predict: the error of the next pose, from the true ones

@@ -20,7 +20,7 @@ from robsim.trace.tracking import FALSE_POSE_LIMITS
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measure(Task):
+class MeasureTask(Task):
     """Find the robot in noisy frames: position and heading, or that it is not to be seen.
 
     Parameters

@@ -21,7 +21,7 @@ _POSITION_TOLERANCE, _HEADING_TOLERANCE = 20.0, 0.15
 
 
 @dataclass(frozen=True, kw_only=True)
-class Park(DrivingTask):
+class ParkTask(DrivingTask):
     """Drive to a pose, position and heading, and stay there.
 
     Parameters

@@ -1,4 +1,4 @@
-"""`calibrate`: limits of a task from runs of right solutions."""
+"""`calibrate_task`: limits of a task from runs of right solutions."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from robsim.teach.tasks.marks.calibration import (
 )
 from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from
 from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
-from robsim.teach.tasks.score import Limit
+from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import NAIVE, REFERENCE, Solution
 
 #: Tests from which the shape of the limits comes, and tests of each wrong solution.
 PILOT_TESTS, WRONG_TESTS = 60, 60
 
 
-def calibrate(
+def calibrate_task(
     task: Task,
     solutions: Iterable[Solution] | None = None,
     *,
@@ -226,7 +226,9 @@ def _plain(parameters: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def marks_of(task: Task, solution: Solution, sets: Sets, limits: dict[str, Limit]) -> SolutionMarks:
+def marks_of(
+    task: Task, solution: Solution, sets: Sets, limits: dict[str, ScoreLimit]
+) -> SolutionMarks:
     """Return what a solution comes to in some tests, by limits."""
     points = sets.points(task.scores, limits)
     known = sets.through > 0
@@ -253,12 +255,12 @@ def calibration_seconds(
     tests: int | None = None,
     processes: int = 1,
 ) -> float:
-    """Return about how long `calibrate` will take (s), from a test of each solution.
+    """Return about how long `calibrate_task` will take (s), from a test of each solution.
 
     Parameters
     ----------
     task, solutions, false_fail, confidence, tests
-        As for `calibrate`.
+        As for `calibrate_task`.
     processes : int
         How many will run at a time.
     """

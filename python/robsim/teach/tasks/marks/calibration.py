@@ -15,7 +15,7 @@ from robsim.base.report import Column, Quantity, Report, Row, Table, interval, p
 from robsim.base.text import listed, one_line, quoted
 from robsim.teach.tasks.definition import Task, check_task
 from robsim.teach.tasks.marks.limits import share_interval
-from robsim.teach.tasks.score import Limit
+from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import Solution
 
 FORMAT = 1
@@ -71,7 +71,7 @@ class TaskCalibration(Report):
         The kind of task.
     parameters : mapping of str to value
         What was set of it.
-    limits : mapping of str to Limit
+    limits : mapping of str to ScoreLimit
         The limits of its scores, by name.
     false_fail : float
         The probability with which a right solution has less than full points, at most.
@@ -96,7 +96,7 @@ class TaskCalibration(Report):
 
     task: str
     parameters: Mapping[str, Any]
-    limits: Mapping[str, Limit]
+    limits: Mapping[str, ScoreLimit]
     false_fail: float
     confidence: float
     tests: int
@@ -233,7 +233,7 @@ class TaskCalibration(Report):
             raise ValueError(f"no calibration of format {FORMAT}, got {quoted(record)}")
         data = {name: value for name, value in record.items() if name != "format"}
         try:
-            limits = {name: Limit(**limit) for name, limit in data.pop("limits").items()}
+            limits = {name: ScoreLimit(**limit) for name, limit in data.pop("limits").items()}
             solutions = tuple(SolutionMarks(**one) for one in data.pop("solutions"))
             return cls(limits=limits, solutions=solutions, **data)
         except (KeyError, TypeError, AttributeError) as error:

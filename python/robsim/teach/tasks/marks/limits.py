@@ -10,7 +10,7 @@ import numpy as np
 from robsim.base.checks import Floats
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.marks.sets import Sets
-from robsim.teach.tasks.score import Limit
+from robsim.teach.tasks.score import ScoreLimit
 
 #: No limit is nearer to the reference: what is right may be rounded otherwise.
 _LEAST_MARGIN = 1.01
@@ -23,7 +23,7 @@ _ROUNDED = 1 + 1e-9
 
 def limits_from(
     task: Task, right: Sequence[Sets], naive: Sets, pilot: int, rank: int
-) -> dict[str, Limit]:
+) -> dict[str, ScoreLimit]:
     """Return the limits of a task's scores from the tests of right solutions.
 
     Parameters
@@ -68,10 +68,10 @@ def limits_from(
     for index, score in enumerate(task.scores):
         at = 1.0 if middle is None else float(middle[index])
         full = next(bounds)
-        limit = Limit(full=full, zero=max(at, full**2))
+        limit = ScoreLimit(full=full, zero=max(at, full**2))
         if score.kind == "consistency":
             low = 1 / next(bounds)
-            limit = Limit(full=full, zero=limit.zero, low=low, low_zero=min(at, low**2))
+            limit = ScoreLimit(full=full, zero=limit.zero, low=low, low_zero=min(at, low**2))
         limits[score.name] = limit
     return limits
 

@@ -15,7 +15,7 @@ from robsim.base.checks import Floats
 from robsim.campaigns import CampaignResult, campaign
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.tasks.definition import Task, solution_folder
-from robsim.teach.tasks.score import Limit, Score
+from robsim.teach.tasks.score import Score, ScoreLimit
 from robsim.teach.tasks.solutions import Solution
 
 _METRIC = "task"
@@ -109,7 +109,7 @@ class Sets:
     statistics: Floats
     through: Floats
 
-    def points(self, scores: Sequence[Score], limits: Mapping[str, Limit]) -> Floats:
+    def points(self, scores: Sequence[Score], limits: Mapping[str, ScoreLimit]) -> Floats:
         """Return what each test gives, (N,), as a part of its points."""
         return np.array(
             [
@@ -121,7 +121,7 @@ class Sets:
 
 def points_of(
     scores: Sequence[Score],
-    limits: Mapping[str, Limit],
+    limits: Mapping[str, ScoreLimit],
     statistics: Sequence[float] | Floats,
     through: float,
 ) -> float:
@@ -131,7 +131,7 @@ def points_of(
     ----------
     scores : sequence of Score
         Those of the task.
-    limits : mapping of str to Limit
+    limits : mapping of str to ScoreLimit
         Their limits, by name.
     statistics : sequence of float
         What the runs come to that came through, by score; NaN = none did.
