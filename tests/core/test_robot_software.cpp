@@ -167,7 +167,7 @@ TEST_F(RobotSoftwareTest, TheLastInputIsWhatWasSentUnlessTheWorldKnowsBetter) {
 
 TEST_F(RobotSoftwareTest, ASampleThatIsBroughtIsTakenBeforeOneThatIsMade) {
   robot.stages().estimate_parameters = {[](const StepPointer& step) -> std::optional<AxisMatrix> {
-                                          if (!step->sample) return std::nullopt;
+                                          if (!step->has_sample()) return std::nullopt;
                                           return step->estimator->update(*step);
                                         },
                                         false};
@@ -182,13 +182,13 @@ TEST_F(RobotSoftwareTest, ASampleThatIsBroughtIsTakenBeforeOneThatIsMade) {
   observation.sample = brought;
   robot.begin_step(0, 0.2, observation, camera);
   robot.estimate_parameters();
-  EXPECT_EQ(robot.step()->sample->k, 4);
+  EXPECT_EQ(robot.step()->find_sample()->k, 4);
   EXPECT_EQ(*robot.step()->parameters, theta);
   robot.begin_step(1, 0.2, {}, camera);
   EXPECT_EQ(*robot.step()->parameters, theta);  // until there are newer ones
   robot.estimate_parameters();
   EXPECT_EQ(*robot.step()->parameters, theta);
-  robot.step()->sample = made;
+  robot.step()->set_sample(made);
   robot.estimate_parameters();
   EXPECT_NE(*robot.step()->parameters, theta);
 }

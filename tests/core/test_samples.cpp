@@ -54,7 +54,7 @@ std::vector<std::optional<Sample>> samples_from(IdentifyFrom identify_from,
     truth.bounced = row.bounced;
     history.begin(step, model, row.last_u, row.is_interrupted, false);
     history.write_newest(step, &truth);
-    samples.push_back(step.sample);
+    samples.push_back(step.find_sample());
     if (row.is_seen) step.measurement = Measurement{pose_of(step.k)};
     step.u = input_of(step.k);
     history.add(step, &truth);
@@ -119,7 +119,7 @@ TEST(SampleHistory, TheInputThatTheRobotReallyGotCounts) {
 TEST(SampleHistory, NobodyKnowsTheTruthOutside) {
   Step step(std::make_shared<RunGuard>(), nullptr);
   SampleHistory(IdentifyFrom::truth).write_newest(step, nullptr);
-  EXPECT_FALSE(step.sample);
+  EXPECT_FALSE(step.has_sample());
 }
 
 // The step at which times are refused, -1 = never.
