@@ -11,7 +11,7 @@ from robsim.base.checks import Floats
 from robsim.control import FollowPath, GoToPoint
 from robsim.gui._link import Refused
 from robsim.gui.panels.settings.owners import Owners
-from robsim.gui.panels.settings.pace import Choice, Remarks
+from robsim.gui.panels.settings.setting import Choice, Remarks
 from robsim.gui.panels.settings.signals import OFF, SIGNAL_KINDS, SIGNALS, signal_of
 from robsim.gui.panels.settings.stages import Stages
 from robsim.simulation import Experiment, Simulation

@@ -1,93 +1,11 @@
-"""The classes of controls, and the control of the speed."""
+"""The control of the speed."""
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any, ClassVar
 
-from robsim.base.text import quoted
 from robsim.gui._driver import Driver
-from robsim.gui._link import Refused
-
-#: What is to be said of a change beyond itself, such as what it has switched on, too.
-Remarks = list[str]
-
-
-class Setting(ABC):
-    """A control: its value is that of the run, wherever it was changed."""
-
-    name: str
-    kind: ClassVar[str]
-
-    @property
-    @abstractmethod
-    def value(self) -> Any:
-        """The value of the run; any thread may ask."""
-
-    @abstractmethod
-    def set(self, value: Any) -> Remarks:
-        """Change it, in the thread of the run; raise `Refused` if that cannot be."""
-
-    @abstractmethod
-    def limits(self) -> dict[str, Any]:
-        """Return what it can be set to, as fields of the message ``setup``."""
-
-    def described(self) -> dict[str, Any]:
-        """Return its entry in the message ``setup``."""
-        return {"name": self.name, "kind": self.kind, "value": self.value} | self.limits()
-
-
-class Choice(Setting):
-    """One of some names."""
-
-    kind: ClassVar[str] = "choice"
-
-    @abstractmethod
-    def choices(self) -> Mapping[str, str | None]:
-        """Return the names, and why one cannot be chosen, or None."""
-
-    @abstractmethod
-    def choose(self, name: str) -> Remarks:
-        """Change it, in the thread of the run, to a name that can be chosen."""
-
-    def set(self, value: Any) -> Remarks:
-        choices = self.choices()
-        if value not in choices:
-            raise Refused(f"{self.name} must be one of {', '.join(choices)}, got {quoted(value)}")
-        if (reason := choices[value]) is not None:
-            raise Refused(reason)
-        return self.choose(value)
-
-    def limits(self) -> dict[str, Any]:
-        return {"choices": [{"value": n, "disabled": why} for n, why in self.choices().items()]}
-
-
-class Range(Setting):
-    """A number between two limits."""
-
-    kind: ClassVar[str] = "range"
-    low: float
-    high: float
-    step: float
-    unit: str
-
-    @abstractmethod
-    def move(self, value: float) -> Remarks:
-        """Change it, in the thread of the run, to a number within the limits."""
-
-    def is_within(self, value: float) -> bool:
-        return self.low <= value <= self.high
-
-    def set(self, value: Any) -> Remarks:
-        if not isinstance(value, float) or not self.is_within(value):
-            limits = f"{self.low:g}..{self.high:g} {self.unit}".rstrip()
-            raise Refused(f"{self.name} must be within {limits}, got {quoted(value)}")
-        return self.move(value)
-
-    def limits(self) -> dict[str, Any]:
-        return {"low": self.low, "high": self.high, "step": self.step, "unit": self.unit}
+from robsim.gui.panels.settings.setting import Range, Remarks
 
 
 class Speed(Range):

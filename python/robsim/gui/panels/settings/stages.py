@@ -8,7 +8,7 @@ from typing import Any
 from robsim.gui._link import Refused
 from robsim.gui.panels.settings.estimator import default_estimator, tune, why_no_default
 from robsim.gui.panels.settings.owners import Owners
-from robsim.gui.panels.settings.pace import Choice, Remarks
+from robsim.gui.panels.settings.setting import Choice, Remarks
 from robsim.gui.panels.settings.signals import OFF, SIGNALS
 from robsim.simulation import Experiment, Simulation
 from robsim.simulation.callbacks.missing_data import needed_slots

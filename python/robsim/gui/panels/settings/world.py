@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from robsim.gui.panels.settings.pace import Choice, Range, Remarks, Setting
+from robsim.gui.panels.settings.setting import Choice, Range, Remarks, Setting
 from robsim.simulation import Dropout, PoseNoise, Simulation, WheelNoise
 from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
 
