@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,6 +16,8 @@ from robsim.cli.command import argument, number_option, option
 from robsim.cli.shared import Json
 from robsim.cli.text import about, parse_points, parse_size
 
+#: Names, pixels and positions of marks.
+Marks = tuple[list[str] | None, Sequence[Sequence[float]], Sequence[Sequence[float]]]
 _COLUMNS = "name", "u", "v", "x", "y"
 EXAMPLE = (
     "Example: robsim calibrate floor floor.png --calibration camera.toml --area 1200x1200 "
@@ -135,7 +138,11 @@ def floor(
 
 
 def _calibrated(
-    sources: list[Path], marks: Any, mark: float, places: list[str], options: dict[str, Any]
+    sources: list[Path],
+    marks: Marks | None,
+    mark: float,
+    places: list[str],
+    options: dict[str, Any],
 ) -> Any:
     from robsim.lab.calibration.floor import calibrate_floor, calibrate_floor_by_sheets
 
@@ -170,7 +177,7 @@ def _place(text: str) -> tuple[int, tuple[float, float]]:
         ) from None
 
 
-def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) -> Any:
+def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) -> Marks | None:
     """Return names, pixels and positions; None if no marks are given."""
     if marks is not None:
         if pixels or positions:
@@ -184,7 +191,7 @@ def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) 
     return None, seen, parse_points("--positions", positions, minimum=4)
 
 
-def _read_marks(file: Path) -> tuple[list[str], list[list[float]], list[list[float]]]:
+def _read_marks(file: Path) -> Marks:
     from robsim.base.files import read_text
 
     rows = list(csv.reader(read_text(file).splitlines()))
