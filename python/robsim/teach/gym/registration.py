@@ -10,7 +10,7 @@ from robsim.teach.gym.environment import REWARDS
 def register() -> None:
     """Register each task that a controller solves, once."""
     for kind in REWARDS:
-        name = f"robsim/{kind.__name__}-v0"
+        name = f"robsim/{kind.name.capitalize()}-v0"
         if name not in gymnasium.registry:
             gymnasium.register(
                 name, entry_point="robsim.teach.gym:TaskEnv", kwargs={"task": kind.name}
