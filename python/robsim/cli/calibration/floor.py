@@ -185,10 +185,9 @@ def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) 
         return _read_marks(marks)
     if (pixels is None) != (positions is None):
         raise ValueError("--pixels and --positions belong together: give both or neither")
-    if pixels is None:
-        return None
     seen = parse_points("--pixels", pixels, minimum=4)
-    return None, seen, parse_points("--positions", positions, minimum=4)
+    places = parse_points("--positions", positions, minimum=4)
+    return None if seen is None or places is None else (None, seen, places)
 
 
 def _read_marks(file: Path) -> Marks:
