@@ -6,7 +6,6 @@ import datetime
 import math
 import platform
 from collections.abc import Mapping
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -62,11 +61,13 @@ def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str
 
 
 def _versions() -> dict[str, str]:
+    from importlib import metadata  # takes 10 ms
+
     found = {}
     for package in _PACKAGES:
         try:
-            found[package] = version(package)
-        except PackageNotFoundError:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
             continue
     return found
 
