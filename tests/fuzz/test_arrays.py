@@ -16,6 +16,7 @@ from fuzzing import (
     attempt,
     fuzzed,
     images,
+    mostly,
     on_every_path,
 )
 from robsim import _core
@@ -46,10 +47,10 @@ LAYOUTS = st.builds(
         area_tolerance=tolerances[1],
         maximum_blobs=tolerances[2],
     ),
-    st.one_of(POSITIVE, FLOATS),
-    st.one_of(st.floats(-3.1, 3.1), FLOATS),
-    st.one_of(st.floats(0.01, 1), FLOATS),
-    st.one_of(st.floats(1.1, 9), FLOATS),
+    mostly(POSITIVE, FLOATS),
+    mostly(st.floats(-3.1, 3.1), FLOATS),
+    mostly(st.floats(0.01, 1), FLOATS),
+    mostly(st.floats(1.1, 9), FLOATS),
     st.integers(-1, 99),
 )
 REGIONS = st.one_of(st.none(), st.none(), st.tuples(*[st.integers(-3, 75)] * 4))
@@ -192,7 +193,8 @@ def test_least_squares(phi, y):
 
 @fuzzed
 @given(
-    st.integers(-1, 12), st.integers(-1, 5), st.floats(0.5, 1) | FLOATS, POSITIVE | FLOATS,
+    mostly(st.integers(1, 12), st.integers(-1, 0)), mostly(st.integers(1, 5), st.integers(-1, 0)),
+    mostly(st.floats(0.5, 1), FLOATS), mostly(POSITIVE, FLOATS),
     st.lists(st.tuples(arrays((5,), (3, 5), (1,)), arrays((), (3,), (1,))), max_size=8), SEEDS,
 )  # fmt: skip
 def test_recursive_least_squares(n, n_filters, forgetting, covariance, samples, seed):

@@ -72,6 +72,12 @@ NUMBERS = st.one_of(ORDINARY, ORDINARY, FLOATS)
 SEEDS = st.integers(0, 2**32 - 1)
 
 
+def mostly(ordinary, odd):
+    """Return a strategy that draws odd values in about one case of four."""
+    # `one_of` takes each strategy once, however often it is given.
+    return st.integers(0, 3).flatmap(lambda i: odd if i == 3 else ordinary)
+
+
 @st.composite
 def arrays(draw, *shapes, numbers=NUMBERS):
     """A float array of one of the shapes (callables draw a length): random, with a few edges."""
