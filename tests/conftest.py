@@ -88,6 +88,12 @@ def small_bench(monkeypatch):
 
 
 @pytest.fixture
+def unhurried(monkeypatch):
+    """Let the doctor count the work of a call, without its waits for a processor."""
+    monkeypatch.setattr("robsim.teach.doctor._trial._slowdown", lambda: 1e9)
+
+
+@pytest.fixture
 def rng(request):
     """Random numbers of the test's own; a failing test prints the seed."""
     seed = sum(map(ord, request.node.name)) % 100_000

@@ -12,7 +12,7 @@ from robsim.teach import TASKS, ParkTask, ScoreLimit, check_folder
 from robsim.teach.tasks import trial as _trying
 from small_assignments import solution
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.usefixtures("unhurried")]
 
 
 # --- check

@@ -18,6 +18,8 @@ from robsim.teach import (
 )
 from sizes import thorough
 
+pytestmark = pytest.mark.usefixtures("unhurried")
+
 # What is found first of each of the wrong solutions that ship.
 CAUSES = {
     "park": {
