@@ -71,7 +71,7 @@ def test_seeds_come_from_the_key(folder, monkeypatch):
 
 @pytest.mark.slow
 def test_one_that_is_ended_goes_on(folder, monkeypatch):
-    whole = calibration.calibrate
+    whole = calibration.calibrate_task
 
     def ended(*arguments, **options):
         whole(*arguments, **options)
