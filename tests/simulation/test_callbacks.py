@@ -267,3 +267,22 @@ def test_recursion_is_told_in_few_lines():
     with pytest.raises(RecursionError) as caught:
         run()
     assert caught.value.__notes__ == ["in the callback control at step 0"] * 8
+
+
+def test_a_motion_that_is_filled_during_a_run_turns_the_samples():
+    sim = robsim.Simulation(seed=1, control=robsim.Spin(0.5), **SMALL)
+    samples = []
+
+    @sim.estimate_parameters
+    def estimate_parameters(step):
+        if step.sample is not None:
+            samples.append(step.sample.phi)
+
+    sim.run(6)
+    sim.evaluate_model = lambda world: world.model.predict(world.pose_1, world.pose_2, world.last_u)
+    sim.run(5)
+    phi = np.array(samples)
+    assert len(phi) > 6
+    headings = phi[:, 2, 0]
+    np.testing.assert_allclose(phi[:, 0, 4], np.cos(headings), atol=1e-12)
+    np.testing.assert_allclose(phi[:, 1, 4], np.sin(headings), atol=1e-12)

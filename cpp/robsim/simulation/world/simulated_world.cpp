@@ -192,6 +192,7 @@ void SimulatedWorld::move_robot(std::int64_t k) {
 Pose SimulatedWorld::next_pose(std::int64_t k) {
   const Input u = options_.disturbance.disturbed(acting_input(k - 1), k);
   if (slots_.evaluate_model) {
+    truth_.turn.reset();  // it may have been filled since the last step
     const double dt = model_->dt();
     const Pose pose = slots_.evaluate_model.call(
         {k, static_cast<double>(k) * dt, dt, truth_.pose, last_pose_, u, *model_});
