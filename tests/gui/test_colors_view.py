@@ -13,6 +13,7 @@ from browsers import FakeBrowser, settled
 from python_devices import PATIENT, SteppedCamera
 from robsim import ColorClass
 from robsim.gui.tools.colors.training import ColorTraining
+from robsim.gui.tools.pictures import OnePicture
 from robsim.vision import classify, color_histograms, load_colors, save_colors, save_image
 from waiting import wait_for
 
@@ -321,6 +322,10 @@ def test_other_light_and_noise(here):
         assert score["name"] == "red"
         assert 0.5 < score["rate"] <= 1
         assert {sweep["name"] for sweep in score["levels"]} >= {"brightness", "shadow"}
+        smaller = OnePicture(picture()[:15, :15], "smaller").at(0)
+        tool._view.ask(lambda: tool._view.show(smaller))
+        browser.say("score")
+        assert "region" in browser.take("note", level="error")[0]["text"]
 
 
 def test_what_is_wrong_is_refused_by_its_name(here):

@@ -251,6 +251,7 @@ class ColorsView(ToolView):
         if self._beside.is_busy:
             raise ValueError("the one before is not ready yet")
         image, color = picture.frame.image, one.color
+        color_histograms(image, region)  # refuses a region of a previous, larger picture
 
         def tell(message: dict[str, Any] | None) -> None:
             if message is not None:
