@@ -6,13 +6,16 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robsim._core import Frame
 from robsim.gui._driver import Playback, State
 from robsim.gui._link import SLOW, Link
 from robsim.gui.panels.part import Handlers, Part
 from robsim.gui.panels.run.camera import Shot, past_shot, picture_of
+
+if TYPE_CHECKING:
+    from robsim.gui.panels.view import PanelView
 
 _GAP = 1 / 30  # s between two answers
 _MOST_KEPT = 64 << 20  # bytes of pictures
@@ -27,7 +30,7 @@ class Past(Part):
     were shown are kept, as they were sent, as long as there is room for them.
     """
 
-    def __init__(self, panel: Any) -> None:
+    def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
         self._kept = KeptPictures(_MOST_KEPT)
         self._wanted: dict[Link, int] = {}  # the newest request of each

@@ -100,7 +100,7 @@ class Tools(Part):
             return  # it was closed meanwhile
         view = self.tool._view
         if link not in self._lines:
-            self._lines[link] = ToolLine(self.panel, link)
+            self._lines[link] = ToolLine(self, link)
             view.connect(self._lines[link])
         told = {**message["message"], "id": message["id"]}
         view.receive(self._lines[link], told, message["buffers"])
@@ -181,9 +181,9 @@ class Tools(Part):
 class ToolLine(Link):
     """The line of a tool to a browser, through that of the panel."""
 
-    def __init__(self, panel: PanelView, link: Link) -> None:
+    def __init__(self, tools: Tools, link: Link) -> None:
         super().__init__()
-        self._panel, self._link = panel, link
+        self._tools, self._link = tools, link
 
     @property
     def is_behind(self) -> bool:
@@ -194,10 +194,10 @@ class ToolLine(Link):
         message = {"type": "tool", "message": dict(head)}
 
         def send() -> None:
-            if self._panel.tools.has(self):
+            if self._tools.has(self):
                 self._link.send(message, buffers)
 
-        if not self._panel.post(send):
+        if not self._tools.panel.post(send):
             raise RuntimeError("the panel has ended")
 
 

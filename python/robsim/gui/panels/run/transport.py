@@ -125,7 +125,9 @@ class Transport(Part):
         super().__init__(panel)
         panel.driver.on_stage.append(self._note_stage)
         self._stopping: list[threading.Thread] = []
-        self._camera = CameraRate(panel.runner) if panel.driver.is_live else None
+        self._camera: CameraRate | None = None
+        if isinstance(panel.runner, Experiment) and panel.runner.is_live:
+            self._camera = CameraRate(panel.runner)
 
     def handlers(self) -> Handlers:
         return {"press": self._press, "animate": self._animate}
@@ -232,7 +234,7 @@ class Transport(Part):
 class CameraRate:
     """What is to be known of a live camera: how many frames come, how old, how many are dropped."""
 
-    def __init__(self, experiment: Any) -> None:
+    def __init__(self, experiment: Experiment) -> None:
         self._source = experiment._source
         self._exposed = -math.inf  # the newest frame, by the monotonic clock
         self._began: float | None = None  # when the run went on; None = it does not
