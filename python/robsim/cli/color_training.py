@@ -147,7 +147,7 @@ def _recording(
     from robsim.trace.sessions.session import Session
     from robsim.vision.imaging.recordings import Recording
 
-    if not (source / "setup.toml").is_file():
+    if not Session._is_in(source):
         return Recording(source, area=parse_size("--area", area), calibration=calibration)
     for name, value in (("--area", area), ("--calibration", calibration)):
         if value is not None:

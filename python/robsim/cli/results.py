@@ -19,6 +19,8 @@ from robsim.estimation.identification.batch import BatchEstimate, batch_estimate
 from robsim.simulation import Experiment, Simulation
 from robsim.trace import Trace
 
+#: The file of the run itself.
+TRACE = "trace.npz"
 _FIGURES = ("camera.jpg", "traces.png", "parameters.png", "batch.png")
 
 
@@ -141,7 +143,7 @@ def write_results(
     trace = simulation.trace.in_unit(unit, mm_per_px=scale)
     is_tracked = trace.is_tracked
     out.mkdir(parents=True, exist_ok=True)
-    trace.save(out / "trace.npz")
+    trace.save(out / TRACE)
     figures: dict[str, Any] = {
         "camera.jpg": _camera_figure(simulation),
         "traces.png": robsim.plotting.plot_traces(trace),
@@ -156,7 +158,7 @@ def write_results(
             save_figure(out / name, figures[name])
         else:  # remove the figure of an earlier run
             (out / name).unlink(missing_ok=True)
-    files = tuple(out / name for name in (*figures, "trace.npz"))
+    files = tuple(out / name for name in (*figures, TRACE))
     tracking = trace.tracking() if is_tracked else None
     return Results(report=report, tracking=tracking, files=files, more=more or {})
 

@@ -162,7 +162,9 @@ def engine_of(jobs: int) -> int | None:
 
 def earlier_run(out: Path) -> str | None:
     """Return the remark that a folder's results of an earlier run are replaced, or None."""
-    if (out / "trace.npz").exists():
+    from robsim.cli.results import TRACE
+
+    if (out / TRACE).exists():
         return f"the earlier run in {out} is replaced; --out gives another folder"
     return None
 

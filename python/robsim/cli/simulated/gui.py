@@ -228,7 +228,7 @@ def _saved(path: Path) -> Recording | Session | Trace | None:
 
     if path.suffix == ".npz":
         return Trace.load(path)
-    if (path / "setup.toml").is_file():
+    if Session._is_in(path):
         return Session(path)
     if path.suffix and not path.exists():
         raise FileNotFoundError(f"there is no file or folder {path}")

@@ -19,6 +19,7 @@ from robsim.cli.text import (
     parse_start,
 )
 from robsim.control.by_name import POINTS
+from robsim.vision.imaging.video import SUFFIXES
 
 if TYPE_CHECKING:
     from robsim.simulation import Scenario, Simulation
@@ -93,7 +94,6 @@ HELP = (
     "Figures and the trace are written to a folder. Without a controller, yours or --control, the "
     "robot spins. Ctrl-C ends the run and keeps its results."
 )
-_SUFFIXES = ".mp4, .webm, .mkv, .avi; .mkv and .avi are lossless."
 
 
 def run(
@@ -153,7 +153,7 @@ def run(
     time_limit: shared.CallLimit = None,
     out: shared.Out = Path("robsim-run"),
     video: Annotated[
-        Path | None, option("--video", "FILE", f"Video of the run: {_SUFFIXES}")
+        Path | None, option("--video", "FILE", f"Video of the run: {SUFFIXES}")
     ] = None,
     record: Annotated[
         Path | None,

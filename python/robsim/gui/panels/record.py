@@ -274,7 +274,8 @@ class SavedRecord(Record):
     source = "trace"
 
     def __init__(self, saved: Trace | Session) -> None:
-        self._trace = _trace_of(saved).in_unit("px")
+        trace = saved if isinstance(saved, Trace) else saved._whole_trace()
+        self._trace = trace.in_unit("px")
         if not len(self._trace):
             raise ValueError("the trace cannot be shown: it has no steps")
         if first := int(self._trace.k[0]):
@@ -356,13 +357,6 @@ class SavedRecord(Record):
         if "robot" in info.changed:
             last = f"the robot changed in the run: all pictures show the last one, {info.robot}"
             self.remarks += (last,)
-
-
-def _trace_of(saved: Trace | Session) -> Trace:
-    if isinstance(saved, Trace):
-        return saved
-    whole = saved.folder / "trace.npz"  # of a run that ended well
-    return Trace.load(whole) if whole.is_file() else saved.trace
 
 
 def _robot_named(name: str) -> RobotDefinition | None:

@@ -19,7 +19,7 @@ from robsim.trace.run_info import RunInfo
 from robsim.trace.sessions._pictures import Pictures
 from robsim.trace.sessions._setup import Setup
 from robsim.trace.sessions.rows import Row, columns_of, read_rows
-from robsim.trace.sessions.writer import END, ROWS, SETUP, VIDEO
+from robsim.trace.sessions.writer import END, ROWS, SETUP, TRACE, VIDEO
 from robsim.trace.trace import Trace
 
 _UNKNOWN_DT = 0.2  # s, of a trace whose times tell nothing
@@ -95,7 +95,7 @@ class Session:
         self.folder = as_path(folder, "folder")
         if not self.folder.is_dir():
             raise FileNotFoundError(f"there is no folder {one_line(self.folder)}")
-        if not (self.folder / SETUP).is_file():
+        if not self._is_in(self.folder):
             raise FileNotFoundError(f"{one_line(self.folder)} has no session: no file {SETUP}")
         setup = Setup(self.folder / SETUP)
         self.setup = setup.table
@@ -135,6 +135,16 @@ class Session:
                     pixels = self._pictures.read(descriptor, row.video_frame)
                 yield self._observation(row, before, pixels)
                 before = row
+
+    @staticmethod
+    def _is_in(folder: Path) -> bool:
+        """Return whether a folder has a session."""
+        return (folder / SETUP).is_file()
+
+    def _whole_trace(self) -> Trace:
+        """Return all that was recorded, if the run ended well; else `trace`."""
+        file = self.folder / TRACE
+        return Trace.load(file) if file.is_file() else self.trace
 
     def _at(self, k: int) -> Observation:
         """Return the observation of a step, in any order; IndexError if there is none."""

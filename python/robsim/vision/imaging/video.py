@@ -185,6 +185,9 @@ def discarded_stderr() -> Iterator[None]:
 #: FourCC code of the codec for each file suffix.
 CODECS = {".mp4": "mp4v", ".webm": "VP80", ".mkv": "FFV1", ".avi": "FFV1"}
 LOSSLESS = "FFV1"
+_LOSSLESS_SUFFIXES = " and ".join(suffix for suffix, codec in CODECS.items() if codec == LOSSLESS)
+#: Suffixes of the files that can be written, for a user.
+SUFFIXES = f"{', '.join(CODECS)}; {_LOSSLESS_SUFFIXES} are lossless."
 
 
 class VideoWriter:
