@@ -61,6 +61,13 @@ def test_a_wrong_file_is_named(pixels, tmp_path):
         load_image(tmp_path / "none.png")
 
 
+def test_a_picture_for_which_there_is_no_memory_is_named(pixels, tmp_path, monkeypatch):
+    Image.fromarray(pixels).save(tmp_path / "large.png")
+    monkeypatch.setattr(Image.Image, "convert", lambda *_: bytes(1 << 62))
+    with pytest.raises(ValueError, match=r"large\.png .* memory"):
+        load_image(tmp_path / "large.png")
+
+
 @pytest.mark.parametrize("side", [10_000, 100_000])
 def test_a_small_file_that_claims_to_be_huge_is_refused(tmp_path, side):
     file = tmp_path / "bomb.png"

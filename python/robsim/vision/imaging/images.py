@@ -86,6 +86,8 @@ def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
         ) from error
     except _BOMBS as error:
         raise ValueError(f"{name} has too many pixels: {cut(error)}") from error
+    except MemoryError as error:
+        raise ValueError(f"{name} cannot be read: there is not enough memory") from error
     except Exception as error:  # Pillow's decoders raise many types
         raise ValueError(f"{name} cannot be read as an image: {cut(error)}") from error
 
