@@ -2089,7 +2089,7 @@ class SimulatedWorld(World):
     """
     The simulated world half. Users take robsim.Simulation.
     """
-    def __init__(self, *, area: tuple[int, int], resolution: tuple[int, int], boundary: str, robot_radius: float, camera_delay: int, motor_delay: float) -> None:
+    def __init__(self, *, area: tuple[int, int], resolution: tuple[int, int], boundary: str, camera_delay: int, motor_delay: float) -> None:
         ...
     def draw(self, k: int, pose: numpy.typing.ArrayLike, view: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], hidden: bool, noise: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
         """

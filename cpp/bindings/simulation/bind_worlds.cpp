@@ -76,8 +76,8 @@ void SlottedWorld::set_evaluate_model(const py::object& value) {
 }
 
 std::shared_ptr<SlottedWorld> make_world(std::pair<int, int> area, std::pair<int, int> resolution,
-                                         const std::string& boundary, double robot_radius,
-                                         int camera_delay, double motor_delay) {
+                                         const std::string& boundary, int camera_delay,
+                                         double motor_delay) {
   WorldOptions options;
   options.area = {
       area.first, area.second,
@@ -86,7 +86,6 @@ std::shared_ptr<SlottedWorld> make_world(std::pair<int, int> area, std::pair<int
   options.camera = PlaneMap::scaled(resolution.first, resolution.second, area.first, area.second);
   options.width = resolution.first;
   options.height = resolution.second;
-  options.robot_radius = robot_radius;
   options.camera_delay = camera_delay;
   options.motor_delay = motor_delay;
   return std::make_shared<SlottedWorld>(options);
@@ -210,8 +209,7 @@ void bind_simulated_world(py::module_& module) {
       "The simulated world half. Users take robsim.Simulation.",
       py::custom_type_setup(&collect_garbage<SlottedWorld>))
       .def(py::init(&make_world), py::kw_only(), py::arg("area"), py::arg("resolution"),
-           py::arg("boundary"), py::arg("robot_radius"), py::arg("camera_delay"),
-           py::arg("motor_delay"))
+           py::arg("boundary"), py::arg("camera_delay"), py::arg("motor_delay"))
       .def("set_evaluate_model", &SlottedWorld::set_evaluate_model, py::arg("value"))
       .def("set_make_scene", &SlottedWorld::set_make_scene, py::arg("make"),
            py::arg("makes_at_start"))

@@ -21,16 +21,13 @@ from robsim.simulation.runner import Runner
 from robsim.simulation.scenario import OPTIONS, Scenario
 from robsim.simulation.slots import SLOTS, AllCallbacks, WorldSlots
 from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
-from robsim.simulation.world.scene import draw_red_square
 from robsim.simulation.world.world_of_scenario import (
-    apply_dropout,
-    apply_noise,
-    apply_process_noise,
+    apply_options,
     check_bounces,
     frame_size,
-    new_world,
     seed_world,
     set_scene,
+    world_of,
 )
 from robsim.trace import Trace
 from robsim.trace.columns import SIMULATED
@@ -140,7 +137,7 @@ class Simulation(WorldSlots, Runner):
         self._seed = seed_sequence(base.seed)
         self._scenario = base.replace(**dict.fromkeys(code)) if code else base
         self.resolution = frame_size(self._scenario)
-        self._world = new_world(self._scenario)
+        self._world = world_of(self._scenario, self._seed)
         super().__init__(
             self._world,
             robot=self._scenario._robot_definition,
@@ -154,10 +151,6 @@ class Simulation(WorldSlots, Runner):
             time_limit=time_limit,
         )
         self._earlier: list[tuple[int, Simulation]] = []  # what draws the steps up to a number
-        self._seed_core()
-        apply_noise(self._world, self._scenario)
-        apply_dropout(self._world, self._scenario)
-        apply_process_noise(self._world, self._scenario)
         stages = {name: given.get(name, self._not_default(name)) for name in _STAGES}
         self._fill_slots(given | stages)
 
@@ -190,7 +183,6 @@ class Simulation(WorldSlots, Runner):
     @noise.setter
     def noise(self, noise: Noise | None) -> None:
         self._change(noise=noise)
-        apply_noise(self._world, self._scenario)
         self._is_marker_size_known = False
 
     def _camera_noise(self) -> float:
@@ -204,7 +196,6 @@ class Simulation(WorldSlots, Runner):
     @dropout.setter
     def dropout(self, dropout: Dropout | None) -> None:
         self._change(dropout=dropout)
-        apply_dropout(self._world, self._scenario)
 
     @property
     def process_noise(self) -> PoseNoise | WheelNoise | None:
@@ -214,11 +205,11 @@ class Simulation(WorldSlots, Runner):
     @process_noise.setter
     def process_noise(self, process_noise: PoseNoise | WheelNoise | None) -> None:
         self._change(process_noise=process_noise)
-        apply_process_noise(self._world, self._scenario)
 
     def _change(self, **changes: Any) -> None:
         self._core.check_thread()
         self._scenario = self._scenario.replace(**changes)
+        apply_options(self._world, self._scenario, changes)
         self._note_change(changes)
 
     def _change_vision(self, **changes: Any) -> None:
@@ -230,7 +221,6 @@ class Simulation(WorldSlots, Runner):
             self._keep_drawing(scenario)
         self._change(**changes)
         if "robot" in changes:
-            self._world.set_robot_radius(self._scenario._robot_definition.radius)
             self._put("adjust_background", self._callbacks["adjust_background"])
         self._look_for(
             self._scenario._robot_definition,
@@ -263,7 +253,7 @@ class Simulation(WorldSlots, Runner):
         if slot == "evaluate_model":
             self._world.set_evaluate_model(self._called(slot, value))
         elif slot == "adjust_background":
-            adjust = self._called(slot, value) or draw_red_square
+            adjust = self._called(slot, value)
             # A callback of the user's is called at the start, whether somebody looks or not.
             set_scene(self._world, self._scenario, adjust, makes_at_start=value is not None)
         else:

@@ -289,10 +289,4 @@ def _new_world(
     if scale is not None:
         width, height = (round(min(scale, _FINEST) * side) for side in scenario.area)
         scenario = scenario.replace(resolution=(max(width, 16), max(height, 16)))
-    world = worlds.new_world(scenario)
-    worlds.apply_dropout(world, scenario)
-    worlds.apply_process_noise(world, scenario)
-    worlds.seed_world(world, scenario, seed)
-    worlds.set_scene(world, scenario, makes_at_start=True)
-    world.set_evaluate_model(scenario.evaluate_model)
-    return world
+    return worlds.world_of(scenario, seed, makes_scene_at_start=True)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,7 @@ from robsim import _core
 from robsim._core import RobotModel
 from robsim.base.seeds import random_bits, stream, stream_number
 from robsim.simulation.world.disturbances import (
+    Dropout,
     PoseNoise,
     WheelNoise,
     as_dropout,
@@ -30,34 +31,52 @@ def frame_size(options: WorldOptions) -> tuple[int, int]:
     return options.resolution or options.area
 
 
-def new_world(scenario: Scenario) -> _core.SimulatedWorld:
-    """Return a world without seeds, scene and noises."""
-    return _core.SimulatedWorld(
+def world_of(
+    scenario: Scenario, seed: np.random.SeedSequence, *, makes_scene_at_start: bool = False
+) -> _core.SimulatedWorld:
+    """Return the world of a scenario; it makes its scene at the first look, or at the start."""
+    world = _core.SimulatedWorld(
         area=scenario.area,
         resolution=frame_size(scenario),
         boundary=scenario.boundary,
-        robot_radius=scenario._robot_definition.radius,
         camera_delay=scenario.camera_delay,
         motor_delay=scenario.motor_delay,
     )
+    apply_options(world, scenario, _SETTERS)
+    seed_world(world, scenario, seed)
+    set_scene(world, scenario, makes_at_start=makes_scene_at_start)
+    world.set_evaluate_model(scenario.evaluate_model)
+    return world
 
 
-def apply_noise(world: _core.SimulatedWorld, options: WorldOptions) -> None:
-    world.set_noise(as_native_noise(options.noise))
+def apply_options(world: _core.SimulatedWorld, scenario: Scenario, names: Iterable[str]) -> None:
+    """Give a world the values of these options, if it has them; between two steps, too."""
+    for name in names:
+        if name in _SETTERS:
+            _SETTERS[name](world, getattr(scenario, name))
 
 
-def apply_dropout(world: _core.SimulatedWorld, options: RobotOptions) -> None:
-    """Give a world the dropout of its robot."""
-    dropout = as_dropout(options.dropout)
-    world.set_dropout(dropout.probability, dropout.steps)
-
-
-def apply_process_noise(world: _core.SimulatedWorld, options: RobotOptions) -> None:
-    """Give a world the process noise of its robot."""
-    noise = check_process_noise(options.process_noise)
+def _set_process_noise(
+    world: _core.SimulatedWorld, process_noise: PoseNoise | WheelNoise | None
+) -> None:
+    noise = check_process_noise(process_noise)
     factor = noise.factor if isinstance(noise, PoseNoise) else np.zeros((3, 3))
     sigma = noise.sigma if isinstance(noise, WheelNoise) else 0.0
     world.set_disturbance(factor, np.broadcast_to(sigma, 2).tolist())
+
+
+def _set_dropout(world: _core.SimulatedWorld, dropout: Dropout | None) -> None:
+    checked = as_dropout(dropout)
+    world.set_dropout(checked.probability, checked.steps)
+
+
+#: Setters of the options that may change in the middle of a run.
+_SETTERS: dict[str, Callable[[_core.SimulatedWorld, Any], None]] = {
+    "robot": lambda world, robot: world.set_robot_radius(robot.radius),
+    "noise": lambda world, noise: world.set_noise(as_native_noise(noise)),
+    "dropout": _set_dropout,
+    "process_noise": _set_process_noise,
+}
 
 
 def seed_world(
@@ -76,12 +95,12 @@ def seed_world(
 def set_scene(
     world: _core.SimulatedWorld,
     scenario: Scenario,
-    adjust_background: Callable[[Pixels], Pixels] = draw_red_square,
+    adjust_background: Callable[[Pixels], Pixels] | None = None,
     *,
     makes_at_start: bool,
 ) -> None:
     """Let a world make its scene when somebody looks, or at the start."""
-    make = partial(_scene_of, scenario, adjust_background)
+    make = partial(_scene_of, scenario, adjust_background or draw_red_square)
     world.set_make_scene(make, makes_at_start=makes_at_start)
 
 
