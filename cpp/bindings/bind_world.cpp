@@ -187,14 +187,9 @@ TypeError, ValueError
 
   Class<VisualNoise>(public_in(module, "robsim._core"), "VisualNoise",
                      "Noise of the camera. Users take robsim.GaussianNoise or UniformNoise.")
-      .def(py::init([](const std::string& kind, double percent) {
-             return VisualNoise(choice_from<NoiseKind>("kind", kind,
-                                                       {{"none", NoiseKind::none},
-                                                        {"uniform", NoiseKind::uniform},
-                                                        {"gaussian", NoiseKind::gaussian}}),
-                                percent);
-           }),
-           py::arg("kind"), py::arg("percent"))
+      .def(py::init(
+               [](double gaussian, double uniform) { return VisualNoise({gaussian, uniform}); }),
+           py::kw_only(), py::arg("gaussian") = 0.0, py::arg("uniform") = 0.0)
       .def("add", &with_noise, py::arg("image"), py::arg("seed"), py::arg("index") = 0,
            py::kw_only(), py::arg("out") = py::none(), "See robsim.GaussianNoise.add.");
 }

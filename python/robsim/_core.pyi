@@ -693,7 +693,7 @@ class VisualNoise:
     """
     Noise of the camera. Users take robsim.GaussianNoise or UniformNoise.
     """
-    def __init__(self, kind: str, percent: float) -> None:
+    def __init__(self, *, gaussian: float = 0.0, uniform: float = 0.0) -> None:
         ...
     def add(self, image: numpy.typing.NDArray[numpy.uint8], seed: int, index: int = 0, *, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> numpy.ndarray:
         """
@@ -2091,7 +2091,7 @@ class SimulatedWorld(World):
     """
     def __init__(self, *, area: tuple[int, int], resolution: tuple[int, int], boundary: str, camera_delay: int, motor_delay: float) -> None:
         ...
-    def draw(self, k: int, pose: numpy.typing.ArrayLike, view: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], hidden: bool, noise: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"], out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
+    def draw(self, k: int, pose_true: numpy.typing.ArrayLike, view: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"] = [0.0, 0.0], hidden: typing.Annotated[collections.abc.Sequence[float], "FixedSize(1)"] = [0.0], noise: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"] = [0.0, 0.0], out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
         """
         Return the frame of an earlier step, or write it to `out`.
         """

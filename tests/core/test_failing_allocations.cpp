@@ -104,7 +104,7 @@ std::unique_ptr<Loop> make_loop(int headings) {
   options.width = options.height = side;
   options.robot_radius = 40;
   options.start = {80, 80, 0};
-  options.noise = VisualNoise(NoiseKind::gaussian, 5);
+  options.noise = VisualNoise({5, 0});
   auto world = std::make_shared<SimulatedWorld>(options);
   world->slots().make_scene = [headings] { return make_scene(headings); };
   auto loop = std::make_unique<Loop>(

@@ -96,13 +96,39 @@ Eigen::Matrix3d matrix_from(const ArrayLike& value, const std::string& name) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
 }
 
-// What a capture shows: a new frame, or one that borrows `out`, written anew.
-Frame drawn(SlottedWorld& self, const SimulatedWorld::Capture& capture,
-            const std::optional<PixelArray>& out) {
-  if (!out) return self.draw(capture);
+// The frame of a step: a new one, or one that borrows `out`.
+Frame drawn(SlottedWorld& self, const Truth& captured, const std::optional<PixelArray>& out) {
+  if (!out) return self.draw(captured);
   const bool is_buffer = PyObject_CheckBuffer(out->ptr());
   const py::object pixels = is_buffer ? py::object(py::array(*out)) : py::object(*out);
-  return self.draw_into(capture, writable_view(pixels, "out"), borrowed_image(pixels, "out"));
+  Image image = writable_image(pixels, "out");
+  const WorldOptions& options = self.options();
+  if (image.width() != options.width || image.height() != options.height) {
+    throw py::value_error("out must have the size of the frames, " + std::to_string(options.width) +
+                          " x " + std::to_string(options.height) + " px, got " + describe(*out));
+  }
+  Renderer::Canvas canvas{image, image.box(), {}};
+  return self.draw(captured, &canvas);
+}
+
+Frame draw_newest(SlottedWorld& self, const std::optional<PixelArray>& out) {
+  const RunGuard::Look look(self.loop_guard());
+  if (const Truth* captured = self.newest_captured()) return drawn(self, *captured, out);
+  throw std::runtime_error("no frame has come yet in this step");
+}
+
+// The other arguments are a row of the trace.
+Frame draw(SlottedWorld& self, std::int64_t k, const ArrayLike& pose_true,
+           const std::array<double, 2>& view, const std::array<double, 1>& hidden,
+           const std::array<double, 2>& noise, const std::optional<PixelArray>& out) {
+  const RunGuard::Look look(self.loop_guard());
+  Truth captured;
+  captured.k = k;
+  captured.pose = pose_from(pose_true, "pose_true");
+  captured.view = {view[0], view[1]};
+  captured.hidden = hidden[0] > 0;
+  captured.noise = noise;
+  return drawn(self, captured, out);
 }
 
 void set_frame_memory(SlottedWorld& self, const std::vector<py::object>& arrays) {
@@ -259,32 +285,12 @@ void bind_simulated_world(py::module_& module) {
             return std::const_pointer_cast<Scene>(self.scene());
           },
           "Scene or None: what the camera looks at; None if nobody has looked yet.")
-      .def(
-          "draw_newest",
-          [](SlottedWorld& self, const std::optional<PixelArray>& out) {
-            const RunGuard::Look look(self.loop_guard());
-            const SimulatedWorld::Capture* capture = self.newest_capture();
-            if (!capture) throw std::runtime_error("no frame has come yet in this step");
-            return drawn(self, *capture, out);
-          },
-          py::arg("out") = py::none(), "Return the newest frame, or write it to `out`.")
-      .def(
-          "draw",
-          [](SlottedWorld& self, std::int64_t k, const ArrayLike& pose,
-             const std::array<double, 2>& view, bool hidden, const std::array<double, 2>& noise,
-             const std::optional<PixelArray>& out) {
-            const RunGuard::Look look(self.loop_guard());
-            Truth truth;
-            truth.pose = pose_from(pose, "pose");
-            truth.view = {view[0], view[1]};
-            truth.hidden = hidden;
-            truth.gaussian_noise = noise[0];
-            truth.uniform_noise = noise[1];
-            return drawn(self, self.capture_of(k, truth), out);
-          },
-          py::arg("k"), py::arg("pose"), py::arg("view"), py::arg("hidden"), py::arg("noise"),
-          py::arg("out") = py::none(),
-          "Return the frame of an earlier step, or write it to `out`.");
+      .def("draw_newest", &draw_newest, py::arg("out") = py::none(),
+           "Return the newest frame, or write it to `out`.")
+      .def("draw", &draw, py::arg("k"), py::arg("pose_true"),
+           py::arg("view") = std::array<double, 2>{}, py::arg("hidden") = std::array<double, 1>{},
+           py::arg("noise") = std::array<double, 2>{}, py::arg("out") = py::none(),
+           "Return the frame of an earlier step, or write it to `out`.");
 }
 
 // Frames from an iterable of Python's, inputs to a callable.

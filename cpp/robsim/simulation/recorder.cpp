@@ -86,10 +86,8 @@ void Recorder::record_truth(const Truth& truth) {
   }
   // What is 0 throughout the run takes no column.
   if (truth.hidden) *trace_.writable(trace_.column("hidden")) = 1;
-  if (truth.gaussian_noise > 0 || truth.uniform_noise > 0) {
-    double* noise = trace_.writable(trace_.column("noise"));
-    noise[0] = truth.gaussian_noise;
-    noise[1] = truth.uniform_noise;
+  if (truth.noise != decltype(truth.noise){}) {
+    std::copy_n(truth.noise.data(), 2, trace_.writable(trace_.column("noise")));
   }
 }
 

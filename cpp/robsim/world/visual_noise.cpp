@@ -198,14 +198,17 @@ namespace {
 constexpr double highest = 1e6;  // percent; at more, too, all but a few pixels are black or white
 }
 
-VisualNoise::VisualNoise(NoiseKind kind, double percent) : kind_(kind), percent_(percent) {
-  if (!(std::isfinite(percent) && percent >= 0)) {
-    throw std::invalid_argument("percent must be at least 0 and finite, got " + to_text(percent));
+VisualNoise::VisualNoise(const Percent& percent) : percent_(percent) {
+  for (const double level : percent) {
+    if (std::isfinite(level) && level >= 0) continue;
+    throw std::invalid_argument("percent must be at least 0 and finite, got " + to_text(level));
   }
-  if (percent == 0) return;
-  const double scale = 2.55 * std::min(percent, highest);
-  if (kind == NoiseKind::gaussian) gaussian_ = gaussian_tables(scale);
-  if (kind == NoiseKind::uniform) uniform_ = uniform_steps(scale);
+  const auto [gaussian, uniform] = percent;
+  if (gaussian > 0 && uniform > 0) {
+    throw std::invalid_argument("noise must be Gaussian or uniform, got both");
+  }
+  if (gaussian > 0) gaussian_ = gaussian_tables(2.55 * std::min(gaussian, highest));
+  if (uniform > 0) uniform_ = uniform_steps(2.55 * std::min(uniform, highest));
 }
 
 void VisualNoise::add(const ImageView& clean, std::uint64_t seed, std::uint64_t index,

@@ -53,18 +53,17 @@ struct UniformSteps {
 /// Uniform within +- half_width, rounded.
 UniformSteps uniform_steps(double half_width);
 
-enum class NoiseKind { none, uniform, gaussian };
-
 /// Noise of the camera: independent per pixel and channel, added, rounded, clipped to 0..255.
 /// At p percent it is uniform within +-2.55 p or Gaussian with sigma = 2.55 p.
 class VisualNoise {
  public:
-  /// Throws std::invalid_argument for a level below 0 or not finite.
-  explicit VisualNoise(NoiseKind kind = NoiseKind::none, double percent = 0);
+  using Percent = std::array<double, 2>;  // Gaussian, uniform: one of them is 0
+
+  /// Throws std::invalid_argument for a level below 0 or not finite, and for two.
+  explicit VisualNoise(const Percent& percent = {});
 
   bool is_off() const { return !gaussian_ && !uniform_; }
-  NoiseKind kind() const { return kind_; }
-  double percent() const { return percent_; }
+  const Percent& percent() const { return percent_; }
 
   /// Writes clean + noise to `noisy`, which has the same size and may be the same pixels. The noise
   /// of frame `index` depends on the seed and on the index alone.
@@ -72,8 +71,7 @@ class VisualNoise {
            const WritableView& noisy) const;
 
  private:
-  NoiseKind kind_;
-  double percent_;
+  Percent percent_;
   // A pixel is a whole number, so that rounding its sum with the noise is adding a whole number.
   std::optional<GaussianTables> gaussian_;
   std::optional<UniformSteps> uniform_;

@@ -8,7 +8,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Unpack
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import Frame, RobotModel, RobotParameters
@@ -363,20 +362,9 @@ class Simulation(WorldSlots, Runner):
         captured = k - self._scenario.camera_delay
         if captured < 0:
             raise IndexError(f"no frame has come in step {k}: camera_delay is {k - captured} steps")
-
-        def recorded(name: str, width: int) -> list[float]:
-            row = columns[name][captured] if name in columns else np.zeros(width)
-            return [0.0 if np.isnan(number) else float(number) for number in row]
-
-        frame: Frame = self._world.draw(
-            captured,
-            columns["pose_true"][captured],
-            recorded("view", 2),
-            recorded("hidden", 1)[0] > 0,
-            recorded("noise", 2),
-            out,
-        )
-        return frame
+        names = ("pose_true", "view", "hidden", "noise")
+        recorded = {name: columns[name][captured] for name in names if name in columns}
+        return self._world.draw(captured, **recorded, out=out)
 
 
 def _is_data(name: str, values: dict[str, Any]) -> bool:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -11,12 +12,12 @@ namespace robsim {
 
 /// What only a simulated world knows of a step.
 struct Truth {
+  std::int64_t k = 0;
   Pose pose;
   bool bounced = false;
-  Point view;                              // by which the camera's view is displaced, work-area px
   bool hidden = false;                     // from the camera
-  double gaussian_noise = 0;               // %
-  double uniform_noise = 0;                // %
+  Point view;                              // displacement of the camera's view, work-area px
+  std::array<double, 2> noise = {};        // of the camera: VisualNoise::Percent
   std::optional<elementary::SinCos> turn;  // of the heading of the step before, where it is known
 };
 

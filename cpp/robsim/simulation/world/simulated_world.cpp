@@ -40,10 +40,6 @@ auto& at_step(Ring& ring, std::int64_t k) {
   return ring[ring.size() == 1 ? 0 : static_cast<std::size_t>(k) % ring.size()];  // % is slow
 }
 
-std::optional<Pose> seen(const SimulatedWorld::Capture& capture) {
-  return capture.hidden ? std::nullopt : std::optional(capture.pose);
-}
-
 }  // namespace
 
 bool Dropout::hides(std::int64_t k) const {
@@ -51,8 +47,7 @@ bool Dropout::hides(std::int64_t k) const {
          random_uniform(seed, static_cast<std::uint64_t>(k / steps)) < probability;
 }
 
-SimulatedWorld::SimulatedWorld(const WorldOptions& options)
-    : options_(options), noise_(std::make_shared<VisualNoise>(options.noise)) {
+SimulatedWorld::SimulatedWorld(const WorldOptions& options) : options_(options) {
   set_start(options.start);
 }
 
@@ -72,7 +67,7 @@ void SimulatedWorld::set_robot_radius(double radius) {
 
 void SimulatedWorld::set_noise(const VisualNoise& noise) {
   const RunGuard::Look look(guard());
-  noise_ = std::make_shared<VisualNoise>(noise);
+  options_.noise = noise;
 }
 
 void SimulatedWorld::set_dropout(double probability, int steps) {
@@ -137,7 +132,7 @@ void SimulatedWorld::start(const RobotModel& model) {
   truth_.pose = last_pose_ = options_.start;
   pan_ = {};
   sent_.assign(static_cast<std::size_t>(std::ceil(options_.motor_delay)) + 1, {});
-  captures_.assign(static_cast<std::size_t>(options_.camera_delay) + 1, {});
+  captured_.assign(static_cast<std::size_t>(options_.camera_delay) + 1, {});
   capture(0);
 }
 
@@ -150,25 +145,16 @@ Arrival SimulatedWorld::next(std::int64_t k, Observation& observation) {
   if (k > 0) move_robot(k);
   capture(k);
   observation.t = static_cast<double>(k) * model_->dt();
-  observation.has_frame = newest_capture() != nullptr;
+  observation.has_frame = newest_captured() != nullptr;
   return Arrival::step;
 }
 
 void SimulatedWorld::capture(std::int64_t k) {
-  if (has_moving_view()) pan_ = followed_view();
-  // The view is displaced by whole pixels of the camera.
-  const PlaneMap::Matrix& camera = options_.camera.matrix();
-  truth_.view = {camera[0] * pan_.u, camera[4] * pan_.v};
+  if (has_moving_view()) follow_robot();
+  truth_.k = k;
   truth_.hidden = options_.dropout.hides(k);
-  truth_.gaussian_noise = noise_->kind() == NoiseKind::gaussian ? noise_->percent() : 0;
-  truth_.uniform_noise = noise_->kind() == NoiseKind::uniform ? noise_->percent() : 0;
-  k_ = k;
-  Capture& capture = at_step(captures_, k);
-  capture.k = k;
-  capture.pose = truth_.pose;
-  capture.hidden = truth_.hidden;
-  capture.pan = pan_;
-  if (capture.noise != noise_) capture.noise = noise_;  // counting references costs time
+  truth_.noise = options_.noise.percent();
+  if (options_.camera_delay > 0) at_step(captured_, k) = truth_;
 }
 
 Sent SimulatedWorld::send(std::int64_t k, const Input& u) {
@@ -216,26 +202,18 @@ Input SimulatedWorld::acting_input(std::int64_t k) const {
   return {(1 - f) * u.u1 + f * before.u1, (1 - f) * u.u2 + f * before.u2};
 }
 
-Pan SimulatedWorld::followed_view() const {
+void SimulatedWorld::follow_robot() {
   const PlaneMap& camera = options_.camera;
   const Point pixel = camera.to_pixel({truth_.pose.x, truth_.pose.y});
   const double margin = 2 * options_.robot_radius / std::sqrt(camera.area_scale({}));
-  return follow(pan_, pixel, options_.width, options_.height, margin);
+  pan_ = follow(pan_, pixel, options_.width, options_.height, margin);
+  truth_.view = {camera.matrix()[0] * pan_.u, camera.matrix()[4] * pan_.v};
 }
 
-const SimulatedWorld::Capture* SimulatedWorld::newest_capture() const {
-  const std::int64_t arrived = k_ - options_.camera_delay;
-  return arrived < 0 ? nullptr : &at_step(captures_, arrived);
-}
-
-SimulatedWorld::Capture SimulatedWorld::capture_of(std::int64_t k, const Truth& truth) const {
-  const PlaneMap::Matrix& camera = options_.camera.matrix();
-  const Pan pan{static_cast<int>(std::lround(truth.view.x / camera[0])),
-                static_cast<int>(std::lround(truth.view.y / camera[4]))};
-  const bool is_gaussian = truth.gaussian_noise > 0;
-  return {k, truth.pose, truth.hidden, pan,
-          std::make_shared<VisualNoise>(is_gaussian ? NoiseKind::gaussian : NoiseKind::uniform,
-                                        is_gaussian ? truth.gaussian_noise : truth.uniform_noise)};
+const Truth* SimulatedWorld::newest_captured() const {
+  if (options_.camera_delay == 0) return &truth_;
+  const std::int64_t arrived = truth_.k - options_.camera_delay;
+  return arrived < 0 ? nullptr : &at_step(captured_, arrived);
 }
 
 Renderer& SimulatedWorld::renderer() {
@@ -244,78 +222,45 @@ Renderer& SimulatedWorld::renderer() {
 }
 
 Frame SimulatedWorld::frame() {
-  const Capture* capture = newest_capture();
-  if (capture) return memory_.empty() ? draw(*capture) : draw_on_memory(*capture);
-  throw std::runtime_error("there is no frame yet: run a step");
+  const Truth* captured = newest_captured();
+  if (!captured) throw std::runtime_error("there is no frame yet: run a step");
+  return draw(*captured, memory_.empty() ? nullptr : &memory_[next_in_memory_]);
 }
 
-// All of a frame but its image.
-Frame SimulatedWorld::unpainted(const Capture& capture) {
-  Frame frame;
-  frame.t = static_cast<double>(capture.k) * model_->dt();
-  frame.index = capture.k;
-  frame.plane_map = renderer().plane_map(capture.pan);
-  frame.headings = renderer().scene()->headings();
-  return frame;
-}
-
-Frame SimulatedWorld::without_noise(const Capture& capture) {
-  Frame frame = unpainted(capture);
-  const NativeWork native(pixel_count());
-  frame.image = renderer().render(seen(capture), capture.pan);
-  return frame;
-}
-
-void SimulatedWorld::add_noise(const Capture& capture, const ImageView& clean,
+void SimulatedWorld::add_noise(const Truth& captured, const ImageView& clean,
                                const WritableView& noisy) const {
-  const auto k = static_cast<std::uint64_t>(capture.k);
+  VisualNoise noise = options_.noise;
+  if (noise.percent() != captured.noise)
+    noise = VisualNoise(captured.noise);  // its tables are slow
+  const auto k = static_cast<std::uint64_t>(captured.k);
   if (noise_keys_.empty()) {
-    capture.noise->add(clean, options_.noise_seed, k, noisy);
+    noise.add(clean, options_.noise_seed, k, noisy);
   } else if (k < noise_keys_.size()) {
-    capture.noise->add(clean, noise_keys_[k], 0, noisy);
+    noise.add(clean, noise_keys_[k], 0, noisy);
   } else {
     throw std::out_of_range("there is no key for the noise of step " + std::to_string(k));
   }
 }
 
-Frame SimulatedWorld::draw_on_memory(const Capture& capture) {
-  Renderer::Canvas& canvas = memory_[next_in_memory_];
-  if (capture.noise->is_off()) {
-    Frame frame = unpainted(capture);
-    const NativeWork native(pixel_count());
-    frame.image = renderer().render(seen(capture), capture.pan, canvas);
+Frame SimulatedWorld::draw(const Truth& captured, Renderer::Canvas* canvas) {
+  const PlaneMap::Matrix& camera = options_.camera.matrix();
+  const Pan pan{static_cast<int>(std::lround(captured.view.x / camera[0])),
+                static_cast<int>(std::lround(captured.view.y / camera[4]))};
+  const auto pose = captured.hidden ? std::nullopt : std::optional(captured.pose);
+  Frame frame;
+  frame.t = static_cast<double>(captured.k) * model_->dt();
+  frame.index = captured.k;
+  frame.plane_map = renderer().plane_map(pan);
+  frame.headings = renderer().scene()->headings();
+  const NativeWork native(pixel_count());
+  if (captured.noise == VisualNoise::Percent{}) {
+    frame.image = canvas ? renderer().render(pose, pan, *canvas) : renderer().render(pose, pan);
     return frame;
   }
-  Frame frame = without_noise(capture);
-  const NativeWork native(pixel_count());
-  canvas.dirty = canvas.image.box();
-  add_noise(capture, frame.image.view(), canvas.image.writable_view());
-  frame.image = canvas.image;
-  return frame;
-}
-
-Frame SimulatedWorld::draw(const Capture& capture) {
-  Frame frame = without_noise(capture);
-  if (capture.noise->is_off()) return frame;
-  const NativeWork native(pixel_count());
-  Image noisy = noisy_images_.take(frame.image.width(), frame.image.height());
-  add_noise(capture, frame.image.view(), noisy.writable_view());
-  frame.image = noisy;
-  return frame;
-}
-
-Frame SimulatedWorld::draw_into(const Capture& capture, const WritableView& pixels,
-                                const Image& borrowed) {
-  Frame frame = without_noise(capture);
-  if (pixels.width != frame.image.width() || pixels.height != frame.image.height()) {
-    throw std::invalid_argument(
-        "out must have the size of the frames, " + std::to_string(frame.image.width()) + " x " +
-        std::to_string(frame.image.height()) + " px, got " + std::to_string(pixels.width) + " x " +
-        std::to_string(pixels.height));
-  }
-  const NativeWork native(pixel_count());
-  add_noise(capture, frame.image.view(), pixels);
-  frame.image = borrowed;
+  const Image clean = renderer().render(pose, pan);
+  frame.image = canvas ? canvas->image : noisy_images_.take(clean.width(), clean.height());
+  if (canvas) canvas->dirty = canvas->image.box();
+  add_noise(captured, clean.view(), frame.image.writable_view());
   return frame;
 }
 

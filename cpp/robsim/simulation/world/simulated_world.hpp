@@ -81,15 +81,6 @@ struct WorldSlots {
 /// The simulated world: a robot on a work area under a camera.
 class SimulatedWorld : public World {
  public:
-  /// What the camera captured at a step.
-  struct Capture {
-    std::int64_t k = 0;
-    Pose pose;
-    bool hidden = false;
-    Pan pan;
-    std::shared_ptr<const VisualNoise> noise;
-  };
-
   /// Throws std::invalid_argument unless the start is a finite pose.
   explicit SimulatedWorld(const WorldOptions& options);
 
@@ -126,17 +117,11 @@ class SimulatedWorld : public World {
   /// What the camera looks at; null if nobody has looked yet.
   std::shared_ptr<const Scene> scene() const { return renderer_ ? renderer_->scene() : nullptr; }
 
-  /// The capture of an earlier step, from what was recorded of it.
-  Capture capture_of(std::int64_t k, const Truth& truth) const;
+  /// Draws the frame of a step on a canvas of the size of the frames, or on images of the world.
+  Frame draw(const Truth& captured, Renderer::Canvas* canvas = nullptr);
 
-  /// What the camera delivers of a capture.
-  Frame draw(const Capture& capture);
-
-  /// The same, written to these pixels, which `borrowed` shows.
-  Frame draw_into(const Capture& capture, const WritableView& pixels, const Image& borrowed);
-
-  /// The capture that the newest frame shows; nothing if none has come yet.
-  const Capture* newest_capture() const;
+  /// The step that the newest frame shows; null if none has come yet.
+  const Truth* newest_captured() const;
 
   void start(const RobotModel& model) override;
   void reset() override;
@@ -152,17 +137,13 @@ class SimulatedWorld : public World {
   void capture(std::int64_t k);
   Pose next_pose(std::int64_t k);
   Input acting_input(std::int64_t k) const;
-  Pan followed_view() const;
+  void follow_robot();
   Renderer& renderer();
   std::int64_t pixel_count() const { return std::int64_t{options_.width} * options_.height; }
-  Frame unpainted(const Capture& capture);
-  Frame without_noise(const Capture& capture);
-  Frame draw_on_memory(const Capture& capture);
-  void add_noise(const Capture& capture, const ImageView& clean, const WritableView& noisy) const;
+  void add_noise(const Truth& captured, const ImageView& clean, const WritableView& noisy) const;
 
   WorldOptions options_;
   WorldSlots slots_;
-  std::shared_ptr<const VisualNoise> noise_;
   std::optional<RobotModel> model_;
   std::optional<Renderer> renderer_;
   ImagePool noisy_images_;
@@ -174,9 +155,9 @@ class SimulatedWorld : public World {
   Pose last_pose_;
   Truth truth_;
   Pan pan_;
-  std::vector<Input> sent_;        // those of the last steps, that of step k at k modulo the size
-  std::vector<Capture> captures_;  // the same
-  std::int64_t k_ = 0;             // the newest step
+  // Of the last steps, step k at k modulo the size.
+  std::vector<Input> sent_;
+  std::vector<Truth> captured_;
 };
 
 }  // namespace robsim

@@ -122,7 +122,7 @@ def as_native_noise(noise: Noise | None) -> VisualNoise:
         If `noise` has another type.
     """
     if noise is None:
-        return native_noise("none", 0.0)
+        return VisualNoise()
     if not isinstance(noise, _Noise):
         raise TypeError(
             f"noise must be a GaussianNoise, a UniformNoise or None, "
@@ -143,4 +143,4 @@ def standard_deviation(noise: Noise | None) -> float:
 @functools.lru_cache(maxsize=16)
 def native_noise(kind: str, percent: float) -> VisualNoise:
     """Return the C++ core's noise; its tables are computed once per kind and level."""
-    return VisualNoise(kind, percent)
+    return VisualNoise(**{kind: percent})
