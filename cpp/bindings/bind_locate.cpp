@@ -14,8 +14,8 @@
 #include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/vision/color/image_statistics.hpp"
 #include "robsim/vision/explain_detection.hpp"
+#include "robsim/vision/marker_vision.hpp"
 #include "robsim/vision/marker_width.hpp"
-#include "robsim/vision/second_look.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -327,27 +327,20 @@ The steps of a run in which the default measurement detected no robot, for the s
 }
 
 // That of a Frame, if no other one is given.
-PlaneMap plane_map_for(const std::optional<PlaneMap>& given,
-                       const std::optional<ImageLike>& image) {
-  if (given) return *given;
-  const bool is_frame = image && py::isinstance<Frame>(*image);
-  return is_frame ? image->cast<const Frame&>().plane_map : PlaneMap();
-}
-
 Detection detect_in(const BlobsByColor& blobs, const MarkerLayout& markers,
                     const std::optional<PlaneMap>& plane_map, const std::optional<ImageLike>& image,
                     const std::optional<std::vector<ColorClass>>& colors) {
   if (colors && !image) throw py::value_error("colors must come with an image, got no image");
-  const PlaneMap map = plane_map_for(plane_map, image);
-  Detection detection = detect(blobs, markers, map);
-  if (!image) return detection;
-  const ImageView view = view_from(*image, "image");
-  const int headings = py::isinstance<Frame>(*image) ? image->cast<const Frame&>().headings : 0;
-  const NativeWork work(std::int64_t{view.width} * view.height);
-  if (colors) look_again(detection, view, *colors, map);
-  refine(detection, view, map, headings);
-  examine_frame(detection, view, map);
-  return detection;
+  if (!image) return detect(blobs, markers, plane_map.value_or(PlaneMap()));
+  Frame frame;
+  if (py::isinstance<Frame>(*image)) {
+    frame = image->cast<const Frame&>();
+  } else {
+    frame.image = borrowed_image(*image, "image");
+  }
+  if (plane_map) frame.plane_map = *plane_map;
+  const NativeWork work(std::int64_t{frame.image.width()} * frame.image.height());
+  return detect(blobs, markers, frame, colors.value_or(std::vector<ColorClass>()));
 }
 
 std::optional<Measurement> locate_in(const BlobsByColor& blobs, const MarkerLayout& markers,

@@ -15,7 +15,7 @@
 #include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
 #include "robsim/vision/fit/light_step.hpp"
-#include "robsim/vision/second_look.hpp"
+#include "robsim/vision/marker_vision.hpp"
 
 namespace robsim {
 namespace {

@@ -61,7 +61,7 @@ class RobotSoftwareTest : public ::testing::Test {
     stages.measure = {
         [this](const StepPointer& step) {
           ++measured;
-          return detect(*step->blobs, step->markers(), step->frame->plane_map).measurement;
+          return detect(step->find_blobs(), step->markers(), step->look()->plane_map).measurement;
         },
         false};
     stages.estimate_state = {[](const StepPointer& step) {

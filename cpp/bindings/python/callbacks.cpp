@@ -153,10 +153,9 @@ std::function<Input(const StepPointer&)> native_controller(const py::object& val
 }
 
 template <typename Result>
-std::function<Result(const StepPointer&)> if_default(const py::object& value,
-                                                     Result (*stage)(const StepPointer&)) {
-  if (!is_default(value)) return {};
-  return stage;
+std::function<Result(const StepPointer&)> if_default(
+    const py::object& value, std::function<Result(const StepPointer&)> stage) {
+  return is_default(value) ? std::move(stage) : nullptr;
 }
 
 }  // namespace
@@ -225,14 +224,15 @@ void SlottedLoop::set_slot(const std::string& slot, const py::object& value) {
       {"estimate_parameters",
        [&](Stages& s) {
          set_step_slot(s.estimate_parameters, "estimate_parameters", value, step_object,
-                       if_default(value, update_estimator),
+                       if_default<std::optional<AxisMatrix>>(value, update_estimator),
                        remote_stage(value, &RemoteRobot::estimate_parameters,
                                     &RemoteWorld::estimate_parameters),
                        optional_parameters);
        }},
       {"measure",
        [&](Stages& s) {
-         set_step_slot(s.measure, "measure", value, step_object, if_default(value, locate_markers),
+         set_step_slot(s.measure, "measure", value, step_object,
+                       if_default<std::optional<Measurement>>(value, &Step::detect),
                        remote_stage(value, &RemoteRobot::measure, &RemoteWorld::measure),
                        optional_measurement);
        }},

@@ -26,8 +26,4 @@ std::optional<std::string> small_markers_remark(double width, double noise);
 /// area never tell.
 bool fits_exchanged(const Detection& detection);
 
-/// Looks in the frame for the cause of a detection without a measurement: a dark or overexposed
-/// picture in place of "no red blob", markers too small to be found.
-void examine_frame(Detection& detection, const ImageView& image, const PlaneMap& plane_map);
-
 }  // namespace robsim

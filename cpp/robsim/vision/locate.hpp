@@ -111,7 +111,7 @@ struct Detection {
   double first_area = 0;    // work-area px^2
   double second_area = 0;   // work-area px^2
 
-  bool by_second_chance = false;  // the pair was found relative to brightness: see look_again
+  bool by_second_chance = false;  // the pair was found relative to brightness: see MarkerVision
 
   // The number that tells a cause in the frame: signal to noise, mean level, share, width.
   double cause = 0;

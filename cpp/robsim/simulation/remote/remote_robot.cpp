@@ -66,7 +66,7 @@ const StepMessage& RemoteRobot::answer(const StepPointer& pointer, StageBit stag
   Step& step = *pointer;
   if (answer_.k == step.k && answer_.done & stage) return answer_;
   if (options_.measures_first && step.has_frame && !step.measurement) {
-    step.measurement = locate_markers(pointer);
+    step.measurement = step.detect();
   }
   const StepMessage message = question(step, stage);
   const bool has_pixels = message.frame && message.frame->slot < 0;

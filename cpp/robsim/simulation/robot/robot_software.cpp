@@ -78,7 +78,6 @@ void RobotSoftware::estimate_parameters() {
 void RobotSoftware::measure() {
   const bool is_done = step_->measurement && !stages_.measure.is_interpreted;
   if (stages_.measure && step_->has_frame && !is_done) {
-    if (!stages_.measure.is_interpreted) step_->find_blobs();
     step_->measurement = stages_.measure.call(step_);
     if (step_->frame) step_->find_blobs();  // of a callback that has looked
     const bool is_ours = step_->measurement && !stages_.measure.is_interpreted;

@@ -39,6 +39,4 @@ std::optional<AxisMatrix> update_estimator(const StepPointer& step) {
   return step->estimator->update(*step);
 }
 
-std::optional<Measurement> locate_markers(const StepPointer& step) { return step->detect(); }
-
 }  // namespace robsim

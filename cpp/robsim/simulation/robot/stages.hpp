@@ -104,7 +104,4 @@ std::shared_ptr<ParameterEstimator> default_parameter_estimator(const RobotModel
 /// Gives the step's sample, if there is one, to the step's estimator.
 std::optional<AxisMatrix> update_estimator(const StepPointer& step);
 
-/// Locates the two markers among the step's blobs.
-std::optional<Measurement> locate_markers(const StepPointer& step);
-
 }  // namespace robsim

@@ -9,34 +9,9 @@
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/simulation/seam/observation.hpp"
 #include "robsim/simulation/seam/thread_guard.hpp"
-#include "robsim/vision/marker_width.hpp"
+#include "robsim/vision/marker_vision.hpp"
 
 namespace robsim {
-
-/// Finds a robot by its markers in frames of any size.
-class MarkerVision {
- public:
-  /// `smoothing` (px), if not as the markers need it.
-  MarkerVision(std::vector<ColorClass> colors, const MarkerLayout& markers,
-               std::optional<int> smoothing);
-
-  const std::vector<ColorClass>& colors() const { return finder_.colors(); }
-  const MarkerLayout& markers() const { return markers_; }
-  std::optional<int> smoothing() const { return smoothing_; }
-
-  /// How blobs were found in the last frame.
-  const BlobOptions& options() const { return finder_.options(); }
-
-  BlobsByColor find(const Frame& frame);
-
-  /// Looks for the markers among the blobs of a frame.
-  Detection detect(const BlobsByColor& blobs, const Frame& frame) const;
-
- private:
-  MarkerLayout markers_;
-  std::optional<int> smoothing_;
-  BlobFinder finder_;
-};
 
 class ParameterEstimator;
 
@@ -105,7 +80,7 @@ struct Step {
   void set_sample(const std::optional<Sample>& sample) { sample_ = sample; }
   bool has_sample() const { return sample_ || moves; }
 
-  /// The default measurement: looks for the markers among the blobs, and keeps what it found.
+  /// The default measurement: looks for the markers in the frame, and keeps the detection.
   std::optional<Measurement> detect();
 
   /// Whether `look` still finds a frame, or knows that none has come.

@@ -1,4 +1,4 @@
-#include "robsim/vision/second_look.hpp"
+#include "robsim/vision/marker_vision.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -10,7 +10,6 @@
 #include "robsim/base/elementary/elementary.hpp"
 #include "robsim/vision/color/color_class.hpp"
 #include "robsim/vision/color/image_statistics.hpp"
-#include "robsim/vision/find_blobs.hpp"
 #include "robsim/vision/fit/marker_shape.hpp"
 #include "robsim/vision/marker_width.hpp"
 #include "robsim/vision/pixels/relative_classifier.hpp"
@@ -198,10 +197,8 @@ void add_drawing(Measurement& measurement, const PlaneMap& map, int headings) {
   covariance(2, 2) += turn * turn / 12;
 }
 
-}  // namespace
-
+// Refines a measurement in the image.
 void refine(Detection& detection, const ImageView& image, const PlaneMap& map, int headings) {
-  if (!detection.measurement) return;
   Measurement& measurement = *detection.measurement;
   const MarkerLayout& markers = detection.markers;
   std::optional<PoseFit> fit;
@@ -230,8 +227,6 @@ void refine(Detection& detection, const ImageView& image, const PlaneMap& map, i
     detection.measurement.reset();
   }
 }
-
-namespace {
 
 // A colour counts from so many standard deviations of a window's chroma on. With 2, poses are
 // reported on empty floors in the strongest noise; with 3, markers are missed that 2.5 finds.
@@ -293,11 +288,10 @@ BlobsByColor relative_blobs(const ImageView& image, const std::vector<ColorClass
   return collector.finish();
 }
 
-}  // namespace
-
+// The second chance: a robot found replaces the detection.
 void look_again(Detection& detection, const ImageView& image, const std::vector<ColorClass>& colors,
                 const PlaneMap& plane_map, std::optional<int> smoothing) {
-  if (detection.measurement || !deserves_another_look(detection)) return;
+  if (!deserves_another_look(detection)) return;
   const double noise = pixels::chroma_noise(image);
   BlobOptions options = marker_blobs(detection.markers, plane_map, image);
   if (noise > noise_to_smooth) options.smoothing = std::max(options.smoothing, window_in_noise);
@@ -318,6 +312,97 @@ void look_again(Detection& detection, const ImageView& image, const std::vector<
     detection = found;
     return;
   }
+}
+
+constexpr double dark_level = 64;          // mean of all channels, of 255
+constexpr int white_level = 250;           // of all channels of a pixel
+constexpr double overexposed_share = 0.5;  // of white pixels
+constexpr int grid = 32;                   // pixels looked at, in each direction
+
+struct Light {
+  double mean_level = 0;
+  double white_share = 0;
+};
+
+Light light_of(const ImageView& image) {
+  double sum = 0;
+  int white = 0;
+  for (int row = 0; row < grid; ++row) {
+    const std::uint8_t* pixels = image.row(row * (image.height - 1) / (grid - 1));
+    for (int column = 0; column < grid; ++column) {
+      const std::uint8_t* rgb = pixels + 3 * (column * (image.width - 1) / (grid - 1));
+      sum += rgb[0] + rgb[1] + rgb[2];
+      white += std::min({rgb[0], rgb[1], rgb[2]}) >= white_level;
+    }
+  }
+  constexpr double count = grid * grid;
+  return {sum / (3 * count), white / count};
+}
+
+// Light and shadow take the markers their colour, or part of their area.
+bool may_be_light(DetectionResult result) {
+  return result == DetectionResult::no_blobs || result == DetectionResult::no_first_blob ||
+         result == DetectionResult::no_second_blob || result == DetectionResult::areas;
+}
+
+// The cause in the frame of a detection without a measurement.
+void examine_frame(Detection& detection, const ImageView& image, const PlaneMap& plane_map) {
+  if (detection.result == DetectionResult::at_border) return;
+  const auto set = [&](DetectionResult result, double cause) {
+    detection.result = result;
+    detection.cause = cause;
+  };
+  if (may_be_light(detection.result)) {
+    const Light light = light_of(image);
+    if (light.mean_level < dark_level) return set(DetectionResult::dark, light.mean_level);
+    if (light.white_share > overexposed_share) {
+      return set(DetectionResult::overexposed, light.white_share);
+    }
+  }
+  if (detection.result == DetectionResult::noise) return;  // measured at the markers
+  const double width = marker_width(detection.markers, plane_map, image.width, image.height);
+  const double noise = grey_noise(image);
+  if (width < trusted_width(noise)) {
+    set(DetectionResult::small_markers, width);
+    detection.noise = noise;
+  }
+}
+
+}  // namespace
+
+Detection detect(const BlobsByColor& blobs, const MarkerLayout& markers, const Frame& frame,
+                 const std::vector<ColorClass>& colors, std::optional<int> smoothing) {
+  const ImageView image = frame.image.view();
+  Detection detection = detect(blobs, markers, frame.plane_map);
+  if (!detection.measurement && !colors.empty()) {
+    look_again(detection, image, colors, frame.plane_map, smoothing);
+  }
+  if (detection.measurement) refine(detection, image, frame.plane_map, frame.headings);
+  if (!detection.measurement) examine_frame(detection, image, frame.plane_map);
+  return detection;
+}
+
+namespace {
+
+BlobOptions with_smoothing(BlobOptions options, std::optional<int> smoothing) {
+  if (smoothing) options.smoothing = *smoothing;
+  return options;
+}
+
+}  // namespace
+
+MarkerVision::MarkerVision(std::vector<ColorClass> colors, const MarkerLayout& markers,
+                           std::optional<int> smoothing)
+    : markers_(markers),
+      smoothing_(smoothing),
+      finder_(std::move(colors), with_smoothing({}, smoothing)) {}
+
+BlobsByColor MarkerVision::find(const Frame& frame) {
+  const ImageView image = frame.image.view();
+  const BlobOptions options =
+      with_smoothing(marker_blobs(markers_, frame.plane_map, image), smoothing_);
+  if (!(options == finder_.options())) finder_ = BlobFinder(finder_.colors(), options);
+  return finder_.find(image);
 }
 
 }  // namespace robsim
