@@ -2,18 +2,246 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 
 #include "robsim/base/elementary/elementary.hpp"
+#include "robsim/base/simd/avx.hpp"
+#include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/base/system.hpp"
+
+namespace robsim::sprite {
+
+namespace {
+
+// Columns first <= u < last of a row.
+struct Span {
+  int first = 0;
+  int last = 0;
+};
+
+constexpr int block = 64;  // pixels at a time, so that they stay in the first-level cache
+
+// The columns u with 0 <= start + u step <= end, up to rounding.
+Span span_between(double start, double step, double end, const Span& columns) {
+  if (step == 0) return columns;
+  const double a = -start / step;
+  const double b = (end - start) / step;
+  const double first = std::max<double>(std::min(a, b), columns.first);
+  const double last = std::min<double>(std::max(a, b), columns.last - 1);
+  if (!(first <= last)) return {columns.first, columns.first};
+  return {static_cast<int>(first), static_cast<int>(last) + 1};
+}
+
+struct SamplePoints {
+  int pixel[block];    // index in the sprite of the upper left one of four
+  float right[block];  // fraction of the way to the others, 0..1
+  float down[block];
+};
+
+ROBSIM_INLINE SamplePoints sample_points(const SpriteLine& line, int sprite_width, int first,
+                                         int count) {
+  // Relative to the upper left corner of the block single precision is accurate to 1e-5 px.
+  const Point start = line.at(first);
+  const Point end = line.at(first + count - 1);
+  const int origin_left = static_cast<int>(std::min(start.x, end.x));
+  const int origin_top = static_cast<int>(std::min(start.y, end.y));
+  const int origin = origin_top * sprite_width + origin_left;
+  const auto u0 = static_cast<float>(start.x - origin_left);
+  const auto v0 = static_cast<float>(start.y - origin_top);
+  // A single pixel has no next one: its step, of any size, must not count.
+  const auto du = static_cast<float>(count > 1 ? line.step.x : 0);
+  const auto dv = static_cast<float>(count > 1 ? line.step.y : 0);
+  SamplePoints points;
+  for (int i = 0; i < count; ++i) {
+    const float u = u0 + static_cast<float>(i) * du;
+    const float v = v0 + static_cast<float>(i) * dv;
+    const int left = static_cast<int>(u);
+    const int top = static_cast<int>(v);
+    points.pixel[i] = origin + top * sprite_width + left;
+    points.right[i] = u - static_cast<float>(left);
+    points.down[i] = v - static_cast<float>(top);
+  }
+  return points;
+}
+
+// A loop that the compiler vectorises, once for every path.
+ROBSIM_INLINE void blend_body(const float* colors, const float* background_weight, int bytes,
+                              float brightness, std::uint8_t* pixels) {
+  // pixel = pixel (1 - alpha) + colour times alpha, which does not exceed 255
+  for (int i = 0; i < bytes; ++i) {
+    const float value =
+        static_cast<float>(pixels[i]) * background_weight[i] + colors[i] * brightness;
+    pixels[i] = static_cast<std::uint8_t>(value + 0.5F);
+  }
+}
+
+void sample_baseline(const Sprite& sprite, const SpriteLine& line, int first, int count,
+                     float* colors, float* background_weight) {
+  const SamplePoints points = sample_points(line, sprite.width, first, count);
+  float sampled[4 * block];
+  for (int i = 0; i < count; ++i) {
+    const float* upper = sprite.pixels.data() + std::ptrdiff_t{4} * points.pixel[i];
+    const float* lower = upper + std::ptrdiff_t{4} * sprite.width;
+    float both[8];
+    for (int c = 0; c < 8; ++c) both[c] = upper[c] + points.down[i] * (lower[c] - upper[c]);
+    for (int c = 0; c < 4; ++c) {
+      sampled[4 * i + c] = both[c] + points.right[i] * (both[c + 4] - both[c]);
+    }
+  }
+  // Copying four numbers is faster than three: the next pixel overwrites the fourth, and behind the
+  // last pixel there is room for one more.
+  for (int i = 0; i < count; ++i) {
+    const float* from = sampled + std::ptrdiff_t{4} * i;
+    const float shown[4] = {from[3], from[3], from[3], from[3]};
+    std::memcpy(colors + std::ptrdiff_t{3} * i, from, sizeof shown);
+    std::memcpy(background_weight + std::ptrdiff_t{3} * i, shown, sizeof shown);
+  }
+}
+
+void blend_baseline(const float* colors, const float* background_weight, int bytes,
+                    float brightness, std::uint8_t* pixels) {
+  blend_body(colors, background_weight, bytes, brightness, pixels);
+}
+
+#if ROBSIM_HAS_AVX2_CODE
+ROBSIM_AVX2 void sample_avx2(const Sprite& sprite, const SpriteLine& line, int first, int count,
+                             float* colors, float* background_weight) {
+  const SamplePoints points = sample_points(line, sprite.width, first, count);
+  for (int i = 0; i < count; ++i) {
+    const float* pixel_data = sprite.pixels.data() + std::ptrdiff_t{4} * points.pixel[i];
+    const __m256 upper = _mm256_loadu_ps(pixel_data);
+    const __m256 lower = _mm256_loadu_ps(pixel_data + std::ptrdiff_t{4} * sprite.width);
+    const __m256 down = _mm256_broadcast_ss(points.down + i);
+    const __m256 both = _mm256_add_ps(upper, _mm256_mul_ps(down, _mm256_sub_ps(lower, upper)));
+    const __m128 left = _mm256_castps256_ps128(both);
+    const __m128 step = _mm_sub_ps(_mm256_extractf128_ps(both, 1), left);
+    const __m128 pixel = _mm_add_ps(left, _mm_mul_ps(_mm_broadcast_ss(points.right + i), step));
+    _mm_storeu_ps(colors + std::ptrdiff_t{3} * i, pixel);
+    _mm_storeu_ps(background_weight + std::ptrdiff_t{3} * i, _mm_permute_ps(pixel, 0b11111111));
+  }
+}
+
+ROBSIM_AVX2 void blend_avx2(const float* colors, const float* background_weight, int bytes,
+                            float brightness, std::uint8_t* pixels) {
+  blend_body(colors, background_weight, bytes, brightness, pixels);
+}
+#endif
+
+struct Loops {
+  void (*sample)(const Sprite&, const SpriteLine&, int, int, float*, float*);
+  void (*blend)(const float*, const float*, int, float, std::uint8_t*);
+};
+
+Loops loops() {
+  return {ROBSIM_PICK(sample_baseline, sample_avx2), ROBSIM_PICK(blend_baseline, blend_avx2)};
+}
+
+// The columns within the sprite, before its last column and row, which `sample` may read because
+// of rounding.
+Span span_within(const Sprite& sprite, const SpriteLine& line, const Span& columns) {
+  const int right = sprite.width - 2;
+  const int bottom = sprite.height - 2;
+  const Span across = span_between(line.start.x, line.step.x, right, columns);
+  const Span down = span_between(line.start.y, line.step.y, bottom, columns);
+  Span span{std::max(across.first, down.first), std::min(across.last, down.last)};
+  const auto is_within = [&](int u) {
+    const Point point = line.at(u);
+    return point.x >= 0 && point.y >= 0 && point.x < right && point.y < bottom;
+  };
+  // Rounding preserves the order of the points: all lie within the sprite if both ends do.
+  while (span.first < span.last && !is_within(span.first)) ++span.first;
+  while (span.first < span.last && !is_within(span.last - 1)) --span.last;
+  return span.first < span.last ? span : Span{columns.first, columns.first};
+}
+
+// Samples the sprite bilinearly in columns that lie within it.
+Strip sample(const Sprite& sprite, const SpriteLine& line, const Span& columns) {
+  const Loops use = loops();
+  const int width = columns.last - columns.first;
+  const std::size_t size = std::size_t{3} * static_cast<std::size_t>(width) + 1;
+  Strip strip{columns.first, width, std::vector<float>(size), std::vector<float>(size)};
+  for (int i = 0; i < width; i += block) {
+    use.sample(sprite, line, columns.first + i, std::min(block, width - i),
+               strip.colors.data() + std::ptrdiff_t{3} * i,
+               strip.background_weight.data() + std::ptrdiff_t{3} * i);
+  }
+  return strip;
+}
+
+Strip without_transparent_ends(const Strip& strip) {
+  const auto shows = [&](int i) { return strip.background_weight[std::size_t{3} * i] < 1.0F; };
+  int first = 0;
+  int last = strip.width;
+  while (first < last && !shows(first)) ++first;
+  while (first < last && !shows(last - 1)) --last;
+  const auto part = [&](const std::vector<float>& numbers) {
+    return std::vector<float>(numbers.begin() + std::ptrdiff_t{3} * first,
+                              numbers.begin() + std::ptrdiff_t{3} * last);
+  };
+  return {strip.left + first, last - first, part(strip.colors), part(strip.background_weight)};
+}
+
+// Blends a part of the strip over pixels. `brightness`: of the strip, within 0..1.
+void blend(const Strip& strip, const Span& part, float brightness, std::uint8_t* pixels) {
+  const std::ptrdiff_t first = std::ptrdiff_t{3} * part.first;
+  loops().blend(strip.colors.data() + first, strip.background_weight.data() + first,
+                3 * (part.last - part.first), brightness, pixels);
+}
+
+// Samples and blends in one pass.
+void blend(const Sprite& sprite, const SpriteLine& line, const Span& columns, float brightness,
+           std::uint8_t* pixels) {
+  const Loops use = loops();
+  float colors[3 * block + 1];
+  float background_weight[3 * block + 1];
+  for (int u = columns.first; u < columns.last; u += block) {
+    const int count = std::min(block, columns.last - u);
+    use.sample(sprite, line, u, count, colors, background_weight);
+    use.blend(colors, background_weight, 3 * count, brightness, pixels);
+    pixels += std::ptrdiff_t{3} * block;
+  }
+}
+
+}  // namespace
+
+}  // namespace robsim::sprite
 
 namespace robsim {
 
+using sprite::blend;
+using sprite::sample;
 using sprite::Span;
+using sprite::span_within;
 using sprite::SpriteLine;
 using sprite::Strip;
+using sprite::without_transparent_ends;
+
+Sprite premultiplied(const std::uint8_t* rgba, int width, int height) {
+  Sprite sprite{width, height, {}};
+  sprite.pixels.resize(std::size_t{4} * width * height);
+  for (std::size_t i = 0; i < sprite.pixels.size(); i += 4) {
+    const float alpha = static_cast<float>(rgba[i + 3]) / 255.0F;
+    for (std::size_t c = 0; c < 3; ++c) {
+      sprite.pixels[i + c] = static_cast<float>(rgba[i + c]) * alpha;
+    }
+    sprite.pixels[i + 3] = 1.0F - alpha;
+  }
+  return sprite;
+}
 
 namespace {
+
+// With a transparent rim: one pixel to the left and above, two to the right and below.
+Sprite with_rim(const Sprite& sprite) {
+  Sprite result{sprite.width + 3, sprite.height + 3, {}};
+  result.pixels.assign(std::size_t{4} * result.width * result.height, 0.0F);
+  for (std::size_t i = 3; i < result.pixels.size(); i += 4) result.pixels[i] = 1.0F;
+  for (int v = 0; v < sprite.height; ++v) {
+    std::copy_n(sprite.row(v), std::ptrdiff_t{4} * sprite.width, result.row(v + 1) + 4);
+  }
+  return result;
+}
 
 constexpr double maximum_radius = 20000;  // work-area px
 

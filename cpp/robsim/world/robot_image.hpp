@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -7,7 +9,45 @@
 #include "robsim/base/geometry.hpp"
 #include "robsim/imaging/image.hpp"
 #include "robsim/imaging/plane_map.hpp"
-#include "robsim/world/sprite.hpp"
+
+namespace robsim {
+
+/// An image with transparency: 4 floats per pixel, R, G, B (0..255) times alpha, and 1 - alpha, the
+/// weight of the background.
+struct Sprite {
+  int width = 0;
+  int height = 0;
+  std::vector<float> pixels;
+
+  const float* row(int v) const { return pixels.data() + std::ptrdiff_t{4} * width * v; }
+  float* row(int v) { return pixels.data() + std::ptrdiff_t{4} * width * v; }
+};
+
+/// From RGBA8 pixels with straight alpha, without gaps between rows.
+Sprite premultiplied(const std::uint8_t* rgba, int width, int height);
+
+}  // namespace robsim
+
+namespace robsim::sprite {
+
+/// A row of an image in sprite coordinates: the position of column 0, and the step per column.
+struct SpriteLine {
+  Point start;
+  Point step;
+
+  Point at(int u) const { return {start.x + u * step.x, start.y + u * step.y}; }
+};
+
+/// Pixels to blend over a part of a row, from column `left` on. For each byte of the image: the
+/// colour added to it, and the weight of the background.
+struct Strip {
+  int left = 0;
+  int width = 0;
+  std::vector<float> colors;
+  std::vector<float> background_weight;
+};
+
+}  // namespace robsim::sprite
 
 namespace robsim {
 
