@@ -185,6 +185,19 @@ def test_a_masked_function_cannot_be_had(tmp_path, monkeypatch, home, is_loaded)
     error = failure(write(tmp_path / "s002", control=f"from {home} import locate\n{PLAIN}"), rules)
     assert f"{home}.locate is not there" in str(error)
     assert module.locate.__name__ == "locate"
+    assert robsim.locate is robsim.vision.locate
+
+
+@pytest.mark.parametrize("mask", ["robsim.locate", "robsim.vision.locate"])
+def test_a_mask_holds_at_the_top_and_in_the_wing(tmp_path, monkeypatch, mask):
+    rules = Rules(slots=("control",), masked=(mask,))
+    for home in ("robsim", "robsim.vision"):
+        monkeypatch.delitem(vars(robsim), "locate", raising=False)
+        source = f"import robsim\n\n\ndef control(step):\n    {home}.locate(None)\n"
+        files = sent(write(tmp_path / "s001", control=source), rules)
+        with loaded_slots(files, rules) as callbacks, pytest.raises(ImportError, match="not there"):
+            callbacks["control"](None)
+        assert robsim.locate.__name__ == "locate"
 
 
 def test_only_what_is_allowed_can_be_imported(tmp_path):

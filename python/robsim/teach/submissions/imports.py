@@ -58,15 +58,23 @@ def masked(rules: Rules) -> Iterator[None]:
         for name in [name for name in sys.modules if _above(name, rules.masked)]:
             restored.callback(sys.modules.__setitem__, name, sys.modules.pop(name))
         for mask in rules.masked:
-            _take_attribute(mask, restored)
+            for package in _packages_of(mask):
+                _take_attribute(package, mask, restored)
         sys.meta_path.insert(0, finder)
         restored.callback(sys.meta_path.remove, finder)
         yield
 
 
-def _take_attribute(mask: str, restored: ExitStack) -> None:
-    """Take a name away from the module that it lies in: a module is imported anew, which fails."""
+def _packages_of(mask: str) -> tuple[str, ...]:
+    """Return the modules that have a name: what is at the top of robsim lies in a wing, too."""
     package, _, name = mask.rpartition(".")
+    both = ("robsim", f"robsim.{vars(sys.modules['robsim'])['_HOMES'].get(name)}")
+    return both if package in both and both[1] in sys.modules else (package,)
+
+
+def _take_attribute(package: str, mask: str, restored: ExitStack) -> None:
+    """Take a name away from a module that has the name: a module is imported anew, which fails."""
+    name = mask.rpartition(".")[2]
     module = sys.modules.get(package)
     if module is None:
         return
