@@ -200,6 +200,20 @@ def test_a_mask_holds_at_the_top_and_in_the_wing(tmp_path, monkeypatch, mask):
         assert robsim.locate.__name__ == "locate"
 
 
+def test_masks_hold_while_other_threads_import(tmp_path, monkeypatch):
+    class Name(str):
+        def __format__(self, spec):
+            sys.modules["imported_meanwhile"] = sys
+            return str(self)
+
+    monkeypatch.setitem(sys.modules, Name("a_first_name"), sys)
+    try:
+        assert answer(write(tmp_path / "s001", control=PLAIN), MASKED) == (1, 2)
+        assert "imported_meanwhile" in sys.modules
+    finally:
+        sys.modules.pop("imported_meanwhile", None)
+
+
 def test_only_what_is_allowed_can_be_imported(tmp_path):
     rules = Rules(slots=("control",), imports=("math", "numpy"))
     source = "import math\nimport numpy.linalg\nfrom helper import A\n" + PLAIN

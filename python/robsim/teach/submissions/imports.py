@@ -55,8 +55,9 @@ def masked(rules: Rules) -> Iterator[None]:
     """Take the masked modules and names away inside the context, also those imported before."""
     finder = _Masked(rules.masked)
     with ExitStack() as restored:
-        for name in [name for name in sys.modules if _above(name, rules.masked)]:
-            restored.callback(sys.modules.__setitem__, name, sys.modules.pop(name))
+        for name in tuple(sys.modules):  # other threads import
+            if _above(name, rules.masked):
+                restored.callback(sys.modules.__setitem__, name, sys.modules.pop(name))
         for mask in rules.masked:
             for package in _packages_of(mask):
                 _take_attribute(package, mask, restored)
