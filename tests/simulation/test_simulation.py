@@ -138,6 +138,28 @@ def test_from_measurement_or_estimate_it_is_that_of_the_step_before(source):
         robsim.Simulation(identify_from=source, estimate_parameters=True).run(1)
 
 
+@pytest.mark.parametrize(("steps", "bounced"), [(2, False), (3, False), (20, False), (34, True)])
+@pytest.mark.parametrize("source", ["truth", "measurement"])
+def test_a_run_that_no_callback_watches_ends_with_the_sample_of_its_last_step(
+    steps, bounced, source
+):
+    start = (1100.0, 600.0, 0.0) if bounced else None
+    options = {"control": robsim.DriveAround(), "seed": 3, "identify_from": source, "start": start}
+    if source == "measurement":
+        options["measure"] = True
+    watched, _ = regression_of(robsim.Simulation(**options), steps)
+    unwatched = robsim.Simulation(**options)
+    unwatched.run(steps - 1)
+    held = unwatched.last_step
+    unwatched.run(1)
+    for step, expected in ((held, watched[-2]), (unwatched.last_step, watched[-1])):
+        assert (step.sample is None) == (expected is None)
+        if expected is not None:
+            assert step.sample.k == expected.k
+            np.testing.assert_array_equal(step.sample.phi, expected.phi)
+            np.testing.assert_array_equal(step.sample.y, expected.y)
+
+
 def test_a_sample_that_spans_a_missing_measurement_or_a_bounce_is_none():
     sim = robsim.Simulation(
         identify_from="measurement",

@@ -18,8 +18,7 @@ Path simulated_path(const AxisMatrix& theta,
   Path path(u.rows(), 3);
   path.topRows<2>() = first;
   for (Eigen::Index k = 2; k < u.rows(); ++k) {
-    path.row(k) = predict(theta, regressors(UnwrappedPose(path.row(k - 1)),
-                                            UnwrappedPose(path.row(k - 2)), input(u, k - 1)));
+    path.row(k) = predict(theta, path.row(k - 1), path.row(k - 2), input(u, k - 1));
   }
   return path;
 }

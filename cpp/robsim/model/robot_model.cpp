@@ -128,12 +128,15 @@ AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, 
   return phi;
 }
 
+// theta(k-2) = theta(k-1) - wrap(theta(k-1) - theta(k-2)), theta here the heading
+double heading_before(const Pose& pose_1, const Pose& pose_2) {
+  return pose_1.heading - wrap_angle(pose_1.heading - pose_2.heading);
+}
+
 AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u,
                       const elementary::SinCos& turn) {
-  // theta(k-2) = theta(k-1) - wrap(theta(k-1) - theta(k-2)), theta here the heading
-  const double heading_2 = pose_1.heading - wrap_angle(pose_1.heading - pose_2.heading);
   return regressors(UnwrappedPose(pose_1.x, pose_1.y, pose_1.heading),
-                    UnwrappedPose(pose_2.x, pose_2.y, heading_2), u, turn);
+                    UnwrappedPose(pose_2.x, pose_2.y, heading_before(pose_1, pose_2)), u, turn);
 }
 
 }  // namespace
@@ -146,16 +149,24 @@ AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u) {
   return regressors(pose_1, pose_2, u, elementary::sin_cos(pose_1.heading));
 }
 
-UnwrappedPose predict(const AxisMatrix& theta, const AxisMatrix& phi) {
-  // x(k) = a1X x(k-1) + a2X x(k-2) + (b1X u1(k-1) + b2X u2(k-1) + d1X) cos heading(k-1), and so on
-  // In an order that is written down: Eigen's depends on its version and on the processor's
-  // vectors.
-  UnwrappedPose next;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto term = [&](int i) { return phi(axis, i) * theta(axis, i); };
-    next[axis] = ((term(0) + term(2)) + (term(1) + term(3))) + term(4);
-  }
-  return next;
+namespace {
+
+// x(k) = a1X x(k-1) + a2X x(k-2) + (b1X u1(k-1) + b2X u2(k-1) + d1X) cos heading(k-1), and so on.
+// In an order that is written down: Eigen's depends on its version and on the processor's vectors.
+double next_of(const double* theta, double value_1, double value_2, const Input& u, double drive) {
+  return ((value_1 * theta[0] + u.u1 * drive * theta[2]) +
+          (value_2 * theta[1] + u.u2 * drive * theta[3])) +
+         drive * theta[4];
+}
+
+}  // namespace
+
+UnwrappedPose predict(const AxisMatrix& theta, const UnwrappedPose& pose_1,
+                      const UnwrappedPose& pose_2, const Input& u) {
+  const auto [sin, cos] = elementary::sin_cos(pose_1[2]);
+  return {next_of(&theta(0, 0), pose_1[0], pose_2[0], u, cos),
+          next_of(&theta(1, 0), pose_1[1], pose_2[1], u, sin),
+          next_of(&theta(2, 0), pose_1[2], pose_2[2], u, 1)};
 }
 
 PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, const Input& u) {
@@ -212,13 +223,14 @@ Pose RobotModel::predict(const Pose& pose_1, const Pose& pose_2, const Input& u)
 
 Pose RobotModel::predict(const Pose& pose_1, const Pose& pose_2, const Input& u,
                          const elementary::SinCos& turn) const {
-  const UnwrappedPose next = robsim::predict(theta_, regressors(pose_1, pose_2, u, turn));
-  return {next[0], next[1], wrap_angle(next[2])};
+  return {next_of(&theta_(0, 0), pose_1.x, pose_2.x, u, turn.cos),
+          next_of(&theta_(1, 0), pose_1.y, pose_2.y, u, turn.sin),
+          wrap_angle(next_of(&theta_(2, 0), pose_1.heading, heading_before(pose_1, pose_2), u, 1))};
 }
 
 UnwrappedPose RobotModel::predict(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2,
                                   const Input& u) const {
-  return robsim::predict(theta_, regressors(pose_1, pose_2, u));
+  return robsim::predict(theta_, pose_1, pose_2, u);
 }
 
 PoseJacobian RobotModel::jacobian(const UnwrappedPose& pose_1, const Input& u) const {

@@ -54,8 +54,9 @@ AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, 
 /// `pose_1`, no wrapped jump.
 AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u);
 
-/// The predictor for any parameters, stable or not: pose(k) = (phi * theta) row by row.
-UnwrappedPose predict(const AxisMatrix& theta, const AxisMatrix& phi);
+/// The predictor for any parameters, stable or not: pose(k) = (regressors * theta) row by row.
+UnwrappedPose predict(const AxisMatrix& theta, const UnwrappedPose& pose_1,
+                      const UnwrappedPose& pose_2, const Input& u);
 
 /// Its derivatives by the poses.
 PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, const Input& u);

@@ -110,13 +110,16 @@ bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
   recorder_.prepare(*world_, robot_, steps);
   resume();
   bool is_at_end = false;
+  has_witness_ = robot_.stages().estimate_parameters || observer_ || is_interpreted();
   try {
     const auto estimator = robot_.hold_estimator();
     is_at_end = turns(steps, pulse);
   } catch (...) {
+    write_sample();
     stop_robot();
     throw;
   }
+  write_sample();
   if (stops_robot_after || is_at_end || guard_->is_stopped()) stop_robot();
   return is_at_end;
 }
@@ -132,6 +135,7 @@ bool Loop::turns(std::int64_t steps, const Pulse& pulse) {
     if (arrival == Arrival::step) ++done;
     if (arrival == Arrival::step && !metronome.is_due(done)) continue;
     native.reset();
+    write_sample();
     pulse(done);
     metronome.beat();
     if (!is_interpreted()) native = std::make_unique<NativeWork>();
@@ -145,6 +149,7 @@ std::optional<Stage> Loop::step_stage(const Pulse& pulse) {
   recorder_.prepare(*world_, robot_, 1);
   if (world_->was_stopped()) stop_robot();
   Stage done = Stage::world;
+  has_witness_ = true;
   try {
     const auto estimator = robot_.hold_estimator();
     // One that was on when the stage before it was done may have been switched off.
@@ -217,9 +222,11 @@ void Loop::estimate_parameters() {
   if (robot_.stages().estimate_parameters) {
     samples_.check_interval(*robot_.step(), robot_.model());
   }
-  samples_.write_newest(*robot_.step(), world_->truth());
+  if (has_witness_) write_sample();
   robot_.estimate_parameters();
 }
+
+void Loop::write_sample() { samples_.write_newest(*robot_.step(), world_->truth()); }
 
 void Loop::end_step() {
   Step& step = *robot_.step();

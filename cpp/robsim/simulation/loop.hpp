@@ -82,6 +82,7 @@ class Loop {
   Arrival do_stage();
   Arrival begin_step();
   void estimate_parameters();
+  void write_sample();
   void end_step();
   void keep_step(const std::optional<double>& t_sent);
   bool is_on(Stage stage) const;
@@ -94,6 +95,7 @@ class Loop {
   SampleHistory samples_;
   Recorder recorder_;
   Observer observer_;
+  bool has_witness_ = true;      // somebody may look at a step before the run pauses
   bool is_interrupted_ = false;  // the robot was stopped since the newest step began
   Observation observation_;      // of the newest step
   bool follows_stop_ = false;    // the newest step began after that

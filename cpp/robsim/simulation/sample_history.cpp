@@ -34,42 +34,42 @@ void SampleHistory::check_interval(const Step& step, const RobotModel& model) co
 void SampleHistory::write_newest(Step& step, const Truth* truth) const {
   const bool from_truth = identify_from_ == IdentifyFrom::truth;
   if (step.has_sample() || (from_truth && !truth)) return;
-  const Past& last = past(from_truth ? 0 : 1);
-  const Past& before = past(from_truth ? 1 : 2);
-  const std::optional<Pose>& seen = past(0).pose;
-  const Pose* const now = from_truth ? &truth->pose : seen ? &*seen : nullptr;
-  const bool is_first = from_truth ? !follows_ || truth->bounced : past(0).is_first;
-  if (!now || !last.pose || !before.pose || is_first || last.is_first) return;
+  const std::size_t newest = k_ < step.k ? 0 : 1;  // of the steps before this one
+  const Past& last = past(from_truth ? newest : newest + 1);
+  const Past& before = past(from_truth ? newest + 1 : newest + 2);
+  const Pose* const now = from_truth ? &truth->pose : past(newest).seen();
+  const bool is_first = from_truth ? !follows_ || truth->bounced : past(newest).is_first;
+  if (!now || !last.has_pose || !before.has_pose || is_first || last.is_first) return;
   Moves& moves = step.moves.emplace();  // in its place: a copy would wait for the writes
   moves.pose = *now;
-  moves.pose_1 = *last.pose;
-  moves.pose_2 = *before.pose;
+  moves.pose_1 = last.pose;
+  moves.pose_2 = before.pose;
   moves.u = last.u;
   moves.k = step.k - (from_truth ? 0 : 1);
-  if (from_truth) moves.turn = truth->turn;
+  if (from_truth && newest == 0) moves.turn = truth->turn;
 }
 
 void SampleHistory::add(const Step& step, const Truth* truth) {
+  k_ = step.k;
   newest_ = (newest_ + past_.size() - 1) % past_.size();
   Past& newest = past(0);
-  newest.pose = pose_of(step, truth);
+  const Pose* const pose = pose_of(step, truth);
+  newest.has_pose = pose != nullptr;
+  if (pose) newest.pose = *pose;
   newest.is_first = !follows_ || (truth && truth->bounced);
   newest.u = step.u ? *step.u : Input{};
 }
 
-std::optional<Pose> SampleHistory::pose_of(const Step& step, const Truth* truth) const {
+const Pose* SampleHistory::pose_of(const Step& step, const Truth* truth) const {
   switch (identify_from_) {
     case IdentifyFrom::truth:
-      if (truth) return truth->pose;
-      break;
+      return truth ? &truth->pose : nullptr;
     case IdentifyFrom::measurement:
-      if (step.measurement) return step.measurement->pose;
-      break;
+      return step.measurement ? &step.measurement->pose : nullptr;
     case IdentifyFrom::estimate:
-      if (step.estimate) return step.estimate->pose;
-      break;
+      return step.estimate ? &step.estimate->pose : nullptr;
   }
-  return std::nullopt;
+  return nullptr;
 }
 
 }  // namespace robsim

@@ -25,8 +25,8 @@ class SampleHistory {
   void begin(const Step& step, const RobotModel& model, const std::optional<Input>& last_u,
              bool is_interrupted, bool is_live);
 
-  /// Gives a step the newest complete sample, unless it has one: that of this step from truth, that
-  /// of the step before otherwise.
+  /// Gives the newest step, before or after its end, the newest complete sample, unless it has one:
+  /// that of this step from truth, that of the step before otherwise.
   void write_newest(Step& step, const Truth* truth) const;
 
   /// Throws std::invalid_argument if the steps are not those of the model: live, if that goes on.
@@ -38,19 +38,23 @@ class SampleHistory {
  private:
   // What is remembered of a step for the samples of the next ones.
   struct Past {
-    std::optional<Pose> pose;
+    Pose pose;
+    bool has_pose = false;
     bool is_first = false;  // of a record: it does not follow from the step before
     Input u;
+
+    const Pose* seen() const { return has_pose ? &pose : nullptr; }
   };
 
-  std::optional<Pose> pose_of(const Step& step, const Truth* truth) const;
+  const Pose* pose_of(const Step& step, const Truth* truth) const;
 
   Past& past(std::size_t age) { return past_[(newest_ + age) % past_.size()]; }
   const Past& past(std::size_t age) const { return past_[(newest_ + age) % past_.size()]; }
 
   IdentifyFrom identify_from_;
-  std::array<Past, 3> past_;  // a ring, older and older from the newest on
+  std::array<Past, 4> past_;  // a ring, older and older from the newest on
   std::size_t newest_ = 0;
+  std::int64_t k_ = -1;       // of the step that was added last
   bool follows_ = true;       // this step does from the one before
   int off_beat_ = 0;          // steps up to this one that came at another time than their turn
   double time_ = 0;           // s, of all steps

@@ -19,12 +19,10 @@ double draw(std::uint64_t seed, std::int64_t k, std::uint64_t i) {
 }  // namespace
 
 Input Disturbance::disturbed(const Input& u, std::int64_t k) const {
-  if (!is_on) return u;
   return {u.u1 + input_sigma[0] * draw(seed, k, 3), u.u2 + input_sigma[1] * draw(seed, k, 4)};
 }
 
 Pose Disturbance::disturbed(const Pose& pose, std::int64_t k) const {
-  if (!is_on) return pose;
   const std::array<double, 3> n = {draw(seed, k, 0), draw(seed, k, 1), draw(seed, k, 2)};
   // w = L n, with L lower triangular
   const auto& L = pose_factor;
@@ -176,17 +174,21 @@ void SimulatedWorld::move_robot(std::int64_t k) {
 }
 
 Pose SimulatedWorld::next_pose(std::int64_t k) {
-  const Input u = options_.disturbance.disturbed(acting_input(k - 1), k);
+  const Disturbance& disturbance = options_.disturbance;
+  Input u = acting_input(k - 1);
+  if (disturbance.is_on) u = disturbance.disturbed(u, k);
+  Pose pose;
   if (slots_.evaluate_model) {
     truth_.turn.reset();  // it may have been filled since the last step
     const double dt = model_->dt();
-    const Pose pose = slots_.evaluate_model.call(
+    pose = slots_.evaluate_model.call(
         {k, static_cast<double>(k) * dt, dt, truth_.pose, last_pose_, u, *model_});
-    return options_.disturbance.disturbed(pose, k);
+  } else {
+    truth_.turn = elementary::sin_cos(truth_.pose.heading);
+    pose = model_->predict(truth_.pose, last_pose_, u, *truth_.turn);
   }
-  truth_.turn = elementary::sin_cos(truth_.pose.heading);
-  return options_.disturbance.disturbed(model_->predict(truth_.pose, last_pose_, u, *truth_.turn),
-                                        k);
+  if (disturbance.is_on) pose = disturbance.disturbed(pose, k);
+  return pose;
 }
 
 // The mean of the inputs that act from step k to step k + 1.
