@@ -5,25 +5,9 @@
 #include <cstdint>
 #include <cstring>
 
-#include "robsim/base/elementary/coefficients.hpp"
-
 namespace robsim::elementary {
 
 namespace {
-
-// Below it the multiples of pi/2 have less than 20 bits.
-constexpr double largest_by_parts = 1e6;
-
-// Cody and Waite: no double is nearer than 2^-62 to a multiple of pi/2 but 0, and what is
-// subtracted is exact, or rounded at 2^-132.
-ReducedAngle reduced_by_parts(double angle) {
-  const double n = nearest_integer(angle * two_over_pi);
-  const double first = angle - n * pi_2_parts[0];
-  const DoubleDouble second = exact_sum(first, -n * pi_2_parts[1]);
-  const DoubleDouble third = exact_sum(second.high, -n * pi_2_parts[2]);
-  const double rest = (second.low + third.low) - n * pi_2_parts[3];
-  return {exact_sum(third.high, rest), static_cast<int>(n) & 3};
-}
 
 struct Magnitude {
   std::uint64_t mantissa;  // an integer of 53 bits
@@ -87,7 +71,8 @@ DoubleDouble angle_of(const Window& window) {
   return exact_sum(angle.high, angle.low + (q.high * pi_2[1] + q.low * pi_2[0]));
 }
 
-// Payne and Hanek: in integers, of those digits of 2/pi that count.
+}  // namespace
+
 ReducedAngle reduced_by_digits(double angle) {
   constexpr std::uint32_t half_a_quadrant = 1U << 29;
   Window window = quadrants(magnitude_of(angle));
@@ -102,12 +87,6 @@ ReducedAngle reduced_by_digits(double angle) {
   const int quadrant = static_cast<int>(nearest & 3);
   return {is_turned ? DoubleDouble{-rest.high, -rest.low} : rest,
           std::signbit(angle) ? -quadrant & 3 : quadrant};
-}
-
-}  // namespace
-
-ReducedAngle reduced(double angle) {
-  return std::abs(angle) < largest_by_parts ? reduced_by_parts(angle) : reduced_by_digits(angle);
 }
 
 }  // namespace robsim::elementary

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cmath>
+
+#include "robsim/base/elementary/coefficients.hpp"
+
 namespace robsim::elementary {
 
 /// A number as the sum of a double and a rest, which is at most half a unit in its last place.
@@ -50,7 +54,26 @@ struct ReducedAngle {
   int quadrant = 0;   // the multiple, modulo 4
 };
 
+/// Below it the multiples of pi/2 have less than 20 bits.
+constexpr double largest_by_parts = 1e6;
+
+/// Cody and Waite: no double is nearer than 2^-62 to a multiple of pi/2 but 0, and what is
+/// subtracted is exact, or rounded at 2^-132.
+inline ReducedAngle reduced_by_parts(double angle) {
+  const double n = nearest_integer(angle * two_over_pi);
+  const double first = angle - n * pi_2_parts[0];
+  const DoubleDouble second = exact_sum(first, -n * pi_2_parts[1]);
+  const DoubleDouble third = exact_sum(second.high, -n * pi_2_parts[2]);
+  const double rest = (second.low + third.low) - n * pi_2_parts[3];
+  return {exact_sum(third.high, rest), static_cast<int>(n) & 3};
+}
+
+/// Payne and Hanek, for any finite angle: in integers, of those digits of 2/pi that count.
+ReducedAngle reduced_by_digits(double angle);
+
 /// The angle (rad), any finite number, reduced with a relative error of less than 2^-63.
-ReducedAngle reduced(double angle);
+inline ReducedAngle reduced(double angle) {
+  return std::abs(angle) < largest_by_parts ? reduced_by_parts(angle) : reduced_by_digits(angle);
+}
 
 }  // namespace robsim::elementary
