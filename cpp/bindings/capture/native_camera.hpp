@@ -4,10 +4,8 @@
 #include <pybind11/stl.h>
 
 #include <chrono>
-#include <condition_variable>
-#include <exception>
+#include <future>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -68,55 +66,29 @@ void bind_features(Class& camera) {
           py::arg("wishes"), "Set features: pairs (name, values, or None for automatic).");
 }
 
-/// How the opening of a device goes on in a thread of its own.
-struct Opening {
-  std::mutex mutex;
-  std::condition_variable changed;
-  bool is_over = false;
-  std::exception_ptr error;
-};
-
 /// Opens a device, which takes as long as it likes for its answers: Ctrl-C is heard meanwhile, and
 /// after `patience` (s) nobody waits any more. Throws CaptureError.
 inline void open_in_thread(const std::shared_ptr<CaptureDevice>& device, double patience = 30) {
   constexpr std::chrono::milliseconds look(100);
-  const auto opening = std::make_shared<Opening>();
-  std::thread thread = start_thread([device, opening] {
-    std::exception_ptr error;
-    try {
-      device->open();
-    } catch (...) {
-      error = std::current_exception();
-    }
-    const std::lock_guard<std::mutex> lock(opening->mutex);
-    opening->error = error;
-    opening->is_over = true;
-    opening->changed.notify_all();
-  });
+  const auto opening = std::make_shared<std::packaged_task<void()>>([device] { device->open(); });
+  std::future<void> opened = opening->get_future();
+  std::thread thread = start_thread([opening] { (*opening)(); });
   const double end = monotonic_now() + patience;
   while (true) {
     {
       const WithoutInterpreter work;
-      std::unique_lock<std::mutex> lock(opening->mutex);
-      if (opening->changed.wait_for(lock, look, [&] { return opening->is_over; })) {
-        lock.unlock();
+      if (opened.wait_for(look) == std::future_status::ready) {
         thread.join();
-        if (opening->error) std::rethrow_exception(opening->error);
-        return;
+        return opened.get();
       }
     }
-    // The thread has the device until it answers, and gives it back then.
-    if (PyErr_CheckSignals()) {
-      thread.detach();
-      throw pybind11::error_already_set();
-    }
-    if (monotonic_now() > end) {
-      thread.detach();
-      throw CaptureError(CaptureFault::no_camera,
-                         "the camera has answered, but too slowly to be opened within " +
-                             std::to_string(static_cast<int>(patience)) +
-                             " s: switch it off and on");
-    }
+    const bool is_interrupted = PyErr_CheckSignals() != 0;
+    if (!is_interrupted && monotonic_now() <= end) continue;
+    thread.detach();  // it has the device until that answers, and gives it back then
+    if (is_interrupted) throw pybind11::error_already_set();
+    throw CaptureError(CaptureFault::no_camera,
+                       "the camera has answered, but too slowly to be opened within " +
+                           std::to_string(static_cast<int>(patience)) + " s: switch it off and on");
   }
 }
 
