@@ -25,19 +25,6 @@ namespace {
 
 using Voltages = std::array<double, 2>;
 
-// Its end waits for its thread: the interpreter goes on meanwhile.
-template <typename T, typename... A>
-std::shared_ptr<T> make_native(A&&... arguments) {
-  return std::shared_ptr<T>(new T(std::forward<A>(arguments)...), [](const T* value) {
-    if (!PyGILState_Check()) {
-      delete value;
-      return;
-    }
-    const WithoutInterpreter others;
-    delete value;
-  });
-}
-
 template <typename F>
 auto natively(const F& call) {
   const WithoutInterpreter others;
@@ -254,6 +241,8 @@ Raises
 robsim.lab.LineError
     If the line cannot be written to; it is tried again.
 )")
+      .def("_check_stop", &MotorLink::check_stop,
+           "Raise LineError, once, if the last stop did not get into the line.")
       .def(
           "halt", [](MotorLink& self) { natively([&] { self.halt(); }); },
           "Stop the robot, and refuse inputs until `resume` is called; raises nothing.")
@@ -317,20 +306,6 @@ void bind_protocol(py::module_& module) {
                                   command->u.u1, command->u.u2, command->time_to_live);
           },
           py::arg("line"), "Return what a line says, without its line break; None if damaged.");
-}
-
-void bind_watchdog(py::module_& module) {
-  Class<Watchdog, std::shared_ptr<Watchdog>>(
-      public_in(module, "robsim._core"), "Watchdog",
-      "Halts the robot of a link when no fresh frame comes. Users take robsim.Experiment.")
-      .def(py::init([](const std::shared_ptr<MotorLink>& link) {
-             return make_native<Watchdog>([link] { link->halt(); });
-           }),
-           py::arg("link"))
-      .def("arm", &Watchdog::arm, py::arg("timeout"))
-      .def("feed", &Watchdog::feed, py::arg("arrived"))
-      .def("disarm", [](Watchdog& self) { natively([&] { self.disarm(); }); })
-      .def_property_readonly("has_expired", &Watchdog::has_expired);
 }
 
 std::shared_ptr<MotorReceiver> make_receiver(int port, const std::string& host,
@@ -454,6 +429,5 @@ void bind_motors(py::module_& module) {
   bind_line(module);
   bind_link(module);
   bind_protocol(module);
-  bind_watchdog(module);
   bind_receiver(module);
 }

@@ -6,7 +6,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['Arrival', 'Blob', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MessageSocket', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'RemoteRobot', 'RemoteWorld', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SharedFrames', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'Watchdog', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'expected_signal_to_noise', 'find_blobs', 'fitting_roles', 'force_cpu_path', 'frame_noise', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'marker_roles', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'surrounding_chroma', 'to_line', 'to_rgb', 'trace_schema', 'trusted_width', 'view_warp', 'wrap_angle']
+__all__: list[str] = ['Arrival', 'Blob', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'ImageStream', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MessageSocket', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'RemoteRobot', 'RemoteWorld', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SharedFrames', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'expected_signal_to_noise', 'find_blobs', 'fitting_roles', 'force_cpu_path', 'frame_noise', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'marker_roles', 'model_steps', 'parse_line', 'path_sensitivities', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'surrounding_chroma', 'to_line', 'to_rgb', 'trace_schema', 'trusted_width', 'view_warp', 'wrap_angle']
 class Intrinsics:
     """
     A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
@@ -384,15 +384,15 @@ class Grabber:
     """
     The thread that reads a camera. Users take robsim.Camera.
     """
+    def __call__(self, timeout: float) -> Frame | None:
+        """
+        Return the newest frame, not taken yet; None if there is none.
+        """
     def __init__(self, device: CaptureDevice, *, every: int = 1, frame_timeout: float = 1.0, reopen: bool = False, interval: float | None = None, plane_map: PlaneMap | None = None, area: tuple[int, int] | None = None, size: tuple[int, int] | None = None, headings: int | None = None) -> None:
         ...
     def close(self, patience: float = 1.0) -> None:
         """
         End the thread; leave it behind if it hangs for `patience` s.
-        """
-    def take(self, timeout: float) -> Frame | None:
-        """
-        Return the newest frame, not taken yet; None if there is none.
         """
     def wait_for_size(self, timeout: float) -> tuple[int, int] | None:
         """
@@ -402,6 +402,11 @@ class Grabber:
     def counts(self) -> tuple[int, int, int, int, int, int]:
         """
         tuple of int: grabbed, delivered, dropped, torn, timeouts, reopened.
+        """
+    @property
+    def newest(self) -> Frame | None:
+        """
+        Frame or None: the one that was taken last.
         """
 class ImageStream:
     """
@@ -1838,6 +1843,10 @@ class MotorLink:
         """
     def __init__(self, line: Line, *, ttl: float, hold: float) -> None:
         ...
+    def _check_stop(self) -> None:
+        """
+        Raise LineError, once, if the last stop did not get into the line.
+        """
     def close(self) -> None:
         """
         Stop the robot and close the line; the second time it does nothing.
@@ -1904,21 +1913,6 @@ class MotorLink:
         """
         float: the robot stops by itself when it hears nothing for so long (s).
         """
-class Watchdog:
-    """
-    Halts the robot of a link when no fresh frame comes. Users take robsim.Experiment.
-    """
-    def __init__(self, link: MotorLink) -> None:
-        ...
-    def arm(self, timeout: float) -> None:
-        ...
-    def disarm(self) -> None:
-        ...
-    def feed(self, arrived: float) -> None:
-        ...
-    @property
-    def has_expired(self) -> bool:
-        ...
 class ReceivedInput:
     """
     What a robot has received.
@@ -2191,11 +2185,7 @@ class ExternalWorld(World):
     """
     The world half outside. Users take robsim.Experiment.
     """
-    def __init__(self, *, take: typing.Any, send: typing.Any, stop: typing.Any) -> None:
-        ...
-    def set_limits(self, limits: Limits) -> None:
-        ...
-    def set_watchdog(self, frame_timeout: float, stop_late: typing.Any) -> None:
+    def __init__(self, *, frames: typing.Any, motors: typing.Any, frame_timeout: float, limits: Limits | None) -> None:
         ...
 class Unicycle:
     """
@@ -2407,7 +2397,7 @@ class Loop:
         """
         Do what comes once, if that has not been done yet.
         """
-    def step_stage(self) -> str | None:
+    def step_stage(self, progress: typing.Any = None) -> str | None:
         """
         Do the next stage that is on and return its name; None = the world has come to its end.
         """

@@ -10,7 +10,6 @@ import threading
 import time
 import traceback
 import weakref
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -201,26 +200,3 @@ def test_ctrl_c_ends_the_wait_for_a_frame():
         print("interrupted")
     """
     assert python(code) == (0, "interrupted\n", "")
-
-
-@pytest.mark.long
-def test_a_run_that_was_stopped_while_it_waited_does_not_count_for_the_next(monkeypatch):
-    waits, now = threading.Event(), 0.0
-
-    def monotonic():
-        waits.set()
-        return now
-
-    clock = SimpleNamespace(monotonic=monotonic)
-    monkeypatch.setattr("robsim.simulation.frame_source.time", clock)
-    source = SteppedCamera(numbered(2), permits=1)
-    with robsim.Camera(source, **PATIENT) as camera:
-        experiment = robsim.Experiment(
-            camera, send=lambda u: None, control=lambda step: (0, 0), frame_timeout=100
-        )
-        experiment.run(1)
-        for act, steps in ((experiment.stop, 1), (source.permits.release, 2)):
-            waits.clear()
-            with in_thread(lambda act=act: waits.wait(300) and act()):
-                assert experiment.run(1).t.size == steps
-            now = 1000.0

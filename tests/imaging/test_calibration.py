@@ -174,31 +174,3 @@ def test_frames_of_another_size_are_refused_by_who_takes_them(tmp_path, small, s
         source(folder, calibration=small, plane_map=PlaneMap(), **options)
     with pytest.raises(ValueError, match="floor"):
         source(folder, calibration=Calibration(size=(48, 64)), **options)
-
-
-def test_an_experiment_maps_the_frames_that_it_is_given(small):
-    image = np.full((48, 64, 3), 90, np.uint8)
-    seen = []
-    frames = [
-        robsim.Frame(image, t=0.0),
-        None,
-        robsim.simulation.Observation(robsim.Frame(image, t=0.4), t=0.4),
-    ]
-    with robsim.Experiment(
-        frames, calibration=small, measure=lambda step: seen.append(step.frame)
-    ) as experiment:
-        experiment.run()
-        assert experiment.area == (640, 480)
-    shown = [frame.plane_map for frame in seen if frame is not None]
-    assert shown == [small.plane_map] * 2
-    with (
-        robsim.Experiment([robsim.Frame(image[:32])], calibration=small) as other,
-        pytest.raises(ValueError, match=r"64 x 32 px.*64 x 48 px"),
-    ):
-        other.run()
-
-
-def test_an_experiment_takes_none_with_frames_that_have_one(tmp_path, small):
-    recording = robsim.Recording(frames_in(tmp_path / "frames"), calibration=small)
-    with pytest.raises(ValueError, match="calibration"):
-        robsim.Experiment(recording, calibration=small)

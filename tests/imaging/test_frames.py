@@ -226,15 +226,6 @@ def test_of_a_video(tmp_path, frame):
         assert robsim.Recording(tmp_path / "other.mkv").headings is None
 
 
-def test_of_frames_that_a_calibration_maps(frame):
-    floor = robsim.vision.Calibration(size=AREA, floor=frame.plane_map, area=AREA)
-    given = [frame, robsim.simulation.Observation(frame, t=0.2)]
-    with robsim.Experiment(given, calibration=floor, measure=True) as experiment:
-        trace = experiment.run()
-    assert experiment.last_step.frame.headings == trace.info.headings == 36
-    assert np.sqrt(trace.covariance_measured[:, 2, 2]) == pytest.approx(ROUNDED, rel=0.02)
-
-
 def test_headings_of_a_folder_are_given(tmp_path, frame):
     save_image(tmp_path / "0.png", frame.image)
     assert robsim.Recording(tmp_path).headings is None

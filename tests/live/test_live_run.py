@@ -1,22 +1,26 @@
 """Live runs from end to end, with and without faults."""
 
+import contextlib
 import itertools
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import gige_cameras
 import robsim
 import sessions
 from python_devices import PATIENT, SteppedCamera
-from robsim.lab import MotorReceiver, UdpMotors
+from robsim.lab import MotorReceiver, SimulatedLab, UdpMotors, UnpluggedError
 from sizes import thorough
-from surroundings import needs_double
-from waiting import wait_for
+from surroundings import needs_double, needs_extension
+from threads import running
+from waiting import LONGER_AND_LONGER, keep_interpreter, wait_for
 
 with_proc = pytest.mark.skipif(
     not Path("/proc/self/task").is_dir(), reason="needs /proc and terminals"
@@ -79,6 +83,115 @@ def test_a_robot_is_stopped_while_frames_stop_and_driven_when_they_return():
     assert inputs[round(1 + (n - 1) / 100, 4)] < stopped < inputs[round(1 + n / 100, 4)]
     assert robot.events[-1].kind == "stop"
     assert "timeout" not in {event.kind for event in robot.events}
+
+
+@contextlib.contextmanager
+def simulated_lab():
+    """A lab, and its camera."""
+    with (
+        SimulatedLab(robsim.Scenario(seed=1, resolution=(200, 200)), fps=100) as lab,
+        robsim.Camera(lab, **PATIENT) as camera,
+    ):
+        yield lab, camera
+
+
+@contextlib.contextmanager
+def gige_camera():
+    """A lab whose frames come by Aravis."""
+    needs_extension("gige")
+    with (
+        gige_cameras.alone(),
+        gige_cameras.served() as server,
+        gige_cameras.camera_of(server) as camera,
+    ):
+        yield server.lab, camera
+
+
+@pytest.fixture
+def greedy():
+    """A thread that has the interpreter keeps it until it waits for something."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(300)
+    yield
+    sys.setswitchinterval(before)
+
+
+@pytest.mark.threads
+@pytest.mark.usefixtures("greedy")
+@pytest.mark.parametrize("source", [simulated_lab, gige_camera])
+def test_a_run_without_callbacks_goes_on_while_nobody_gets_the_interpreter(source):
+    with source() as (lab, camera), UdpMotors(lab.address, ttl=60, hold=1000) as motors:
+        experiment = robsim.Experiment(
+            camera,
+            send=motors,
+            control=robsim.DriveAround(),
+            measure=True,
+            estimate_parameters=True,
+            frame_timeout=300,
+        )
+        with running(experiment):
+            for seconds in LONGER_AND_LONGER:
+                start = experiment.trace.t_sent.size
+                epoch = camera.newest.epoch
+                begin = time.monotonic()
+                keep_interpreter(seconds)
+                end = time.monotonic()
+                time.sleep(0)
+                sent = experiment.trace.t_sent[start:] + epoch
+                if ((sent > begin) & (sent < end)).sum() > 5:
+                    break
+            else:
+                pytest.fail("the run stood still while the interpreter was held")
+
+
+CTRL_C = """
+import robsim
+import _thread, signal, threading
+
+# A shell's background ignores Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+lab = robsim.lab.SimulatedLab(robsim.Scenario(seed=1, resolution=(64, 64)))
+camera, motors = robsim.Camera(lab), robsim.lab.UdpMotors(lab.address)
+experiment = robsim.Experiment(
+    camera, send=motors, control=robsim.DriveAround(), measure=False, frame_timeout=300
+)
+def interrupt():
+    while not experiment.n_steps:
+        pass
+    _thread.interrupt_main()
+threading.Thread(target=interrupt, daemon=True).start()
+try:
+    experiment.run()
+except KeyboardInterrupt:
+    print("interrupted", experiment.is_running, motors.events[-1].kind)
+"""
+
+
+def test_ctrl_c_ends_a_run_that_is_alone_and_stops_the_robot():
+    done = subprocess.run(
+        [sys.executable, "-c", CTRL_C],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert (done.stdout, done.stderr) == ("interrupted False stop\n", "")
+
+
+def test_what_ends_a_camera_reaches_the_user_with_the_step():
+    with simulated_lab() as (lab, camera), UdpMotors(lab.address) as motors:
+        experiment = robsim.Experiment(
+            camera, send=motors, control=robsim.DriveAround(), measure=False, frame_timeout=300
+        )
+        experiment.run(3)
+        lab.unplug()
+        with pytest.raises(UnpluggedError) as raised:
+            experiment.run()
+        assert raised.value.__notes__ == [f"in frames at step {experiment.n_steps}"]
+        assert motors.events[-1].kind == "stop"
+        camera.close()
+        with pytest.raises(ValueError, match="closed"):
+            experiment.run()
 
 
 # --- faults

@@ -35,7 +35,7 @@ CPP = {
     "lab/motors": {"base/system", "model"},
     "simulation/seam": {"imaging", "model", "vision"},
     "simulation/world": {
-        *("base/system", "base/elementary", "lab/motors", "model", "world"),
+        *("base/system", "base/elementary", "lab/capture", "lab/motors", "model", "world"),
         "simulation/seam",
     },
     "simulation/robot": {

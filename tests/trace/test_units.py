@@ -7,7 +7,7 @@ import robsim
 from robsim.estimation import parameter_bounds, parameter_convergence
 from robsim.estimation.reference import ConstantVelocityKalmanFilter
 from robsim.plotting import annotated_frames
-from robsim.vision import Calibration, PlaneMap
+from robsim.vision import Calibration, PlaneMap, save_image
 
 MM_PER_PX = 2.5
 LENGTHS = {"px": 1.0, "mm": MM_PER_PX, "m": MM_PER_PX / 1000}
@@ -164,9 +164,11 @@ def test_a_calibrated_experiment_knows_the_length_of_a_px(simulation, tmp_path):
     calibration = Calibration(
         size=(400, 300), floor=PlaneMap(np.eye(3)), area=(400, 300), mm_per_px=MM_PER_PX
     )
-    frames = [simulation.render_step(k) for k in range(5)]
-    images = [robsim.Frame(frame.image, index=frame.index) for frame in frames]
-    experiment = robsim.Experiment(images, calibration=calibration, record=tmp_path / "session")
+    (tmp_path / "frames").mkdir()
+    for k in range(5):
+        save_image(tmp_path / "frames" / f"{k}.png", simulation.render_step(k).image)
+    frames = robsim.Recording(tmp_path / "frames", calibration=calibration)
+    experiment = robsim.Experiment(frames, record=tmp_path / "session")
     trace = experiment.run()
     assert trace.info.mm_per_px == MM_PER_PX
     assert trace.in_unit("mm").pose_measured[0, 0] == MM_PER_PX * trace.pose_measured[0, 0]

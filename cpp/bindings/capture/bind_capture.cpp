@@ -8,7 +8,6 @@
 #include <tuple>
 #include <utility>
 
-#include "capture/capture_errors.hpp"
 #include "capture/python_camera.hpp"
 #include "python/interpreter.hpp"
 #include "python/signature.hpp"
@@ -24,37 +23,13 @@ namespace {
 
 constexpr double look = 0.1;  // s, after which a Ctrl-C is noticed
 
-// A grabber whose end does not hold the interpreter, which its thread may need.
-class SharedGrabber : public Grabber {
- public:
-  using Grabber::Grabber;
-  ~SharedGrabber() {
-    const WithoutInterpreter work;
-    close();
-  }
-};
-
-void raise(const CaptureError& error) {
-  if (const auto* of_python = dynamic_cast<const PythonCaptureError*>(&error)) {
-    // A copy, as an exception keeps the frames that it passes, and with them the camera that would
-    // keep the exception.
-    const py::object kept = of_python->raised();
-    const py::object raised = py::module_::import("copy").attr("copy")(kept);
-    raised.attr("__cause__") = kept.attr("__cause__");
-    raised.attr("__traceback__") = kept.attr("__traceback__");
-    PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
-    return;
-  }
-  raise_in_python(error);
-}
-
 void tell_of_faults() {
   py::register_local_exception_translator([](std::exception_ptr error) {
     try {
       std::rethrow_exception(error);
     } catch (const CaptureError& fault) {
       try {
-        raise(fault);
+        raise_camera_error(fault);
       } catch (py::error_already_set& failed) {
         failed.restore();
       }
@@ -79,12 +54,11 @@ Result wait(double timeout, const std::function<Result(double)>& wait_for) {
 
 using Size = std::optional<std::pair<int, int>>;
 
-std::unique_ptr<SharedGrabber> make_grabber(const std::shared_ptr<CaptureDevice>& device, int every,
-                                            double frame_timeout, bool reopen,
-                                            std::optional<double> interval,
-                                            const std::optional<PlaneMap>& plane_map,
-                                            const Size& area, const Size& size,
-                                            std::optional<int> headings) {
+std::shared_ptr<Grabber> make_grabber(const std::shared_ptr<CaptureDevice>& device, int every,
+                                      double frame_timeout, bool reopen,
+                                      std::optional<double> interval,
+                                      const std::optional<PlaneMap>& plane_map, const Size& area,
+                                      const Size& size, std::optional<int> headings) {
   if (every < 1) throw py::value_error("every must be at least 1");
   GrabberOptions options;
   options.every = every;
@@ -95,12 +69,12 @@ std::unique_ptr<SharedGrabber> make_grabber(const std::shared_ptr<CaptureDevice>
   options.area = area;
   options.size = size;
   options.headings = headings.value_or(0);
-  return std::make_unique<SharedGrabber>(device, options);
+  return make_native<Grabber>(device, options);
 }
 
 using Count = std::int64_t;
 
-std::tuple<Count, Count, Count, Count, Count, Count> counts_of(const SharedGrabber& grabber) {
+std::tuple<Count, Count, Count, Count, Count, Count> counts_of(const Grabber& grabber) {
   const CaptureCounts counts = grabber.counts();
   return {counts.grabbed, counts.delivered, counts.dropped,
           counts.torn,    counts.timeouts,  counts.reopened};
@@ -163,8 +137,9 @@ bgr : bool
       "socket "
       "that frames come from, and close() ends the process.")
       .def(py::init<py::object>(), py::arg("camera"));
-  Class<SharedGrabber>(public_in(module, "robsim._core"), "Grabber",
-                       "The thread that reads a camera. Users take robsim.Camera.")
+  Class<Grabber, std::shared_ptr<Grabber>>(
+      public_in(module, "robsim._core"), "Grabber",
+      "The thread that reads a camera. Users take robsim.Camera.")
       .def(py::init(&make_grabber), py::arg("device"), py::kw_only(), py::arg("every") = 1,
            py::arg("frame_timeout") = 1.0, py::arg("reopen") = false,
            py::arg("interval") = py::none(), py::arg("plane_map") = py::none(),
@@ -172,21 +147,23 @@ bgr : bool
            py::arg("headings") = py::none())
       .def(
           "wait_for_size",
-          [](const SharedGrabber& self, double timeout) {
+          [](const Grabber& self, double timeout) {
             return wait<Size>(timeout, [&](double s) { return self.wait_for_size(s); });
           },
           py::arg("timeout"), "Return (width, height) of the first frame; None if it did not come.")
       .def(
-          "take",
-          [](SharedGrabber& self, double timeout) {
+          "__call__",
+          [](Grabber& self, double timeout) {
             return wait<std::optional<Frame>>(timeout, [&](double s) { return self.take(s); });
           },
           py::arg("timeout"), "Return the newest frame, not taken yet; None if there is none.")
+      .def_property_readonly("newest", &Grabber::newest,
+                             "Frame or None: the one that was taken last.")
       .def_property_readonly("counts", &counts_of,
                              "tuple of int: grabbed, delivered, dropped, torn, timeouts, reopened.")
       .def(
           "close",
-          [](SharedGrabber& self, double patience) {
+          [](Grabber& self, double patience) {
             const WithoutInterpreter work;
             self.close(patience);
           },

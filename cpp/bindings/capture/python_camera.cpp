@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "capture/capture_errors.hpp"
 #include "python/interpreter.hpp"
 #include "robsim/base/system.hpp"
 
@@ -45,6 +46,18 @@ SharedObject shared_object(py::object object) {
             const py::gil_scoped_acquire interpreter;
             Py_DECREF(held);
           }};
+}
+
+void raise_camera_error(const CaptureError& error) {
+  const auto* of_python = dynamic_cast<const PythonCaptureError*>(&error);
+  if (!of_python) return raise_in_python(error);
+  // A copy, as an exception keeps the frames that it passes, and with them the camera that would
+  // keep the exception.
+  const py::object kept = of_python->raised();
+  const py::object raised = py::module_::import("copy").attr("copy")(kept);
+  raised.attr("__cause__") = kept.attr("__cause__");
+  raised.attr("__traceback__") = kept.attr("__traceback__");
+  PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
 }
 
 py::object PythonCamera::call(const char* method) const {

@@ -25,6 +25,10 @@ class PythonCaptureError : public CaptureError {
   SharedObject raised_;
 };
 
+/// Raises the exception of a Python camera again, or the error of robsim.lab that a fault stands
+/// for.
+void raise_camera_error(const CaptureError& error);
+
 /// A camera in Python, with `open()`, `read()` and `close()`. The interpreter is held for these
 /// calls alone; pixels are copied without it.
 class PythonCamera : public CaptureDevice {

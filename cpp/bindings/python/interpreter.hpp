@@ -3,7 +3,9 @@
 #include <Python.h>
 
 #include <chrono>
+#include <memory>
 #include <thread>
+#include <utility>
 
 namespace robsim::bindings {
 
@@ -43,5 +45,18 @@ class WithoutInterpreter {
  private:
   PyThreadState* state_;
 };
+
+/// An object whose end waits for its thread, and gives up the interpreter meanwhile.
+template <typename T, typename... A>
+std::shared_ptr<T> make_native(A&&... arguments) {
+  return std::shared_ptr<T>(new T(std::forward<A>(arguments)...), [](const T* value) {
+    if (!PyGILState_Check()) {
+      delete value;
+      return;
+    }
+    const WithoutInterpreter others;
+    delete value;
+  });
+}
 
 }  // namespace robsim::bindings

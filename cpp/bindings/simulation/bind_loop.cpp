@@ -241,11 +241,12 @@ void bind_loop(py::module_& module) {
           "to its end.")
       .def(
           "step_stage",
-          [](SlottedLoop& self) -> std::optional<std::string> {
+          [](SlottedLoop& self, const py::object& progress) -> std::optional<std::string> {
             const std::optional<Stage> stage =
-                in_run(self, [&] { return self.step_stage(pulse(py::none())); });
+                in_run(self, [&] { return self.step_stage(pulse(progress)); });
             return stage ? std::optional<std::string>(name_of(*stage)) : std::nullopt;
           },
+          py::arg("progress") = py::none(),
           "Do the next stage that is on and return its name; None = the world has come to its end.")
       .def("stop", &SlottedLoop::stop, "End the run under way; False if there is none.")
       .def("stop_robot", &SlottedLoop::stop_robot_between_runs,

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/python_camera.hpp"
 #include "python/callbacks.hpp"
 #include "python/interpreter.hpp"
 #include "python/numpy.hpp"
 #include "python/signature.hpp"
 #include "python/values.hpp"
-#include "robsim/lab/motors/motor_link.hpp"
 #include "robsim/model/motion.hpp"
 #include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/simulation/world/external_world.hpp"
@@ -293,44 +293,6 @@ void bind_simulated_world(py::module_& module) {
            "Return the frame of an earlier step, or write it to `out`.");
 }
 
-// Frames from an iterable of Python's, inputs to a callable.
-class PythonSource : public ExternalWorld, public SlotValues {
- public:
-  PythonSource(const py::object& take, const py::object& send, const py::object& stop)
-      : ExternalWorld(source(take, send, stop)) {
-    values = {{"take", take}, {"send", send}, {"stop", stop}};
-  }
-
-  // The watchdog calls `stop_late`, which needs the interpreter; it halts a link without it.
-  void set_watchdog(double frame_timeout, const py::object& stop_late) {
-    values["stop_late"] = stop_late;
-    if (py::isinstance<MotorLink>(stop_late)) {
-      watch(frame_timeout, [link = stop_late.cast<std::shared_ptr<MotorLink>>()] { link->halt(); });
-    } else {
-      watch(frame_timeout, [this] { call_stop_late(); });
-    }
-  }
-  ~PythonSource() override { close(); }
-
- private:
-  static ExternalSource source(const py::object& take, const py::object& send,
-                               const py::object& stop);
-  void call_stop_late() noexcept;
-};
-
-// In the watchdog's thread. The garbage collector may have cleared the values meanwhile.
-void PythonSource::call_stop_late() noexcept {
-  if (is_finalizing()) return;
-  const py::gil_scoped_acquire interpreter;
-  const auto found = values.find("stop_late");
-  if (found == values.end()) return;
-  try {
-    py::object(found->second)();
-  } catch (py::error_already_set& error) {
-    error.discard_as_unraisable("stop_late");
-  }
-}
-
 Arrival arrival_of(const py::object& taken, Arrived& arrived, std::int64_t k) {
   if (py::isinstance<Arrival>(taken)) return taken.cast<Arrival>();
   if (py::isinstance<Frame>(taken)) {
@@ -345,49 +307,82 @@ Arrival arrival_of(const py::object& taken, Arrived& arrived, std::int64_t k) {
 }
 
 // Stops the robot even where a Ctrl-C comes in between: that is put off.
-std::optional<Input> stopped(const py::handle& stop) {
+std::optional<Input> stopped(const py::handle& motors) {
   bool is_interrupted = false;
-  py::object u = py::none();
+  std::optional<Input> sent;
   for (int attempt = 0; attempt < 3; ++attempt) {
     try {
-      u = stop();
+      const py::object u = motors.attr("stop")();
+      if (!u.is_none()) sent = input_from(u, "stop_input");
       break;
     } catch (py::error_already_set& error) {
-      if (error.matches(PyExc_KeyboardInterrupt)) {
-        is_interrupted = true;
-      } else {
-        error.discard_as_unraisable("stop");
-      }
+      is_interrupted = is_interrupted || error.matches(PyExc_KeyboardInterrupt);
     } catch (...) {  // Python ends
       wait_for_the_end();
     }
   }
-  std::optional<Input> sent;
-  if (!u.is_none()) sent = input_from(u, "stop_input");  // finite: Motors has seen to that
   if (is_interrupted) PyErr_SetInterrupt();
   return sent;
 }
 
-ExternalSource PythonSource::source(const py::object& take, const py::object& send,
-                                    const py::object& stop) {
-  ExternalSource source;
-  source.take = [callback = Callback("frames", take, "frames")](std::int64_t k, Arrived& arrived) {
-    return arrival_of(callback(k, py::int_(k)), arrived, k);
-  };
-  if (py::isinstance<MotorLink>(send)) {
-    source.send = [link = send.cast<std::shared_ptr<MotorLink>>()](std::int64_t, const Input& u) {
-      const NativeWork native;
-      return std::optional(link->send(u));
-    };
-  } else if (!send.is_none()) {
-    source.send = [callback = Callback("send", send, "send")](std::int64_t k, const Input& u) {
-      callback(k, to_array(u));
-      return std::optional<double>();
-    };
+// In the watchdog's thread.
+void halted(const py::handle& motors) {
+  if (is_finalizing()) return;
+  const py::gil_scoped_acquire interpreter;
+  try {
+    motors.attr("halt")();
+  } catch (py::error_already_set& error) {
+    error.discard_as_unraisable("halt");
   }
-  if (!stop.is_none()) source.stop = [stop = py::handle(stop)] { return stopped(stop); };
-  return source;
 }
+
+FrameSource source_of(const py::object& frames) {
+  const Callback take("frames", frames, "frames");
+  if (!py::isinstance<Grabber>(frames)) {
+    return {[take](std::int64_t k, Arrived& arrived) {
+      return arrival_of(take(k, py::int_(k)), arrived, k);
+    }};
+  }
+  FrameSource camera = frames_of(frames.cast<std::shared_ptr<Grabber>>());
+  camera.take = [take, next = camera.take](std::int64_t k, Arrived& arrived) {
+    try {
+      return next(k, arrived);
+    } catch (const CaptureError& error) {
+      const py::gil_scoped_acquire interpreter;
+      raise_camera_error(error);
+      take.fail(k);
+    }
+  };
+  return camera;
+}
+
+InputSink sink_of(const py::object& motors) {
+  if (motors.is_none()) return {};
+  if (py::isinstance<MotorLink>(motors)) {
+    return inputs_to(motors.cast<std::shared_ptr<MotorLink>>());
+  }
+  InputSink sink;
+  sink.send = [send = Callback("send", motors, "send")](std::int64_t k, const Input& u) {
+    send(k, to_array(u));
+    return std::optional<double>();
+  };
+  sink.stop = [motors = py::handle(motors)] { return stopped(motors); };
+  if (motors.attr("can_halt").cast<bool>()) {
+    sink.halt = [motors = py::handle(motors)] { halted(motors); };
+  }
+  return sink;
+}
+
+// Frames from a camera or a callable, inputs to a link or an object of Python's.
+class PythonSource : public ExternalWorld, public SlotValues {
+ public:
+  PythonSource(const py::object& frames, const py::object& motors, double frame_timeout,
+               const std::optional<Limits>& limits)
+      : ExternalWorld(source_of(frames), sink_of(motors), frame_timeout, limits) {
+    values = {{"frames", frames}, {"motors", motors}};
+  }
+  ~PythonSource() override { close(); }
+};
 
 void bind_external_world(py::module_& module) {
   py::enum_<Arrival>(public_in(module, "robsim._core"), "Arrival",
@@ -399,11 +394,9 @@ void bind_external_world(py::module_& module) {
       public_in(module, "robsim._core"), "ExternalWorld",
       "The world half outside. Users take robsim.Experiment.",
       py::custom_type_setup(&collect_garbage<PythonSource>))
-      .def(py::init<const py::object&, const py::object&, const py::object&>(), py::kw_only(),
-           py::arg("take"), py::arg("send"), py::arg("stop"))
-      .def("set_watchdog", &PythonSource::set_watchdog, py::arg("frame_timeout"),
-           py::arg("stop_late"))
-      .def("set_limits", &PythonSource::set_limits, py::arg("limits"));
+      .def(py::init<const py::object&, const py::object&, double, const std::optional<Limits>&>(),
+           py::kw_only(), py::arg("frames"), py::arg("motors"), py::arg("frame_timeout"),
+           py::arg("limits"));
 }
 
 }  // namespace

@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <stdexcept>
 #include <utility>
 
+#include "robsim/base/system.hpp"
 #include "robsim/simulation/seam/thread_guard.hpp"
 
 namespace robsim {
 
 namespace {
+
+constexpr std::chrono::milliseconds between_beats{50};
 
 // Says when to look up from the work: every 50 ms or so.
 class Metronome {
@@ -30,7 +34,6 @@ class Metronome {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::milliseconds between_beats{50};
   static constexpr std::chrono::milliseconds quick{1};  // for all the steps between two looks
   static constexpr std::int64_t most_between_looks = 64;
 
@@ -104,16 +107,50 @@ void Loop::reset() {
   stage_.store(Stage::world, std::memory_order_release);
 }
 
-bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
+bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot) {
   const RunGuard::Run run(*guard_);
   prepare();
   recorder_.prepare(*world_, robot_, steps);
   resume();
+  const bool is_alone = world_->is_live() && !is_interpreted();
+  return is_alone ? turns_beside(steps, pulse, stops_robot) : turns(steps, pulse, stops_robot);
+}
+
+// Turns in a second thread, which needs no interpreter. This thread only looks up, and waits for
+// the interpreter if another one has it.
+bool Loop::turns_beside(std::int64_t steps, const Pulse& pulse, bool stops_robot) {
+  const std::int64_t before = recorder_.rows();
+  std::packaged_task<bool()> work([&] {
+    const ThreadGuard::TakenOver run(*guard_);
+    return turns(steps, [](std::int64_t) {}, stops_robot);
+  });
+  std::future<bool> is_at_end = work.get_future();
+  std::thread thread = start_thread([&work] { work(); });
+  const auto end = [&thread] {
+    const NativeWork native;
+    thread.join();
+  };
+  const auto is_over = [&is_at_end] {
+    const NativeWork native;
+    return is_at_end.wait_for(between_beats) == std::future_status::ready;
+  };
+  try {
+    while (!is_over()) pulse(recorder_.rows() - before);
+  } catch (...) {
+    guard_->stop();
+    end();
+    throw;
+  }
+  end();
+  return is_at_end.get();
+}
+
+bool Loop::turns(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
   bool is_at_end = false;
   has_witness_ = robot_.stages().estimate_parameters || observer_ || is_interpreted();
   try {
     const auto estimator = robot_.hold_estimator();
-    is_at_end = turns(steps, pulse);
+    is_at_end = turn_on(steps, pulse);
   } catch (...) {
     write_sample();
     stop_robot();
@@ -124,7 +161,7 @@ bool Loop::run(std::int64_t steps, const Pulse& pulse, bool stops_robot_after) {
   return is_at_end;
 }
 
-bool Loop::turns(std::int64_t steps, const Pulse& pulse) {
+bool Loop::turn_on(std::int64_t steps, const Pulse& pulse) {
   std::unique_ptr<NativeWork> native;
   if (!is_interpreted()) native = std::make_unique<NativeWork>();
   Metronome metronome;

@@ -77,7 +77,9 @@ class Loop {
   void prepare();
   void stop_robot();
   void resume();
-  bool turns(std::int64_t steps, const Pulse& pulse);
+  bool turns(std::int64_t steps, const Pulse& pulse, bool stops_robot);
+  bool turns_beside(std::int64_t steps, const Pulse& pulse, bool stops_robot);
+  bool turn_on(std::int64_t steps, const Pulse& pulse);
   Arrival turn();
   Arrival do_stage();
   Arrival begin_step();
@@ -86,7 +88,9 @@ class Loop {
   void end_step();
   void keep_step(const std::optional<double>& t_sent);
   bool is_on(Stage stage) const;
-  bool is_interpreted() const { return world_->is_interpreted() || robot_.is_interpreted(); }
+  bool is_interpreted() const {
+    return world_->is_interpreted() || robot_.is_interpreted() || observer_;
+  }
 
   std::shared_ptr<RunGuard> guard_;
   std::shared_ptr<World> world_;

@@ -18,8 +18,8 @@ from robsim._core import Limits, MotorLink, RobotModel, detect
 from robsim.base.report import Quantity, Report
 from robsim.base.text import one_line
 from robsim.cli import errors
-from robsim.cli.sources import SIMULATED, WatchedCamera
-from robsim.lab.cameras.camera import CameraCounts
+from robsim.cli.sources import SIMULATED
+from robsim.lab.cameras.camera import Camera, CameraCounts
 from robsim.simulation import Experiment
 from robsim.simulation.callback_folder import CallbackFolder
 from robsim.trace import Trace
@@ -38,15 +38,13 @@ class StatusLine:
     ----------
     experiment : Experiment
         The run.
-    camera : WatchedCamera
+    camera : Camera
         Its camera.
     seconds : float, optional
         How long after the first frame the run is ended (s). Default: never.
     """
 
-    def __init__(
-        self, experiment: Experiment, camera: WatchedCamera, seconds: float | None
-    ) -> None:
+    def __init__(self, experiment: Experiment, camera: Camera, seconds: float | None) -> None:
         self._experiment, self._camera = experiment, camera
         self._seconds = math.inf if seconds is None else seconds
         self._is_shown = sys.stderr.isatty()
@@ -187,7 +185,7 @@ class LiveRun:
 
     def drive(
         self,
-        line: AbstractContextManager[tuple[WatchedCamera, MotorLink | None]],
+        line: AbstractContextManager[tuple[Camera, MotorLink | None]],
         folder: Path | None,
         options: dict[str, Any],
     ) -> None:
@@ -205,7 +203,7 @@ class LiveRun:
 
     def _new_experiment(
         self,
-        camera: WatchedCamera,
+        camera: Camera,
         motors: MotorLink | None,
         folder: Path | None,
         options: dict[str, Any],
@@ -220,9 +218,7 @@ class LiveRun:
             return Experiment(camera, **options)
         return Experiment.from_folder(folder, frames=camera, **options)
 
-    def _tell(
-        self, experiment: Experiment, camera: WatchedCamera, motors: MotorLink | None
-    ) -> None:
+    def _tell(self, experiment: Experiment, camera: Camera, motors: MotorLink | None) -> None:
         """Print what is to be known before the robot drives."""
         rate = "" if camera.dt is None else f", {1 / camera.dt:.3g} frames/s"
         source = camera.source if isinstance(camera.source, (int, str)) else SIMULATED
@@ -245,7 +241,7 @@ class LiveRun:
                 "robot"
             )
 
-    def _run(self, experiment: Experiment, camera: WatchedCamera) -> None:
+    def _run(self, experiment: Experiment, camera: Camera) -> None:
         try:
             with (
                 warnings.catch_warnings(),

@@ -14,8 +14,8 @@ from robsim._core import MotorLink
 from robsim.cli import errors, shared
 from robsim.cli.command import integer_option, number_option, option, switch
 from robsim.cli.outcome import finish
-from robsim.cli.sources import WatchedCamera
 from robsim.cli.text import about, parse_control, parse_size
+from robsim.lab.cameras.camera import Camera
 
 # What a robot of unknown strength may be driven with.
 _VOLTAGE = 1.5  # V
@@ -261,13 +261,13 @@ _PICTURE = "check.png"
 
 
 def check_and_report(
-    camera: WatchedCamera, motors: MotorLink | None, out: Path, as_json: bool, **options: Any
+    camera: Camera, motors: MotorLink | None, out: Path, as_json: bool, **options: Any
 ) -> None:
     """Check a camera, print what was found, and draw it; exit with 1 if it is bad.
 
     Parameters
     ----------
-    camera : WatchedCamera
+    camera : Camera
         The camera.
     motors : MotorLink or None
         The line to the robot.

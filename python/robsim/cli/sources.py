@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
-from robsim._core import Frame, MotorLink, PlaneMap
+from robsim._core import MotorLink, PlaneMap
 from robsim.base.checks import check_float
 from robsim.base.spelling import suggestion
 from robsim.base.text import quoted
@@ -34,18 +34,6 @@ _CAMERAS = (
 _MOTORS = f"udp:HOST:PORT, serial:PORT, serial:PORT@BAUD, {SIMULATED} or {NONE}"
 
 
-class WatchedCamera(Camera):
-    """A camera that keeps its newest frame for the status line."""
-
-    newest: Frame | None = None
-
-    def _poll(self, timeout: float) -> Frame | None:
-        frame = super()._poll(timeout)
-        if frame is not None:
-            self.newest = frame
-        return frame
-
-
 @contextmanager
 def opened(
     camera: str | None,
@@ -58,7 +46,7 @@ def opened(
     fps: float | None,
     every: int | None,
     model_dt: float | None,
-) -> Iterator[tuple[WatchedCamera, MotorLink | None]]:
+) -> Iterator[tuple[Camera, MotorLink | None]]:
     """Open a camera and the line to the robot; at the end the robot stands, and all is closed.
 
     A `model_dt` is the time of a step that the frames must have (s). Where `every` is not given, it
@@ -83,7 +71,7 @@ def opened(
         source = lab or _source(camera)
         is_asked = lab is None and fps is not None
         with about("--camera" if calibration is None else "--camera or --calibration"):
-            device = WatchedCamera(
+            device = Camera(
                 source,
                 plane_map=plane_map,
                 calibration=calibration,

@@ -41,13 +41,11 @@ from robsim.simulation.options import (
     step_count,
     timeout_value,
 )
-from robsim.simulation.recording import Motors, stop_input_value
+from robsim.simulation.recording import motors_of, stop_input_value
 from robsim.simulation.runner import Runner
 from robsim.simulation.slots import RobotCallbacks
 from robsim.trace import Trace
 from robsim.trace.columns import POSES, RECORDED
-from robsim.vision.imaging.calibration import Calibration
-from robsim.vision.imaging.calibration_file import as_calibration
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
 
@@ -81,7 +79,7 @@ class Experiment(Runner):
         this step: nothing is measured. An `Observation` can bring more than a frame. The times
         ``t`` of the frames (s) increase, or are all missing: then they are one sample time of the
         model apart. Optional attributes ``area`` and ``dt`` of the iterable set the area and the
-        dt of the default model.
+        dt of the default model, ``mm_per_px`` the length of a px.
     send : callable, optional
         ``send(u)``: brings an input, array (2,) in V, to the robot. Motors of `robsim.lab` need
         no interpreter for that: they stop the robot even if a callback never gives it back.
@@ -111,9 +109,6 @@ class Experiment(Runner):
         block ends, and readable whenever the program does. Needs OpenCV.
     lossless : bool
         Whether the frames are recorded without loss.
-    calibration : Calibration or path, optional
-        That of the camera: its map and its area take the place of those of the frames. Frames of
-        another size are refused.
     colors, markers, smoothing, time_limit
         As in `Simulation`.
     identify_from : str
@@ -159,7 +154,6 @@ class Experiment(Runner):
         time_limit: float | None = None,
         record: str | PathLike[str] | None = None,
         lossless: bool = False,
-        calibration: Calibration | str | PathLike[str] | None = None,
         **callbacks: Unpack[RobotCallbacks],
     ) -> None:
         self._check_names(callbacks)
@@ -169,21 +163,24 @@ class Experiment(Runner):
         timeout = timeout_value(frame_timeout, _default_timeout(frames, send))
         self._source = FrameSource(
             frames,
-            timeout,
             area=area,
-            is_polled=send is not None,
-            calibration=as_calibration(calibration),
+            is_polled=send is not None or not math.isinf(timeout),
         )
         self._model = model_value(model)
         self._given_markers = markers_value(markers)
         self._next_look = 1  # at the frames, by the number of steps
         stops = stop_input_value(stop_input)
-        self._motors = None if send is None else Motors(send, stops)
+        self._motors = None if send is None else motors_of(send, stops)
         self._stopping = RLock()
         self._n_stops = 0  # how often `stop_robot` was called
         self._sent = {"stop_input": stops, "send": None if send is None else quoted(send)}
         super().__init__(
-            self._new_world(math.inf if stops is None else timeout, limits),
+            _core.ExternalWorld(
+                frames=self._source.native,
+                motors=self._motors,
+                frame_timeout=timeout,
+                limits=None if limits is None else limits_value(limits),
+            ),
             robot=definition,
             area=self._source.area,
             boundary="recorded",
@@ -197,20 +194,6 @@ class Experiment(Runner):
         self._fill_slots(_DEFAULTS | callbacks)
         if self._recording is not None:
             self._core.set_observer(self._recording.add)
-
-    def _new_world(self, timeout: float, limits: Limits | None) -> _core.World:
-        """Return the world half: where the frames come from, and the inputs go to."""
-        motors = self._motors
-        world = _core.ExternalWorld(
-            take=self._source.take,
-            send=motors and (motors.native or motors.send),
-            stop=motors and motors.stop,
-        )
-        if motors is not None and not math.isinf(timeout):
-            world.set_watchdog(timeout, motors.native or motors.stop_late)
-        if limits is not None:
-            world.set_limits(limits_value(limits))
-        return world
 
     def _change_vision(self, **changes: Any) -> None:
         self._core.check_thread()
@@ -300,7 +283,7 @@ class Experiment(Runner):
                 with self._stopping:
                     stack.enter_context(super()._guarded())
                     if self._motors is not None and not self.is_running:
-                        self._motors.begin()
+                        self._motors.resume()
                 if self._pulse is not None:  # it may have been stopped before it could be
                     self._pulse(0)
                 stack.enter_context(self._source.reading())
@@ -327,15 +310,6 @@ class Experiment(Runner):
             if not self.is_running:  # step may have left the robot driving
                 self._stop_robot(error)
             raise
-
-    @contextmanager
-    def _looking_up(self, pulse: Callable[[int], None]) -> Iterator[None]:
-        self._source.pulse = pulse
-        try:
-            with super()._looking_up(pulse):
-                yield
-        finally:
-            self._source.pulse = None
 
     @property
     def is_live(self) -> bool:
@@ -398,14 +372,18 @@ class Experiment(Runner):
 
     def _tell_stop_error(self, error: BaseException | None) -> None:
         """Raise what went wrong when the robot was stopped, or add it to another exception."""
-        if self._motors is None or self._motors.error is None:
+        if self._motors is None:
             return
-        trouble, self._motors.error = self._motors.error, None
-        if error is None:
-            trouble.add_note("in send, when the robot was to be stopped")
-            raise trouble
-        if self._motors.has_moved:
-            error.add_note(f"the robot could not be stopped: {type(trouble).__name__}: {trouble}")
+        try:
+            self._motors._check_stop()
+        except BaseException as trouble:
+            if error is None:
+                trouble.add_note("in send, when the robot was to be stopped")
+                raise
+            if not isinstance(trouble, KeyboardInterrupt):  # which kept nothing from being sent
+                error.add_note(
+                    f"the robot could not be stopped: {type(trouble).__name__}: {trouble}"
+                )
 
     def reset(self, *, seed: Seed = None) -> None:
         """Stop the robot and return to the start; the next run begins with the first frame.
@@ -457,8 +435,9 @@ class Experiment(Runner):
             )
 
     def _lacks(self, problem: str) -> None:
-        # An Observation may bring it.
-        self._source.lacks = problem
+        if self.is_live:
+            super()._lacks(problem)
+        self._source.lacks = problem  # an Observation may bring it
 
     def _check_stages(self) -> None:
         self._source.lacks = None

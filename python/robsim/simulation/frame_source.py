@@ -1,4 +1,7 @@
-"""Frames from outside, such as a recording or a camera, one for each step of an `Experiment`."""
+"""Frames from outside, such as a recording or a camera, one for each step of an `Experiment`.
+
+The loop takes the frames of a camera itself, without the interpreter.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,6 @@ import inspect
 import math
 import queue
 import threading
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
@@ -20,6 +22,7 @@ from robsim._core import (
     Arrival,
     Detection,
     Frame,
+    Grabber,
     Observation,
     PlaneMap,
     RobotModel,
@@ -36,25 +39,21 @@ from robsim.vision.imaging.calibration_file import calibration_text
 from robsim.vision.robots.marker_check import looks_mirrored
 
 DT_TOLERANCE = 2e-3  # relative; video files round their frame rate
-_POLL = 0.05  # s, after which the loop looks whether it was stopped
+_PATIENCE = 0.05  # s, after which the loop looks whether it was stopped
 
 
 class FrameSource:
-    """An iterable of frames, read one per step by the loop, with a limit on the wait for each.
+    """An iterable of frames, read one per step by the loop.
 
     Parameters
     ----------
     frames : iterable of Frame, Observation or None
         The frames. The optional attributes ``area`` and ``dt`` are the size of the work area (px)
         and the time between two frames (s).
-    timeout : float
-        Maximum wait for a frame (s); inf = none.
     area : tuple of int, optional
         Width and height of the work area (px). Default: that of `frames`, or 1200 x 1200.
     is_polled : bool
-        Whether a run can be stopped while it waits for a frame, though there is no maximum.
-    calibration : Calibration, optional
-        That of the camera: its map takes the place of that of the frames.
+        Whether a run can be stopped while it waits for a frame, or has a limit for that.
 
     Raises
     ------
@@ -65,11 +64,9 @@ class FrameSource:
     def __init__(
         self,
         frames: Iterable[Frame | Observation | None],
-        timeout: float = math.inf,
         *,
         area: tuple[int, int] | None = None,
         is_polled: bool = False,
-        calibration: Calibration | None = None,
     ) -> None:
         if isinstance(frames, (str, PathLike)):
             raise TypeError(
@@ -80,29 +77,20 @@ class FrameSource:
             raise TypeError(
                 f"frames must be an iterable of Frame objects, got {_described(frames)}"
             )
-        if calibration is not None and getattr(frames, "calibration", None) is not None:
-            raise ValueError("calibration must be None: the frames have one of their own")
-        self._calibration = calibration
-        if calibration is not None and area is None:
-            area = calibration.area
         given = getattr(frames, "area", None) if area is None else area
         self.area = check_size("area", Scenario.area if given is None else given)
         self.dt: float | None = getattr(frames, "dt", None)
         self._frames = frames
-        # A camera gives its newest frame, or None after a while without one.
-        self._poll: Callable[[float], Frame | None] | None = getattr(frames, "_poll", None)
+        grabber = getattr(frames, "_grabber", None)
+        self._grabber: Grabber | None = grabber if isinstance(grabber, Grabber) else None
         self._iterator = iter(frames)
-        self._timeout = timeout
-        self._is_polled = self._poll is None and (is_polled or not math.isinf(timeout))
-        self._since: float | None = None  # when this run first asked the camera for a frame
+        self._is_polled = is_polled and not self.is_live
         self._reader: _Reader | None = None
         self._reading = threading.Lock()
         self._has_begun = False
         self._is_seen = False  # a frame, as yet
         self._drawn: set[int | None] = set()  # headings that the frames tell
         self._failed_at: int | None = None
-        #: Called before each look for a frame.
-        self.pulse: Callable[[int], None] | None = None
         #: What the frames have to bring, as the message of an error; None = frames are enough.
         self.lacks: str | None = None
 
@@ -114,7 +102,12 @@ class FrameSource:
     @property
     def is_live(self) -> bool:
         """Whether the frames come by themselves, and do not wait to be asked for."""
-        return self._poll is not None
+        return self._grabber is not None
+
+    @property
+    def native(self) -> FrameSource | Grabber:
+        """The object that the loop calls for a frame: the grabber of a camera, or this one."""
+        return self._grabber or self
 
     @property
     def counts(self) -> Any:
@@ -124,7 +117,7 @@ class FrameSource:
     @property
     def mm_per_px(self) -> float | None:
         """Length of a px of the work area on the floor (mm), as calibrated; None = not known."""
-        return getattr(self._known_calibration or self._frames, "mm_per_px", None)
+        return getattr(self._calibration or self._frames, "mm_per_px", None)
 
     @property
     def headings(self) -> int | None:
@@ -133,8 +126,8 @@ class FrameSource:
         return drawn[0] if len(drawn) == 1 else None
 
     @property
-    def _known_calibration(self) -> Calibration | None:
-        found = self._calibration or getattr(self._frames, "calibration", None)
+    def _calibration(self) -> Calibration | None:
+        found = getattr(self._frames, "calibration", None)
         return found if isinstance(found, Calibration) else None
 
     def described(self) -> dict[str, Any]:
@@ -145,7 +138,7 @@ class FrameSource:
             "mm_per_px": self.mm_per_px,
             "camera": _camera_of(self._frames),
         }
-        if (calibration := self._known_calibration) is not None:
+        if (calibration := self._calibration) is not None:
             said["plane_map"] = calibration.plane_map
             said["calibration"] = calibration_text(calibration)
         return said
@@ -165,7 +158,9 @@ class FrameSource:
             yield
             return
         try:
-            self._since = None
+            if self.is_live:
+                camera: Any = self._frames
+                self._look_at(camera.size, camera.plane_map, camera._headings)
             if not self._is_polled:
                 yield
                 return
@@ -176,21 +171,15 @@ class FrameSource:
         finally:
             self._reading.release()
 
-    def take(self, k: int) -> Frame | Observation | Arrival | None:
+    def __call__(self, k: int) -> Frame | Observation | Arrival | None:
         """Return the frame of step k; `Arrival.END` after the last one."""
         self._has_begun = True
-        if self.pulse is not None:
-            self.pulse(k)
         try:
-            # A camera may have to warm up, and the robot stands as yet.
-            timeout = self._timeout * (10 if k == 0 else 1)
             taken: Frame | Observation | Arrival | None
-            if self._poll is not None:
-                taken = self._polled(self._poll, timeout)
-            elif self._reader is None:
+            if self._reader is None:
                 taken = next(self._iterator, Arrival.END)
             else:
-                taken = self._reader.take(timeout)
+                taken = self._reader.take()
         except BaseException:
             if self._reader is None or not self._reader.is_waiting:
                 self._failed_at = k
@@ -202,13 +191,12 @@ class FrameSource:
             )
         if self.lacks is not None and isinstance(taken, Frame):
             raise ValueError(f"{self.lacks}, or frames that are Observation objects with it")
-        if self._calibration is not None:
-            taken = _mapped(taken, self._calibration)
         if taken is not Arrival.NOTHING_YET:
             self._failed_at = None
         frame = taken.frame if isinstance(taken, Observation) else taken
         if isinstance(frame, Frame):
-            self._look_at(frame)
+            height, width, _ = frame.image.shape
+            self._look_at((width, height), frame.plane_map, frame.headings)
         return taken
 
     @property
@@ -227,38 +215,19 @@ class FrameSource:
         if (read := self._read) is None:
             raise LookupError("the frames can be read only once")
         taken = read(k)
-        if self._calibration is not None:
-            taken = _mapped(taken, self._calibration)
         return taken.frame if isinstance(taken, Observation) else taken
 
     @property
     def _read(self) -> Any:
         return getattr(self._frames, "_at", getattr(self._frames, "__getitem__", None))
 
-    def _polled(self, poll: Callable[[float], Frame | None], timeout: float) -> Frame | Arrival:
-        if self._since is None:
-            self._since = time.monotonic()
-        try:
-            frame = poll(min(timeout, _POLL))
-        except EOFError:
-            return Arrival.END
-        if frame is not None:
-            self._since = None
-            return frame
-        if time.monotonic() - self._since < timeout:
-            return Arrival.NOTHING_YET
-        self._since = None
-        raise _too_late(timeout)
-
-    def _look_at(self, frame: Frame) -> None:
+    def _look_at(self, size: tuple[int, int], plane_map: PlaneMap, headings: int | None) -> None:
         """Note what a frame tells, and warn if the first cannot be of the work area as it is."""
-        self._drawn.add(frame.headings)
+        self._drawn.add(headings)
         if self._is_seen:
             return
         self._is_seen = True
-        size = frame.image.shape[1], frame.image.shape[0]
-        is_mapped = frame.plane_map != PlaneMap()
-        if size != self.area and not is_mapped:
+        if size != self.area and plane_map == PlaneMap():
             warn_user(
                 f"the frames have {size[0]} x {size[1]} px and no plane map, but the area has "
                 f"{self.area[0]} x {self.area[1]} px: a pixel counts as a px of the area. Give "
@@ -288,34 +257,6 @@ class FrameSource:
         return check
 
 
-def _mapped(taken: Any, calibration: Calibration) -> Any:
-    """Return a frame, or an observation of one, with the map of a calibration."""
-    if isinstance(taken, Observation):
-        if taken.frame is None:
-            return taken
-        return Observation(
-            _mapped(taken.frame, calibration),
-            t=taken.t,
-            last_u=taken.last_u,
-            measurement=taken.measurement,
-            sample=taken.sample,
-            interrupted=taken.interrupted,
-        )
-    if not isinstance(taken, Frame):
-        return taken
-    calibration.check_frames((taken.image.shape[1], taken.image.shape[0]))
-    return Frame(
-        taken.image,
-        copy=False,
-        t=taken.t,
-        t_arrival=taken.t_arrival,
-        epoch=taken.epoch,
-        index=taken.index,
-        plane_map=calibration.plane_map,
-        headings=taken.headings,
-    )
-
-
 def _described(frames: object) -> str:
     """Return what came in place of frames, with a remedy where there is one."""
     if isinstance(frames, Frame):
@@ -327,10 +268,6 @@ def _described(frames: object) -> str:
     return quoted(frames)
 
 
-def _too_late(timeout: float) -> TimeoutError:
-    return TimeoutError(f"no frame came within frame_timeout = {timeout:g} s")
-
-
 class _Reader:
     """Reads an iterator in a thread of its own, an item only when it is asked for one."""
 
@@ -338,11 +275,7 @@ class _Reader:
         self._iterator = iterator
         self._taken: queue.SimpleQueue[tuple[Any, BaseException | None]] = queue.SimpleQueue()
         self._wanted: queue.SimpleQueue[bool] = queue.SimpleQueue()
-        self._since: float | None = None  # when the item was asked for that has not come yet
-
-    @property
-    def is_waiting(self) -> bool:
-        return self._since is not None
+        self.is_waiting = False  # for an item
 
     @contextmanager
     def running(self) -> Iterator[None]:
@@ -352,27 +285,23 @@ class _Reader:
             target=self._read, args=(self._wanted,), name="robsim frames", daemon=True
         )
         thread.start()
-        if self._since is not None:
-            self._since = time.monotonic()
         try:
             yield
         finally:
             self._wanted.put(False)
-            if self._since is None:
+            if not self.is_waiting:
                 thread.join()
 
-    def take(self, timeout: float) -> Any:
+    def take(self) -> Any:
         """Return the next item, or `Arrival.NOTHING_YET` after a short while."""
-        if self._since is None:
-            self._since = time.monotonic()
+        if not self.is_waiting:
+            self.is_waiting = True
             self._wanted.put(True)
         try:
-            item, error = self._taken.get(timeout=min(timeout, _POLL))
+            item, error = self._taken.get(timeout=_PATIENCE)
         except queue.Empty:
-            if time.monotonic() - self._since < timeout:
-                return Arrival.NOTHING_YET
-            raise _too_late(timeout) from None
-        self._since = None
+            return Arrival.NOTHING_YET
+        self.is_waiting = False
         if error is not None:
             raise error
         return item

@@ -129,7 +129,7 @@ class Recording:
 
 _STOPS = 2  # how often the stop input is sent
 _ATTEMPTS = 4
-_all_motors: WeakSet[Motors] = WeakSet()
+_all_motors: WeakSet[CalledMotors] = WeakSet()
 
 
 @atexit.register
@@ -139,8 +139,8 @@ def _stop_all() -> None:
         motors.stop()
 
 
-class Motors:
-    """Sends inputs, and the stop input when a run is over.
+def motors_of(send: Callable[[Floats], Any], stop_input: Floats | None) -> MotorLink | CalledMotors:
+    """Return the link that `send` is, or an object around it that stops the robot as a link does.
 
     Parameters
     ----------
@@ -155,48 +155,46 @@ class Motors:
         If `send` is not callable; if it is a link, which has a stop of its own, and another stop
         input is given.
     """
+    if not callable(send):
+        raise TypeError(f"send must be callable, got {quoted(send)}")
+    if not isinstance(send, MotorLink):
+        return CalledMotors(send, stop_input)
+    if stop_input is None or stop_input.any():
+        raise ValueError(
+            f"stop_input must be (0, 0) for {quoted(send)}, which tells the robot to stop, got "
+            f"{quoted(stop_input)}"
+        )
+    return send
 
-    _has_moved = False
+
+class CalledMotors:
+    """A function that brings inputs to a robot, with the methods of a `MotorLink`.
+
+    Parameters
+    ----------
+    send, stop_input
+        As in `motors_of`.
+    """
+
+    _has_moved = False  # an input was sent since the last stop input
     _is_halted = False
+    _error: BaseException | None = None  # of the last stop
 
     def __init__(self, send: Callable[[Floats], Any], stop_input: Floats | None) -> None:
-        if not callable(send):
-            raise TypeError(f"send must be callable, got {quoted(send)}")
-        self._link = send if isinstance(send, MotorLink) else None
-        if self._link is not None and (stop_input is None or stop_input.any()):
-            raise ValueError(
-                f"stop_input must be (0, 0) for {quoted(send)}, which tells the robot to stop, got "
-                f"{quoted(stop_input)}"
-            )
         self._send = send
         self._stop_input = stop_input
         self._process = os.getpid()
         _all_motors.add(self)
-        #: What went wrong when the robot was stopped.
-        self.error: BaseException | None = None
 
     def __del__(self) -> None:
         self.stop()
 
-    @property
-    def native(self) -> MotorLink | None:
-        """The link that sends without the interpreter; None = it needs it."""
-        return self._link
-
-    @property
-    def has_moved(self) -> bool:
-        """Whether an input was sent since the last stop input."""
-        return self._has_moved
-
-    def begin(self) -> None:
-        """Say that inputs may be sent from now on."""
+    def resume(self) -> None:
+        """Take inputs from now on."""
         self._process = os.getpid()
         self._is_halted = False
-        self._has_moved = self._has_moved or self._link is not None
-        if self._link is not None and not self._link.is_closed:
-            self._link.resume()
 
-    def send(self, u: Floats) -> None:
+    def __call__(self, u: Floats) -> None:
         """Send an input; HaltedError if the robot was halted in this run."""
         if self._is_halted:
             raise HaltedError("the robot was stopped: it takes no input before the next run")
@@ -204,18 +202,13 @@ class Motors:
         self._send(u)
 
     def halt(self) -> None:
-        """Stop the robot from any thread in the middle of a run, in which nothing more is sent."""
-        self._is_halted = True
-        if self._link is not None:
-            self._link.halt()
-        elif self._has_moved and self._stop_input is not None and self._process == os.getpid():
-            self.stop_late()
+        """Stop the robot from any thread in the middle of a run, in which nothing more is sent.
 
-    def stop_late(self) -> None:
-        """Send the stop input from another thread, in the middle of a run.
-
-        The end of the run sends it again.
+        The end of the run stops it again.
         """
+        self._is_halted = True
+        if not self._must_stop:
+            return
         for _ in range(_STOPS):
             with suppress(BaseException):  # the end of the run tells what is wrong
                 self._send(np.array(self._stop_input))
@@ -224,34 +217,43 @@ class Motors:
         """Send the stop input, unless nothing was sent since the last one; return what was sent.
 
         It is sent twice, as a line may lose it, and tried again where it fails. It raises nothing:
-        if the robot could not be stopped, `error` says why. A Ctrl-C does not keep it from being
-        sent, and is kept there, too.
+        `_check_stop` does. A Ctrl-C does not keep it from being sent, and is kept there, too.
         """
-        if not self._has_moved or self._stop_input is None:
-            return None
-        if self._process != os.getpid():  # a forked process ends; the robot is its parent's
+        if not self._must_stop:
             return None
         failure: BaseException | None = None
         n_sent = 0
         for _ in range(_ATTEMPTS):
             try:
-                if self._link is not None:
-                    self._link.stop()  # which tells it again and again
-                    n_sent = _STOPS
-                else:
-                    self._send(np.array(self._stop_input))
-                    n_sent += 1
+                self._send(np.array(self._stop_input))
+                n_sent += 1
             except KeyboardInterrupt as error:
-                self.error = error
+                self._error = error
             except BaseException as error:
                 failure = error
             if n_sent == _STOPS:
                 break
         if n_sent == 0:
-            self.error = failure
+            self._error = failure
             return None
         self._has_moved = False
         return self._stop_input
+
+    def _check_stop(self) -> None:
+        """Raise, once, what went wrong when the robot was stopped."""
+        if self._error is not None:
+            error, self._error = self._error, None
+            raise error
+
+    @property
+    def can_halt(self) -> bool:
+        """Whether there is an input that stops the robot."""
+        return self._stop_input is not None
+
+    @property
+    def _must_stop(self) -> bool:
+        # A forked process ends; the robot is its parent's.
+        return self.can_halt and self._has_moved and self._process == os.getpid()
 
 
 def stop_input_value(stop_input: Sequence[float] | None) -> Floats | None:

@@ -255,7 +255,7 @@ class Runner(Slotted):
         """
         self._prepare()
         with self._guarded():
-            stage = self._core.step_stage()
+            stage = self._core.step_stage(self._pulse)
         if stage is None:
             raise EOFError("there are no more frames")
         return stage

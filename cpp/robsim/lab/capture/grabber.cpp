@@ -46,7 +46,7 @@ struct Grabber::State {
   mutable std::mutex mutex;
   mutable std::condition_variable changed;
   // Of both threads, under the mutex:
-  std::optional<Frame> newest;
+  std::optional<Frame> newest, taken;
   std::optional<std::pair<int, int>> seen;  // size of the first frame
   std::exception_ptr error;                 // that ended the camera
   CaptureCounts counts;
@@ -257,19 +257,20 @@ std::optional<Frame> Grabber::take(double timeout) {
     return std::nullopt;
   }
   ++state_->counts.delivered;
-  return std::exchange(state_->newest, std::nullopt);
+  state_->taken = std::exchange(state_->newest, std::nullopt);
+  return state_->taken;
+}
+
+std::optional<Frame> Grabber::newest() const {
+  check_process();
+  const Lock lock(state_->mutex);
+  return state_->taken;
 }
 
 CaptureCounts Grabber::counts() const {
   check_process();
   const Lock lock(state_->mutex);
   return state_->counts;
-}
-
-bool Grabber::is_closed() const {
-  check_process();
-  const Lock lock(state_->mutex);
-  return state_->stops;
 }
 
 void Grabber::close(double patience) noexcept {
@@ -291,6 +292,7 @@ void Grabber::close(double patience) noexcept {
   const bool has_ended = state_->changed.wait_for(
       lock, Seconds(std::clamp(patience, 0.0, longest_wait)), [&] { return state_->has_ended; });
   state_->newest.reset();
+  state_->taken.reset();
   lock.unlock();
   has_ended ? thread->join() : thread->detach();
 }

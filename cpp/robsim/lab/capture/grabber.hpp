@@ -53,8 +53,10 @@ class Grabber {
   /// closed, and std::runtime_error in a forked process, which has no such thread.
   std::optional<Frame> take(double timeout);
 
+  /// The frame that was taken last.
+  std::optional<Frame> newest() const;
+
   CaptureCounts counts() const;
-  bool is_closed() const;
 
   /// Ends the thread and gives the camera back. A device that hangs is left behind after
   /// `patience` s: its thread ends when the call under way returns.

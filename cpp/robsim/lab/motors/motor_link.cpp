@@ -41,7 +41,6 @@ struct MotorLink::State {
 
   void check_open() const;
   double send(const Input& input);
-  double stop();
   void close();
 
   void run();
@@ -88,7 +87,10 @@ MotorLink::State::State(Line opened, double time_to_live, double hold)
 void MotorLink::State::run() {
   std::unique_lock lock(mutex);
   while (!is_over()) {
-    if (monotonic_now() >= next) go_on();
+    if (monotonic_now() >= next) {
+      go_on();
+      continue;
+    }
     asleep_until = next;
     const double left = next - monotonic_now();
     lock.unlock();
@@ -204,14 +206,6 @@ double MotorLink::State::send(const Input& input) {
   }
 }
 
-double MotorLink::State::stop() {
-  const std::lock_guard lock(mutex);
-  if (is_closing) return monotonic_now();
-  begin_stop();
-  throw_error(stop_error);
-  return monotonic_now();
-}
-
 void MotorLink::State::close() {
   const std::lock_guard one(closing);
   if (!thread.joinable()) return;
@@ -244,14 +238,35 @@ MotorLink::~MotorLink() {
 
 double MotorLink::send(const Input& u) { return state_->send(u); }
 
-double MotorLink::stop() { return state_->stop(); }
+double MotorLink::stop() {
+  state_.operator->();
+  stop_quietly();
+  check_stop();
+  return monotonic_now();
+}
 
-void MotorLink::halt() noexcept {
+bool MotorLink::stop_quietly() noexcept {
+  if (!state_.is_here()) return false;
+  State& state = state_.unchecked();
+  const std::lock_guard lock(state.mutex);
+  if (!state.is_closing) state.begin_stop();
+  return true;
+}
+
+void MotorLink::check_stop() {
   if (!state_.is_here()) return;
   State& state = state_.unchecked();
   const std::lock_guard lock(state.mutex);
-  state.is_halted = true;
-  if (!state.is_closing) state.begin_stop();
+  state.throw_error(state.stop_error);
+}
+
+void MotorLink::halt() noexcept {
+  if (!state_.is_here()) return;
+  {
+    const std::lock_guard lock(state_.unchecked().mutex);
+    state_.unchecked().is_halted = true;
+  }
+  stop_quietly();
 }
 
 void MotorLink::resume() {

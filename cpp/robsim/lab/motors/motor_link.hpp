@@ -36,6 +36,13 @@ class MotorLink {
   /// is tried again.
   double stop();
 
+  /// As `stop`, for the end of a run: throws nothing, `check_stop` does later. False in a forked
+  /// process, whose robot it is not.
+  bool stop_quietly() noexcept;
+
+  /// Throws LineError, once, if the last stop did not get into the line.
+  void check_stop();
+
   /// Stops the robot and refuses inputs from now on: for a watchdog.
   void halt() noexcept;
 

@@ -73,6 +73,9 @@ ThreadGuard::Claim::Claim(const ThreadGuard& guard, bool for_run) : guard_(guard
   }
 }
 
+ThreadGuard::TakenOver::TakenOver(const ThreadGuard& guard)
+    : guard_(guard), before_(guard.owner_.exchange(2 * this_thread() + 1)) {}
+
 bool ThreadGuard::is_in_run() const {
   const std::uint64_t owner = owner_;
   return is_run(owner) && !is_lost(thread_of(owner));

@@ -75,6 +75,19 @@ class ThreadGuard {
     explicit Look(const ThreadGuard& guard) : Claim(guard, false) {}
   };
 
+  /// Gives this thread, for its life, the run of another one, which waits meanwhile.
+  class TakenOver {
+   public:
+    explicit TakenOver(const ThreadGuard& guard);
+    ~TakenOver() { guard_.owner_ = before_; }
+    TakenOver(const TakenOver&) = delete;
+    TakenOver& operator=(const TakenOver&) = delete;
+
+   private:
+    const ThreadGuard& guard_;
+    const std::uint64_t before_;
+  };
+
  private:
   void refuse(std::uint64_t owner) const;
 

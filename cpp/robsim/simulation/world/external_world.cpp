@@ -1,5 +1,6 @@
 #include "robsim/simulation/world/external_world.hpp"
 
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -9,6 +10,9 @@
 namespace robsim {
 
 namespace {
+
+constexpr double longest_take = 0.05;  // s, after which the loop looks whether it was stopped
+constexpr double first_frame = 10;     // frame_timeouts
 
 std::string seconds(double t) { return "t = " + to_text(t) + " s"; }
 
@@ -23,12 +27,45 @@ std::optional<double> own_time(const Arrived& arrived) {
 
 }  // namespace
 
-void ExternalWorld::watch(double frame_timeout, std::function<void()> stop_robot) {
-  frame_timeout_ = frame_timeout;
-  watchdog_ = std::make_unique<Watchdog>(std::move(stop_robot));
+FrameSource frames_of(std::shared_ptr<Grabber> camera) {
+  const auto take = [camera = std::move(camera)](std::int64_t, Arrived& arrived) {
+    const NativeWork native;
+    try {
+      arrived.frame = camera->take(longest_take);
+    } catch (const CaptureError& error) {
+      if (error.fault() != CaptureFault::end) throw;
+      return Arrival::end;
+    }
+    return arrived.frame ? Arrival::step : Arrival::nothing_yet;
+  };
+  return {take, true, false};
+}
+
+InputSink inputs_to(std::shared_ptr<MotorLink> link) {
+  const auto send = [link](std::int64_t, const Input& u) {
+    const NativeWork native;
+    return std::optional(link->send(u));
+  };
+  const auto stop = [link] {
+    const NativeWork native;
+    return link->stop_quietly() ? std::optional(Input{}) : std::nullopt;
+  };
+  return {send, stop, [link] { link->halt(); }, false};
+}
+
+ExternalWorld::ExternalWorld(FrameSource frames, InputSink inputs, double frame_timeout,
+                             const std::optional<Limits>& limits)
+    : frames_(std::move(frames)),
+      inputs_(std::move(inputs)),
+      frame_timeout_(frame_timeout),
+      limits_(limits) {
+  const bool is_watched = inputs_.halt && !std::isinf(frame_timeout);
+  if (is_watched) watchdog_ = std::make_unique<Watchdog>(inputs_.halt);
 }
 
 void ExternalWorld::close() noexcept {
+  const bool drives = t_of_sent_.has_value() && !inputs_.is_interpreted;
+  if (drives) inputs_.stop();
   const NativeWork native;  // it may be waiting for the interpreter
   watchdog_.reset();
 }
@@ -44,9 +81,12 @@ void ExternalWorld::start(const RobotModel& model) {
 void ExternalWorld::reset() { frame_.reset(); }
 
 Arrival ExternalWorld::next(std::int64_t k, Observation& observation) {
+  if (!waiting_since_) waiting_since_ = monotonic_now();
   Arrived arrived;
-  const Arrival arrival = source_.take(k, arrived);
+  const Arrival arrival = frames_.take(k, arrived);
+  if (arrival == Arrival::nothing_yet) check_wait(k);
   if (arrival != Arrival::step) return arrival;
+  waiting_since_.reset();
   const bool is_fresh = arrived.frame || arrived.known.measurement;
   if (arrived.frame) check_size(k, arrived.frame->image);
   arrived.known.t = time_of(k, arrived);
@@ -99,7 +139,7 @@ void ExternalWorld::check_size(std::int64_t k, const Image& image) {
 }
 
 Sent ExternalWorld::send(std::int64_t k, const Input& u) {
-  if (!source_.send) return {u, std::nullopt};
+  if (!inputs_.send) return {u, std::nullopt};
   check_watchdog(k);
   if (watchdog_ && !is_armed_) {
     watchdog_->arm(frame_timeout_);
@@ -108,12 +148,20 @@ Sent ExternalWorld::send(std::int64_t k, const Input& u) {
   }
   const double since = t_of_sent_ ? last_t_ - *t_of_sent_ : dt_;
   const Input limited = limits_ ? limits_->applied(u, last_sent_, since) : u;
-  const std::optional<double> sent = source_.send(k, limited);
+  const std::optional<double> sent = inputs_.send(k, limited);
   check_watchdog(k);  // nobody knows which came last: the end of the run stops it again
   last_sent_ = limited;
   t_of_sent_ = last_t_;
   if (!epoch_) return {limited, std::nullopt};
   return {limited, sent.value_or(monotonic_now()) - *epoch_};
+}
+
+void ExternalWorld::check_wait(std::int64_t k) const {
+  const double limit = k == 0 ? first_frame * frame_timeout_ : frame_timeout_;
+  if (monotonic_now() - *waiting_since_ < limit) return;
+  throw FrameTimeout("no frame came for step " + std::to_string(k) + " within " +
+                     (k == 0 ? to_text(first_frame) + " times " : "") +
+                     "frame_timeout = " + to_text(frame_timeout_) + " s");
 }
 
 void ExternalWorld::check_watchdog(std::int64_t k) const {
@@ -125,12 +173,13 @@ void ExternalWorld::check_watchdog(std::int64_t k) const {
 }
 
 std::optional<Input> ExternalWorld::stop() noexcept {
+  waiting_since_.reset();
   if (is_armed_) {
     const NativeWork native;  // it may be waiting for the interpreter
     watchdog_->disarm();
     is_armed_ = false;
   }
-  const std::optional<Input> stopped = source_.stop ? source_.stop() : std::nullopt;
+  const std::optional<Input> stopped = inputs_.stop ? inputs_.stop() : std::nullopt;
   if (stopped) {
     last_sent_ = *stopped;
     t_of_sent_.reset();

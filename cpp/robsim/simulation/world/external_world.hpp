@@ -5,6 +5,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "robsim/lab/capture/grabber.hpp"
+#include "robsim/lab/motors/motor_link.hpp"
 #include "robsim/lab/motors/safety.hpp"
 #include "robsim/simulation/seam/world.hpp"
 
@@ -17,13 +19,27 @@ struct Arrived {
   Observation known;        // what was found out elsewhere
 };
 
-/// Where frames come from and inputs go to.
-struct ExternalSource {
+/// Where frames come from.
+struct FrameSource {
   std::function<Arrival(std::int64_t k, Arrived& arrived)> take;
+  bool is_live = false;  // they come at their own pace
+  bool is_interpreted = true;
+};
+
+/// The newest frame of a camera each time. Throws as Grabber::take.
+FrameSource frames_of(std::shared_ptr<Grabber> camera);
+
+/// Where inputs go to.
+struct InputSink {
   // Returns when it went out (monotonic, s), if it knows; empty: nobody wants the inputs.
   std::function<std::optional<double>(std::int64_t k, const Input& u)> send;
   std::function<std::optional<Input>()> stop;  // see World::stop; must not throw
+  std::function<void()> halt;  // for the watchdog, must not throw; empty: no watchdog
+  bool is_interpreted = true;
 };
+
+/// A robot behind a line. What fails when it is stopped, the link keeps.
+InputSink inputs_to(std::shared_ptr<MotorLink> link);
 
 /// No fresh frame came in time: the robot was stopped.
 class FrameTimeout : public std::runtime_error {
@@ -35,42 +51,46 @@ class FrameTimeout : public std::runtime_error {
 /// drives, a watchdog stops it when no fresh frame comes, whatever keeps the loop from asking.
 class ExternalWorld : public World {
  public:
-  explicit ExternalWorld(ExternalSource source) : source_(std::move(source)) {}
-
-  /// Has a watchdog stop the robot by `stop_robot`, in another thread, when no fresh frame is taken
-  /// within so long (s) of the arrival of the one before; it must not throw.
-  void watch(double frame_timeout, std::function<void()> stop_robot);
-
-  /// What the inputs are held to, before they are sent.
-  void set_limits(const Limits& limits) { limits_ = limits; }
+  /// Waits for a frame at most for `frame_timeout` (s, inf = any time), and ten times as long for
+  /// the first frame: a camera may have to warm up, and the robot still stands. A watchdog halts
+  /// the robot when that time has passed since the arrival of the last fresh frame. Inputs are held
+  /// to `limits` before they are sent.
+  ExternalWorld(FrameSource frames, InputSink inputs, double frame_timeout,
+                const std::optional<Limits>& limits = {});
 
   void start(const RobotModel& model) override;
   void reset() override;
 
-  /// Has no watchdog any more, and so calls nobody from another thread.
+  /// Stops a robot behind a link, and ends the watchdog, which calls others from its thread.
   void close() noexcept;
 
-  /// Throws std::invalid_argument for frames whose times do not grow, or whose size changes.
+  /// Throws FrameTimeout, and std::invalid_argument for frames whose times do not grow, or whose
+  /// size changes.
   Arrival next(std::int64_t k, Observation& observation) override;
   /// Throws FrameTimeout if the watchdog has stopped the robot.
   Sent send(std::int64_t k, const Input& u) override;
   std::optional<Input> stop() noexcept override;
-  bool is_interpreted() const override { return true; }
-  bool is_live() const override { return epoch_.has_value(); }
+  bool is_interpreted() const override {
+    return frames_.is_interpreted || (inputs_.send && inputs_.is_interpreted);
+  }
+  bool is_live() const override { return frames_.is_live || epoch_; }
   bool was_stopped() const override { return is_armed_ && watchdog_->has_expired(); }
   Frame frame() override;
 
  private:
   void note_arrival(Arrived& arrived, bool is_fresh);
+  void check_wait(std::int64_t k) const;
   void check_watchdog(std::int64_t k) const;
   double time_of(std::int64_t k, const Arrived& arrived) const;
   void check_size(std::int64_t k, const Image& image);
 
-  ExternalSource source_;
-  std::unique_ptr<Watchdog> watchdog_;  // null: nobody watches
-  double frame_timeout_ = 0;            // s
+  FrameSource frames_;
+  InputSink inputs_;
+  const double frame_timeout_;           // s
+  std::optional<double> waiting_since_;  // monotonic, s, for the next frame
+  std::unique_ptr<Watchdog> watchdog_;   // null: it is off
   bool is_armed_ = false;
-  std::optional<Limits> limits_;
+  const std::optional<Limits> limits_;
   Input last_sent_;
   std::optional<double> t_of_sent_;  // s, of the step that sent it; nothing after a stop
   double last_arrival_ = 0;          // monotonic, s

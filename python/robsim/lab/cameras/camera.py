@@ -215,6 +215,7 @@ class Camera:
             raise
         self._device = opened.device
         self.region, self.coding = opened.region, opened.coding
+        self._headings = opened.headings
         self.source = source
         area = area or opened.area
         self._grabber = _core.Grabber(
@@ -278,7 +279,7 @@ class Camera:
             If it is closed.
         """
         limit = self._frame_timeout if timeout is None else _seconds("timeout", timeout)
-        frame = self._poll(limit)
+        frame = self._grabber(limit)
         if frame is None:
             raise FrameTimeoutError(
                 f"no frame came from {one_line(self.source)} within {limit:g} s: it can be tried "
@@ -293,9 +294,10 @@ class Camera:
             except EndOfStream:
                 return
 
-    def _poll(self, timeout: float) -> Frame | None:
-        """Return the newest frame as `read`, or None if none comes within `timeout` (s)."""
-        return self._grabber.take(timeout)
+    @property
+    def newest(self) -> Frame | None:
+        """Frame or None: the last one that a reader took; any thread may look at it."""
+        return self._grabber.newest
 
     @property
     def features(self) -> CameraFeatures | None:

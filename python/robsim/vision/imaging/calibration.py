@@ -57,8 +57,8 @@ class Residuals:
 class Calibration:
     """A camera's lens, and how it looks at the floor.
 
-    ``robsim calibrate`` makes it, `save_calibration` writes it to a file, and ``robsim.Camera``,
-    `Recording` and ``robsim.Experiment`` take it, for frames of this size alone.
+    ``robsim calibrate`` makes it, `save_calibration` writes it to a file, and ``robsim.Camera`` and
+    `Recording` take it, for frames of this size alone. Frames of your own take its `plane_map`.
 
     Parameters
     ----------
