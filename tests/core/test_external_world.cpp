@@ -103,7 +103,7 @@ TEST(ExternalWorld, WhatALookUpThrowsEndsTheRunAndStopsTheRobot) {
   EXPECT_THROW(loop->run(1'000'000, fail, true), std::domain_error);
   EXPECT_EQ(n_stops, 1);
   EXPECT_FALSE(loop->guard().is_running());
-  EXPECT_FALSE(loop->run(3, [](std::int64_t) {}, true));  // and the next one goes on
+  EXPECT_FALSE(loop->run(3, [](std::int64_t) {}, true));  // the next run is like the first
   EXPECT_EQ(n_stops, 2);
 }
 

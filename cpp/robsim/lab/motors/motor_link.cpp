@@ -72,8 +72,8 @@ struct MotorLink::State {
   double next = never;      // when the thread writes again
   double asleep_until = 0;  // when it looks at `next`
   std::uint16_t number = 0;
-  // Which nobody has been told of: of an input, of telling it to stop.
-  std::optional<std::string> error, stop_error;
+  // Still to be thrown: of an input, of a repeated stop, of the last stop in a call.
+  std::optional<std::string> error, stop_error, last_stop_error;
   std::array<double, 64> written_at{};  // the newest lines, by number
   std::deque<double> round_trips;
   EventLog log;
@@ -219,6 +219,7 @@ void MotorLink::State::close() {
   line.close();
   throw_error(error);
   throw_error(stop_error);
+  throw_error(last_stop_error);
 }
 
 MotorLink::MotorLink(Line line, double time_to_live, double hold)
@@ -249,7 +250,10 @@ bool MotorLink::stop_quietly() noexcept {
   if (!state_.is_here()) return false;
   State& state = state_.unchecked();
   const std::lock_guard lock(state.mutex);
-  if (!state.is_closing) state.begin_stop();
+  if (state.is_closing) return true;
+  state.begin_stop();
+  if (state.stop_error) state.begin_stop();  // it may have come from an earlier line
+  state.last_stop_error = std::exchange(state.stop_error, std::nullopt);
   return true;
 }
 
@@ -257,7 +261,7 @@ void MotorLink::check_stop() {
   if (!state_.is_here()) return;
   State& state = state_.unchecked();
   const std::lock_guard lock(state.mutex);
-  state.throw_error(state.stop_error);
+  state.throw_error(state.last_stop_error);
 }
 
 void MotorLink::halt() noexcept {
