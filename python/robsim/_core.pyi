@@ -399,9 +399,9 @@ class Grabber:
         Return (width, height) of the first frame; None if it did not come.
         """
     @property
-    def counts(self) -> tuple[int, int, int, int, int, int]:
+    def counts(self) -> typing.Annotated[list[int], "FixedSize(6)"]:
         """
-        tuple of int: grabbed, delivered, dropped, torn, timeouts, reopened.
+        list of int: grabbed, delivered, dropped, torn, timeouts, reopened.
         """
     @property
     def newest(self) -> Frame | None:

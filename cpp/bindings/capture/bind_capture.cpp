@@ -1,11 +1,11 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include "capture/python_camera.hpp"
@@ -72,9 +72,7 @@ std::shared_ptr<Grabber> make_grabber(const std::shared_ptr<CaptureDevice>& devi
   return make_native<Grabber>(device, options);
 }
 
-using Count = std::int64_t;
-
-std::tuple<Count, Count, Count, Count, Count, Count> counts_of(const Grabber& grabber) {
+std::array<std::int64_t, 6> counts_of(const Grabber& grabber) {
   const CaptureCounts counts = grabber.counts();
   return {counts.grabbed, counts.delivered, counts.dropped,
           counts.torn,    counts.timeouts,  counts.reopened};
@@ -160,7 +158,7 @@ bgr : bool
       .def_property_readonly("newest", &Grabber::newest,
                              "Frame or None: the one that was taken last.")
       .def_property_readonly("counts", &counts_of,
-                             "tuple of int: grabbed, delivered, dropped, torn, timeouts, reopened.")
+                             "list of int: grabbed, delivered, dropped, torn, timeouts, reopened.")
       .def(
           "close",
           [](Grabber& self, double patience) {

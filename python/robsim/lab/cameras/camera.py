@@ -218,13 +218,14 @@ class Camera:
         self._headings = opened.headings
         self.source = source
         area = area or opened.area
+        plane_map = opened.plane_map if plane_map is None else plane_map
         self._grabber = _core.Grabber(
             opened.device,
             every=every,
             frame_timeout=self._frame_timeout,
             reopen=reopen,
             interval=opened.dt,
-            plane_map=opened.plane_map if plane_map is None else plane_map,
+            plane_map=plane_map,
             area=area,
             size=size,
             headings=opened.headings,
@@ -232,8 +233,7 @@ class Camera:
         _open_cameras.add(self)
         self.size = self._first_size(opened, open_timeout)
         self.area = self.size if area is None else area
-        given = opened.plane_map if plane_map is None else plane_map
-        self.plane_map = given or PlaneMap.scaled(resolution=self.size, area=self.area)
+        self.plane_map = plane_map or PlaneMap.scaled(resolution=self.size, area=self.area)
         self.dt = None if opened.dt is None else opened.dt * every
 
     def _first_size(self, opened: Source, timeout: float) -> tuple[int, int]:
