@@ -39,20 +39,6 @@ Blob make_blob(const std::string& color, std::int64_t area, const ArrayLike& cen
   return {color, area, point_from(centroid, "centroid"), box, at_border};
 }
 
-void define_blob_value(Class<Blob>& cls) {
-  const auto make = [](const std::string& color, std::int64_t area, std::pair<double, double> at,
-                       const Box& box, bool at_border) {
-    return make_blob(color, area, ArrayLike(py::cast(at)), Region(py::cast(box)), at_border);
-  };
-  const auto centroid = [](const Blob& b) { return std::pair(b.centroid.x, b.centroid.y); };
-  const Fields fields(make, Field("color", &Blob::color), Field("area", &Blob::area),
-                      Field("centroid", centroid), Field("bounding_box", &box_of),
-                      Field("at_border", &Blob::at_border));
-  define_equality(cls, fields);
-  define_hash(cls, fields);
-  define_pickle(cls, fields);
-}
-
 PlaneMap plane_map_of(const ImageLike& image) {
   return py::isinstance<Frame>(image) ? image.cast<const Frame&>().plane_map : PlaneMap();
 }
@@ -138,19 +124,16 @@ bounding_box : tuple of int
 at_border : bool
     Whether it touches the edge of the frame and may continue beyond it.
 )");
-  blob.def(py::init(&make_blob), py::arg("color"), py::kw_only(), py::arg("area"),
-           py::arg("centroid"), py::arg("bounding_box"), py::arg("at_border").noconvert() = false)
-      .def_readonly("color", &Blob::color, "str: name of the colour class.")
-      .def_readonly("area", &Blob::area, "int: number of pixels.")
-      .def_property_readonly(
-          "centroid", [](const Blob& self) { return to_array(self.centroid); },
-          "array (2,): mean (u, v) of its pixels.")
-      .def_property_readonly("bounding_box", &box_of,
-                             "tuple of int: (u_min, v_min, u_max, v_max), all included.")
-      .def_readonly("at_border", &Blob::at_border,
-                    "bool: it touches the edge of the frame and may continue beyond it.")
-      .def("__repr__", py::overload_cast<const Blob&>(&repr));
-  define_blob_value(blob);
+  const Fields fields(
+      &make_blob, Field("color", &Blob::color, "str: name of the colour class."), by_name,
+      Field("area", &Blob::area, "int: number of pixels."),
+      Field("centroid", &Blob::centroid, "array (2,): mean (u, v) of its pixels."),
+      Field("bounding_box", &box_of, "tuple of int: (u_min, v_min, u_max, v_max), all included."),
+      Field("at_border", &Blob::at_border,
+            "bool: it touches the edge of the frame and may continue beyond it.", false));
+  define_constructor(blob, fields);
+  define_record(blob, fields);
+  blob.def("__repr__", py::overload_cast<const Blob&>(&repr));
 
   public_in(module, "robsim")
       .def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),

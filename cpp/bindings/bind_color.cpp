@@ -260,23 +260,17 @@ name : str
 y, u, v : tuple of two ints
     Lower and upper end of the range, both included, within 0..255.
 )");
-  color_class
-      .def(py::init(&color_from), py::arg("name"), py::kw_only(), py::arg("y") = Range(0, 255),
-           py::arg("u") = Range(0, 255), py::arg("v") = Range(0, 255))
-      .def_readonly("name", &ColorClass::name, "str: name of the colour.")
-      .def_property_readonly(
-          "y", [](const ColorClass& self) { return range_of(self, 0); }, "tuple of int: luma.")
-      .def_property_readonly(
-          "u", [](const ColorClass& self) { return range_of(self, 1); },
-          "tuple of int: blue minus luma, 128 = neutral.")
-      .def_property_readonly(
-          "v", [](const ColorClass& self) { return range_of(self, 2); },
-          "tuple of int: red minus luma, 128 = neutral.");
   const auto range = [](std::size_t channel) {
     return [channel](const ColorClass& color) { return range_of(color, channel); };
   };
-  define_value(color_class, Fields(&color_from, Field("", &ColorClass::name), Field("y", range(0)),
-                                   Field("u", range(1)), Field("v", range(2))));
+  const Range all(0, 255);
+  const Fields fields(&color_from, Field("name", &ColorClass::name, "str: name of the colour."),
+                      by_name, Field("y", range(0), "tuple of int: luma.", all),
+                      Field("u", range(1), "tuple of int: blue minus luma, 128 = neutral.", all),
+                      Field("v", range(2), "tuple of int: red minus luma, 128 = neutral.", all));
+  define_constructor(color_class, fields);
+  define_record(color_class, fields);
+  define_repr(color_class, fields);
 
   public_in(module, "robsim.vision").def("rgb_to_yuv", &yuv_of, py::arg("image"), R"(
 Return Y, U and V of every pixel, as the colour classes use them.

@@ -157,69 +157,36 @@ void define_recursive_value(RecursiveClass& cls) {
 void bind_fit(py::module_& module) {
   Class<LeastSquaresFit> fit(public_in(module, "robsim.estimation"), "LeastSquaresFit",
                              "Result of `least_squares`.");
-  fit.def_property_readonly(
-         "theta",
-         [](const LeastSquaresFit& self) {
-           return to_array(self.theta.data(), {self.theta.size()});
-         },
-         "array (n,): the parameters, NaN where the samples do not determine them.")
-      .def_readonly("rank", &LeastSquaresFit::rank, "int: number of independent regressors.")
-      .def_readonly("condition", &LeastSquaresFit::condition,
-                    "float: condition number of the regressors, scaled to length 1.")
-      .def_readonly("residual_rms", &LeastSquaresFit::residual_rms,
-                    "float: root mean square of y - phi theta.")
-      .def_property_readonly(
-          "standard_errors_unscaled",
-          [](const LeastSquaresFit& self) {
-            return to_array(self.standard_errors_unscaled.data(),
-                            {self.standard_errors_unscaled.size()});
-          },
-          "array (n,): standard errors of theta in units of the standard deviation of the noise;\n"
-          "inf where the samples do not determine them.")
-      .def_property_readonly(
-          "standard_errors",
-          [](const LeastSquaresFit& self) {
-            return to_array(self.standard_errors.data(), {self.standard_errors.size()});
-          },
-          "array (n,): standard errors of theta, with the noise estimated from the residuals.")
-      .def("__repr__", [](const LeastSquaresFit& self) {
-        const py::object theta = to_array(self.theta.data(), {self.theta.size()});
-        return py::str(
-                   "<LeastSquaresFit: theta {}, rank {}, condition {:.3g}, residual rms {:.3g}>")
-            .format(theta, self.rank, self.condition, self.residual_rms)
-            .cast<std::string>();
-      });
-  using Numbers = std::vector<double>;
-  const auto numbers = [](Eigen::VectorXd LeastSquaresFit::* member) {
-    return [member](const LeastSquaresFit& self) {
-      const Eigen::VectorXd& v = self.*member;
-      return Numbers(v.data(), v.data() + v.size());
+  fit.def("__repr__", [](const LeastSquaresFit& self) {
+    const py::object theta = to_array(self.theta.data(), {self.theta.size()});
+    return py::str("<LeastSquaresFit: theta {}, rank {}, condition {:.3g}, residual rms {:.3g}>")
+        .format(theta, self.rank, self.condition, self.residual_rms)
+        .cast<std::string>();
+  });
+  const auto make = [](const Doubles& theta, int rank, double condition, double residual_rms,
+                       const Doubles& unscaled, const Doubles& errors) {
+    const auto vector = [](const Doubles& values) {
+      return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), values.size()));
     };
+    return LeastSquaresFit{vector(theta),    rank,          condition, residual_rms,
+                           vector(unscaled), vector(errors)};
   };
-  const auto vector = [](const Numbers& values) {
-    return Eigen::VectorXd(
-        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
-  };
-  const auto make = [vector](const Numbers& theta, int rank, double condition, double residual_rms,
-                             const Numbers& unscaled, const Numbers& errors) {
-    LeastSquaresFit result;
-    result.theta = vector(theta);
-    result.rank = rank;
-    result.condition = condition;
-    result.residual_rms = residual_rms;
-    result.standard_errors_unscaled = vector(unscaled);
-    result.standard_errors = vector(errors);
-    return result;
-  };
-  const Fields fields(
-      make, Field("theta", numbers(&LeastSquaresFit::theta)), Field("rank", &LeastSquaresFit::rank),
-      Field("condition", &LeastSquaresFit::condition),
-      Field("residual_rms", &LeastSquaresFit::residual_rms),
-      Field("standard_errors_unscaled", numbers(&LeastSquaresFit::standard_errors_unscaled)),
-      Field("standard_errors", numbers(&LeastSquaresFit::standard_errors)));
-  define_equality(fit, fields);
-  define_hash(fit, fields);
-  define_pickle(fit, fields);
+  define_record(
+      fit,
+      Fields(make,
+             Field("theta", &LeastSquaresFit::theta,
+                   "array (n,): the parameters, NaN where the samples do not determine them."),
+             Field("rank", &LeastSquaresFit::rank, "int: number of independent regressors."),
+             Field("condition", &LeastSquaresFit::condition,
+                   "float: condition number of the regressors, scaled to length 1."),
+             Field("residual_rms", &LeastSquaresFit::residual_rms,
+                   "float: root mean square of y - phi theta."),
+             Field("standard_errors_unscaled", &LeastSquaresFit::standard_errors_unscaled,
+                   "array (n,): standard errors of theta in units of the standard deviation of the "
+                   "noise;\ninf where the samples do not determine them."),
+             Field("standard_errors", &LeastSquaresFit::standard_errors,
+                   "array (n,): standard errors of theta, with the noise estimated from the "
+                   "residuals.")));
 }
 
 }  // namespace

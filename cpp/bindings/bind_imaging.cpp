@@ -122,19 +122,6 @@ Examples
 >>> ok, image = cv2.VideoCapture(0).read()
 >>> frame = Frame.from_bgr(image, t=time.monotonic())
 )")
-      .def_property_readonly(
-          "image", [](const Frame& self) { return image_array(self.image); },
-          "array (H, W, 3) of uint8: RGB, read-only; unless it was made with ``copy=False``,\n"
-          "C-contiguous and never overwritten while you hold it.")
-      .def_readonly("t", &Frame::t, "float or None: time (s).")
-      .def_readonly("t_arrival", &Frame::t_arrival,
-                    "float or None: when it reached this computer, by the clock of `t` (s).")
-      .def_readonly("epoch", &Frame::epoch,
-                    "float or None: ``time.monotonic()`` when `t` was 0 (s).")
-      .def_readonly("index", &Frame::index, "int: number of the frame.")
-      .def_readonly("plane_map", &Frame::plane_map, "PlaneMap: pixels <-> work area.")
-      .def_property_readonly("headings", &headings_of,
-                             "int or None: number of headings that the robot is drawn in.")
       .def(
           "_repr_png_",
           [](const Frame& self) -> std::pair<py::bytes, std::map<std::string, int>> {
@@ -166,13 +153,21 @@ Examples
                        std::optional<int> headings) {
     return make_frame(PixelArray(image), true, t, t_arrival, epoch, index, plane_map, headings);
   };
-  const Fields fields(make, Field("image", [](const Frame& f) { return image_array(f.image); }),
-                      Field("t", &Frame::t), Field("t_arrival", &Frame::t_arrival),
-                      Field("epoch", &Frame::epoch), Field("index", &Frame::index),
-                      Field("plane_map", &Frame::plane_map), Field("headings", &headings_of));
-  define_equality(frame, fields);
-  define_hash(frame, fields);
-  define_pickle(frame, fields);
+  define_record(
+      frame, Fields(make,
+                    Field(
+                        "image", [](const Frame& self) { return image_array(self.image); },
+                        "array (H, W, 3) of uint8: RGB, read-only; unless it was made with "
+                        "``copy=False``,\nC-contiguous and never overwritten while you hold it."),
+                    Field("t", &Frame::t, "float or None: time (s)."),
+                    Field("t_arrival", &Frame::t_arrival,
+                          "float or None: when it reached this computer, by the clock of `t` (s)."),
+                    Field("epoch", &Frame::epoch,
+                          "float or None: ``time.monotonic()`` when `t` was 0 (s)."),
+                    Field("index", &Frame::index, "int: number of the frame."),
+                    Field("plane_map", &Frame::plane_map, "PlaneMap: pixels <-> work area."),
+                    Field("headings", &headings_of,
+                          "int or None: number of headings that the robot is drawn in.")));
 }
 
 void bind_reduce(const py::module_& module) {

@@ -23,25 +23,7 @@ using namespace robsim::bindings;
 
 namespace {
 
-using PoseNumbers = std::array<double, 3>;
-using CovarianceRows = std::array<PoseNumbers, 3>;
 using BlobPair = py::typing::Dict<py::str, Blob>;
-
-PoseNumbers numbers_of(const Measurement& measurement) {
-  const Pose& pose = measurement.pose;
-  return {pose.x, pose.y, pose.heading};
-}
-
-std::optional<CovarianceRows> covariance_rows_of(const std::optional<PoseCovariance>& covariance) {
-  if (!covariance) return std::nullopt;
-  CovarianceRows matrix;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      matrix[i][j] = (*covariance)(static_cast<int>(i), static_cast<int>(j));
-    }
-  }
-  return matrix;
-}
 
 std::optional<BlobPair> blobs_of(const std::optional<MarkerPair>& pair) {
   if (!pair) return std::nullopt;
@@ -52,15 +34,6 @@ MarkerPair pair_from(const ByRole<Blob>& blobs) {
   const MarkerRoles roles = roles_of(blobs, "seen");
   const auto [first, second] = in_order(blobs, roles, "seen");
   return {first, second, roles};
-}
-
-// A pair as a value: its blobs in the order of their roles.
-using PairValue = std::vector<std::pair<std::string, Blob>>;
-
-std::optional<PairValue> value_of(const std::optional<MarkerPair>& pair) {
-  if (!pair) return std::nullopt;
-  const auto& [first, second] = names_of(pair->roles);
-  return PairValue{{first, pair->first}, {second, pair->second}};
 }
 
 // A figure that may be unknown: None in Python, NaN here.
@@ -117,7 +90,8 @@ std::string repr_of_measurement(const Measurement& self) {
     return py::str(format).format(values...).template cast<std::string>();
   };
   if (!self.covariance && std::isnan(self.signal_to_noise)) {
-    return "Measurement(" + py::repr(py::cast(numbers_of(self))).cast<std::string>() + ")";
+    return "Measurement(" + py::repr(to_array(self.pose).attr("tolist")()).cast<std::string>() +
+           ")";
   }
   const Pose& pose = self.pose;
   std::string all = text("<Measurement: x {:.2f} px, y {:.2f} px, heading {:.4f} rad", pose.x,
@@ -159,52 +133,43 @@ Raises
 ValueError
     If the pose is not finite, if the covariance is none, or if a figure is below 0 or not finite.
 )");
-  measurement
-      .def(py::init(&make_measurement), py::arg("pose"), py::kw_only(),
-           py::arg("covariance") = py::none(), py::arg("misfit") = py::none(),
-           py::arg("signal_to_noise") = py::none(), py::arg("seen") = py::none())
-      .def_property_readonly(
-          "pose", [](const Measurement& self) { return to_array(self.pose); },
-          "array (3,): x, y (work-area px), heading (rad, in (-pi, pi]).")
-      .def_property_readonly(
-          "covariance",
-          [](const Measurement& self) {
-            return self.covariance ? std::optional(to_array(self.covariance->data(), {3, 3}))
-                                   : std::nullopt;
-          },
-          "array (3, 3) or None: covariance of x, y (work-area px) and heading (rad); None = not\n"
-          "known.")
-      .def_property_readonly(
-          "misfit", [](const Measurement& self) { return known(self.misfit); },
-          "float or None: factor on the variance, 1 where the fit leaves noise alone.")
-      .def_property_readonly(
-          "signal_to_noise", [](const Measurement& self) { return known(self.signal_to_noise); },
-          "float or None: of the markers' edges; from 4 on a pose can be trusted.")
-      .def_property_readonly(
-          "seen", [](const Measurement& self) { return blobs_of(self.pair); },
-          "dict of str to Blob or None: the markers' blobs, by role.");
-  const auto make = [](const PoseNumbers& pose, const std::optional<CovarianceRows>& covariance,
-                       std::optional<double> misfit, std::optional<double> signal_to_noise,
-                       const std::optional<PairValue>& pair) {
-    const auto array = [](const auto& numbers) { return ArrayLike(py::cast(numbers)); };
-    return make_measurement(
-        array(pose), covariance ? std::optional(array(*covariance)) : std::nullopt, misfit,
-        signal_to_noise,
-        pair ? std::optional(ByRole<Blob>(pair->begin(), pair->end())) : std::nullopt);
-  };
   const Fields fields(
-      make, Field("", &numbers_of),
-      Field("covariance", [](const Measurement& m) { return covariance_rows_of(m.covariance); }),
-      Field("misfit", [](const Measurement& m) { return known(m.misfit); }),
-      Field("signal_to_noise", [](const Measurement& m) { return known(m.signal_to_noise); }),
-      Field("seen", [](const Measurement& m) { return value_of(m.pair); }));
-  define_equality(measurement, fields);
-  define_hash(measurement, fields);
-  define_pickle(measurement, fields);
+      &make_measurement,
+      Field("pose", &Measurement::pose,
+            "array (3,): x, y (work-area px), heading (rad, in (-pi, pi])."),
+      by_name,
+      Field(
+          "covariance", &Measurement::covariance,
+          "array (3, 3) or None: covariance of x, y (work-area px) and heading (rad); None = not\n"
+          "known.",
+          std::nullopt),
+      Field(
+          "misfit", [](const Measurement& self) { return known(self.misfit); },
+          "float or None: factor on the variance, 1 where the fit leaves noise alone.",
+          std::nullopt),
+      Field(
+          "signal_to_noise", [](const Measurement& self) { return known(self.signal_to_noise); },
+          "float or None: of the markers' edges; from 4 on a pose can be trusted.", std::nullopt),
+      Field(
+          "seen", [](const Measurement& self) { return blobs_of(self.pair); },
+          "dict of str to Blob or None: the markers' blobs, by role.", std::nullopt));
+  define_constructor(measurement, fields);
+  define_record(measurement, fields);
   measurement.def("__repr__", &repr_of_measurement);
 }
 
-Detection detection_from(std::optional<Measurement> measurement, int result,
+constexpr std::array<double Detection::*, 9> figures = {
+    &Detection::misfit,       &Detection::runner_up,  &Detection::exchanged,
+    &Detection::distance,     &Detection::first_area, &Detection::second_area,
+    &Detection::false_alarms, &Detection::cause,      &Detection::noise};
+
+std::array<double, 9> figures_of(const Detection& self) {
+  std::array<double, 9> numbers;
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = self.*figures[i];
+  return numbers;
+}
+
+Detection detection_from(const std::optional<Measurement>& measurement, int result,
                          const std::optional<Blob>& first, const std::optional<Blob>& second,
                          const std::array<double, 9>& numbers, bool by_second_chance,
                          const MarkerLayout& markers) {
@@ -212,37 +177,14 @@ Detection detection_from(std::optional<Measurement> measurement, int result,
     throw py::value_error("a Detection cannot be made of the result " + std::to_string(result));
   }
   Detection detection;
+  for (std::size_t i = 0; i < numbers.size(); ++i) detection.*figures[i] = numbers[i];
   detection.measurement = measurement;
   detection.result = static_cast<DetectionResult>(result);
   detection.first = first;
   detection.second = second;
-  detection.misfit = numbers[0];
-  detection.runner_up = numbers[1];
-  detection.exchanged = numbers[2];
-  detection.distance = numbers[3];
-  detection.first_area = numbers[4];
-  detection.second_area = numbers[5];
-  detection.false_alarms = numbers[6];
-  detection.cause = numbers[7];
-  detection.noise = numbers[8];
   detection.by_second_chance = by_second_chance;
   detection.markers = markers;
   return detection;
-}
-
-auto detection_fields() {
-  return Fields(
-      &detection_from, Field("measurement", &Detection::measurement),
-      Field("result", [](const Detection& self) { return static_cast<int>(self.result); }),
-      Field("first", &Detection::first), Field("second", &Detection::second),
-      Field("numbers",
-            [](const Detection& self) {
-              return std::array<double, 9>{self.misfit,       self.runner_up,  self.exchanged,
-                                           self.distance,     self.first_area, self.second_area,
-                                           self.false_alarms, self.cause,      self.noise};
-            }),
-      Field("by_second_chance", &Detection::by_second_chance),
-      Field("markers", &Detection::markers));
 }
 
 std::string repr(const Detection& self) {
@@ -262,8 +204,6 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
 ``area_tolerance``. In a pair that is accepted each is at most 1.
 )");
   detection
-      .def_readonly("measurement", &Detection::measurement,
-                    "Measurement or None: None = not detected, see `reason`.")
       .def_property_readonly(
           "seen",
           [](const Detection& self) -> std::optional<BlobPair> {
@@ -281,12 +221,6 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
       .def_readonly("false_alarms", &Detection::false_alarms,
                     "float: how many pairs of the other blobs would fit as well by chance, if they "
                     "lay\nanywhere; a pair is accepted up to 0.005.")
-      .def_readonly("by_second_chance", &Detection::by_second_chance,
-                    "bool: no pair was found with the colours as they are, but this one relative "
-                    "to brightness:\nthe limits of a colour hold for U - 128 and V - 128 as "
-                    "fractions of the largest of R, G and B,\nwith 26 levels for a saturation of "
-                    "29 %; under light that colours the floor, as if that were\ngrey. Dim light, "
-                    "its gradients and faded markers change the levels, but not the fractions.")
       .def_property_readonly(
           "distance",
           [](const Detection& self) {
@@ -306,10 +240,21 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
       .def_property_readonly("explanation", &explain,
                              "str: a sentence on the result, with the numbers that decided.")
       .def("__repr__", py::overload_cast<const Detection&>(&repr));
-  const auto fields = detection_fields();
-  define_equality(detection, fields);
-  define_hash(detection, fields);
-  define_pickle(detection, fields);
+  define_record(
+      detection,
+      Fields(&detection_from,
+             Field("measurement", &Detection::measurement,
+                   "Measurement or None: None = not detected, see `reason`."),
+             Field("result", [](const Detection& self) { return static_cast<int>(self.result); }),
+             Field("first", &Detection::first), Field("second", &Detection::second),
+             Field("numbers", &figures_of),
+             Field("by_second_chance", &Detection::by_second_chance,
+                   "bool: no pair was found with the colours as they are, but this one relative "
+                   "to brightness:\nthe limits of a colour hold for U - 128 and V - 128 as "
+                   "fractions of the largest of R, G and B,\nwith 26 levels for a saturation of "
+                   "29 %; under light that colours the floor, as if that were\ngrey. Dim light, "
+                   "its gradients and faded markers change the levels, but not the fractions."),
+             Field("markers", &Detection::markers)));
 
   Class<MissedDetections>(public_in(module, "robsim.vision"), "MissedDetections", R"(
 The steps of a run in which the default measurement detected no robot, for the same reason.

@@ -158,9 +158,7 @@ void bind_layout_value(Class<MarkerLayout>& layout) {
       Field("distance_tolerance", &MarkerLayout::distance_tolerance),
       Field("area_tolerance", &MarkerLayout::area_tolerance),
       Field("maximum_blobs", &MarkerLayout::maximum_blobs));
-  define_equality(layout, fields);
-  define_hash(layout, fields);
-  define_pickle(layout, fields);
+  define_record(layout, fields);
   layout.def("__repr__", &repr_of_layout);
 }
 

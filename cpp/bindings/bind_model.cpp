@@ -15,8 +15,8 @@ using namespace robsim::bindings;
 
 namespace {
 
-std::pair<double, double> both_motors(const std::array<double, 2>& values) {
-  return {values[0], values[1]};
+RobotModel model_from(const ArrayLike& theta, double dt) {
+  return RobotModel(axis_matrix_from(theta, "theta"), dt);
 }
 
 RobotParameters parameters_from(double mass, double inertia, double linear_friction,
@@ -39,45 +39,6 @@ RobotParameters parameters_from(double mass, double inertia, double linear_frict
                                    dt};
   check_parameters(parameters);
   return parameters;
-}
-
-using Pair = std::pair<double, double>;
-
-void define_parameters_value(Class<RobotParameters>& cls) {
-  const auto pair = [](std::array<double, 2> RobotParameters::* member) {
-    return [member](const RobotParameters& p) { return both_motors(p.*member); };
-  };
-  const auto make = [](double mass, double inertia, double linear_friction, double angular_friction,
-                       double wheel_radius, double wheel_base, Pair motor_gain, Pair motor_offset,
-                       double dt) {
-    return parameters_from(mass, inertia, linear_friction, angular_friction, wheel_radius,
-                           wheel_base, py::cast(motor_gain), py::cast(motor_offset), dt);
-  };
-  define_value(cls, Fields(make, Field("mass", &RobotParameters::mass),
-                           Field("inertia", &RobotParameters::inertia),
-                           Field("linear_friction", &RobotParameters::linear_friction),
-                           Field("angular_friction", &RobotParameters::angular_friction),
-                           Field("wheel_radius", &RobotParameters::wheel_radius),
-                           Field("wheel_base", &RobotParameters::wheel_base),
-                           Field("motor_gain", pair(&RobotParameters::motor_gain)),
-                           Field("motor_offset", pair(&RobotParameters::motor_offset)),
-                           Field("dt", &RobotParameters::dt)));
-}
-
-void define_model_value(Class<RobotModel>& cls) {
-  using Theta = std::array<double, 15>;
-  const auto theta = [](const RobotModel& model) {
-    Theta values;
-    std::copy_n(model.theta().data(), values.size(), values.begin());
-    return values;
-  };
-  const auto make = [](const Theta& values, double dt) {
-    return RobotModel(Eigen::Map<const AxisMatrix>(values.data()), dt);
-  };
-  const Fields fields(make, Field("theta", theta), Field("dt", &RobotModel::dt));
-  define_equality(cls, fields);
-  define_hash(cls, fields);
-  define_pickle(cls, fields);
 }
 
 // One row of numbers or N of them; one stands for all where another argument has N.
@@ -240,7 +201,6 @@ Arrays regression_of(const ArrayLike& poses_value, const ArrayLike& u_value) {
 }
 
 void bind_parameters(py::module_& module) {
-  const RobotParameters defaults;
   Class<RobotParameters> parameters(public_in(module, "robsim"), "RobotParameters", R"(
 The physical robot; the defaults are those of the original program.
 
@@ -266,33 +226,30 @@ Raises
 ValueError
     If a value is not physical; the sentence says which one and why.
 )");
-  parameters
-      .def(py::init(&parameters_from), py::kw_only(), py::arg("mass") = defaults.mass,
-           py::arg("inertia") = defaults.inertia,
-           py::arg("linear_friction") = defaults.linear_friction,
-           py::arg("angular_friction") = defaults.angular_friction,
-           py::arg("wheel_radius") = defaults.wheel_radius,
-           py::arg("wheel_base") = defaults.wheel_base,
-           py::arg("motor_gain") = both_motors(defaults.motor_gain),
-           py::arg("motor_offset") = both_motors(defaults.motor_offset),
-           py::arg("dt") = defaults.dt)
-      .def_readonly("mass", &RobotParameters::mass, "float: mass (kg).")
-      .def_readonly("inertia", &RobotParameters::inertia, "float: moment of inertia (kg m^2).")
-      .def_readonly("linear_friction", &RobotParameters::linear_friction,
-                    "float: viscous friction of the position (N s/m).")
-      .def_readonly("angular_friction", &RobotParameters::angular_friction,
-                    "float: viscous friction of the heading (N m s/rad).")
-      .def_readonly("wheel_radius", &RobotParameters::wheel_radius, "float: wheel radius (m).")
-      .def_readonly("wheel_base", &RobotParameters::wheel_base,
-                    "float: distance of the wheels (m).")
-      .def_property_readonly(
-          "motor_gain", [](const RobotParameters& p) { return both_motors(p.motor_gain); },
-          "tuple of float: torque per voltage, left and right (N m/V).")
-      .def_property_readonly(
-          "motor_offset", [](const RobotParameters& p) { return both_motors(p.motor_offset); },
-          "tuple of float: torque at 0 V, left and right (N m).")
-      .def_readonly("dt", &RobotParameters::dt, "float: sample time (s).");
-  define_parameters_value(parameters);
+  const auto field = [](const char* name, auto get, const char* doc) {
+    return Field(name, get, doc, std::invoke(get, RobotParameters()));
+  };
+  const auto both = [](std::array<double, 2> RobotParameters::* member) {
+    return [member](const RobotParameters& p) { return std::pair((p.*member)[0], (p.*member)[1]); };
+  };
+  const Fields fields(
+      &parameters_from, by_name,  //
+      field("mass", &RobotParameters::mass, "float: mass (kg)."),
+      field("inertia", &RobotParameters::inertia, "float: moment of inertia (kg m^2)."),
+      field("linear_friction", &RobotParameters::linear_friction,
+            "float: viscous friction of the position (N s/m)."),
+      field("angular_friction", &RobotParameters::angular_friction,
+            "float: viscous friction of the heading (N m s/rad)."),
+      field("wheel_radius", &RobotParameters::wheel_radius, "float: wheel radius (m)."),
+      field("wheel_base", &RobotParameters::wheel_base, "float: distance of the wheels (m)."),
+      field("motor_gain", both(&RobotParameters::motor_gain),
+            "tuple of float: torque per voltage, left and right (N m/V)."),
+      field("motor_offset", both(&RobotParameters::motor_offset),
+            "tuple of float: torque at 0 V, left and right (N m)."),
+      field("dt", &RobotParameters::dt, "float: sample time (s)."));
+  define_constructor(parameters, fields);
+  define_record(parameters, fields);
+  define_repr(parameters, fields);
 }
 
 }  // namespace
@@ -322,12 +279,8 @@ Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Ac
 Robots, IEEE Trans. SMC A 30(4), 2000.
 )");
   model.def(py::init<const RobotParameters&>(), py::arg("parameters") = RobotParameters())
-      .def_static(
-          "from_theta",
-          [](const ArrayLike& theta, double dt) {
-            return RobotModel(axis_matrix_from(theta, "theta"), dt);
-          },
-          py::arg("theta"), py::kw_only(), py::arg("dt") = RobotParameters().dt, R"(
+      .def_static("from_theta", &model_from, py::arg("theta"), py::kw_only(),
+                  py::arg("dt") = RobotParameters().dt, R"(
 Return the model with these predictor parameters.
 
 Parameters
@@ -337,10 +290,6 @@ theta : array (3, 5)
 dt : float
     Sample time (s).
 )")
-      .def_property_readonly(
-          "theta", [](const RobotModel& self) { return to_array(self.theta()); },
-          "array (3, 5): rows X, Y, P (heading), columns a1, a2, b1, b2, d1.")
-      .def_property_readonly("dt", &RobotModel::dt, "float: sample time (s).")
       .def("predict", &predict_of, py::arg("pose_1"), py::arg("pose_2"), py::arg("u"),
            py::kw_only(), py::arg("unwrapped").noconvert() = false, R"(
 Return the pose of step k, or those of N steps.
@@ -402,7 +351,11 @@ ValueError
         return "<RobotModel: dt = " + py::repr(py::float_(self.dt())).cast<std::string>() +
                " s, theta =\n" + py::str(to_array(self.theta())).cast<std::string>() + ">";
       });
-  define_model_value(model);
+  define_record(model,
+                Fields(&model_from,
+                       Field("theta", &RobotModel::theta,
+                             "array (3, 5): rows X, Y, P (heading), columns a1, a2, b1, b2, d1."),
+                       Field("dt", &RobotModel::dt, "float: sample time (s).")));
 
   public_in(module, "robsim.estimation")
       .def("check_mean_interval", &check_mean_interval, py::arg("time"), py::arg("n_steps"),

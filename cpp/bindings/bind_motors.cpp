@@ -66,39 +66,33 @@ MotorEvent::Kind kind_from(const std::string& kind) {
 void bind_event(py::module_& module) {
   Class<MotorEvent> event(public_in(module, "robsim.lab"), "MotorEvent",
                           "What went over a line to a robot, or what the robot did by itself.");
-  event.def_readonly("t", &MotorEvent::t, "float: when (s, clock of time.monotonic).")
-      .def_property_readonly(
-          "u", [](const MotorEvent& self) { return to_array(self.u); },
-          "array (2,): the input (V), 0 for a stop.")
-      .def_property_readonly(
+  const Fields fields(
+      [](double t, const ArrayLike& u, const std::string& kind) {
+        return MotorEvent{t, input_from(u, "u"), kind_from(kind)};
+      },
+      by_name, Field("t", &MotorEvent::t, "float: when (s, clock of time.monotonic)."),
+      Field("u", &MotorEvent::u, "array (2,): the input (V), 0 for a stop."),
+      Field(
           "kind", [](const MotorEvent& self) { return std::string(text_of(self.kind)); },
           "str: \"input\", a new one; \"repeat\", the same again; \"stop\"; \"failure\", a line "
-          "that could not be written; \"timeout\", the robot stopped by itself.");
-  define_value(
-      event,
-      Fields(
-          [](double t, const Voltages& u, const std::string& kind) {
-            return MotorEvent{t, {u[0], u[1]}, kind_from(kind)};
-          },
-          Field("t", &MotorEvent::t),
-          Field("u", [](const MotorEvent& self) { return Voltages{self.u.u1, self.u.u2}; }),
-          Field("kind", [](const MotorEvent& self) { return std::string(text_of(self.kind)); })));
+          "that could not be written; \"timeout\", the robot stopped by itself."));
+  define_record(event, fields);
+  define_repr(event, fields);
 }
 
 void bind_counts(py::module_& module) {
   Class<LineCounts> counts(public_in(module, "robsim.lab"), "LineCounts",
                            "How many lines a robot has heard.");
-  counts.def_readonly("valid", &LineCounts::valid, "int: lines that it acted upon.")
-      .def_readonly("damaged", &LineCounts::damaged,
-                    "int: lines that were damaged, too long, or none of the protocol.")
-      .def_readonly("old", &LineCounts::old, "int: lines that a newer one had overtaken.")
-      .def_readonly("foreign", &LineCounts::foreign,
-                    "int: lines of another sender than the one that it heard.");
-  define_value(counts,
-               Fields([](std::int64_t valid, std::int64_t damaged, std::int64_t old,
+  const Fields fields([](std::int64_t valid, std::int64_t damaged, std::int64_t old,
                          std::int64_t foreign) { return LineCounts{valid, damaged, old, foreign}; },
-                      Field("valid", &LineCounts::valid), Field("damaged", &LineCounts::damaged),
-                      Field("old", &LineCounts::old), Field("foreign", &LineCounts::foreign)));
+                      by_name, Field("valid", &LineCounts::valid, "int: lines that it acted upon."),
+                      Field("damaged", &LineCounts::damaged,
+                            "int: lines that were damaged, too long, or none of the protocol."),
+                      Field("old", &LineCounts::old, "int: lines that a newer one had overtaken."),
+                      Field("foreign", &LineCounts::foreign,
+                            "int: lines of another sender than the one that it heard."));
+  define_record(counts, fields);
+  define_repr(counts, fields);
 }
 
 Limits make_limits(std::optional<double> voltage, std::optional<double> slew_rate) {
@@ -133,22 +127,25 @@ Raises
 ValueError
     If one is not above 0.
 )");
-  limits
-      .def(py::init(&make_limits), py::kw_only(), py::arg("voltage") = py::none(),
-           py::arg("slew_rate") = py::none())
-      .def_property_readonly(
+  const Fields fields(
+      &make_limits, by_name,
+      Field(
           "voltage", [](const Limits& self) { return given(self.voltage); },
-          "float or None: largest size of the input of a motor (V).")
-      .def_property_readonly(
+          "float or None: largest size of the input of a motor (V).", std::nullopt),
+      Field(
           "slew_rate", [](const Limits& self) { return given(self.slew_rate); },
-          "float or None: largest change of the input of a motor in a second (V/s).")
-      .def(
-          "applied",
-          [](const Limits& self, const ArrayLike& u, const ArrayLike& before, double dt) {
-            if (!(dt >= 0)) throw py::value_error("dt must be at least 0 s");
-            return to_array(self.applied(input_from(u, "u"), input_from(before, "before"), dt));
-          },
-          py::arg("u"), py::arg("before"), py::arg("dt"), R"(
+          "float or None: largest change of the input of a motor in a second (V/s).",
+          std::nullopt));
+  define_constructor(limits, fields);
+  define_record(limits, fields);
+  define_repr(limits, fields);
+  limits.def(
+      "applied",
+      [](const Limits& self, const ArrayLike& u, const ArrayLike& before, double dt) {
+        if (!(dt >= 0)) throw py::value_error("dt must be at least 0 s");
+        return to_array(self.applied(input_from(u, "u"), input_from(before, "before"), dt));
+      },
+      py::arg("u"), py::arg("before"), py::arg("dt"), R"(
 Return the input within the limits.
 
 Parameters
@@ -165,10 +162,6 @@ Returns
 array (2,)
     The input (V).
 )");
-  define_value(
-      limits,
-      Fields(&make_limits, Field("voltage", [](const Limits& self) { return given(self.voltage); }),
-             Field("slew_rate", [](const Limits& self) { return given(self.slew_rate); })));
 }
 
 void bind_line(py::module_& module) {

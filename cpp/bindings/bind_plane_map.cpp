@@ -196,9 +196,7 @@ array (2,) or (N, 2)
       .def("__repr__", py::overload_cast<const Intrinsics&>(&repr));
   const Fields fields(&intrinsics_of, Field("matrix", &camera_matrix),
                       Field("distortion", &Intrinsics::distortion));
-  define_equality(intrinsics, fields);
-  define_hash(intrinsics, fields);
-  define_pickle(intrinsics, fields);
+  define_record(intrinsics, fields);
 }
 
 void bind_plane_map(py::module_& module) {
@@ -354,9 +352,7 @@ array (2,) or (N, 2)
   };
   const Fields fields(make, Field("matrix", &PlaneMap::matrix),
                       Field("intrinsics", &intrinsics_in));
-  define_equality(plane_map, fields);
-  define_hash(plane_map, fields);
-  define_pickle(plane_map, fields);
+  define_record(plane_map, fields);
 }
 
 }  // namespace

@@ -195,8 +195,6 @@ py::array_t<double> to_array(const Input& u) {
   return to_array(values, {2});
 }
 
-py::array_t<double> to_array(const AxisMatrix& matrix) { return to_array(matrix.data(), {3, 5}); }
-
 ImageView image_view(py::handle value, const std::string& name) {
   const std::string expected = name + " must be a uint8 RGB array of shape (H, W, 3), got ";
   if (!py::isinstance<py::array>(value)) throw py::type_error(expected + describe(value));

@@ -117,12 +117,28 @@ Measurement measurement_of(const Pose& pose);
 /// A Measurement, or one of this pose.
 Measurement measurement_from(py::handle value, const std::string& name);
 
+/// Throws py::value_error unless it is the number of a step.
+inline void check_step_number(std::int64_t k) {
+  if (k < 0) throw py::value_error("k must be at least 0, got " + std::to_string(k));
+}
+
 /// A read-only copy.
 py::array_t<double> to_array(const double* values, const Shape& shape);
 py::array_t<double> to_array(const Pose& pose);
 py::array_t<double> to_array(const Point& point);
-py::array_t<double> to_array(const AxisMatrix& matrix);
 py::array_t<double> to_array(const Input& u);
+
+template <typename Derived>
+py::array_t<double> to_array(const Eigen::MatrixBase<Derived>& matrix) {
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = matrix;
+  if (Derived::IsVectorAtCompileTime) return to_array(rows.data(), Shape{rows.size()});
+  return to_array(rows.data(), Shape{rows.rows(), rows.cols()});
+}
+
+template <typename T>
+std::optional<py::array_t<double>> to_array(const std::optional<T>& value) {
+  return value ? std::optional(to_array(*value)) : std::nullopt;
+}
 
 /// A view of the caller's uint8 RGB pixels, shape (H, W, 3), rows of any stride. Copies nothing.
 ImageView image_view(py::handle value, const std::string& name);

@@ -1,11 +1,10 @@
-// Value semantics of bound classes, by their fields: ==, hash, copy, pickle, repr.
+// Values of bound classes, by their fields: constructor, properties, ==, hash, copy, pickle, repr.
 #pragma once
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -13,28 +12,100 @@
 #include <type_traits>
 #include <utility>
 
+#include "python/numpy.hpp"
+#include "python/signature.hpp"
+
 namespace robsim::bindings {
 
 namespace py = pybind11;
 
-/// A field of a value: its name in the repr ("" = a positional argument), and how it is read.
-template <typename Get>
+/// In a field's place: it has no default, and must be given.
+struct Required {};
+
+/// A field of a value: its name, how it is read, its property's docstring (none: no property), and
+/// the default of the constructor's argument.
+template <typename Get, typename Default = Required>
 struct Field {
-  Field(const char* name, Get get) : name(name), get(std::move(get)) {}
+  Field(const char* name, Get get, const char* doc = nullptr, Default fallback = {})
+      : name(name), get(std::move(get)), doc(doc), fallback(std::move(fallback)) {}
 
   const char* name;
   Get get;
+  const char* doc;
+  Default fallback;
 };
+
+/// Among the fields: the ones behind it are arguments by name alone, and the repr names them.
+constexpr py::kw_only by_name{};
 
 /// The fields that together make up a value, and from which `make` makes it anew: with its checks,
 /// since pickles come from elsewhere.
-template <typename Make, typename... Gets>
+template <typename Make, typename... F>
 struct Fields {
-  Fields(Make make, Field<Gets>... fields) : make(std::move(make)), fields(std::move(fields)...) {}
+  Fields(Make make, F... fields) : make(std::move(make)), fields(std::move(fields)...) {}
 
   Make make;
-  std::tuple<Field<Gets>...> fields;
+  std::tuple<F...> fields;
+
+  /// Calls a function for each field.
+  template <typename Call>
+  void for_each(const Call& call) const {
+    const auto call_for = [&](const auto& field) {
+      if constexpr (!std::is_same_v<std::decay_t<decltype(field)>, py::kw_only>) call(field);
+    };
+    std::apply([&](const auto&... field) { (call_for(field), ...); }, fields);
+  }
 };
+
+template <typename T>
+constexpr bool is_array_of_python =
+    std::is_base_of_v<Eigen::EigenBase<T>, T> || std::is_same_v<T, Pose> ||
+    std::is_same_v<T, Point> || std::is_same_v<T, Input>;
+template <typename T>
+constexpr bool is_array_of_python<std::optional<T>> = is_array_of_python<T>;
+
+/// What Python sees of a field: a read-only array of a pose, a point, an input, a matrix.
+template <typename Get, typename T>
+decltype(auto) shown(const Get& get, const T& value) {
+  using Value = std::decay_t<std::invoke_result_t<const Get&, const T&>>;
+  if constexpr (is_array_of_python<Value>) {
+    return to_array(std::invoke(get, value));
+  } else {
+    return std::invoke(get, value);
+  }
+}
+
+/// The constructor and what it takes.
+template <typename Class, typename Make, typename... F>
+void define_constructor(Class& cls, const Fields<Make, F...>& fields) {
+  const auto argument = [](const auto& field) {
+    using Type = std::decay_t<decltype(field)>;
+    if constexpr (std::is_same_v<Type, py::kw_only>) {
+      return field;
+    } else if constexpr (std::is_same_v<decltype(field.fallback), Required>) {
+      return py::arg(field.name);
+    } else {
+      // Else True would be a number, and any object a truth.
+      return py::arg(field.name).noconvert(std::is_same_v<decltype(field.fallback), bool>) =
+                 field.fallback;
+    }
+  };
+  std::apply(
+      [&](const auto&... field) { cls.def(py::init(Make(fields.make)), argument(field)...); },
+      fields.fields);
+}
+
+/// The properties.
+template <typename Class, typename... F>
+void define_properties(Class& cls, const Fields<F...>& fields) {
+  using T = typename Class::type;
+  fields.for_each([&](const auto& field) {
+    const auto get = [get = field.get](const T& self) -> decltype(auto) {
+      return shown(get, self);
+    };
+    if (field.doc) cls.def_property_readonly(field.name, get, field.doc);
+  });
+}
 
 /// What == returns: a bool, or NotImplemented, so that Python asks the other operand.
 class Equality : public py::object {
@@ -44,19 +115,21 @@ class Equality : public py::object {
 };
 
 /// The fields of a value in Python, in their order.
-template <typename T, typename Make, typename... Gets>
-py::tuple values_of(const T& value, const Fields<Make, Gets...>& fields) {
-  return std::apply(
-      [&](const auto&... field) { return py::make_tuple(std::invoke(field.get, value)...); },
-      fields.fields);
+template <typename T, typename... F>
+py::tuple values_of(const T& value, const Fields<F...>& fields) {
+  py::list values;
+  fields.for_each([&](const auto& field) { values.append(shown(field.get, value)); });
+  return values;
 }
 
-/// Field values as a key: tuples in place of lists, shape and bytes in place of an array, None in
-/// place of NaN, which equals nothing.
+/// Field values as a key: tuples in place of lists and of arrays of numbers, shape and bytes in
+/// place of an image, None in place of NaN, which equals nothing.
 inline py::object key_of(py::handle value) {
+  if (py::isinstance<py::array_t<double>>(value)) return key_of(value.attr("tolist")());
   if (py::isinstance<py::array>(value)) {
     return py::make_tuple(value.attr("shape"), value.attr("tobytes")());
   }
+  if (py::isinstance<py::dict>(value)) return key_of(py::list(value.attr("items")()));
   if (py::isinstance<py::float_>(value) && std::isnan(value.cast<double>())) return py::none();
   if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value)) {
     return py::reinterpret_borrow<py::object>(value);
@@ -98,16 +171,15 @@ void define_hash(Class& cls, const Fields<F...>& fields) {
 }
 
 /// pickle, copy and deepcopy.
-template <typename Class, typename Make, typename... Gets>
-void define_pickle(Class& cls, const Fields<Make, Gets...>& fields) {
+template <typename Class, typename Make, typename... F>
+void define_pickle(Class& cls, const Fields<Make, F...>& fields) {
   using T = typename Class::type;
   const auto get = [fields](const py::object& self) -> py::object {
     return py::make_tuple(values_of(self.cast<const T&>(), fields), own_attributes(self));
   };
   const auto set = [make = fields.make](const py::object& state) {
     const auto [values, attributes] = state.cast<std::pair<py::tuple, py::dict>>();
-    auto arguments =
-        values.cast<std::tuple<std::decay_t<std::invoke_result_t<Gets, const T&>>...>>();
+    auto arguments = values.cast<typename ArgumentTypes<Make>::type>();
     return std::make_pair(std::apply(make, std::move(arguments)), attributes);
   };
   cls.def(py::pickle(get, set));
@@ -118,32 +190,35 @@ void define_pickle(Class& cls, const Fields<Make, Gets...>& fields) {
   });
 }
 
-/// repr: DriveAround(low=-0.5, high=1.5, hold=10), or with the name of a static method that takes
-/// the fields: MarkerLayout.from_positions(...).
+/// repr: DriveAround(low=-0.5, high=1.5, hold=10); those before `by_name` without a name.
 template <typename Class, typename... F>
-void define_repr(Class& cls, const Fields<F...>& fields, const std::string& maker = "") {
+void define_repr(Class& cls, const Fields<F...>& fields) {
   using T = typename Class::type;
-  cls.def("__repr__", [fields, maker](const py::object& self) {
+  cls.def("__repr__", [fields](const py::object& self) {
     const py::tuple values = values_of(self.cast<const T&>(), fields);
     std::string text;
     std::size_t i = 0;
-    const auto add = [&](const char* name) {
-      text += (i ? ", " : "") + std::string(name) + (*name ? "=" : "");
-      text += py::repr(values[i++]).cast<std::string>();
+    bool is_named = !(std::is_same_v<F, py::kw_only> || ...);
+    const auto add = [&](const auto& field) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(field)>, py::kw_only>) {
+        is_named = true;
+      } else {
+        text += (i ? ", " : "") + (is_named ? field.name + std::string("=") : "");
+        text += py::repr(values[i++]).template cast<std::string>();
+      }
     };
-    std::apply([&](const auto&... field) { (add(field.name), ...); }, fields.fields);
-    const auto type = py::type::of(self).attr("__name__").cast<std::string>();
-    return type + (maker.empty() ? "" : "." + maker) + "(" + text + ")";
+    std::apply([&](const auto&... field) { (add(field), ...); }, fields.fields);
+    return py::type::of(self).attr("__name__").cast<std::string>() + "(" + text + ")";
   });
 }
 
-/// All of these: for a class whose objects never change.
+/// All that a class has whose objects never change, but its constructor and repr.
 template <typename Class, typename... F>
-void define_value(Class& cls, const Fields<F...>& fields, const std::string& maker = "") {
+void define_record(Class& cls, const Fields<F...>& fields) {
+  define_properties(cls, fields);
   define_equality(cls, fields);
   define_hash(cls, fields);
   define_pickle(cls, fields);
-  define_repr(cls, fields, maker);
 }
 
 }  // namespace robsim::bindings

@@ -28,14 +28,16 @@ Notes
 s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the way driven in a step, and
 x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
 )");
-  unicycle.def(py::init<>())
-      .def(
-          "__call__",
-          [](const Unicycle& self, const WorldState& world) {
-            return to_array(self(world.model, world.pose_1, world.pose_2, world.last_u));
-          },
-          py::arg("world"), "Return the pose of a step: array (3,).");
-  define_value(unicycle, Fields([] { return Unicycle(); }));
+  unicycle.def(
+      "__call__",
+      [](const Unicycle& self, const WorldState& world) {
+        return to_array(self(world.model, world.pose_1, world.pose_2, world.last_u));
+      },
+      py::arg("world"), "Return the pose of a step: array (3,).");
+  const Fields fields([] { return Unicycle(); });
+  define_constructor(unicycle, fields);
+  define_record(unicycle, fields);
+  define_repr(unicycle, fields);
 }
 
 Replay replay_from(const ArrayLike& u) {
@@ -86,9 +88,7 @@ IndexError
         return "<Replay: inputs of " + std::to_string(self.u().size()) + " steps>";
       });
   const Fields fields(&replay_from_bytes, Field("u", &bytes_of));
-  define_equality(replay, fields);
-  define_hash(replay, fields);
-  define_pickle(replay, fields);
+  define_record(replay, fields);
 }
 
 void bind_ready_controllers(py::module_& module) {
@@ -100,7 +100,6 @@ A ready controller, as fast as the loop. It can be called like a callback: ``u =
           "__call__", [](const Controller& self, const Step& step) { return to_array(self(step)); },
           py::arg("step"), "Return the input of a step: array (2,), V.");
 
-  const Spin spin_defaults;
   Class<Spin, Controller, std::shared_ptr<Spin>> spin(public_in(module, "robsim"), "Spin", R"(
 Turns on the spot: (+voltage, -voltage).
 
@@ -109,12 +108,14 @@ Parameters
 voltage : float
     Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
 )");
-  spin.def(py::init<double>(), py::arg("voltage") = spin_defaults.voltage())
-      .def_property_readonly("voltage", &Spin::voltage, "float: voltage of the left motor (V).");
-  define_value(spin, Fields([](double voltage) { return std::make_shared<Spin>(voltage); },
-                            Field("voltage", &Spin::voltage)));
+  const Fields spin_fields(
+      [](double voltage) { return std::make_shared<Spin>(voltage); },
+      Field("voltage", &Spin::voltage, "float: voltage of the left motor (V).", Spin().voltage()));
+  define_constructor(spin, spin_fields);
+  define_record(spin, spin_fields);
+  define_repr(spin, spin_fields);
 
-  const DriveAround drive_defaults;
+  const DriveAround defaults;
   Class<DriveAround, Controller, std::shared_ptr<DriveAround>> drive(public_in(module, "robsim"),
                                                                      "DriveAround", R"(
 Drives around: for each motor a random voltage, held for some steps.
@@ -126,17 +127,16 @@ low, high : float
 hold : int
     Steps for which a voltage is held.
 )");
-  drive
-      .def(py::init<double, double, int>(), py::kw_only(), py::arg("low") = drive_defaults.low(),
-           py::arg("high") = drive_defaults.high(), py::arg("hold") = drive_defaults.hold())
-      .def_property_readonly("low", &DriveAround::low, "float: lowest voltage (V).")
-      .def_property_readonly("high", &DriveAround::high, "float: highest voltage (V).")
-      .def_property_readonly("hold", &DriveAround::hold, "int: steps a voltage is held for.");
-  define_value(drive,
-               Fields([](double low, double high,
-                         int hold) { return std::make_shared<DriveAround>(low, high, hold); },
-                      Field("low", &DriveAround::low), Field("high", &DriveAround::high),
-                      Field("hold", &DriveAround::hold)));
+  const Fields fields(
+      [](double low, double high, int hold) {
+        return std::make_shared<DriveAround>(low, high, hold);
+      },
+      by_name, Field("low", &DriveAround::low, "float: lowest voltage (V).", defaults.low()),
+      Field("high", &DriveAround::high, "float: highest voltage (V).", defaults.high()),
+      Field("hold", &DriveAround::hold, "int: steps a voltage is held for.", defaults.hold()));
+  define_constructor(drive, fields);
+  define_record(drive, fields);
+  define_repr(drive, fields);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include "python/numpy.hpp"
 #include "python/signature.hpp"
 #include "python/values.hpp"
-#include "simulation/fields.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -76,11 +75,6 @@ std::shared_ptr<Step> make_step(
   return step;
 }
 
-template <typename T, typename Convert>
-auto converted(const std::optional<T>& value, const Convert& convert) {
-  return value ? std::optional(convert(*value)) : std::nullopt;
-}
-
 using FrameOfStep = std::pair<bool, std::optional<Frame>>;  // one had come, what is left of it
 // The frame is drawn for a copy, if it still can be.
 FrameOfStep frame_of(const Step& self) {
@@ -96,51 +90,66 @@ std::optional<Vision> vision_of(const Step& step) {
   return Vision{vision.colors(), vision.markers(), vision.smoothing()};
 }
 
-std::optional<Sample> sample_of(const Step& self) {
-  return const_cast<Step&>(self).find_sample();  // the first look makes it
+// What its properties show of a step, frames and vision apart.
+template <typename Make, typename... More>
+auto fields_of_step(const Make& make, const More&... more) {
+  const auto read = [](auto Step::* member) {
+    return [member](const Step& self) { return readable(self).*member; };
+  };
+  // The first look makes it.
+  const auto sample = [](const Step& self) {
+    return readable(self).gives_sample ? const_cast<Step&>(self).find_sample() : std::nullopt;
+  };
+  const auto detection = [](const Step& self) {
+    return readable(self).given == Given::all ? self.detection : std::nullopt;
+  };
+  return Fields(
+      make, Field("k", &Step::k, "int: number of the step, from 0."),
+      Field("t", &Step::t, "float: time (s)."),
+      Field("dt", &Step::dt,
+            "float: time since the step before (s); if the robot was stopped in between,\n"
+            "rounded to sample times of the model."),
+      Field("last_u", read(&Step::last_u),
+            "array (2,): the input of the step before, u1 left and u2 right (V)."),
+      Field("u", &Step::u),
+      Field("sample", sample,
+            "Sample or None: the newest complete sample. None at the start, and where a\n"
+            "bounce or a missing measurement interrupts the record."),
+      Field("parameters", read(&Step::parameters),
+            "array (3, 5) or None: the parameters estimated by now."),
+      Field("measurement", read(&Step::measurement),
+            "Measurement or None: where the robot was seen. None before that stage."),
+      Field("detection", detection,
+            "Detection or None: what the default measurement found, and why there is no "
+            "measurement.\nNone before that stage, for a callback, and without a frame."),
+      Field("estimate", read(&Step::estimate),
+            "Estimate or None: what the state estimator returned."),
+      more...);
 }
 
-// Equal are steps with the same numbers. It fills up during the step: there is no hash.
-void define_step_value(Class<Step, std::shared_ptr<Step>>& cls) {
-  const auto u_of = [](const std::optional<Input>& u) {
-    return converted(u, [](const Input& v) { return pair_of(v); });
-  };
-  const auto last_u = [](const Step& s) { return pair_of(readable(s).last_u); };
-  const auto u = [u_of](const Step& s) { return u_of(s.u); };
-  const auto parameters = [](const Step& s) {
-    return converted(s.parameters, [](const AxisMatrix& m) { return values_of(m); });
-  };
-  const auto make =
-      [](std::int64_t k, double t, double dt, const Pair& last_input,
-         const std::optional<Pair>& input, const std::optional<Sample>& sample,
-         const std::optional<Matrix>& theta, const std::optional<Measurement>& measurement,
-         const std::optional<Detection>& detection, const std::optional<Estimate>& estimate,
-         const FrameOfStep& frame, const std::optional<Vision>& vision) {
-        const std::shared_ptr<Step> step = new_step(frame.second, frame.first, vision);
-        step->k = k;
-        step->t = t;
-        step->dt = dt;
-        step->last_u = input_of(last_input);
-        step->u = converted(input, [](const Pair& v) { return input_of(v); });
-        step->set_sample(sample);
-        step->parameters = converted(theta, [](const Matrix& m) { return matrix_of(m); });
-        step->measurement = measurement;
-        step->detection = detection;
-        step->estimate = estimate;
-        return step;
-      };
-  const auto no_make = [] { return std::shared_ptr<Step>(); };
-  define_equality(
-      cls, Fields(no_make, Field("k", &Step::k), Field("t", &Step::t), Field("dt", &Step::dt),
-                  Field("last_u", last_u), Field("u", u), Field("sample", &sample_of),
-                  Field("parameters", parameters), Field("measurement", &Step::measurement),
-                  Field("detection", &Step::detection), Field("estimate", &Step::estimate)));
-  define_pickle(cls,
-                Fields(make, Field("k", &Step::k), Field("t", &Step::t), Field("dt", &Step::dt),
-                       Field("last_u", last_u), Field("u", u), Field("sample", &sample_of),
-                       Field("parameters", parameters), Field("measurement", &Step::measurement),
-                       Field("detection", &Step::detection), Field("estimate", &Step::estimate),
-                       Field("frame", &frame_of), Field("vision", &vision_of)));
+std::shared_ptr<Step> step_from(std::int64_t k, double t, double dt, const ArrayLike& last_u,
+                                const std::optional<ArrayLike>& u,
+                                const std::optional<Sample>& sample,
+                                const std::optional<ArrayLike>& parameters,
+                                const std::optional<Measurement>& measurement,
+                                const std::optional<Detection>& detection,
+                                const std::optional<Estimate>& estimate, const FrameOfStep& frame,
+                                const std::optional<Vision>& vision) {
+  const std::shared_ptr<Step> step = new_step(frame.second, frame.first, vision);
+  step->k = k;
+  step->t = t;
+  step->dt = dt;
+  step->last_u = input_from(last_u, "last_u");
+  if (u) step->u = input_from(*u, "u");
+  step->set_sample(sample);
+  if (parameters) {
+    const Doubles theta = numbers_from(*parameters, "parameters", Shape{3, 5}, "theta");
+    step->parameters = Eigen::Map<const AxisMatrix>(theta.data());
+  }
+  step->measurement = measurement;
+  step->detection = detection;
+  step->estimate = estimate;
+  return step;
 }
 
 void bind_step(py::module_& module) {
@@ -189,14 +198,6 @@ Examples
            py::arg("estimate") = py::none(), py::arg("parameters") = py::none(),
            py::arg("sample") = py::none(), py::arg("u") = py::none(),
            py::arg("colors") = std::vector<ColorClass>(), py::arg("markers") = py::none())
-      .def_readonly("k", &Step::k, "int: number of the step, from 0.")
-      .def_readonly("t", &Step::t, "float: time (s).")
-      .def_readonly("dt", &Step::dt,
-                    "float: time since the step before (s); if the robot was stopped in between,\n"
-                    "rounded to sample times of the model.")
-      .def_property_readonly(
-          "last_u", [](const Step& self) { return to_array(readable(self).last_u); },
-          "array (2,): the input of the step before, u1 left and u2 right (V).")
       .def_property_readonly("u", &decided_input,
                              "array (2,): the input decided in this step, as sent to the motors "
                              "(V). RuntimeError before that.")
@@ -211,35 +212,6 @@ Examples
           "blobs", [](Step& self) { return self.given_blobs(); },
           "dict of str to list of Blob: per colour the blobs in the frame, the largest first.")
       .def_property_readonly(
-          "measurement", [](const Step& self) { return readable(self).measurement; },
-          "Measurement or None: where the robot was seen. None before that stage.")
-      .def_property_readonly(
-          "detection",
-          [](const Step& self) {
-            const bool is_given = readable(self).given == Given::all;
-            return is_given ? self.detection : std::nullopt;
-          },
-          "Detection or None: what the default measurement found, and why there is no "
-          "measurement.\n"
-          "None before that stage, for a callback, and without a frame.")
-      .def_property_readonly(
-          "estimate", [](const Step& self) { return readable(self).estimate; },
-          "Estimate or None: what the state estimator returned.")
-      .def_property_readonly(
-          "parameters",
-          [](const Step& self) -> std::optional<py::array_t<double>> {
-            if (!readable(self).parameters) return std::nullopt;
-            return bindings::to_array(*self.parameters);
-          },
-          "array (3, 5) or None: the parameters estimated by now.")
-      .def_property_readonly(
-          "sample",
-          [](Step& self) {
-            return readable(self).gives_sample ? self.find_sample() : std::nullopt;
-          },
-          "Sample or None: the newest complete sample. None at the start, and where a\n"
-          "bounce or a missing measurement interrupts the record.")
-      .def_property_readonly(
           "estimator", [](const Step& self) { return to_python(self.estimator); },
           "The object that init_parameter_estimator made.")
       .def_property_readonly(
@@ -251,7 +223,12 @@ Examples
       .def("__repr__", [](const Step& self) {
         return py::str("<Step {}: t = {:g} s>").format(self.k, self.t).cast<std::string>();
       });
-  define_step_value(step);
+  // Equal are steps with the same numbers. It fills up during the step: there is no hash.
+  const auto numbers = fields_of_step([] { return std::shared_ptr<Step>(); });
+  define_properties(step, numbers);
+  define_equality(step, numbers);
+  define_pickle(step,
+                fields_of_step(&step_from, Field("frame", &frame_of), Field("vision", &vision_of)));
 }
 
 }  // namespace

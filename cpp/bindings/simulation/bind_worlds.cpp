@@ -13,7 +13,6 @@
 #include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/simulation/world/external_world.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
-#include "simulation/fields.hpp"
 
 namespace py = pybind11;
 using namespace robsim;
@@ -155,36 +154,6 @@ WorldState make_world_state(const ArrayLike& pose_1, const ArrayLike& pose_2,
   return world;
 }
 
-void define_world_state_value(Class<WorldState>& cls) {
-  const auto pose = [](Pose WorldState::* member) {
-    return [member](const WorldState& self) {
-      const Pose& p = self.*member;
-      return std::array<double, 3>{p.x, p.y, p.heading};
-    };
-  };
-  const auto last_u = [](const WorldState& self) {
-    return std::array<double, 2>{self.last_u.u1, self.last_u.u2};
-  };
-  const auto make = [](const std::array<double, 3>& pose_1, const std::array<double, 3>& pose_2,
-                       const std::array<double, 2>& u, const RobotModel& model, std::int64_t k,
-                       double t, double dt) {
-    return WorldState{k,
-                      t,
-                      dt,
-                      {pose_1[0], pose_1[1], pose_1[2]},
-                      {pose_2[0], pose_2[1], pose_2[2]},
-                      {u[0], u[1]},
-                      model};
-  };
-  const Fields fields(make, Field("pose_1", pose(&WorldState::pose_1)),
-                      Field("pose_2", pose(&WorldState::pose_2)), Field("last_u", last_u),
-                      Field("model", &WorldState::model), Field("k", &WorldState::k),
-                      Field("t", &WorldState::t), Field("dt", &WorldState::dt));
-  define_equality(cls, fields);
-  define_hash(cls, fields);
-  define_pickle(cls, fields);
-}
-
 void bind_world_state(py::module_& module) {
   Class<WorldState> world(public_in(module, "robsim.simulation"), "WorldState", R"(
 What the callback `evaluate_model` gets. Made by hand, it tests a callback without a simulation.
@@ -202,31 +171,24 @@ k : int
 t, dt : float, optional
     Time and sample time (s). Default: k dt, and the dt of the model.
 )");
-  world
-      .def(py::init(&make_world_state), py::arg("pose_1"), py::arg("pose_2"), py::arg("last_u"),
-           py::arg("model") = py::none(), py::kw_only(), py::arg("k") = 1,
-           py::arg("t") = py::none(), py::arg("dt") = py::none())
-      .def_readonly("k", &WorldState::k, "int: number of the step.")
-      .def_readonly("t", &WorldState::t, "float: time (s).")
-      .def_readonly("dt", &WorldState::dt, "float: sample time (s).")
-      .def_property_readonly(
-          "pose_1", [](const WorldState& self) { return bindings::to_array(self.pose_1); },
-          "array (3,): the pose of step k-1: x, y (work-area px), heading (rad).")
-      .def_property_readonly(
-          "pose_2", [](const WorldState& self) { return bindings::to_array(self.pose_2); },
-          "array (3,): the pose of step k-2.")
-      .def_property_readonly(
-          "last_u", [](const WorldState& self) { return to_array(self.last_u); },
-          "array (2,): what acted on the motors since step k-1, on average (V): with noise and "
-          "delay, if there are "
-          "any.")
-      .def_property_readonly(
-          "model", [](const WorldState& self) { return self.model; },
-          "RobotModel: the one that this world follows.")
-      .def("__repr__", [](const WorldState& self) {
-        return "<WorldState of step " + std::to_string(self.k) + ">";
-      });
-  define_world_state_value(world);
+  const Fields fields(
+      &make_world_state,
+      Field("pose_1", &WorldState::pose_1,
+            "array (3,): the pose of step k-1: x, y (work-area px), heading (rad)."),
+      Field("pose_2", &WorldState::pose_2, "array (3,): the pose of step k-2."),
+      Field("last_u", &WorldState::last_u,
+            "array (2,): what acted on the motors since step k-1, on average (V): with noise and "
+            "delay, if there are any."),
+      Field("model", &WorldState::model, "RobotModel: the one that this world follows.",
+            std::nullopt),
+      by_name, Field("k", &WorldState::k, "int: number of the step.", 1),
+      Field("t", &WorldState::t, "float: time (s).", std::nullopt),
+      Field("dt", &WorldState::dt, "float: sample time (s).", std::nullopt));
+  define_constructor(world, fields);
+  define_record(world, fields);
+  world.def("__repr__", [](const WorldState& self) {
+    return "<WorldState of step " + std::to_string(self.k) + ">";
+  });
 }
 
 void bind_simulated_world(py::module_& module) {
