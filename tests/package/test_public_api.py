@@ -15,6 +15,7 @@ import pytest
 import robsim
 from robsim import Scenario, Simulation
 from surroundings import needs_extension
+from write_options import written
 
 # --- names
 
@@ -116,6 +117,11 @@ def test_tests_may_set_a_double_instead_of_a_module(monkeypatch, name, double):
 def test_threads_that_ask_for_rooms_at_once_get_whole_ones():
     run = subprocess.run([sys.executable, "-c", AT_ONCE], capture_output=True, text=True)
     assert (run.stdout, run.stderr) == ("[]\n", "")
+
+
+def test_signatures_and_docstrings_say_what_the_rows_of_options_and_slots_say():
+    for file, content in written().items():
+        assert file.read_text() == content, f"{file.name}: ./run stubs writes it again"
 
 
 # --- misspelled names

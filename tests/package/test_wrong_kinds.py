@@ -33,6 +33,7 @@ VALID = {
     "Experiment(measure)": [True],
     "Experiment(estimate_parameters)": [True],
     "Experiment(init_parameter_estimator)": [dict],
+    "Simulation(area)": [None],
     "Simulation(measure)": [True],
     "Simulation(estimate_parameters)": [True],
     "Simulation(init_parameter_estimator)": [dict],

@@ -10,7 +10,8 @@ import robsim
 from refusals import IMAGE
 from robsim import Replay, Scenario, Simulation, Spin
 from robsim.base.seeds import STREAMS, stream, stream_number
-from robsim.simulation.scenario import OPTIONS, RobotOptions, WorldOptions
+from robsim.simulation.option import ROBOT, WORLD
+from robsim.simulation.options import OPTIONS
 from scenarios import FULL, scenarios
 from sizes import thorough
 
@@ -44,9 +45,8 @@ def test_every_option_counts():
 
 
 def test_each_option_is_of_the_world_or_of_a_robot_and_a_simulation_takes_both():
-    world, robot = ({f.name for f in dataclasses.fields(of)} for of in (WorldOptions, RobotOptions))
-    assert not world & robot
-    assert sorted(OPTIONS) == sorted(world | robot)
+    world = {name for name, option in OPTIONS.items() if option.of == WORLD}
+    assert all(option.of == ROBOT for name, option in OPTIONS.items() if name not in world)
     assert set(OPTIONS) <= set(inspect.signature(Simulation).parameters)
     assert world == {
         *("area", "resolution", "boundary", "headings", "noise", "camera_delay", "background"),

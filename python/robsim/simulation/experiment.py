@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from os import PathLike
 from threading import RLock
-from typing import TYPE_CHECKING, Any, Self, Unpack
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,7 +23,7 @@ from robsim._core import (
     RobotModel,
     RobotParameters,
 )
-from robsim.base.checks import Floats, check_bool, check_choice
+from robsim.base.checks import Floats, check_bool
 from robsim.base.files import as_path
 from robsim.base.seeds import Seed, seed_sequence
 from robsim.base.shipped import warn_user
@@ -32,20 +31,20 @@ from robsim.base.text import quoted
 from robsim.simulation import slots as slots
 from robsim.simulation.frame_source import FrameSource, mirrored_remark
 from robsim.simulation.options import (
+    OPTIONS,
     UNLIMITED,
     colors_value,
     limits_value,
     markers_value,
     model_value,
-    smoothing_value,
     step_count,
     timeout_value,
 )
 from robsim.simulation.recording import motors_of, stop_input_value
 from robsim.simulation.runner import Runner
-from robsim.simulation.slots import RobotCallbacks
+from robsim.simulation.slotted import suggests_names
 from robsim.trace import Trace
-from robsim.trace.columns import POSES, RECORDED
+from robsim.trace.columns import RECORDED
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
 
@@ -56,9 +55,6 @@ if TYPE_CHECKING:
 _FRAME_TIMEOUT = 1.0  # s, if the frames have no rate
 _FRAME_INTERVALS = 3  # if they have
 _LEAST_FRAME_TIMEOUT = 0.1  # s; no interpreter is punctual
-
-#: The robot is located, and nothing else is done.
-_DEFAULTS: RobotCallbacks = {"measure": True}
 
 
 class Experiment(Runner):
@@ -117,7 +113,23 @@ class Experiment(Runner):
     model : RobotModel or RobotParameters, optional
         The model of the robot, in place of `define_model`. Default: that of ``RobotParameters()``,
         with the ``dt`` of the frames, if they have one.
-    SLOTS
+    define_model : callable, optional
+        ``define_model() -> RobotModel``, called once, at the start: the model that the robot's
+        software believes in.
+    init_parameter_estimator : callable, optional
+        ``init_parameter_estimator(model) -> estimator``, called once, at the start: the object
+        whose ``update(phi, y)`` estimates the parameters.
+    estimate_parameters : callable or bool, optional
+        ``estimate_parameters(step) -> (3, 5) or None``, called at each step: the parameters; None =
+        no update. True: the estimator updates them.
+    measure : callable or bool, optional
+        ``measure(step) -> Measurement or None``, called at each step with a frame: the pose seen in
+        it; None = not seen. True: the two markers are located.
+    estimate_state : callable, optional
+        ``estimate_state(step) -> Estimate``, called at each step: the pose and its covariance.
+    control : callable, optional
+        ``control(step) -> (u1, u2)``, called at each step, as the last stage: the voltages of the
+        left and the right motor (V).
 
     Raises
     ------
@@ -134,7 +146,7 @@ class Experiment(Runner):
     _GROUPS = RECORDED
     _AGAIN = "robsim.Experiment(frames, ...)"
 
-    @slots.shows_slots(RobotCallbacks, _DEFAULTS)
+    @suggests_names
     def __init__(
         self,
         frames: Iterable[Frame | Observation | None],
@@ -143,20 +155,28 @@ class Experiment(Runner):
         stop_input: Sequence[float] | None = (0.0, 0.0),
         frame_timeout: float | None = None,
         limits: Limits | None = None,
+        # options: written by ./run stubs
         robot: str | PathLike[str] | RobotDefinition | None = None,
-        area: tuple[int, int] | None = None,
         seed: Seed = None,
         colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
         markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None = None,
         smoothing: int | None = None,
-        identify_from: str = "measurement",
         model: RobotModel | RobotParameters | None = None,
+        # end
+        area: tuple[int, int] | None = None,
+        identify_from: str = "measurement",
         time_limit: float | None = None,
         record: str | PathLike[str] | None = None,
         lossless: bool = False,
-        **callbacks: Unpack[RobotCallbacks],
+        # slots: written by ./run stubs
+        define_model: slots.DefineModel | None = None,
+        init_parameter_estimator: slots.InitParameterEstimator | None = None,
+        estimate_parameters: slots.EstimateParameters | None = None,
+        measure: slots.Measure | None = True,
+        estimate_state: slots.EstimateState | None = None,
+        control: slots.Control | None = None,
+        # end
     ) -> None:
-        self._check_names(callbacks)
         definition = as_robot(robot)
         check_bool("lossless", lossless)
         self._recording = None if record is None else _recording_in(record, lossless=lossless)
@@ -185,13 +205,19 @@ class Experiment(Runner):
             area=self._source.area,
             boundary="recorded",
             seed=seed_sequence(seed),
-            colors=colors_value(colors, smoothing_value(smoothing)),
+            colors=colors_value(colors),
             markers=self._given_markers or definition.marker_layout(),
-            smoothing=smoothing_value(smoothing),
-            identify_from=check_choice("identify_from", identify_from, tuple(POSES)),
+            smoothing=OPTIONS["smoothing"].checked(smoothing),
+            identify_from=OPTIONS["identify_from"].checked(identify_from),
             time_limit=time_limit,
         )
-        self._fill_slots(_DEFAULTS | callbacks)
+        # filled: written by ./run stubs
+        self._fill_slots(
+            define_model=define_model, init_parameter_estimator=init_parameter_estimator,
+            estimate_parameters=estimate_parameters, measure=measure, estimate_state=estimate_state,
+            control=control,
+        )  # fmt: skip
+        # end
         if self._recording is not None:
             self._core.set_observer(self._recording.add)
 
@@ -470,8 +496,3 @@ def _default_timeout(frames: object, send: object) -> float:
         return math.inf
     dt = getattr(frames, "dt", None)
     return _FRAME_TIMEOUT if dt is None else max(_FRAME_INTERVALS * dt, _LEAST_FRAME_TIMEOUT)
-
-
-Experiment.__doc__ = inspect.cleandoc(Experiment.__doc__ or "").replace(
-    "SLOTS\n", slots.documented(Experiment.SLOTS)
-)

@@ -1,9 +1,14 @@
-"""The options of a simulation, checked and in their normal form: immutable and comparable."""
+"""The options of a simulated world and of its robot: a table with a row for each.
+
+The row gives the check, the form in files, the documentation, the shell's option and the argument
+of `Simulation` and `Scenario`.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import lru_cache
 from os import PathLike
 from pathlib import Path
@@ -25,36 +30,35 @@ from robsim._core import (
     classify,
     wrap_angle,
 )
-from robsim.base.checks import as_float_array, check_int, check_size, is_int
+from robsim.base.checks import as_float_array, is_int
+from robsim.base.seeds import Seed, SeedRecord, seed_value
 from robsim.base.text import quoted
 from robsim.base.values import FileVersion
-from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
-from robsim.simulation.world.scene import Floor, as_floor
-from robsim.trace.timing import MAXIMUM_DELAY, check_delay
+from robsim.simulation.option import (
+    ROBOT,
+    WORLD,
+    choice,
+    number,
+    rows_of,
+    size,
+    switch,
+    value,
+    whole,
+)
+from robsim.simulation.world.disturbances import (
+    Dropout,
+    ParameterMismatch,
+    PoseNoise,
+    WheelNoise,
+)
+from robsim.simulation.world.scene import HEADINGS, Floor, as_floor
+from robsim.trace.columns import POSES
+from robsim.trace.timing import MAXIMUM_DELAY
 from robsim.vision.imaging.images import Pixels, load_image
-from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
+from robsim.vision.imaging.noise import GaussianNoise, Noise, UniformNoise
 from robsim.vision.markers.color_files import as_colors
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
-
-#: What some of the options take.
-Background = Pixels | Floor | str | PathLike[str] | None
-Colors = str | PathLike[str] | Iterable[ColorClass] | None
-Markers = MarkerLayout | RobotDefinition | str | PathLike[str] | None
-
-#: The options that are values of their own, and their types in the normal form.
-KINDS: dict[str, tuple[type, ...]] = {
-    "robot": (RobotDefinition,),
-    "noise": (GaussianNoise, UniformNoise),
-    "dropout": (Dropout,),
-    "process_noise": (PoseNoise, WheelNoise),
-    "mismatch": (ParameterMismatch,),
-    "background": (Floor,),
-    "markers": (MarkerLayout,),
-    "model": (RobotModel, RobotParameters),
-    "evaluate_model": (Unicycle,),
-    "control": (Spin, DriveAround, Replay),
-}
 
 UNLIMITED = 2**62 - 1  # steps
 
@@ -96,7 +100,7 @@ def timeout_value(timeout: float | None, default: float) -> float:
     return float(timeout)
 
 
-def background_value(background: Background) -> Floor | None:
+def background_value(background: Pixels | Floor | str | PathLike[str] | None) -> Floor | None:
     """Return the option ``background`` as a value, in its own size; None stays None."""
     if background is None or isinstance(background, Floor):
         return background
@@ -152,13 +156,21 @@ def start_value(
     return x, y, wrap_angle(heading)
 
 
-def colors_value(colors: Colors, smoothing: int | None = None) -> tuple[ColorClass, ...]:
-    """Return the option ``colors``; `smoothing`, too, is checked by the native classifier."""
+def colors_value(
+    colors: str | PathLike[str] | Iterable[ColorClass] | None,
+) -> tuple[ColorClass, ...]:
+    """Return the option ``colors``, checked by the native classifier."""
     classes = as_colors(colors)
     if not classes:
         raise ValueError("colors must have at least one ColorClass, got none")
-    classify(_PIXEL, classes, smoothing=1 if smoothing is None else smoothing)
+    classify(_PIXEL, classes, smoothing=1)
     return classes
+
+
+def _check_smoothing(smoothing: int | None) -> int | None:
+    """Return a window that the native classifier takes; None = by the size of the markers."""
+    classify(_PIXEL, (ColorClass("any"),), smoothing=1 if smoothing is None else smoothing)
+    return smoothing
 
 
 def check_marker_colors(markers: MarkerLayout, colors: Iterable[ColorClass], purpose: str) -> None:
@@ -171,7 +183,9 @@ def check_marker_colors(markers: MarkerLayout, colors: Iterable[ColorClass], pur
         )
 
 
-def markers_value(markers: Markers) -> MarkerLayout | None:
+def markers_value(
+    markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None,
+) -> MarkerLayout | None:
     """Return the option ``markers`` as a layout; None = that of the robot."""
     if markers is None or isinstance(markers, MarkerLayout):
         return markers
@@ -184,16 +198,6 @@ def markers_value(markers: Markers) -> MarkerLayout | None:
         return as_robot(markers).marker_layout()
     except ValueError as error:
         raise ValueError(f"markers: {error}") from error
-
-
-def smoothing_value(smoothing: int | None) -> int | None:
-    """Return the option ``smoothing``; None = by the size of the markers."""
-    return None if smoothing is None else check_int("smoothing", smoothing, minimum=1, maximum=15)
-
-
-def resolution_value(resolution: tuple[int, int] | None) -> tuple[int, int] | None:
-    """Return the option ``resolution``; None = the size of the area."""
-    return None if resolution is None else check_size("resolution", resolution)
 
 
 def check_images(
@@ -218,27 +222,6 @@ def check_images(
         )
 
 
-def headings_value(headings: int | None) -> int | None:
-    """Return the option ``headings``; None = continuous."""
-    return None if headings is None else check_int("headings", headings, minimum=1, maximum=360)
-
-
-def camera_delay_value(delay: int) -> int:
-    """Return the option ``camera_delay`` in steps."""
-    if isinstance(delay, (float, np.floating)) and not float(delay).is_integer():
-        raise TypeError(
-            f"camera_delay must be an int, got {quoted(delay)}: a frame shows a step; put the "
-            "fraction into motor_delay, since frames say when they were taken"
-        )
-    return check_int("camera_delay", delay, minimum=0, maximum=MAXIMUM_DELAY)
-
-
-def motor_delay_value(delay: float) -> float:
-    """Return the option ``motor_delay`` in steps, a whole number as an int."""
-    value = check_delay("motor_delay", delay)
-    return int(value) if value.is_integer() else value
-
-
 def model_value(model: RobotModel | RobotParameters | None) -> RobotModel | RobotParameters | None:
     """Return the option ``model``; None = that of the default parameters."""
     if isinstance(model, RobotParameters):
@@ -250,23 +233,134 @@ def model_value(model: RobotModel | RobotParameters | None) -> RobotModel | Robo
     return model
 
 
-def switch_value(name: str, value: bool | None) -> bool:
-    """Return whether a stage that may be off is on."""
-    if value is None or isinstance(value, (bool, np.bool_)):
-        return bool(value)
-    raise TypeError(
-        f"{name} must be True or False in a Scenario, got {quoted(value)}{_no_code(value)}"
+_CONTROL = Spin()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """The table: a field for each option, in the order of files, of whose bytes digests are."""
+
+    robot: str | PathLike[str] | RobotDefinition | None = value(
+        ROBOT, None,
+        "Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen "
+        'with ``robsim robots use``, initially ``"lab"``.',
+        kind="str, path or RobotDefinition", types=(RobotDefinition,), normal=as_robot,
+    )  # fmt: skip
+    area: tuple[int, int] = size(
+        WORLD, (1200, 1200), "Width and height of the work area (px).", unit="width and height, px"
     )
+    resolution: tuple[int, int] | None = size(
+        WORLD, None, "Width and height of the frames (px). Default: the same as the area.",
+        unit="px",
+    )  # fmt: skip
+    boundary: str = choice(
+        WORLD, "bounce",
+        '``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and '
+        "the view follows the robot.",
+        choices=("bounce", "unlimited"),
+    )  # fmt: skip
+    headings: int | None = whole(
+        WORLD, HEADINGS,
+        "Number of headings that the robot is drawn in: the nearest one, at integer pixels. None: "
+        "drawn at its exact position and heading.",
+        minimum=1, maximum=360, plain=('a whole number, or "continuous"', int),
+    )  # fmt: skip
+    noise: Noise | None = value(
+        WORLD, None, "Camera noise.",
+        types=(GaussianNoise, UniformNoise), example="robsim.GaussianNoise(40)",
+    )  # fmt: skip
+    dropout: Dropout | None = value(
+        ROBOT, None, "Random occlusion of the robot.",
+        types=(Dropout,), example="robsim.Dropout(0.2)",
+    )  # fmt: skip
+    process_noise: PoseNoise | WheelNoise | None = value(
+        ROBOT, None, "Random disturbance of the robot's motion in every step.",
+        types=(PoseNoise, WheelNoise), example="robsim.PoseNoise.from_sigma(0.5, 0.5, 0.01)",
+    )  # fmt: skip
+    mismatch: ParameterMismatch | None = value(
+        ROBOT, None, "How far the parameters of the world differ from those of `model`.",
+        types=(ParameterMismatch,), example="robsim.ParameterMismatch(0.05)",
+    )  # fmt: skip
+    camera_delay: int = whole(
+        WORLD, 0,
+        "How many steps late a frame reaches the robot's software. The robot moves on meanwhile, "
+        "and the software does not know when the frame was taken but from the frame.",
+        minimum=0, maximum=MAXIMUM_DELAY, unit="steps",
+        reason="a frame shows a step; put the fraction into motor_delay, since frames say when "
+        "they were taken",
+    )  # fmt: skip
+    motor_delay: float = number(
+        ROBOT, 0,
+        "How many steps late an input reaches the motors. With a fraction the robot gets in each "
+        "step the mean of the two inputs that act in it; see the notes of `Scenario`.",
+        minimum=0, maximum=MAXIMUM_DELAY, unit="steps",
+    )  # fmt: skip
+    background: Pixels | Floor | str | PathLike[str] | None = value(
+        WORLD, None,
+        "The floor, scaled to the area. Default: the floor that ships with robsim.",
+        kind="array (H, W, 3) of uint8, or path", types=(Floor,),
+        normal=background_value,
+    )  # fmt: skip
+    start: ArrayLike | None = value(
+        ROBOT, None,
+        "The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.",
+        kind='array (3,) or "random"', unit="px, px, rad",
+        plain=('[x, y, heading] in px, px and rad, or "random"', list, str),
+    )  # fmt: skip
+    seed: Seed = value(
+        WORLD, None,
+        "Seed of all random numbers of the run. None = unpredictable: another one in each run.",
+        kind="int, SeedSequence or Generator", normal=seed_value,
+        types=(SeedRecord,), plain=("a whole number, or a table [seed]", int),
+    )  # fmt: skip
+    colors: str | PathLike[str] | Iterable[ColorClass] | None = value(
+        ROBOT, None,
+        "Colour file, or classes, to detect. Default: red and blue as shipped with robsim.",
+        kind="path or iterable of ColorClass", normal=colors_value,
+    )  # fmt: skip
+    markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None = value(
+        ROBOT, None,
+        "Geometry of the markers for the default measurement, or the robot that has them. Default: "
+        "`robot`.",
+        kind="MarkerLayout, RobotDefinition, str or path", types=(MarkerLayout,),
+        normal=markers_value,
+    )  # fmt: skip
+    smoothing: int | None = whole(
+        ROBOT, None,
+        "Width of the averaging window applied before a pixel's colour is classified (px of the "
+        "frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. "
+        "1 = off. Default: 0.28 of the width of the smaller marker, 3 to 7; below a marker of "
+        "7 px, 3 in frames with noise and 1 in others.",
+        minimum=1, maximum=15, unit="px", normal=_check_smoothing,
+    )  # fmt: skip
+    identify_from: str = choice(
+        ROBOT, "truth",
+        'Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.',
+        choices=tuple(POSES),
+    )  # fmt: skip
+    model: RobotModel | RobotParameters | None = value(
+        ROBOT, None,
+        "The model of the world, except for `mismatch`, and the belief of the robot's software, "
+        "unless ``define_model`` gives another. Default: the result of ``define_model``, or the "
+        "model of ``RobotParameters()``.",
+        types=(RobotModel, RobotParameters), normal=model_value,
+    )  # fmt: skip
+    evaluate_model: Unicycle | None = value(
+        ROBOT, None, "How the robot moves. Default: by the model's own equations.",
+        types=(Unicycle,),
+    )  # fmt: skip
+    estimate_parameters: bool = switch(
+        ROBOT, False, "Whether recursive least squares estimate the parameters."
+    )
+    measure: bool = switch(ROBOT, False, "Whether the robot is located by its markers.")
+    control: Spin | DriveAround | Replay | None = value(
+        ROBOT, _CONTROL, "The controller.",
+        types=(Spin, DriveAround, Replay),
+        normal=lambda control: _CONTROL if control is None else control,
+    )  # fmt: skip
 
 
-def check_is_data(name: str, value: Any) -> None:
-    """Raise TypeError if an option is of none of its `KINDS`: a subclass may hold code."""
-    if value is not None and type(value) not in KINDS[name]:
-        names = " or ".join(kind.__name__ for kind in KINDS[name])
-        raise TypeError(
-            f"{name} must be {names} in a Scenario, got {quoted(value)}{_no_code(value)}"
-        )
+#: The rows by name.
+OPTIONS = rows_of(Options)
 
-
-def _no_code(value: Any) -> str:
-    return ": code is no data, give it to Simulation itself" if callable(value) else ""
+KINDS = {name: option.types for name, option in OPTIONS.items() if option.is_table}

@@ -116,7 +116,7 @@ class Runner(Slotted):
     def colors(self, colors: str | PathLike[str] | Iterable[ColorClass]) -> None:
         if colors is None:
             raise TypeError("colors must be a path or ColorClass objects, got None")
-        known = colors_value(colors, self._smoothing)
+        known = colors_value(colors)
         self._check_colors(known)
         self._change_vision(colors=known)
 

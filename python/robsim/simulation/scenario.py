@@ -7,155 +7,20 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
-from numpy.typing import ArrayLike
-
-from robsim._core import (
-    ColorClass,
-    DriveAround,
-    MarkerLayout,
-    Replay,
-    RobotModel,
-    RobotParameters,
-    Spin,
-    Unicycle,
-)
-from robsim.base.checks import check_choice, check_size
+from robsim._core import ColorClass, MarkerLayout, Replay, RobotModel, RobotParameters
 from robsim.base.files import as_path, read_text, write_whole
-from robsim.base.seeds import Seed, seed_value
 from robsim.base.shipped import warn_user
 from robsim.base.spelling import check_names
-from robsim.simulation import options as options
-from robsim.simulation.slots import SLOTS
-from robsim.simulation.world.disturbances import (
-    Dropout,
-    ParameterMismatch,
-    PoseNoise,
-    WheelNoise,
-    as_dropout,
-    check_mismatch,
-    check_process_noise,
-)
-from robsim.simulation.world.scene import HEADINGS, Floor
+from robsim.simulation.options import OPTIONS as OPTIONS
+from robsim.simulation.options import Options, check_images, start_value
+from robsim.simulation.world.scene import Floor
 from robsim.trace import NotRecordedError, Trace
-from robsim.trace.columns import POSES
 from robsim.trace.trace import check_trace
-from robsim.vision.imaging.noise import Noise, as_native_noise
-from robsim.vision.markers.color_files import as_colors
 from robsim.vision.robots.definition import RobotDefinition
-from robsim.vision.robots.lookup import as_robot
-
-_CONTROL = Spin()
-_SWITCHES = tuple(name for name, slot in SLOTS.items() if slot.is_switch)
-
-BOUNDARIES = ("bounce", "unlimited")
-SOURCES = tuple(POSES)
-
-#: All options in the order of a file: digests of campaigns and of tasks are of its bytes.
-OPTIONS = (
-    *("robot", "area", "resolution", "boundary", "headings", "noise", "dropout", "process_noise"),
-    *("mismatch", "camera_delay", "motor_delay", "background", "start", "seed", "colors"),
-    *("markers", "smoothing", "identify_from", "model", "evaluate_model", "estimate_parameters"),
-    *("measure", "control"),
-)
-
-
-@dataclass(frozen=True, kw_only=True)
-class WorldOptions:
-    """The options of a world without its robots: its floor, its camera, its seed."""
-
-    area: tuple[int, int] = (1200, 1200)
-    resolution: tuple[int, int] | None = None
-    boundary: str = "bounce"
-    headings: int | None = HEADINGS
-    noise: Noise | None = None
-    camera_delay: int = 0
-    background: options.Background = None
-    seed: Seed = None
-
-    def _world_forms(self) -> dict[str, Any]:
-        """Return the converted options; raise for invalid ones."""
-        check_choice("boundary", self.boundary, BOUNDARIES)
-        as_native_noise(self.noise)
-        return {
-            "area": check_size("area", self.area),
-            "resolution": options.resolution_value(self.resolution),
-            "headings": options.headings_value(self.headings),
-            "camera_delay": options.camera_delay_value(self.camera_delay),
-            "background": options.background_value(self.background),
-            "seed": seed_value(self.seed),
-        }
-
-    @property
-    def _floor(self) -> Floor | None:
-        """The floor in its own size; None = the one that ships with robsim."""
-        assert self.background is None or isinstance(self.background, Floor)
-        return self.background
-
-
-@dataclass(frozen=True, kw_only=True)
-class RobotOptions:
-    """The options of one robot of a world: its body, its disturbances, its software."""
-
-    robot: str | PathLike[str] | RobotDefinition | None = None
-    dropout: Dropout | None = None
-    process_noise: PoseNoise | WheelNoise | None = None
-    mismatch: ParameterMismatch | None = None
-    motor_delay: float = 0
-    start: ArrayLike | None = None
-    colors: options.Colors = None
-    markers: options.Markers = None
-    smoothing: int | None = None
-    identify_from: str = "truth"
-    model: RobotModel | RobotParameters | None = None
-    evaluate_model: Unicycle | None = None
-    estimate_parameters: bool = False
-    measure: bool = False
-    control: Spin | DriveAround | Replay | None = _CONTROL
-
-    def _robot_forms(self) -> dict[str, Any]:
-        """Return the converted options; raise for invalid ones."""
-        check_choice("identify_from", self.identify_from, SOURCES)
-        as_dropout(self.dropout)
-        check_process_noise(self.process_noise)
-        check_mismatch(self.mismatch)
-        options.model_value(self.model)
-        smoothing = options.smoothing_value(self.smoothing)
-        return {
-            "robot": as_robot(self.robot),
-            "motor_delay": options.motor_delay_value(self.motor_delay),
-            "colors": options.colors_value(self.colors, smoothing),
-            "markers": options.markers_value(self.markers),
-            "smoothing": smoothing,
-            **{name: options.switch_value(name, getattr(self, name)) for name in _SWITCHES},
-            "control": _CONTROL if self.control is None else self.control,
-        }
-
-    @property
-    def _robot_definition(self) -> RobotDefinition:
-        """The robot, as read."""
-        assert isinstance(self.robot, RobotDefinition)
-        return self.robot
-
-    @property
-    def _model(self) -> RobotModel | None:
-        """The model; None = that of the default parameters, unless a callback says otherwise."""
-        return RobotModel(self.model) if isinstance(self.model, RobotParameters) else self.model
-
-    @property
-    def _color_classes(self) -> tuple[ColorClass, ...]:
-        """The colours to detect, as read."""
-        assert isinstance(self.colors, tuple)
-        return self.colors
-
-    @property
-    def _marker_layout(self) -> MarkerLayout:
-        """Geometry of the markers for the default measurement."""
-        assert self.markers is None or isinstance(self.markers, MarkerLayout)
-        return self.markers or self._robot_definition.marker_layout()
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Scenario(WorldOptions, RobotOptions):
+class Scenario(Options):
     """All that describes a simulated world and its run: the options of `Simulation` that are data.
 
     A value: scenarios with the same content are equal, whatever they were made from. What is given
@@ -173,35 +38,35 @@ class Scenario(WorldOptions, RobotOptions):
     boundary : str
         ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and the
         view follows the robot.
-    headings : int or None
+    headings : int within 1..360 or None
         Number of headings that the robot is drawn in: the nearest one, at integer pixels. None:
         drawn at its exact position and heading.
-    noise : GaussianNoise, UniformNoise or None
+    noise : GaussianNoise or UniformNoise, optional
         Camera noise.
-    dropout : Dropout or None
+    dropout : Dropout, optional
         Random occlusion of the robot.
-    process_noise : PoseNoise, WheelNoise or None
+    process_noise : PoseNoise or WheelNoise, optional
         Random disturbance of the robot's motion in every step.
-    mismatch : ParameterMismatch or None
+    mismatch : ParameterMismatch, optional
         How far the parameters of the world differ from those of `model`.
-    camera_delay : int
-        How many steps late a frame reaches the robot's software, 0..1000. The robot moves on
-        meanwhile, and the software does not know when the frame was taken but from the frame.
-    motor_delay : float
-        How many steps late an input reaches the motors, 0..1000. With a fraction the robot gets
-        in each step the mean of the two inputs that act in it; see Notes.
+    camera_delay : int within 0..1000
+        How many steps late a frame reaches the robot's software. The robot moves on meanwhile, and
+        the software does not know when the frame was taken but from the frame.
+    motor_delay : float within 0..1000
+        How many steps late an input reaches the motors. With a fraction the robot gets in each step
+        the mean of the two inputs that act in it; see the notes of `Scenario`.
     background : array (H, W, 3) of uint8, or path, optional
         The floor, scaled to the area. Default: the floor that ships with robsim.
     start : array (3,) or "random", optional
         The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.
-    seed : int, SeedSequence, Generator or None
+    seed : int, SeedSequence or Generator, optional
         Seed of all random numbers of the run. None = unpredictable: another one in each run.
     colors : path or iterable of ColorClass, optional
         Colour file, or classes, to detect. Default: red and blue as shipped with robsim.
     markers : MarkerLayout, RobotDefinition, str or path, optional
         Geometry of the markers for the default measurement, or the robot that has them. Default:
         `robot`.
-    smoothing : int, optional
+    smoothing : int within 1..15, optional
         Width of the averaging window applied before a pixel's colour is classified (px of the
         frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. 1 =
         off. Default: 0.28 of the width of the smaller marker, 3 to 7; below a marker of 7 px, 3 in
@@ -209,16 +74,16 @@ class Scenario(WorldOptions, RobotOptions):
     identify_from : str
         Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.
     model : RobotModel or RobotParameters, optional
-        The model of the world, but for `mismatch`, and what the robot's software believes, unless
-        ``define_model`` says otherwise. Default: what ``define_model`` returns, or that of
-        ``RobotParameters()``.
+        The model of the world, except for `mismatch`, and the belief of the robot's software,
+        unless ``define_model`` gives another. Default: the result of ``define_model``, or the model
+        of ``RobotParameters()``.
     evaluate_model : Unicycle, optional
         How the robot moves. Default: by the model's own equations.
     estimate_parameters : bool
         Whether recursive least squares estimate the parameters.
     measure : bool
         Whether the robot is located by its markers.
-    control : Spin, DriveAround or Replay
+    control : Spin, DriveAround or Replay or None
         The controller.
 
     Raises
@@ -249,13 +114,40 @@ class Scenario(WorldOptions, RobotOptions):
     """
 
     def __post_init__(self) -> None:
-        for name, value in (self._world_forms() | self._robot_forms()).items():
-            object.__setattr__(self, name, value)
-        for name in options.KINDS:
-            options.check_is_data(name, getattr(self, name))
-        options.check_images(self.area, self.resolution, self._robot_definition)
+        for name, option in OPTIONS.items():
+            object.__setattr__(self, name, option.checked(getattr(self, name)))
+        check_images(self.area, self.resolution, self._robot_definition)
         within = self.area if self.boundary == "bounce" else None
-        object.__setattr__(self, "start", options.start_value(self.start, within))
+        object.__setattr__(self, "start", start_value(self.start, within))
+
+    @property
+    def _floor(self) -> Floor | None:
+        """The floor in its own size; None = the one that ships with robsim."""
+        assert self.background is None or isinstance(self.background, Floor)
+        return self.background
+
+    @property
+    def _robot_definition(self) -> RobotDefinition:
+        """The robot, as read."""
+        assert isinstance(self.robot, RobotDefinition)
+        return self.robot
+
+    @property
+    def _model(self) -> RobotModel | None:
+        """The model; None = that of the default parameters, unless a callback says otherwise."""
+        return RobotModel(self.model) if isinstance(self.model, RobotParameters) else self.model
+
+    @property
+    def _color_classes(self) -> tuple[ColorClass, ...]:
+        """The colours to detect, as read."""
+        assert isinstance(self.colors, tuple)
+        return self.colors
+
+    @property
+    def _marker_layout(self) -> MarkerLayout:
+        """Geometry of the markers for the default measurement."""
+        assert self.markers is None or isinstance(self.markers, MarkerLayout)
+        return self.markers or self._robot_definition.marker_layout()
 
     @classmethod
     def of(cls, trace: Trace) -> Scenario:
@@ -338,8 +230,8 @@ class Scenario(WorldOptions, RobotOptions):
         dict
             Name to value. `robot` is always there: its default is each user's own.
         """
-        defaults = {name: getattr(Scenario, name) for name in OPTIONS}
-        defaults |= {"robot": None, "colors": as_colors(None)}
+        defaults = {name: option.default for name, option in OPTIONS.items()}
+        defaults["colors"] = OPTIONS["colors"].checked(None)
         values = {name: getattr(self, name) for name in defaults}
         return {name: value for name, value in values.items() if value != defaults[name]}
 
@@ -421,8 +313,7 @@ class Scenario(WorldOptions, RobotOptions):
 
     def __repr__(self) -> str:
         shown = {name: repr(value) for name, value in self.changes().items()}
-        assert isinstance(self.robot, RobotDefinition)
-        shown["robot"] = repr(self.robot.name)
+        shown["robot"] = repr(self._robot_definition.name)
         if isinstance(self.background, Floor):
             shown["background"] = f"<array of shape {self.background.pixels.shape}>"
         return f"Scenario({', '.join(f'{name}={text}' for name, text in shown.items())})"

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any
 
 from numpy.typing import ArrayLike
 
-from robsim._core import Frame, RobotModel, RobotParameters
+from robsim._core import ColorClass, Frame, MarkerLayout, RobotModel, RobotParameters
 from robsim.base.checks import Floats, is_int
 from robsim.base.seeds import Seed, seed_sequence
 from robsim.base.text import quoted
-from robsim.simulation import options as options
 from robsim.simulation import slots as slots
+from robsim.simulation.options import step_count
 from robsim.simulation.runner import Runner
 from robsim.simulation.scenario import OPTIONS, Scenario
-from robsim.simulation.slots import SLOTS, AllCallbacks, WorldSlots
+from robsim.simulation.slots import SLOTS, WorldSlots
+from robsim.simulation.slotted import suggests_names
 from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
+from robsim.simulation.world.scene import Floor
 from robsim.simulation.world.world_of_scenario import (
     apply_options,
     check_bounces,
@@ -59,22 +60,86 @@ class Simulation(WorldSlots, Runner):
     ----------
     scenario : Scenario, optional
         What the options have that are not given here. Default: ``Scenario()``.
-    OPTIONS
+    robot : str, path or RobotDefinition, optional
+        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
+        with ``robsim robots use``, initially ``"lab"``.
+    area : tuple of int
+        Width and height of the work area (px).
+    resolution : tuple of int, optional
+        Width and height of the frames (px). Default: the same as the area.
+    boundary : str
+        ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and the
+        view follows the robot.
+    headings : int within 1..360 or None
+        Number of headings that the robot is drawn in: the nearest one, at integer pixels. None:
+        drawn at its exact position and heading.
+    noise : GaussianNoise or UniformNoise, optional
+        Camera noise.
+    dropout : Dropout, optional
+        Random occlusion of the robot.
+    process_noise : PoseNoise or WheelNoise, optional
+        Random disturbance of the robot's motion in every step.
+    mismatch : ParameterMismatch, optional
+        How far the parameters of the world differ from those of `model`.
+    camera_delay : int within 0..1000
+        How many steps late a frame reaches the robot's software. The robot moves on meanwhile, and
+        the software does not know when the frame was taken but from the frame.
+    motor_delay : float within 0..1000
+        How many steps late an input reaches the motors. With a fraction the robot gets in each step
+        the mean of the two inputs that act in it; see the notes of `Scenario`.
+    background : array (H, W, 3) of uint8, or path, optional
+        The floor, scaled to the area. Default: the floor that ships with robsim.
+    start : array (3,) or "random", optional
+        The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.
+    seed : int, SeedSequence or Generator, optional
+        Seed of all random numbers of the run. None = unpredictable: another one in each run.
+    colors : path or iterable of ColorClass, optional
+        Colour file, or classes, to detect. Default: red and blue as shipped with robsim.
+    markers : MarkerLayout, RobotDefinition, str or path, optional
+        Geometry of the markers for the default measurement, or the robot that has them. Default:
+        `robot`.
+    smoothing : int within 1..15, optional
+        Width of the averaging window applied before a pixel's colour is classified (px of the
+        frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. 1 =
+        off. Default: 0.28 of the width of the smaller marker, 3 to 7; below a marker of 7 px, 3 in
+        frames with noise and 1 in others.
+    identify_from : str
+        Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.
+    model : RobotModel or RobotParameters, optional
+        The model of the world, except for `mismatch`, and the belief of the robot's software,
+        unless ``define_model`` gives another. Default: the result of ``define_model``, or the model
+        of ``RobotParameters()``.
     time_limit : float, optional
         Maximum duration of a call of a callback, or of the ``update`` of your own estimator (s);
         a call that exceeds it ends the run with a TimeoutError.
-    SLOTS
+    define_model : callable, optional
+        ``define_model() -> RobotModel``, called once, at the start: the model that the robot's
+        software believes in.
+    init_parameter_estimator : callable, optional
+        ``init_parameter_estimator(model) -> estimator``, called once, at the start: the object
+        whose ``update(phi, y)`` estimates the parameters.
+    adjust_background : callable, optional
+        ``adjust_background(background) -> background``, called once, at the start, with the work
+        area as an image, uint8 (H, W, 3): the changed image.
+    evaluate_model : callable, optional
+        ``evaluate_model(world) -> (3,)``, called at each step from step 1 on, as the first stage:
+        the new pose of the robot.
+    estimate_parameters : callable or bool, optional
+        ``estimate_parameters(step) -> (3, 5) or None``, called at each step: the parameters; None =
+        no update. True: the estimator updates them.
+    measure : callable or bool, optional
+        ``measure(step) -> Measurement or None``, called at each step with a frame: the pose seen in
+        it; None = not seen. True: the two markers are located.
+    estimate_state : callable, optional
+        ``estimate_state(step) -> Estimate``, called at each step: the pose and its covariance.
+    control : callable, optional
+        ``control(step) -> (u1, u2)``, called at each step, as the last stage: the voltages of the
+        left and the right motor (V).
 
     Raises
     ------
     TypeError, ValueError
         If an argument has the wrong type or shape, or is out of range; the message names it.
-
-    Notes
-    -----
-    The slots that are options of a scenario take callbacks, too:
-
-    CALLBACKS
 
     Examples
     --------
@@ -89,13 +154,14 @@ class Simulation(WorldSlots, Runner):
     _GROUPS = SIMULATED
     _AGAIN = "robsim.Simulation(sim.scenario, control=...)"
 
-    @slots.shows_slots(AllCallbacks, dict.fromkeys(_STAGES, _SAME))
+    @suggests_names
     def __init__(
         self,
         scenario: Scenario | None = None,
         *,
+        # options: written by ./run stubs
         robot: str | PathLike[str] | RobotDefinition | None = _SAME,
-        area: tuple[int, int] | None = _SAME,
+        area: tuple[int, int] = _SAME,
         resolution: tuple[int, int] | None = _SAME,
         boundary: str = _SAME,
         headings: int | None = _SAME,
@@ -105,20 +171,39 @@ class Simulation(WorldSlots, Runner):
         mismatch: ParameterMismatch | None = _SAME,
         camera_delay: int = _SAME,
         motor_delay: float = _SAME,
-        background: options.Background = _SAME,
-        start: ArrayLike | str | None = _SAME,
+        background: Pixels | Floor | str | PathLike[str] | None = _SAME,
+        start: ArrayLike | None = _SAME,
         seed: Seed = _SAME,
-        colors: options.Colors = _SAME,
-        markers: options.Markers = _SAME,
+        colors: str | PathLike[str] | Iterable[ColorClass] | None = _SAME,
+        markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None = _SAME,
         smoothing: int | None = _SAME,
         identify_from: str = _SAME,
         model: RobotModel | RobotParameters | None = _SAME,
+        # end
         time_limit: float | None = None,
-        **callbacks: Unpack[AllCallbacks],
+        # slots: written by ./run stubs
+        define_model: slots.DefineModel | None = None,
+        init_parameter_estimator: slots.InitParameterEstimator | None = None,
+        adjust_background: slots.AdjustBackground | None = None,
+        evaluate_model: slots.EvaluateModel | None = _SAME,
+        estimate_parameters: slots.EstimateParameters | None = _SAME,
+        measure: slots.Measure | None = _SAME,
+        estimate_state: slots.EstimateState | None = None,
+        control: slots.Control | None = _SAME,
+        # end
     ) -> None:
-        given = {name: value for name, value in locals().items() if value is not _SAME}
-        self._check_names(callbacks)
-        given |= callbacks
+        # given: written by ./run stubs
+        given = _given(
+            robot=robot, area=area, resolution=resolution, boundary=boundary, headings=headings,
+            noise=noise, dropout=dropout, process_noise=process_noise, mismatch=mismatch,
+            camera_delay=camera_delay, motor_delay=motor_delay, background=background, start=start,
+            seed=seed, colors=colors, markers=markers, smoothing=smoothing,
+            identify_from=identify_from, model=model, define_model=define_model,
+            init_parameter_estimator=init_parameter_estimator, adjust_background=adjust_background,
+            evaluate_model=evaluate_model, estimate_parameters=estimate_parameters, measure=measure,
+            estimate_state=estimate_state, control=control,
+        )  # fmt: skip
+        # end
         if scenario is not None and not isinstance(scenario, Scenario):
             hint = "give options by name"
             if isinstance(scenario, (str, PathLike)):
@@ -151,7 +236,7 @@ class Simulation(WorldSlots, Runner):
         )
         self._earlier: list[tuple[int, Simulation]] = []  # what draws the steps up to a number
         stages = {name: given.get(name, self._not_default(name)) for name in _STAGES}
-        self._fill_slots(given | stages)
+        self._fill_slots(**(given | stages))
 
     def _not_default(self, stage: str) -> Any:
         """Return the stage of the scenario, None if it is the default."""
@@ -314,7 +399,7 @@ class Simulation(WorldSlots, Runner):
         """
         if steps is None:
             raise TypeError("steps must be an int: a simulated world has no end")
-        self._run(options.step_count(steps), progress, steps)
+        self._run(step_count(steps), progress, steps)
         return self.trace
 
     def render_step(self, k: int, *, out: Pixels | None = None) -> Frame:
@@ -367,23 +452,14 @@ class Simulation(WorldSlots, Runner):
         return self._world.draw(captured, **recorded, out=out)
 
 
+def _given(**options: Any) -> dict[str, Any]:
+    """Return the options that are given: the others are as in the scenario."""
+    return {name: value for name, value in options.items() if value is not _SAME}
+
+
 def _is_data(name: str, values: dict[str, Any]) -> bool:
     """Return whether the value of a slot is part of a scenario."""
     value = values[name]
     if SLOTS[name].is_switch:
         return value is None or isinstance(value, bool)
     return value is None or type(value) in SLOTS[name].native
-
-
-def _documentation(text: str) -> str:
-    """Return a docstring with the documentation of the options, which stands in `Scenario`."""
-    text, options = (inspect.cleandoc(one) for one in (text, Scenario.__doc__ or ""))
-    start, end = options.index("robot : "), options.index("\nRaises\n")
-    calls = "\n".join(f"- {SLOTS[slot].call}" for slot in _STAGES)
-    others = slots.documented(slot for slot in SLOTS if slot not in _STAGES)
-    text = text.replace("OPTIONS\n", options[start:end].rstrip() + "\n")
-    return text.replace("SLOTS\n", others).replace("CALLBACKS\n", calls + "\n")
-
-
-if Simulation.__doc__:  # not under python -OO
-    Simulation.__doc__ = _documentation(Simulation.__doc__)

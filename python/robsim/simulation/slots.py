@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
-import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, ParamSpec, TypedDict
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,8 +35,6 @@ Measure = Callable[[Step], Measurement | None] | bool
 EstimateState = Callable[[Step], Estimate]
 Control = Callable[[Step], Sequence[float]] | Controller
 
-P = ParamSpec("P")
-
 ONCE, STEP = "once", "step"  # when the callback of a slot is called
 ROBOT, WORLD = "robot", "world"  # the halves
 
@@ -63,7 +59,7 @@ class RobotSlots:
     )  # fmt: skip
     estimate_parameters = Slot[EstimateParameters](
         ROBOT, STEP, "step", "(3, 5) or None",
-        "called at each step: the parameters; None = no update. True: that of the estimator.",
+        "called at each step: the parameters; None = no update. True: the estimator updates them.",
         is_optional=True, is_switch=True, result_types=(np.ndarray,),
         other_names=("myParameterEstimator",),
         title="parameter estimation", default="step.estimator.update",
@@ -109,8 +105,8 @@ class WorldSlots:
     )  # fmt: skip
 
 
-class RobotCallbacks(TypedDict, total=False):
-    """What `Experiment` takes for its slots."""
+class AllCallbacks(TypedDict, total=False):
+    """The callbacks of `Simulation`; `Experiment` takes those for the robot half."""
 
     define_model: DefineModel | None
     init_parameter_estimator: InitParameterEstimator | None
@@ -118,11 +114,6 @@ class RobotCallbacks(TypedDict, total=False):
     measure: Measure | None
     estimate_state: EstimateState | None
     control: Control | None
-
-
-class AllCallbacks(RobotCallbacks, total=False):
-    """What `Simulation` takes for its slots."""
-
     adjust_background: AdjustBackground | None
     evaluate_model: EvaluateModel | None
 
@@ -177,48 +168,3 @@ def checked_slots(slots: Any, known: tuple[str, ...] = (*SLOTS,)) -> tuple[str, 
     if not names:
         raise ValueError(f"slots must name at least one of {', '.join(known)}, got none")
     return names
-
-
-def documented(slots: Iterable[str]) -> str:
-    """Return the documentation of arguments that fill slots, as part of a docstring."""
-    entries = []
-    for slot in (SLOTS[name] for name in slots):
-        kind = "callable or bool" if slot.is_switch else "callable"
-        text = textwrap.fill(f"{slot.call}, {slot.doc}", 92, break_on_hyphens=False)
-        entries.append(f"{slot.name} : {kind}, optional\n{textwrap.indent(text, '    ')}\n")
-    return "".join(entries)
-
-
-def shows_slots(
-    callbacks: type, defaults: Mapping[str, object]
-) -> Callable[[Callable[P, None]], Callable[P, None]]:
-    """Return a decorator that shows the slots in the signature of an ``__init__``.
-
-    Parameters
-    ----------
-    callbacks : type
-        The TypedDict of its ``**callbacks``.
-    defaults : mapping
-        The defaults of slots; those of the others are None.
-    """
-
-    def show(function: Callable[P, None]) -> Callable[P, None]:
-        signature = inspect.signature(function)
-        types = inspect.get_annotations(callbacks)
-        shown = [
-            inspect.Parameter(
-                name,
-                inspect.Parameter.KEYWORD_ONLY,
-                default=defaults.get(name),
-                annotation=types[name].__forward_arg__,
-            )
-            for name in SLOTS
-            if name in types
-        ]
-        others = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-        function.__signature__ = signature.replace(  # type: ignore[attr-defined]
-            parameters=[*others, *shown]
-        )
-        return function
-
-    return show

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 from abc import ABC
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable
 from os import PathLike
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, SupportsIndex
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, ParamSpec, Self, SupportsIndex
 
 from numpy.typing import ArrayLike
 
@@ -23,6 +24,8 @@ from robsim.trace import Trace
 
 if TYPE_CHECKING:
     from robsim.simulation.callback_folder import CallbackFolder, Callbacks
+
+P = ParamSpec("P")
 
 #: Components that run in C++.
 _NATIVE = tuple(kind for slot in SLOTS.values() for kind in slot.native)
@@ -47,14 +50,7 @@ class Slotted(RobotSlots, ABC):
         self._callbacks: dict[str, Any] = dict.fromkeys(self.SLOTS)
         self._given: dict[str, Any] = dict(self._callbacks)
 
-    @classmethod
-    def _check_names(cls, callbacks: Iterable[str]) -> None:
-        """Raise TypeError if the ``**callbacks`` of the class have a name that is no slot."""
-        if others := [name for name in callbacks if name not in cls.SLOTS]:
-            known = inspect.signature(cls).parameters
-            check_names(f"{cls.__name__} has no option", others, known, TypeError)
-
-    def _fill_slots(self, given: Mapping[str, Any]) -> None:
+    def _fill_slots(self, **given: Any) -> None:
         """Fill the slots with what was given for them, or the default."""
         self._given = {slot: given.get(slot) for slot in self.SLOTS}
         for slot, value in self._given.items():
@@ -247,6 +243,18 @@ class Slotted(RobotSlots, ABC):
 
 #: What to do in place of setting a property.
 _ADVICE = {"model": ": fill define_model, then call sim.reset()"}
+
+
+def suggests_names(init: Callable[P, None]) -> Callable[P, None]:
+    """Return an ``__init__`` that suggests the name that was meant by an unknown one."""
+    known = [*inspect.signature(init).parameters][1:]
+
+    @functools.wraps(init)
+    def checked(*args: P.args, **options: P.kwargs) -> None:
+        check_names(f"{type(args[0]).__name__} has no option", options, known, TypeError)
+        init(*args, **options)
+
+    return checked
 
 
 def is_code(value: Any) -> bool:

@@ -101,7 +101,7 @@ def color_panel(
     if colors is None and not path.exists():
         known: Sequence[ColorClass] = ()
     else:
-        known = colors_value(path if colors is None else colors, None)
+        known = colors_value(path if colors is None else colors)
     return ColorPanel(ColorsView(pictures_of(what, definition), known, definition, path))
 
 
@@ -218,7 +218,7 @@ def robot_panel(
     >>> sim = robsim.Simulation(robot=tool.value, measure=True)
     """
     definition = as_robot(robot)
-    known = colors_value(colors, None)
+    known = colors_value(colors)
     source = None if what is None else pictures_of(what, definition)
     return RobotPanel(RobotsView(source, definition, known))
 

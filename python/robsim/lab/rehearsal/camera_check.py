@@ -23,7 +23,7 @@ from robsim.lab.rehearsal.camera_findings import (
     rank,
     three_digits,
 )
-from robsim.simulation.options import check_marker_colors, colors_value, smoothing_value
+from robsim.simulation.options import OPTIONS, check_marker_colors, colors_value
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
 
@@ -154,9 +154,9 @@ def check_camera(
     if not (motors is None or isinstance(motors, MotorLink)):
         raise TypeError(f"motors must be UdpMotors or SerialMotors, got {quoted(motors)}")
     seconds = check_float("seconds", seconds, "s", exclusive_minimum=0, maximum=3600)
-    smoothing = smoothing_value(smoothing)
+    smoothing = OPTIONS["smoothing"].checked(smoothing)
     definition = as_robot(robot)
-    classes = colors_value(colors, smoothing)
+    classes = colors_value(colors)
     check_marker_colors(definition.marker_layout(), classes, "the check")
     look = CameraLook(definition, classes, smoothing)
     before = camera.counts

@@ -24,10 +24,10 @@ from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import as_native_noise
 
 if TYPE_CHECKING:
-    from robsim.simulation.scenario import RobotOptions, Scenario, WorldOptions
+    from robsim.simulation.scenario import Scenario
 
 
-def frame_size(options: WorldOptions) -> tuple[int, int]:
+def frame_size(options: Scenario) -> tuple[int, int]:
     return options.resolution or options.area
 
 
@@ -141,9 +141,7 @@ def _scene_of(scenario: Scenario, adjust: Callable[[Pixels], Pixels]) -> _core.S
     )
 
 
-def _true_model(
-    options: RobotOptions, seed: np.random.SeedSequence, belief: RobotModel
-) -> RobotModel:
+def _true_model(options: Scenario, seed: np.random.SeedSequence, belief: RobotModel) -> RobotModel:
     """Return the model of the world: the options' model, or else the robot half's belief."""
     model = options._model or belief
     if model.dt != belief.dt:

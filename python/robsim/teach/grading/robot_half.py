@@ -142,7 +142,7 @@ class RobotHalf(Runner):
         )
         self._core.set_controller_seed(setup.controller_seed)
         self._core.set_given(given_to(filled, setup.frames), samples=True)
-        self._fill_slots({"estimate_parameters": True} if setup.estimates_parameters else {})
+        self._fill_slots(estimate_parameters=setup.estimates_parameters or None)
         self._fill(callbacks)
         for stage in self._told(filled):
             self._core.set_slot(stage, world)

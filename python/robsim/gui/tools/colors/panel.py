@@ -33,7 +33,7 @@ class ColorPanel(ToolPanel):
     def value(self, colors: Iterable[ColorClass]) -> None:
         if colors is None:
             raise TypeError("value must be ColorClass objects, got None")
-        known = colors_value(colors, None)
+        known = colors_value(colors)
         self._change(lambda: self._view.training.replace(known))
 
     def train(self, name: str, region: Region, *, more: bool = False) -> ColorClass:
