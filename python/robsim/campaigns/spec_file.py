@@ -16,8 +16,7 @@ from robsim.campaigns._metrics import score_value
 from robsim.campaigns.choices import FOLDER
 from robsim.campaigns.spec import CampaignSpec
 from robsim.simulation import Scenario
-from robsim.simulation.options import KINDS
-from robsim.simulation.scenario import OPTIONS
+from robsim.simulation.options import OPTIONS
 from robsim.simulation.scenario_file import MOST_BYTES, options_of
 from robsim.simulation.slots import SLOTS
 
@@ -153,6 +152,6 @@ def _labels(values: Mapping[str, Any]) -> list[Any]:
 def _value(name: str, value: Any, folder: Path) -> Any:
     if name == FOLDER or (name in SLOTS and isinstance(value, str) and value != _NONE):
         return folder / value if isinstance(value, str) else value
-    if value == _NONE and (name in KINDS or name in SLOTS):
+    if value == _NONE and ((name in OPTIONS and OPTIONS[name].is_table) or name in SLOTS):
         return None
     return options_of({name: value}, OPTIONS)[name] if name in OPTIONS else value

@@ -362,5 +362,3 @@ class Options:
 
 #: The rows by name.
 OPTIONS = rows_of(Options)
-
-KINDS = {name: option.types for name, option in OPTIONS.items() if option.is_table}

@@ -28,7 +28,7 @@ from robsim.base.files import parse_toml
 from robsim.base.seeds import SeedRecord
 from robsim.base.spelling import check_names
 from robsim.base.text import cut, one_line, quoted
-from robsim.simulation.options import KINDS, background_value
+from robsim.simulation.options import OPTIONS, background_value
 from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import Floor
 from robsim.vision.imaging.images import Pixels, png_bytes
@@ -210,35 +210,6 @@ _MAKERS: dict[type, Callable[..., Any]] = {
     Floor: lambda pixels: background_value(pixels),
 }
 
-# The options that may be tables, and of which kinds.
-_KINDS = KINDS | {"seed": (SeedRecord,)}
-# The types of the others, in words.
-_WHOLE_NUMBER = ("a whole number", int)
-_ON = ("true or false", bool)
-_SIZE = ("[width, height] in px", list)
-_PLAIN: dict[str, tuple[Any, ...]] = {
-    "area": _SIZE,
-    "resolution": _SIZE,
-    "boundary": ("a text", str),
-    "headings": ('a whole number, or "continuous"', int),
-    "camera_delay": _WHOLE_NUMBER,
-    "motor_delay": ("a number", int, float),
-    "start": ('[x, y, heading] in px, px and rad, or "random"', list, str),
-    "seed": ("a whole number, or a table [seed]", int),
-    "smoothing": _WHOLE_NUMBER,
-    "identify_from": ("a text", str),
-    "estimate_parameters": _ON,
-    "measure": _ON,
-}
-_UNITS = {
-    "area": "width and height, px",
-    "resolution": "px",
-    "start": "px, px, rad",
-    "smoothing": "px",
-    "camera_delay": "steps",
-    "motor_delay": "steps",
-}
-
 # --- writing
 
 
@@ -266,7 +237,7 @@ def to_toml(changes: dict[str, Any]) -> str:
         if isinstance(value, dict):
             document.add(name, value)
         else:
-            document.add(name, _commented(value, _UNITS.get(name, "")))
+            document.add(name, _commented(value, OPTIONS[name].unit))
     text = document.as_string()
     if len(text.encode()) > MOST_BYTES:
         raise ValueError(
@@ -283,7 +254,7 @@ def _written(name: str, value: Any) -> Any:
     if isinstance(value, RobotDefinition) and (shipped := _shipped_name(value)) is not None:
         return shipped
     if type(value) in _TABLES:
-        return _table(value, has_kind=len(_KINDS[name]) > 1 or not _TABLES[type(value)])
+        return _table(value, has_kind=len(OPTIONS[name].types) > 1 or not _TABLES[type(value)])
     return _CONTINUOUS if name == "headings" and value is None else _plain(value)
 
 
@@ -414,10 +385,11 @@ def _read_option(name: str, value: Any) -> Any:
         return check_choice("robot", text, tuple(robot_names()))
     if name == "headings" and value == _CONTINUOUS:
         return None
-    if name not in _KINDS or (name == "seed" and not isinstance(value, dict)):
-        return _of_type(name, value, *_PLAIN[name])
+    option = OPTIONS[name]
+    if option.plain and not (option.types and isinstance(value, dict)):
+        return _of_type(name, value, *option.plain)
     _of_type(name, value, f"a table [{name}]", dict)
-    return _in_table(name, lambda: _value_of(dict(value), _KINDS[name]))
+    return _in_table(name, lambda: _value_of(dict(value), option.types))
 
 
 def _in_table(name: str, read: Callable[[], Any]) -> Any:
