@@ -120,7 +120,7 @@ class Experiment(Runner):
         ``init_parameter_estimator(model) -> estimator``, called once, at the start: the object
         whose ``update(phi, y)`` estimates the parameters.
     estimate_parameters : callable or bool, optional
-        ``estimate_parameters(step) -> (3, 5) or None``, called at each step: the parameters; None =
+        ``estimate_parameters(step) -> (3, 5) or None``, called at each step: the parameters, None =
         no update. True: the estimator updates them.
     measure : callable or bool, optional
         ``measure(step) -> Measurement or None``, called at each step with a frame: the pose seen in

@@ -125,7 +125,7 @@ class Simulation(WorldSlots, Runner):
         ``evaluate_model(world) -> (3,)``, called at each step from step 1 on, as the first stage:
         the new pose of the robot.
     estimate_parameters : callable or bool, optional
-        ``estimate_parameters(step) -> (3, 5) or None``, called at each step: the parameters; None =
+        ``estimate_parameters(step) -> (3, 5) or None``, called at each step: the parameters, None =
         no update. True: the estimator updates them.
     measure : callable or bool, optional
         ``measure(step) -> Measurement or None``, called at each step with a frame: the pose seen in

@@ -59,7 +59,7 @@ class RobotSlots:
     )  # fmt: skip
     estimate_parameters = Slot[EstimateParameters](
         ROBOT, STEP, "step", "(3, 5) or None",
-        "called at each step: the parameters; None = no update. True: the estimator updates them.",
+        "called at each step: the parameters, None = no update. True: the estimator updates them.",
         is_optional=True, is_switch=True, result_types=(np.ndarray,),
         other_names=("myParameterEstimator",),
         title="parameter estimation", default="step.estimator.update",

@@ -270,28 +270,6 @@ def _theta_of(model: RobotModel) -> Floats:
     return model.theta
 
 
-def check_process_noise(noise: PoseNoise | WheelNoise | None) -> PoseNoise | WheelNoise | None:
-    """Return the option ``process_noise``; raise TypeError if it has another type."""
-    if noise is not None and not isinstance(noise, (PoseNoise, WheelNoise)):
-        raise TypeError(
-            f"process_noise must be a PoseNoise, a WheelNoise or None, "
-            f"got {quoted(noise)}: write, for "
-            "example, process_noise=robsim.PoseNoise.from_sigma(0.5, 0.5, 0.01)"
-        )
-    return noise
-
-
-def check_mismatch(mismatch: ParameterMismatch | None) -> ParameterMismatch | None:
-    """Return the option ``mismatch``; raise TypeError if it has another type."""
-    if mismatch is not None and not isinstance(mismatch, ParameterMismatch):
-        raise TypeError(
-            f"mismatch must be a ParameterMismatch or None, "
-            f"got {quoted(mismatch)}: write, for example, "
-            "mismatch=robsim.ParameterMismatch(0.05)"
-        )
-    return mismatch
-
-
 @dataclass(frozen=True)
 class Dropout:
     """Random occlusion: something hides the robot from the camera.
@@ -322,15 +300,3 @@ class Dropout:
     def __post_init__(self) -> None:
         check_float("probability", self.probability, minimum=0, maximum=1)
         check_int("steps", self.steps, minimum=1, maximum=2**31 - 1)
-
-
-def as_dropout(dropout: Dropout | None) -> Dropout:
-    """Return the value of the option ``dropout`` as a Dropout; None = probability 0."""
-    if dropout is None:
-        return Dropout(0.0)
-    if not isinstance(dropout, Dropout):
-        raise TypeError(
-            f"dropout must be a Dropout or None, got {quoted(dropout)}: write, for example, "
-            "dropout=robsim.Dropout(0.2)"
-        )
-    return dropout

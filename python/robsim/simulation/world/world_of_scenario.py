@@ -12,13 +12,7 @@ from numpy.typing import ArrayLike
 from robsim import _core
 from robsim._core import RobotModel
 from robsim.base.seeds import random_bits, stream, stream_number
-from robsim.simulation.world.disturbances import (
-    Dropout,
-    PoseNoise,
-    WheelNoise,
-    as_dropout,
-    check_process_noise,
-)
+from robsim.simulation.world.disturbances import Dropout, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import draw_red_square, make_scene, scaled_floor
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import as_native_noise
@@ -59,15 +53,14 @@ def apply_options(world: _core.SimulatedWorld, scenario: Scenario, names: Iterab
 def _set_process_noise(
     world: _core.SimulatedWorld, process_noise: PoseNoise | WheelNoise | None
 ) -> None:
-    noise = check_process_noise(process_noise)
-    factor = noise.factor if isinstance(noise, PoseNoise) else np.zeros((3, 3))
-    sigma = noise.sigma if isinstance(noise, WheelNoise) else 0.0
+    factor = process_noise.factor if isinstance(process_noise, PoseNoise) else np.zeros((3, 3))
+    sigma = process_noise.sigma if isinstance(process_noise, WheelNoise) else 0.0
     world.set_disturbance(factor, np.broadcast_to(sigma, 2).tolist())
 
 
 def _set_dropout(world: _core.SimulatedWorld, dropout: Dropout | None) -> None:
-    checked = as_dropout(dropout)
-    world.set_dropout(checked.probability, checked.steps)
+    dropout = dropout or Dropout(0.0)
+    world.set_dropout(dropout.probability, dropout.steps)
 
 
 #: Setters of the options that may change in the middle of a run.
