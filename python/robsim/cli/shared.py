@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from robsim.base.checks import check_choice, check_float
 from robsim.cli import errors
-from robsim.cli.command import argument, integer_option, number_option, option, switch
+from robsim.cli.command import (
+    argument,
+    integer_option,
+    number,
+    number_option,
+    option,
+    switch,
+    whole_number,
+)
 from robsim.cli.text import about, parse_points
 from robsim.control.by_name import NAMES, POINTS
+from robsim.simulation.option import Choice, Number, Option, Size, Switch, Whole
+from robsim.simulation.options import OPTIONS
 
 if TYPE_CHECKING:
     from robsim._core import PlaneMap
@@ -23,31 +35,52 @@ _CONTROLS = ", ".join(
     for name in NAMES
 )
 
+#: The shell's form of the options of a world: what --help shows, a parser, a remark.
+_FORMS: dict[str | type[Option], tuple[str, Callable[[str], Any] | None, str]] = {
+    Number: ("NUMBER", number, ""),
+    Whole: ("N", whole_number, ""),
+    Size: ("WxH", None, ""),
+    Choice: ("WORD", None, ""),
+    Switch: ("", None, ""),
+    "robot": ("NAME|FOLDER", None, ""),
+    "headings": ("N", None, "For None write continuous."),
+    "noise": ("KIND:PERCENT", None, "Such as gaussian:10 or uniform:10."),
+    "dropout": ("PROBABILITY[:STEPS]", None, "0.2:5 = with probability 0.2, 5 steps at a time."),
+    "start": ("X,Y,DEGREES", None, "Degrees are clockwise, such as 300,300,90; or: random."),
+    "seed": ("N", whole_number, ""),
+    "colors": ("FILE", None, ""),
+    "markers": ("NAME|FOLDER", None, ""),
+    "control": (
+        "NAME[:POINTS]",
+        None,
+        f"A built-in one replaces the folder's: {_CONTROLS}. Points are in px; with points the "
+        "pose is measured.",
+    ),
+}
+#: The rows of options that the shell has.
+WORLD = {name: row for name, row in OPTIONS.items() if {name, type(row)} & {*_FORMS}}
+
+
+def option_of(name: str) -> Any:
+    """Return the shell's option for an option of the world, with the text of its row."""
+    row = OPTIONS[name]
+    form, parser, remark = _FORMS.get(name) or _FORMS[type(row)]
+    limits = row.limits and f"{row.limits} {row.unit}".strip() + "."
+    default = f"Default: {row.default}." if isinstance(row, (Number, Whole, Choice)) else ""
+    words = (re.sub(r'[`"]', "", row.doc), limits, remark, default)
+    text = " ".join(filter(None, words)).removesuffix(" Default: None.")
+    return option(f"--{name.replace('_', '-')}", form, text, parser=parser)
+
+
 Callbacks = Annotated[Path | None, argument("FOLDER", "Folder with your callbacks.")]
-Robot = Annotated[
-    str | None,
-    option(
-        "--robot",
-        "NAME|FOLDER",
-        "Name or folder of the robot. Default: the one chosen with robsim robots use.",
-    ),
-]
-Colors = Annotated[
-    Path | None, option("--colors", "FILE", "Colour file. Default: the shipped one.")
-]
-Smoothing = Annotated[
-    int | None,
-    integer_option(
-        "--smoothing",
-        "PX",
-        "Width of the averaging window in px: 3, 5, ... 15; 1 = off. Default: by the markers.",
-    ),
-]
+Robot = Annotated[str | None, option_of("robot")]
+Colors = Annotated[Path | None, option_of("colors")]
+Smoothing = Annotated[int | None, option_of("smoothing")]
+Noise = Annotated[str | None, option_of("noise")]
+Seed = Annotated[int | None, option_of("seed")]
 Area = Annotated[
     str | None, option("--area", "WxH", "Work area in px. Default: the size of the frames.")
 ]
-# Of what is simulated.
-WorkArea = Annotated[str | None, option("--area", "WxH", "Work area in px. Default: 1200x1200.")]
 Pixels = Annotated[
     str | None,
     option(
@@ -75,23 +108,6 @@ ScenarioFile = Annotated[
         "TOML file of a scenario, as Scenario.save writes it; other options change it.",
     ),
 ]
-Control = Annotated[
-    str | None,
-    option(
-        "--control",
-        "NAME[:POINTS]",
-        "A built-in controller in place of the folder's: "
-        f"{_CONTROLS}. Points are in px; with them the pose is measured.",
-    ),
-]
-HowHidden = Annotated[
-    str | None,
-    option(
-        "--dropout",
-        "PROBABILITY[:STEPS]",
-        "Probability that the robot is hidden, such as 0.2; 0.2:5 = 5 steps at a time.",
-    ),
-]
 Unit = Annotated[
     str, option("--unit", "UNIT", "Unit of lengths in the results and figures: px, mm, cm or m.")
 ]
@@ -99,19 +115,6 @@ Scale = Annotated[
     float | None,
     number_option(
         "--scale", "MM", "With --unit: how long a px of the work area is on the floor, in mm."
-    ),
-]
-Noise = Annotated[
-    str | None,
-    option("--noise", "KIND:PERCENT", "Camera noise, such as gaussian:10 or uniform:10."),
-]
-Seed = Annotated[
-    int | None,
-    integer_option(
-        "--seed",
-        "N",
-        "Seed of the random numbers: the same one gives the same results. Default: another "
-        "one each time.",
     ),
 ]
 CallLimit = Annotated[

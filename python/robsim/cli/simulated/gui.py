@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from robsim.cli import errors, shared
 from robsim.cli.command import argument, integer_option, option, switch
 from robsim.cli.outcome import show_panel
-from robsim.cli.simulated.run import shared_options, simulation_of
+from robsim.cli.simulated.world import options_of, simulation_of, takes_world
 from robsim.cli.text import about, parse_speed
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ _STAGES = {"measure": True, "estimate_parameters": True}
 _CONTROL = "drive-around"
 
 
+@takes_world
 def gui(
     path: Annotated[
         Path | None,
@@ -83,7 +84,6 @@ def gui(
             "it tells at the end; for a trace the goal alone. See robsim tasks list.",
         ),
     ] = None,
-    control: shared.Control = None,
     speed: Annotated[
         str | None,
         option(
@@ -92,12 +92,6 @@ def gui(
             "Multiple of real time, such as 1; max = as fast as it goes. Default: 5.",
         ),
     ] = None,
-    robot: shared.Robot = None,
-    noise: shared.Noise = None,
-    dropout: shared.HowHidden = None,
-    area: shared.WorkArea = None,
-    colors: shared.Colors = None,
-    seed: shared.Seed = None,
     time_limit: shared.CallLimit = None,
     port: Annotated[
         int,
@@ -111,6 +105,7 @@ def gui(
     no_browser: Annotated[
         bool, switch("--no-browser", "Start no browser, print the address only.")
     ] = False,
+    **world: Any,
 ) -> None:
     """Open the panel in the browser."""
     from robsim.gui import panel
@@ -120,38 +115,25 @@ def gui(
         if calibration is not None and not calibrate:
             raise ValueError("--calibration is for --calibrate: give that, too")
         if tools := [name for name, is_on in chosen.items() if is_on]:
-            of_a_run = {
-                **{"--scenario": scenario, "--task": task, "--control": control},
-                "--speed": speed,
-                **{"--noise": noise, "--dropout": dropout, "--area": area, "--seed": seed},
-                "--time-limit": time_limit,
-            }
+            colors, robot = world.pop("colors"), world.pop("robot")
+            of_a_run = {"scenario": scenario, "task": task, "speed": speed, **world}
+            of_a_run["time_limit"] = time_limit
             if len(tools) > 1:
                 raise ValueError(f"--{tools[0]} and --{tools[1]} are two tools: give one of them")
             if given := [name for name, value in of_a_run.items() if value is not None]:
-                raise ValueError(f"{given[0]} is for a run: with --{tools[0]} nothing runs")
+                name = given[0].replace("_", "-")
+                raise ValueError(f"--{name} is for a run: with --{tools[0]} nothing runs")
             with _tool(tools[0], path, colors, robot, calibration) as tool:
                 show_panel(tool, port, is_wanted=not no_browser)
             return
         factor = parse_speed("--speed", speed)
         saved = None if path is None else _saved(path)
         chosen_task = _task_of(task, scenario)
-        world = scenario if chosen_task is None or saved is not None else chosen_task.scenario
+        base = scenario if chosen_task is None or saved is not None else chosen_task.scenario
         goals = None if chosen_task is None else chosen_task.goals
-        if path is None and world is None and control is None:
-            control = _CONTROL
-        options = shared_options(
-            path,
-            scenario=world,
-            control=control,
-            noise=noise,
-            dropout=dropout,
-            area=area,
-            time_limit=time_limit,
-            robot=robot,
-            colors=colors,
-            seed=seed,
-        )
+        if path is None and base is None:
+            world["control"] = world["control"] or _CONTROL
+        options = options_of(path, world, scenario=base, time_limit=time_limit)
         with panel(_shown(path, saved, options), speed=factor, goals=goals) as opened:
             show_panel(opened, port, is_wanted=not no_browser)
             if chosen_task is not None:
@@ -187,7 +169,7 @@ def _scored(task: Task, trace: Trace) -> str:
 def _tool(
     name: str,
     path: Path | None,
-    colors: Path | None,
+    colors: str | None,
     robot: str | None,
     calibration: Path | None,
 ) -> HostedPanel:
@@ -204,8 +186,7 @@ def _tool(
             if given is not None:
                 raise ValueError(f"{option} is not for --calibrate, which looks at the floor")
         return floor_panel(what, file=calibration)
-    file = Path("colors.toml") if colors is None else colors
-    return color_panel(what, robot=robot, file=file)
+    return color_panel(what, robot=robot, file=Path(colors or "colors.toml"))
 
 
 def _shown(
