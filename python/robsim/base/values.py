@@ -59,6 +59,16 @@ class Value:
         return tuple(digest(one) if isinstance(one, np.ndarray) else one for one in values)
 
 
+class Level(NamedTuple):
+    """The numbers that a control can set: unit, limits, distance, and the first number."""
+
+    unit: str
+    high: float
+    step: float
+    default: float
+    low: float = 0.0
+
+
 class FileVersion(NamedTuple):
     """A file and what differs when it has changed: a key for what was read from it."""
 

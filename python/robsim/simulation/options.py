@@ -270,7 +270,7 @@ class Options:
         types=(GaussianNoise, UniformNoise), example="robsim.GaussianNoise(40)",
     )  # fmt: skip
     dropout: Dropout | None = value(
-        ROBOT, None, "Random occlusion of the robot.",
+        ROBOT, None, "Random occlusion: the probability that the robot is hidden from the camera.",
         types=(Dropout,), example="robsim.Dropout(0.2)",
     )  # fmt: skip
     process_noise: PoseNoise | WheelNoise | None = value(

@@ -44,7 +44,7 @@ class Scenario(Options):
     noise : GaussianNoise or UniformNoise, optional
         Camera noise.
     dropout : Dropout, optional
-        Random occlusion of the robot.
+        Random occlusion: the probability that the robot is hidden from the camera.
     process_noise : PoseNoise or WheelNoise, optional
         Random disturbance of the robot's motion in every step.
     mismatch : ParameterMismatch, optional

@@ -76,7 +76,7 @@ class Simulation(WorldSlots, Runner):
     noise : GaussianNoise or UniformNoise, optional
         Camera noise.
     dropout : Dropout, optional
-        Random occlusion of the robot.
+        Random occlusion: the probability that the robot is hidden from the camera.
     process_noise : PoseNoise or WheelNoise, optional
         Random disturbance of the robot's motion in every step.
     mismatch : ParameterMismatch, optional

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count, islice
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,8 +13,10 @@ from numpy.typing import ArrayLike
 from robsim._core import RobotModel, cos, random_normal, sin
 from robsim.base.checks import Floats, as_float_array, check_float, check_int
 from robsim.base.text import quoted
+from robsim.base.values import Level
 
 _Row = tuple[float, float, float]
+_HEADING = 0.05  # rad of disturbance with each px, as in robsim.estimation.reference
 _MAXIMUM_SIGMA = 1e6  # px or rad: its square is a number, too
 # Columns of theta.
 _A1, _A2, _B1, _B2, _D1 = range(5)
@@ -41,6 +44,9 @@ class PoseNoise:
     """
 
     covariance: tuple[_Row, _Row, _Row] | ArrayLike
+
+    _kind: ClassVar[str] = "pose"
+    _LEVEL: ClassVar[Level] = Level("px", high=1.0, step=0.02, default=0.2)
 
     def __post_init__(self) -> None:
         matrix = as_float_array("covariance", self.covariance)
@@ -80,6 +86,14 @@ class PoseNoise:
             check_float("heading", heading, "rad", minimum=0, maximum=_MAXIMUM_SIGMA),
         )
         return cls(np.diag(np.square(sigma)))
+
+    @classmethod
+    def _of_level(cls, level: float) -> PoseNoise:
+        return cls.from_sigma(level, level, _HEADING * level)
+
+    @property
+    def _level(self) -> float:
+        return float(self.sigma[:2].max())
 
     @property
     def Q(self) -> Floats:
@@ -136,6 +150,9 @@ class WheelNoise:
 
     sigma: float | Sequence[float]
 
+    _kind: ClassVar[str] = "wheels"
+    _LEVEL: ClassVar[Level] = Level("V", high=0.5, step=0.01, default=0.1)
+
     def __post_init__(self) -> None:
         if not isinstance(self.sigma, (tuple, list, np.ndarray)):
             check_float("sigma", self.sigma, "V", minimum=0)
@@ -146,6 +163,10 @@ class WheelNoise:
             raise ValueError(f"sigma must be one or two numbers (V), got {quoted(self.sigma)}")
         both = tuple(check_float("sigma", value, "V", minimum=0) for value in pair)
         object.__setattr__(self, "sigma", both)
+
+    @property
+    def _level(self) -> float:
+        return float(np.max(self.sigma))
 
     def Q(self, model: RobotModel, heading: float) -> Floats:
         """Return the covariance of the pose that the noise causes in a step.
@@ -297,6 +318,8 @@ class Dropout:
     probability: float
     steps: int = 1
 
+    _LEVEL: ClassVar[Level] = Level("", high=1.0, step=0.01, default=0.0)
+
     def __post_init__(self) -> None:
-        check_float("probability", self.probability, minimum=0, maximum=1)
+        check_float("probability", self.probability, minimum=0, maximum=self._LEVEL.high)
         check_int("steps", self.steps, minimum=1, maximum=2**31 - 1)

@@ -10,6 +10,7 @@ from typing import ClassVar
 from robsim._core import VisualNoise
 from robsim.base.checks import check_float, check_int
 from robsim.base.text import quoted
+from robsim.base.values import Level
 from robsim.vision.imaging.images import Pixels
 
 
@@ -20,9 +21,14 @@ class _Noise:
     percent: float
 
     _kind: ClassVar[str]
+    _LEVEL: ClassVar[Level] = Level("%", high=100.0, step=1.0, default=20.0)
 
     def __post_init__(self) -> None:
         check_float("percent", self.percent, "%", minimum=0)
+
+    @property
+    def _level(self) -> float:
+        return float(self.percent)
 
     @property
     def _native(self) -> VisualNoise:

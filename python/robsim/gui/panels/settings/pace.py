@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from robsim.base.values import Level
 from robsim.gui._driver import Driver
 from robsim.gui.panels.settings.setting import Range, Remarks
 
@@ -11,7 +12,7 @@ from robsim.gui.panels.settings.setting import Range, Remarks
 class Speed(Range):
     """The speed, as a multiple of real time; 0 = as fast as it goes."""
 
-    name, low, high, step, unit = "speed", 0.2, 100.0, 0.1, "x"
+    name, range = "speed", Level("x", high=100.0, step=0.1, default=1.0, low=0.2)
 
     def __init__(self, driver: Driver) -> None:
         self._driver = driver

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from robsim.base.text import quoted
+from robsim.base.values import Level
 from robsim.gui._link import Refused
 
 #: What is to be said of a change beyond itself, such as what it has switched on, too.
@@ -17,6 +18,7 @@ class Setting(ABC):
     """A control: its value is that of the run, wherever it was changed."""
 
     name: str
+    tip: str = ""  # beyond the texts of the browser
     kind: ClassVar[str]
 
     @property
@@ -34,7 +36,8 @@ class Setting(ABC):
 
     def described(self) -> dict[str, Any]:
         """Return its entry in the message ``setup``."""
-        return {"name": self.name, "kind": self.kind, "value": self.value} | self.limits()
+        about = {"name": self.name, "kind": self.kind, "tip": self.tip, "value": self.value}
+        return about | self.limits()
 
 
 class Choice(Setting):
@@ -66,23 +69,20 @@ class Range(Setting):
     """A number between two limits."""
 
     kind: ClassVar[str] = "range"
-    low: float
-    high: float
-    step: float
-    unit: str
+    range: Level
 
     @abstractmethod
     def move(self, value: float) -> Remarks:
         """Change it, in the thread of the run, to a number within the limits."""
 
     def is_within(self, value: float) -> bool:
-        return self.low <= value <= self.high
+        return self.range.low <= value <= self.range.high
 
     def set(self, value: Any) -> Remarks:
         if not isinstance(value, float) or not self.is_within(value):
-            limits = f"{self.low:g}..{self.high:g} {self.unit}".rstrip()
+            limits = f"{self.range.low:g}..{self.range.high:g} {self.range.unit}".rstrip()
             raise Refused(f"{self.name} must be within {limits}, got {quoted(value)}")
         return self.move(value)
 
     def limits(self) -> dict[str, Any]:
-        return {"low": self.low, "high": self.high, "step": self.step, "unit": self.unit}
+        return {name: getattr(self.range, name) for name in ("low", "high", "step", "unit")}

@@ -3,114 +3,111 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from typing import Any
 
-import numpy as np
-
+from robsim.base.values import Level
 from robsim.gui.panels.settings.setting import Choice, Range, Remarks, Setting
-from robsim.simulation import Dropout, PoseNoise, Simulation, WheelNoise
-from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
-
-NOISES: Mapping[str, type[UniformNoise | GaussianNoise]] = {
-    "uniform": UniformNoise,
-    "gaussian": GaussianNoise,
-}
-_NOISE_LEVEL = 20.0  # %, until one is set
-
-_HEADING = 0.05  # rad of disturbance with each px, as in robsim.estimation.reference
-
-
-@dataclasses.dataclass(frozen=True)
-class Disturbance:
-    """A kind of disturbance, by its level."""
-
-    make: Callable[[float], PoseNoise | WheelNoise]
-    level: float  # until one is set
-    high: float
-    step: float
-    unit: str
-
-
-DISTURBANCES = {
-    "pose": Disturbance(
-        lambda level: PoseNoise.from_sigma(level, level, _HEADING * level), 0.2, 1.0, 0.02, "px"
-    ),
-    "wheels": Disturbance(WheelNoise, 0.1, 0.5, 0.01, "V"),
-}
+from robsim.simulation import Dropout, Simulation
+from robsim.simulation.options import OPTIONS
 
 
 def world_settings(simulation: Simulation) -> list[Setting]:
     """Return the controls of a world."""
-    noise, disturbance = NoiseKind(simulation), DisturbanceKind(simulation)
+    noise = DisturbanceKind(simulation, "noise", "noise")
+    disturbance = DisturbanceKind(simulation, "disturbance", "process_noise")
     return [
         noise,
-        NoiseLevel(noise),
+        DisturbanceLevel(noise),
         DropoutProbability(simulation),
         disturbance,
         DisturbanceLevel(disturbance),
     ]
 
 
-class NoiseKind(Choice):
-    """The kind of camera noise."""
+class DisturbanceKind(Choice):
+    """The kind of the camera noise or of the process noise: a type in the row of the option."""
 
-    name = "noise"
-
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-        self._last = "gaussian", _NOISE_LEVEL
+    def __init__(self, simulation: Simulation, name: str, option: str) -> None:
+        self.name, self.tip = name, OPTIONS[option].doc
+        self._simulation, self._option = simulation, option
+        kinds: tuple[Any, ...] = OPTIONS[option].types
+        self._kinds = {kind._kind: kind for kind in kinds}
+        self._last = next(iter(self._kinds))
+        self._levels = {kind._LEVEL: kind._LEVEL.default for kind in kinds}
         self._note()
+
+    @property
+    def _noise(self) -> Any:
+        return getattr(self._simulation, self._option)
 
     @property
     def value(self) -> str:
-        noise = self._simulation.noise
-        return next((name for name, kind in NOISES.items() if isinstance(noise, kind)), "none")
+        return "none" if self._noise is None else str(self._noise._kind)
+
+    @property
+    def range(self) -> Level:
+        """The levels of the disturbance, or of the last one."""
+        level: Level = self._kinds[self._last if self._noise is None else self.value]._LEVEL
+        return level
 
     @property
     def level(self) -> float:
-        """Of the noise, or of the last one (%)."""
-        noise = self._simulation.noise
-        return self._last[1] if noise is None else float(noise.percent)
+        """The level of the disturbance, or of the last one."""
+        return float(self._levels[self.range] if self._noise is None else self._noise._level)
 
     def choices(self) -> Mapping[str, str | None]:
-        return dict.fromkeys(("none", *NOISES))
+        return dict.fromkeys(("none", *self._kinds))
 
     def choose(self, name: str) -> Remarks:
         self._note()
-        self._simulation.noise = None if name == "none" else NOISES[name](self._last[1])
-        return []
+        kind = self._kinds.get(name)
+        return self._set(None if kind is None else _made(kind, self._levels[kind._LEVEL]))
 
     def move(self, level: float) -> Remarks:
-        """Set the level; without noise there is that of the last kind then."""
+        """Set the level; without a disturbance there is one of the last kind then."""
         self._note()
-        self._simulation.noise = NOISES[self._last[0]](level)
+        return self._set(_made(self._kinds[self._last], level))
+
+    def _set(self, noise: Any) -> Remarks:
+        setattr(self._simulation, self._option, noise)
+        self._note()
         return []
 
     def _note(self) -> None:
-        if self._simulation.noise is not None:
-            self._last = self.value, self.level
+        if self._noise is not None:
+            self._last = self.value
+            self._levels[self.range] = self.level
 
 
-class NoiseLevel(Range):
-    """The level of the camera noise."""
+def _made(kind: Any, level: float) -> Any:
+    """Return a disturbance of a level: most kinds take nothing else."""
+    return getattr(kind, "_of_level", kind)(level)
 
-    name, low, high, step, unit = "noise_level", 0.0, 100.0, 1.0, "%"
 
-    def __init__(self, kind: NoiseKind) -> None:
+class DisturbanceLevel(Range):
+    """The level of a disturbance; its unit and limits depend on the kind."""
+
+    def __init__(self, kind: DisturbanceKind) -> None:
+        self.name = f"{kind.name}_level"
         self._kind = kind
 
     @property
     def value(self) -> float:
         return self._kind.level
 
+    @property
+    def range(self) -> Level:  # type: ignore[override]
+        return self._kind.range
+
     def move(self, value: float) -> Remarks:
         return self._kind.move(value)
 
 
 class DropoutProbability(Range):
-    """How probable it is that the robot is hidden."""
+    """The probability that the robot is hidden."""
 
-    name, low, high, step, unit = "dropout", 0.0, 1.0, 0.01, ""
+    name, range, tip = "dropout", Dropout._LEVEL, OPTIONS["dropout"].doc
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -124,89 +121,3 @@ class DropoutProbability(Range):
         dropout = self._simulation.dropout or Dropout(0.0)
         self._simulation.dropout = dataclasses.replace(dropout, probability=value)
         return []
-
-
-class DisturbanceKind(Choice):
-    """What disturbs the motion of the robot."""
-
-    name = "disturbance"
-
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-        self._levels = {name: form.level for name, form in DISTURBANCES.items()}
-        self._last = next(iter(DISTURBANCES))
-        self._note()
-
-    @property
-    def value(self) -> str:
-        noise = self._simulation.process_noise
-        if noise is None:
-            return "none"
-        return "pose" if isinstance(noise, PoseNoise) else "wheels"
-
-    @property
-    def form(self) -> Disturbance:
-        """That of the disturbance, or of the last one."""
-        return DISTURBANCES[self._last if self.value == "none" else self.value]
-
-    @property
-    def level(self) -> float:
-        """Of the disturbance, or of the last one (px or V)."""
-        noise = self._simulation.process_noise
-        return (
-            self._levels[self._last]
-            if noise is None
-            else float(np.max(np.asarray(noise.sigma)[:2]))
-        )
-
-    def choices(self) -> Mapping[str, str | None]:
-        return dict.fromkeys(("none", *DISTURBANCES))
-
-    def choose(self, name: str) -> Remarks:
-        self._note()
-        if name == "none":
-            self._simulation.process_noise = None
-            return []
-        self._simulation.process_noise = DISTURBANCES[name].make(self._levels[name])
-        self._note()
-        return []
-
-    def move(self, level: float) -> Remarks:
-        """Set the level; without a disturbance there is one of the last kind then."""
-        self._simulation.process_noise = self.form.make(level)
-        self._note()
-        return []
-
-    def _note(self) -> None:
-        if self._simulation.process_noise is not None:
-            self._last = self.value
-            self._levels[self._last] = self.level
-
-
-class DisturbanceLevel(Range):
-    """The level of the disturbance; its unit and limits depend on the kind."""
-
-    name = "disturbance_level"
-    low = 0.0
-
-    def __init__(self, kind: DisturbanceKind) -> None:
-        self._kind = kind
-
-    @property
-    def value(self) -> float:
-        return self._kind.level
-
-    @property
-    def high(self) -> float:  # type: ignore[override]
-        return self._kind.form.high
-
-    @property
-    def step(self) -> float:  # type: ignore[override]
-        return self._kind.form.step
-
-    @property
-    def unit(self) -> str:  # type: ignore[override]
-        return self._kind.form.unit
-
-    def move(self, value: float) -> Remarks:
-        return self._kind.move(value)

@@ -13,12 +13,12 @@ const MOST_SEGMENTS = 3; // more of them become a list that opens
  * reason is given; `refuse` is called with why not.
  */
 export function makeField(control, send, refuse = () => {}) {
-  const { name, kind, choices } = control;
+  const { name, kind, choices, tip } = control;
   const isShort = kind == "choice" && choices.length <= MOST_SEGMENTS;
   const made = MAKERS[isShort ? "segments" : kind](control, refuse);
   const label = text(`control.${name}`, {}, name);
   const parts = [make("span", { textContent: label }), made.element, made.output];
-  const about = { className: "robsim-field", title: text(`control.${name}.title`, {}, "") };
+  const about = { className: "robsim-field", title: text(`control.${name}.title`, {}, tip ?? "") };
   // A label passes a click on to its control, which is right for one control, not for a group.
   const element = make(isShort ? "div" : "label", about, ...parts.filter(Boolean));
   made.element.setAttribute("aria-label", text(`control.${name}.whole`, {}, label));
