@@ -36,7 +36,6 @@ from robsim.simulation.options import (
     colors_value,
     limits_value,
     markers_value,
-    model_value,
     step_count,
     timeout_value,
 )
@@ -186,7 +185,7 @@ class Experiment(Runner):
             area=area,
             is_polled=send is not None or not math.isinf(timeout),
         )
-        self._model = model_value(model)
+        self._model = OPTIONS["model"].checked(model)
         self._given_markers = markers_value(markers)
         self._next_look = 1  # at the frames, by the number of steps
         stops = stop_input_value(stop_input)

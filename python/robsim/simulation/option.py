@@ -64,9 +64,7 @@ class Option:
         remedy = self.example and f": write, for example, {self.name}={self.example}"
         if callable(value):
             remedy = ": code is no data, give it to Simulation itself"
-        return TypeError(
-            f"{self.name} must be {expected} in a Scenario, got {quoted(value)}{remedy}"
-        )
+        return TypeError(f"{self.name} must be {expected}, got {quoted(value)}{remedy}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,13 +151,3 @@ def _row_of(kind: type[Option]) -> Callable[..., Any]:
 
 value, number, whole = _row_of(Option), _row_of(Number), _row_of(Whole)
 choice, switch, size = _row_of(Choice), _row_of(Switch), _row_of(Size)
-
-
-def rows_of(table: type) -> dict[str, Option]:
-    """Return the rows of a table by name, in their order."""
-    return {
-        field.name: dataclasses.replace(
-            field.metadata["option"], name=field.name, annotation=str(field.type)
-        )
-        for field in dataclasses.fields(table)
-    }

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from os import PathLike
 from pathlib import Path
@@ -37,14 +37,15 @@ from robsim.base.values import FileVersion
 from robsim.simulation.option import (
     ROBOT,
     WORLD,
+    Option,
     choice,
     number,
-    rows_of,
     size,
     switch,
     value,
     whole,
 )
+from robsim.simulation.slots import SLOTS
 from robsim.simulation.world.disturbances import (
     Dropout,
     ParameterMismatch,
@@ -222,14 +223,10 @@ def check_images(
         )
 
 
-def model_value(model: RobotModel | RobotParameters | None) -> RobotModel | RobotParameters | None:
-    """Return the option ``model``; None = that of the default parameters."""
+def _check_model(model: RobotModel | RobotParameters | None) -> Any:
+    """Return a model; raise ValueError if its predictor is unstable."""
     if isinstance(model, RobotParameters):
-        RobotModel(model)  # raises if the predictor is unstable
-    elif model is not None and not isinstance(model, RobotModel):
-        raise TypeError(
-            f"model must be a RobotModel, a RobotParameters or None, got {quoted(model)}"
-        )
+        RobotModel(model)
     return model
 
 
@@ -343,11 +340,11 @@ class Options:
         "The model of the world, except for `mismatch`, and the belief of the robot's software, "
         "unless ``define_model`` gives another. Default: the result of ``define_model``, or the "
         "model of ``RobotParameters()``.",
-        types=(RobotModel, RobotParameters), normal=model_value,
+        types=(RobotModel, RobotParameters), normal=_check_model,
     )  # fmt: skip
     evaluate_model: Unicycle | None = value(
         ROBOT, None, "How the robot moves. Default: by the model's own equations.",
-        types=(Unicycle,),
+        types=SLOTS["evaluate_model"].native,
     )  # fmt: skip
     estimate_parameters: bool = switch(
         ROBOT, False, "Whether recursive least squares estimate the parameters."
@@ -355,10 +352,13 @@ class Options:
     measure: bool = switch(ROBOT, False, "Whether the robot is located by its markers.")
     control: Spin | DriveAround | Replay | None = value(
         ROBOT, _CONTROL, "The controller.",
-        types=(Spin, DriveAround, Replay),
+        types=SLOTS["control"].native,
         normal=lambda control: _CONTROL if control is None else control,
     )  # fmt: skip
 
 
-#: The rows by name.
-OPTIONS = rows_of(Options)
+#: The rows by name; the name and the type of a row are those of its field.
+OPTIONS: dict[str, Option] = {
+    field.name: replace(field.metadata["option"], name=field.name, annotation=str(field.type))
+    for field in fields(Options)
+}

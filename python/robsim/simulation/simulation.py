@@ -211,10 +211,8 @@ class Simulation(WorldSlots, Runner):
                 load = f"robsim.Scenario.load({quoted(str(scenario))})"
                 hint = f"give {load}" if is_file else f"{hint}, such as robot={quoted(scenario)}"
             raise TypeError(f"scenario must be a Scenario, got {quoted(scenario)}: {hint}")
-        data = {name: given[name] for name in OPTIONS if name in given}
-        code = {
-            name: data.pop(name) for name in _STAGES if name in data and not _is_data(name, data)
-        }
+        code = [one for one in _STAGES if one in given and not _is_data(one, given[one])]
+        data = {name: given[name] for name in OPTIONS if name in given and name not in code}
         if data.get("area", _SAME) is None:
             del data["area"]
         base = Scenario(**data) if scenario is None else scenario.replace(**data)
@@ -247,7 +245,7 @@ class Simulation(WorldSlots, Runner):
     def scenario(self) -> Scenario:
         """All that describes the world and the run, with the seed that is used."""
         stages = {
-            name: value if _is_data(name, {name: value}) else None
+            name: value if _is_data(name, value) else None
             for name, value in self._callbacks.items()
             if name in _STAGES
         }
@@ -457,9 +455,6 @@ def _given(**options: Any) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not _SAME}
 
 
-def _is_data(name: str, values: dict[str, Any]) -> bool:
+def _is_data(name: str, value: Any) -> bool:
     """Return whether the value of a slot is part of a scenario."""
-    value = values[name]
-    if SLOTS[name].is_switch:
-        return value is None or isinstance(value, bool)
-    return value is None or type(value) in SLOTS[name].native
+    return value is None or type(value) in (OPTIONS[name].types or (bool,))
