@@ -111,6 +111,8 @@ def test_a_wrong_call_says_what_is_wrong(tmp_path, monkeypatch):
         ("quotes", ("run", "--control", "follow-path:9,3", "8,3")),
         ("start", ("run", "--start", "a,300,nan")),
         ("--headings", ("run", "--headings", "361")),
+        ("--motor-delay", ("run", "--motor-delay", "1000.5")),
+        ("--identify-from", ("run", "--identify-from", "nothing")),
         ("smoothing", ("run", "--smoothing", "99")),
         ("time_limit", ("run", "--time-limit", "-1")),
         ("no.toml", ("run", "--scenario", "no.toml")),

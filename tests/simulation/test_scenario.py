@@ -10,7 +10,7 @@ import robsim
 from refusals import IMAGE
 from robsim import Replay, Scenario, Simulation, Spin
 from robsim.base.seeds import STREAMS, stream, stream_number
-from robsim.simulation.option import ROBOT, WORLD
+from robsim.simulation.option import ROBOT, WORLD, Number
 from robsim.simulation.options import OPTIONS
 from scenarios import FULL, scenarios
 from sizes import thorough
@@ -182,6 +182,13 @@ def test_limits(name, taken, refused):
         for make in (Scenario, Simulation, Scenario().replace):
             with pytest.raises((TypeError, ValueError), match=rf"\b{name}\b"):
                 make(**{name: value})
+
+
+def test_numbers_beyond_the_limits_of_their_rows_are_refused():
+    for name, row in OPTIONS.items():
+        for value in (row.minimum - 1, row.maximum + 1) if isinstance(row, Number) else ():
+            with pytest.raises(ValueError, match=rf"\b{name}\b.*{row.limits}"):
+                Scenario(**{name: value})
 
 
 def test_a_start_without_walls_may_lie_anywhere_within_a_million_px():

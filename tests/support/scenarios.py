@@ -1,17 +1,21 @@
 """Scenarios to test with: one with all options, and random ones."""
 
 import dataclasses
+import math
 
 import numpy as np
 from hypothesis import strategies as st
 
 import robsim
 from robsim import Scenario
+from robsim.simulation.option import Choice, Number, Switch, Whole
+from robsim.simulation.options import OPTIONS
 from robsim.vision import MarkerLayout
 
 _RNG = np.random.default_rng(1)
 
-FULL = Scenario(
+FULL = Scenario(**{n: row.maximum for n, row in OPTIONS.items() if isinstance(row, Number)})
+FULL = FULL.replace(
     robot=dataclasses.replace(robsim.load_robot("robot2"), name="own"),
     area=(800, 600),
     resolution=(400, 300),
@@ -97,6 +101,16 @@ _NOISES = st.one_of(
 )
 
 
+_PLAIN = {
+    Whole: lambda row: st.integers(row.minimum, row.maximum),
+    Number: lambda row: (
+        st.integers(math.ceil(row.minimum), int(row.maximum)) | st.floats(row.minimum, row.maximum)
+    ),
+    Choice: lambda row: st.sampled_from(row.choices),
+    Switch: lambda row: st.booleans(),
+}
+
+
 def scenarios():
     """Random scenarios: any of the options, any others left out."""
     none = st.none()
@@ -105,6 +119,11 @@ def scenarios():
         st.fixed_dictionaries(
             {"boundary": st.just("unlimited")},  # a start anywhere
             optional={
+                **{
+                    name: _PLAIN[type(row)](row)
+                    for name, row in OPTIONS.items()
+                    if type(row) in _PLAIN and name != "boundary"
+                },
                 "robot": st.sampled_from(["lab", "sheep", FULL.robot]),
                 "area": _SIZE,
                 "resolution": none | _SIZE,
@@ -113,19 +132,14 @@ def scenarios():
                 "dropout": none | st.builds(robsim.Dropout, st.floats(0, 1), st.integers(1, 99)),
                 "process_noise": none | _DISTURBANCES,
                 "mismatch": none | st.builds(robsim.ParameterMismatch, st.floats(0, 0.3)),
-                "camera_delay": st.integers(0, 1000),
-                "motor_delay": st.integers(0, 1000) | st.floats(0, 1000),
                 "background": st.none() | st.just(FULL.background),
                 "start": st.one_of(none, st.just("random"), st.tuples(_FINITE, _FINITE, _HEADING)),
                 "seed": none | _SEEDS,
                 "colors": none | _COLORS,
                 "markers": none | _LAYOUTS,
                 "smoothing": none | st.sampled_from(range(1, 16, 2)),
-                "identify_from": st.sampled_from(["truth", "measurement", "estimate"]),
                 "model": none | _PARAMETERS | _PARAMETERS.map(robsim.RobotModel),
                 "evaluate_model": none | st.just(robsim.Unicycle()),
-                "estimate_parameters": st.booleans(),
-                "measure": st.booleans(),
                 "control": none | _CONTROLLERS,
             },
         ),

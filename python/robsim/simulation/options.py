@@ -357,7 +357,7 @@ class Options:
     )  # fmt: skip
 
 
-#: The rows by name; the name and the type of a row are those of its field.
+#: The rows by name. A row has the name and the type of its field.
 OPTIONS: dict[str, Option] = {
     field.name: replace(field.metadata["option"], name=field.name, annotation=str(field.type))
     for field in fields(Options)
