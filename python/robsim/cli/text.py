@@ -57,10 +57,8 @@ def parse_noise(option: str, text: str | None) -> GaussianNoise | UniformNoise |
         return _NOISES[kind](float(percent))
 
 
-def parse_dropout(option: str, text: str | None) -> Dropout | None:
+def parse_dropout(option: str, text: str) -> Dropout:
     """Return the dropout from text such as 0.2, or 0.2:5 for 5 steps at a time."""
-    if text is None:
-        return None
     probability, colon, steps = text.partition(":")
     if not _is_number(probability) or (colon and not steps.isdecimal()):
         raise ValueError(
@@ -115,9 +113,9 @@ def parse_control(option: str, text: str | None) -> Callable[..., Any] | None:
         return controller_named(name, found or ())
 
 
-def parse_start(option: str, text: str | None) -> tuple[float, float, float] | str | None:
+def parse_start(option: str, text: str) -> tuple[float, float, float] | str:
     """Return the pose from text such as 300,300,90, in px, px and degrees; or "random"."""
-    if text is None or text == "random":
+    if text == "random":
         return text
     parts = text.split(",")
     numbers = [float(part) for part in parts if _is_number(part)]

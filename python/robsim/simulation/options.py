@@ -30,7 +30,7 @@ from robsim._core import (
     classify,
     wrap_angle,
 )
-from robsim.base.checks import as_float_array, is_int
+from robsim.base.checks import as_float_array, check_int
 from robsim.base.seeds import Seed, SeedRecord, seed_value
 from robsim.base.text import quoted
 from robsim.base.values import FileVersion
@@ -71,11 +71,7 @@ _LARGEST_ROBOT = 4096  # camera px; its image takes 0.3 GB then
 
 def step_count(steps: Any) -> int:
     """Return `steps` as an int of at least 0; else raise TypeError or ValueError."""
-    if not is_int(steps):
-        raise TypeError(f"steps must be an int, got {quoted(steps)}")
-    if not 0 <= steps <= UNLIMITED:
-        raise ValueError(f"steps must lie within 0..{UNLIMITED}, got {steps}")
-    return int(steps)
+    return check_int("steps", steps, minimum=0, maximum=UNLIMITED)
 
 
 def limits_value(limits: Limits) -> Limits:

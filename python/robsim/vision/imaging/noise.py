@@ -13,6 +13,9 @@ from robsim.base.text import quoted
 from robsim.base.values import Level
 from robsim.vision.imaging.images import Pixels
 
+#: Highest level of a noise (%).
+HIGHEST = 100.0
+
 
 @dataclass(frozen=True)
 class _Noise:
@@ -21,7 +24,7 @@ class _Noise:
     percent: float
 
     _kind: ClassVar[str]
-    _LEVEL: ClassVar[Level] = Level("%", high=100.0, step=1.0, default=20.0)
+    _LEVEL: ClassVar[Level] = Level("%", high=HIGHEST, step=1.0, default=20.0)
 
     def __post_init__(self) -> None:
         check_float("percent", self.percent, "%", minimum=0)
