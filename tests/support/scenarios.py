@@ -97,7 +97,8 @@ _DISTURBANCES = st.one_of(
     st.builds(robsim.WheelNoise, st.tuples(st.floats(0, 1e6), st.floats(0, 1e6))),
 )
 _NOISES = st.one_of(
-    st.builds(robsim.GaussianNoise, st.floats(0, 100)), st.builds(robsim.UniformNoise, _POSITIVE)
+    st.builds(robsim.GaussianNoise, st.floats(0, 100)),
+    st.builds(robsim.UniformNoise, st.floats(1e-3, 100)),
 )
 
 
