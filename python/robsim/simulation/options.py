@@ -114,15 +114,7 @@ def _floor_in_file(file: FileVersion) -> Floor:
 def start_value(
     start: ArrayLike | None, area: tuple[int, int] | None
 ) -> tuple[float, float, float] | str | None:
-    """Return the option ``start`` as a pose, ``"random"``, or None = the centre, facing right.
-
-    Parameters
-    ----------
-    start : array (3,), str or None
-        The option.
-    area : tuple of int, or None
-        Where the position must lie (px); None = anywhere.
-    """
+    """Return the option ``start``: a pose within an area (px; None = anywhere), or as given."""
     if start is None:
         return None
     if isinstance(start, str):
