@@ -95,7 +95,7 @@ def test_list_shows_the_limits_of_each_colour():
     assert "green [dark]   0 .. 90   any" in text
     assert "from mine.toml" in text
     Path("bad.toml").write_text("[red]\nu = [1]")
-    assert "bad.toml: u of [red]" in refused("list", "bad.toml")
+    assert "bad.toml, line 2: [red] u" in refused("list", "bad.toml")
 
 
 def test_train_prints_what_it_finds():

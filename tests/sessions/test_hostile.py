@@ -63,15 +63,15 @@ def test_a_damaged_set_up_is_named(folder):
     no_focal_length = b"{matrix = [[0, 0, 0], [0, 1, 0], [0, 0, 1]], distortion = %s}" % FIVE
     nan = b"{matrix = %s, distortion = [nan, 0, 0, 0, 0]}" % EYE
     added = (
-        (_with_lens(b"4"), r"plane_map\.intrinsics"),
-        (_with_lens(b"{matrix = %s}" % EYE), r"intrinsics\.distortion"),
-        (_with_lens(nan), r"intrinsics\.distortion .*finite"),
-        (_with_lens(no_focal_length), "plane_map: matrix .*focal"),
+        (_with_lens(b"4"), r"\[plane_map\] intrinsics"),
+        (_with_lens(b"{matrix = %s}" % EYE), r"intrinsics\] distortion"),
+        (_with_lens(nan), r"intrinsics\] distortion .*finite"),
+        (_with_lens(no_focal_length), r"\[plane_map\.intrinsics\] matrix .*focal"),
         (b"dt = 0.2\nplane_map = [[1, 2, 3], [2, 4, 6], [0, 0, 0]]", "inverse"),
-        (b"dt = 0.2\nplane_map = {}", r"plane_map\.matrix"),
-        (b"dt = 0.2\ncolors = [{name=1, y=2, u=3, v=4}]", "colors: "),
-        (b"dt = 0.2\nmodel = {dt = 1, theta = [[inf]]}", "model.theta"),
-        (b"dt = 0.2\nmarkers = {right.position = [0, 1], left.position = [0, 1]}", "markers: "),
+        (b"dt = 0.2\nplane_map = {}", r"\[plane_map\] matrix"),
+        (b"dt = 0.2\ncolors = [{name=1, y=2, u=3, v=4}]", r"\[colors\.1\] name"),
+        (b"dt = 0.2\nmodel = {dt = 1, theta = [[inf]]}", r"\[model\] theta"),
+        (b"dt = 0.2\nmarkers = {right.position = [0, 1], left.position = [0, 1]}", r"\[markers\] "),
         (b"dt = 0.2\nmarkers = 4", "markers"),
         *((b"dt = " + value, "dt") for value in (b"nan", b"-1", b"true")),
     )

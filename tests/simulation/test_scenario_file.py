@@ -119,18 +119,18 @@ REFUSED = {
     "[seed]\nentropy = [1, -1]": r"\[seed\] entropy",
     "[seed]\nentropy = 1\nspawn_key = 'x'": r"\[seed\] spawn_key",
     "robot = '../lab'": "robot .*'lab'",
-    "[robot]\nname = 'x'": r"\[robot\] image",
+    "[robot]\nname = 'x'": r"\[robot\] size",
     "background = 'floor.png'": r"\[background\]",
-    "colors.red = 3": r"\[colors\] \[red\]",
-    "[colors.red]\nu = [3, 256]": r"\[red\] u",
-    "[colors.red]\nw = [3, 2]": r"\[red\] .*'w'",
-    "[colors.red]\ny = [1, false]": r"\by\b.*false",
+    "colors.red = 3": r"\[colors\] red",
+    "[colors.red]\nu = [3, 256]": r"line 2: \[colors\.red\] u",
+    "[colors.red]\nw = [3, 2]": r"line 2: \[colors\.red\] .*'w'",
+    "[colors.red]\ny = [1, false]": r"\] y .*False",
     "[markers]\nred = [1, 2]": r"\[markers\] .*'red'",
-    "[markers]\nright.position = [1, 2]\nleft.position = 'x'": r"left\.position",
-    "[markers]\nright.color = 'y'\nleft.color = 'x'": r"\[markers\] position",
+    "[markers]\nright.position = [1, 2]\nleft.position = 'x'": r"line 3: \[markers\.left\] position",
+    "[markers]\nright.color = 'y'\nleft.color = 'x'": r"\[markers\.right\] position",
     "[markers]\nright.position = [1, 2]\nleft.position = [1, 2]": r"\[markers\] distance",
     "[markers]\nright.position = [1, 2]\nleft.position = [1, 3]": "right marker",
-    f"[markers]\nleft.position = [1, 2]\nright.position = [{'1, ' * 10_001}]": "right.position",
+    f"[markers]\nleft.position = [1, 2]\nright.position = [{'1, ' * 10_001}]": r"\[markers.right\] position",
     "[noise]\npercent = 1": r"\[noise\] kind .*'GaussianNoise', 'UniformNoise'",
     "[noise]\nkind = 'os.system'\npercent = 1": r"\[noise\] kind",
     "[noise]\nkind = 'UniformNoise'\npercnt = 1": "'percnt'.*'percent'",
@@ -156,8 +156,8 @@ def test_what_is_wrong_in_a_file(tmp_path):
     for text, says in REFUSED.items():
         (tmp_path / "run.toml").write_text(text, encoding="utf-8")
         for read, where in (
-            (lambda text: Scenario.load(tmp_path / "run.toml"), r"run\.toml: "),
-            (Scenario.from_toml, "scenario: "),
+            (lambda text: Scenario.load(tmp_path / "run.toml"), r"run\.toml[:,] "),
+            (Scenario.from_toml, "scenario[:,] "),
         ):
             with pytest.raises(ValueError, match=f"(?s){where}.*{says}") as caught:
                 read(text)

@@ -190,9 +190,9 @@ def test_files_name_the_kind_of_a_marker_and_one_that_is_not_there_is_refused(tm
         assert load(text).markers == named.markers == robot().markers
         assert load(text.replace(green, "")).markers["front"].color == "red"
         for wrong, words in (
-            ('kind = "tag36h11"\n', r"markers\.front\.kind must be one of 'blob', got 'tag36h11'"),
-            ("identity = 3\n", r"markers\.front has no key 'identity'"),
-            ("color = 3\n", r"markers\.front: color"),
+            ('kind = "tag36h11"\n', r"markers\.front\] kind must be one of 'blob', got 'tag36h11'"),
+            ("identity = 3\n", r"markers\.front\] there is no key 'identity'"),
+            ("color = 3\n", r"markers\.front\] color"),
         ):
             with pytest.raises(ValueError, match=words):
                 load(text.replace(green, wrong))

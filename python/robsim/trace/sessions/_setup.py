@@ -3,33 +3,29 @@
 from __future__ import annotations
 
 import datetime
-import math
 import platform
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from robsim._core import ColorClass, Intrinsics, MarkerLayout, PlaneMap, RobotModel, fitting_roles
-from robsim.base.checks import as_float_array, check_float, check_mm_per_px, check_size
-from robsim.base.files import parse_toml, read_toml
-from robsim.base.text import one_line, quoted
-from robsim.vision.robots.marker_roles import given_by_role, taken_roles
+from robsim._core import ColorClass, MarkerLayout, PlaneMap, RobotModel, fitting_roles
+from robsim.base.checks import check_float, check_mm_per_px, check_size
+from robsim.base.files import codec, parse_toml
+from robsim.base.files.codec import Key, Table, array
+from robsim.base.text import quoted
+from robsim.vision.imaging.calibration_file import PLANE_MAP
+from robsim.vision.markers.color_files import COLOR
+from robsim.vision.robots.files import LAYOUT
 
 FORMAT = 2
 _READABLE = (1, 2)
 _KINDS = (str, bool, int, float, list, dict, datetime.datetime)
 _PACKAGES = ("robsim", "numpy", "pillow", "opencv-python-headless", "opencv-python")
 _LARGEST_INT = 2**63  # of TOML
-_LAYOUT_KEYS = ("distance_tolerance", "area_tolerance", "maximum_blobs")
-# The keys of a marker's table, and what of the layout they are.
-_MARKER_KEYS = {
-    "color": "colors",
-    "position": "positions",
-    "area": "areas",
-    "polygon": "polygons",
-}
 _OLD_NAMES = ("red", "blue")  # of the markers in format 1, whatever their colours
 
 
@@ -52,12 +48,12 @@ def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str
         **setup,
         "versions": {"python": platform.python_version(), **_versions()},
     }
-    text = tomlkit.dumps(_as_toml("setup", table))
+    written = tomlkit.dumps(_as_toml("setup", table))
     try:
-        parse_toml(text)
+        parse_toml(written)
     except ValueError as error:
         raise ValueError(f"setup cannot be written as a file: {error}") from error
-    return text
+    return written
 
 
 def _versions() -> dict[str, str]:
@@ -80,14 +76,10 @@ def _as_toml(name: str, value: Any) -> Any:
         tables = {key: item for key, item in items.items() if isinstance(item, dict)}
         plain = {key: item for key, item in items.items() if key not in tables}
         return {key: item for key, item in (plain | tables).items() if item is not None}
-    if isinstance(value, PlaneMap):
-        return _plane_map_as_toml(value)
-    if isinstance(value, RobotModel):
-        return {"dt": value.dt, "theta": value.theta.tolist()}
-    if isinstance(value, ColorClass):
-        return {"name": value.name, **{c: list(getattr(value, c)) for c in "yuv"}}
-    if isinstance(value, MarkerLayout):
-        return _as_toml(name, _layout_as_tables(value))
+    if isinstance(value, PlaneMap) and value.intrinsics is None:
+        return value.matrix.tolist()
+    if (table := _TABLES.get(type(value))) is not None:
+        return table.write(value).unwrap()
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, (list, tuple)):
@@ -101,44 +93,20 @@ def _as_toml(name: str, value: Any) -> Any:
     raise TypeError(f"{name} must be numbers, texts, lists and tables, got {quoted(value)}")
 
 
-def _layout_as_tables(markers: MarkerLayout) -> dict[str, Any]:
-    """Return a layout as a table for each role; what is not known is left out."""
-    given = {key: getattr(markers, of) for key, of in _MARKER_KEYS.items()}
-    tables: dict[str, Any] = {key: getattr(markers, key) for key in _LAYOUT_KEYS}
-    for role in markers.roles:
-        values = {key: by_role[role] for key, by_role in given.items() if by_role is not None}
-        tables[role] = {key: value for key, value in values.items() if not _is_nan(value)}
-    return tables
-
-
-def _is_nan(value: Any) -> bool:
-    return isinstance(value, float) and math.isnan(value)
-
-
-def _plane_map_as_toml(plane_map: PlaneMap) -> Any:
-    """Return a homography as its rows; with a lens, as a table of both."""
-    lens = plane_map.intrinsics
-    matrix = plane_map.matrix.tolist()
-    if lens is None:
-        return matrix
-    camera = {"matrix": lens.matrix.tolist(), "distortion": lens.distortion.tolist()}
-    return {"matrix": matrix, "intrinsics": camera}
-
-
-def _lines(text: str) -> Any:
+def _lines(lines: str) -> Any:
     """Return a text of lines so that it can be read in the file, if TOML can hold it so."""
     import tomlkit
 
-    is_safe = "'''" not in text and all(c in "\n\t" or c.isprintable() for c in text)
-    if is_safe and not text.endswith("'"):
+    is_safe = "'''" not in lines and all(c in "\n\t" or c.isprintable() for c in lines)
+    if is_safe and not lines.endswith("'"):
         for start in ("", "\n"):  # some versions of tomlkit add a line break, which TOML ignores
-            item = tomlkit.string(start + text, literal=True, multiline=True)
-            if parse_toml(f"text = {item.as_string()}") == {"text": text}:
+            item = tomlkit.string(start + lines, literal=True, multiline=True)
+            if parse_toml(f"text = {item.as_string()}") == {"text": lines}:
                 return item
-    return text
+    return lines
 
 
-class Setup:
+class Setup(SimpleNamespace):
     """What a run was made with, read from its file.
 
     Parameters
@@ -155,134 +123,77 @@ class Setup:
     """
 
     def __init__(self, file: Path) -> None:
-        self.table = read_toml(file)
-        try:
-            if self.table.get("format") not in _READABLE:
-                raise ValueError(
-                    f"format must be 1 or {FORMAT}, got {quoted(self.table.get('format'))}"
-                )
-            self.area = self._read("area", _size)
-            self.dt = self._read("dt", _dt)
-            self.plane_map = self._read("plane_map", _plane_map)
-            self.mm_per_px = self._read("mm_per_px", lambda _, value: check_mm_per_px(value))
-            self.stop_input = self._read("stop_input", _input)
-            self.colors = self._read("colors", _colors)
-            self.markers = self._read("markers", _markers)
-            self.model = self._read("model", _model)
-            self.robot = self._read("robot", _text) or ""
-            self.started = self._read("started", _date)
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"{one_line(file)}: {error}") from error
-
-    def _read(self, key: str, read: Any) -> Any:
-        value = self.table.get(key)
-        return None if value is None else read(key, value)
+        super().__init__(**codec.load_table(file, _values))
 
 
-def _size(name: str, value: Any) -> tuple[int, int]:
-    return check_size(name, value)
+def _values(table: dict[str, Any]) -> dict[str, Any]:
+    codec.check_format(table, *_READABLE)
+    given = {key: codec.read_key(key, _KEYS[key], table[key]) for key in _KEYS if key in table}
+    return dict.fromkeys(_KEYS) | {"robot": "", "table": table} | given
 
 
 def _dt(name: str, value: Any) -> float:
     return check_float(name, value, "s", exclusive_minimum=0, maximum=1e6)
 
 
-def _numbers(name: str, value: Any, shape: tuple[int, ...]) -> Any:
-    array = as_float_array(name, value)
-    if array.shape != shape or not np.isfinite(array).all():
-        size = " x ".join(map(str, shape))
-        raise ValueError(f"{name} must be {size} finite numbers, got {quoted(value)}")
-    return array
-
-
 def _plane_map(name: str, value: Any) -> PlaneMap:
-    if not isinstance(value, dict):
-        return PlaneMap(_numbers(name, value, (3, 3)))
-    matrix = _part(name, value, "matrix", (3, 3))
-    camera, place = value.get("intrinsics"), f"{name}.intrinsics"
-    if not isinstance(camera, dict):
-        raise TypeError(f"{place} must be a table, got {quoted(camera)}")
-    numbers = _part(place, camera, "matrix", (3, 3)), _part(place, camera, "distortion", (5,))
-    try:
-        return PlaneMap(matrix, Intrinsics(*numbers))
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from error
-
-
-def _part(name: str, table: dict[str, Any], key: str, shape: tuple[int, ...]) -> Any:
-    return _numbers(f"{name}.{key}", table.get(key), shape)
+    if isinstance(value, dict):
+        return PLANE_MAP.read(name, value)  # type: ignore[no-any-return]
+    return PlaneMap(array(3, 3)(name, value))
 
 
 def _input(name: str, value: Any) -> tuple[float, float]:
-    left, right = _numbers(name, value, (2,)).tolist()
+    left, right = array(2)(name, value).tolist()
     return left, right
 
 
-def _text(name: str, value: Any) -> str:
-    if not isinstance(value, str):
-        raise TypeError(f"{name} must be a text, got {quoted(value)}")
-    return value
-
-
-def _date(name: str, value: Any) -> datetime.datetime:
-    if not isinstance(value, datetime.datetime) or value.tzinfo is None:
-        raise TypeError(f"{name} must be a time with its zone, got {quoted(value)}")
-    return value
-
-
-def _table(name: str, value: Any, *needed: str) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise TypeError(f"{name} must be a table, got {quoted(value)}")
-    for key in needed:
-        if key not in value:
-            raise ValueError(f"{name} must have {key}")
-    return value
-
-
 def _colors(name: str, value: Any) -> list[ColorClass]:
-    if not isinstance(value, list) or len(value) > 1000:
-        raise TypeError(f"{name} must be a list of tables, got {quoted(value)}")
-    colors = []
-    for table in value:
-        _table(name, table, "name", "y", "u", "v")
-        try:
-            ranges = {channel: tuple(table[channel]) for channel in "yuv"}
-            colors.append(ColorClass(table["name"], **ranges))
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"{name}: {one_line(error)}") from error
-    return colors
+    return codec.listed_tables(name, value, _TABLES[ColorClass].read)
 
 
 def _markers(name: str, value: Any) -> MarkerLayout:
-    table = dict(_table(name, value))
+    table = codec.as_table(name, value)
     if table.keys() >= {*_OLD_NAMES}:
-        table = _tables_of_format_1(name, table)
-    options: dict[str, Any] = {key: table[key] for key in _LAYOUT_KEYS if key in table}
-    try:
-        by_role: dict[str, Any] = given_by_role(name, taken_roles(table), _MARKER_KEYS)
-        if "positions" not in by_role:
-            raise ValueError("its markers must have positions")
-        return MarkerLayout.from_positions(**options, **by_role)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name}: {one_line(error)}") from error
+        table = _tables_of_format_1(table)
+    return LAYOUT.read(name, table)  # type: ignore[no-any-return]
 
 
-def _tables_of_format_1(name: str, table: dict[str, Any]) -> dict[str, Any]:
+def _tables_of_format_1(table: dict[str, Any]) -> dict[str, Any]:
     """Return the table of a layout as it is written today: the roles follow from the places."""
-    roles = fitting_roles(*(_numbers(f"{name}.{old}", table[old], (2,)) for old in _OLD_NAMES))
+    roles = fitting_roles(*(array(2)(old, table[old]) for old in _OLD_NAMES))
     colors = table.get("colors", _OLD_NAMES)
     if not isinstance(colors, (list, tuple)) or len(colors) != len(_OLD_NAMES):
-        raise ValueError(f"{name}.colors must be two names, got {quoted(colors)}")
-    tables = {key: table[key] for key in _LAYOUT_KEYS if key in table}
+        raise ValueError(f"colors must be two names, got {quoted(colors)}")
+    tables = {key: table[key] for key in LAYOUT.keys if key in table}
     for role, old, color in zip(roles, _OLD_NAMES, colors, strict=True):
         marker = {"color": color, "position": table[old]}
         marker |= {key: table.get(f"{old}_{key}") for key in ("area", "polygon")}
-        known = {key: one for key, one in marker.items() if one is not None and not _is_nan(one)}
-        tables[role] = known
+        tables[role] = {k: one for k, one in marker.items() if one is not None and one == one}
     return tables
 
 
-def _model(name: str, value: Any) -> RobotModel:
-    table = _table(name, value, "dt", "theta")
-    theta = _numbers(f"{name}.theta", table["theta"], (3, 5))
-    return RobotModel.from_theta(theta, dt=_dt(f"{name}.dt", table["dt"]))
+_TABLES: dict[type, Table] = {
+    PlaneMap: PLANE_MAP,
+    MarkerLayout: LAYOUT,
+    RobotModel: Table(
+        RobotModel.from_theta,
+        {"dt": Key(_dt, is_needed=True), "theta": Key(array(3, 5), is_needed=True)},
+    ),
+    ColorClass: Table(
+        ColorClass,
+        {"name": Key(codec.text, is_needed=True)}
+        | {channel: replace(key, is_needed=True) for channel, key in COLOR.keys.items()},
+    ),
+}
+_KEYS: dict[str, codec.Read] = {
+    "area": check_size,
+    "dt": _dt,
+    "plane_map": _plane_map,
+    "mm_per_px": lambda _, value: check_mm_per_px(value),
+    "stop_input": _input,
+    "colors": _colors,
+    "markers": _markers,
+    "model": _TABLES[RobotModel].read,
+    "robot": codec.text,
+    "started": codec.date,
+}

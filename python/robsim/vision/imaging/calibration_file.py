@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from robsim._core import Intrinsics, PlaneMap
-from robsim.base.checks import as_float_array
-from robsim.base.files import as_path, read_toml, write_whole
+from robsim.base.checks import check_mm_per_px, check_size
+from robsim.base.files import as_path, codec, write_whole
+from robsim.base.files.codec import Key, Table, anything, array
 from robsim.base.text import one_line, quoted
-from robsim.vision.imaging.calibration import Calibration, Residuals
-
-if TYPE_CHECKING:
-    from tomlkit.items import Table
+from robsim.vision.imaging.calibration import Calibration, Residuals, check_region
 
 _FORMAT = 1
 _HEADER = (
@@ -23,27 +22,104 @@ _HEADER = (
     "It holds as long as the camera, its lens and its size of frames stay as they are. Give it to",
     "robsim live --calibration, robsim track --calibration, or robsim.Camera(calibration=...).",
 )
-_TABLES = {
-    "": ("format", "date", "frames", "lens", "floor", "features", "marks"),
-    "frames": ("size", "region"),
-    "lens": ("matrix", "distortion", "rms", "worst", "points", "pictures"),
-    "floor": (
-        *("area", "mm_per_px", "marker_height", "matrix", "rms", "worst", "points", "pictures"),
-    ),
-}
-_COMMENTS = {
-    "size": "width and height (px)",
-    "region": "of the sensor: left, top, width, height (px)",
-    "distortion": "k1, k2, p1, p2, k3",
-    "area": "the work area: width and height (px)",
-    "mm_per_px": "a px of the work area on the floor (mm)",
-    "marker_height": "of the robot's markers above the floor (mm)",
-    "rms": "how well it fits: root mean square (px of the frame)",
-    "worst": "the largest (px of the frame)",
-}
 _LONGEST_NUMBER = 10  # digits; Python refuses to read thousands of them
 _NUMBER = re.compile("0|[1-9][0-9]*")  # 01 would be another name of 1
-_RESIDUALS = ("rms", "worst", "points", "pictures")
+
+
+def _rows(array: Any) -> Any:
+    import tomlkit
+
+    return tomlkit.item(np.asarray(array).tolist()).multiline(True)
+
+
+_MATRIX = Key(array(3, 3), "", _rows, is_needed=True)
+_DISTORTION = Key(array(5), "k1, k2, p1, p2, k3", is_needed=True)
+#: A lens, and the map of a plane with one, as files have them.
+INTRINSICS = Table(Intrinsics, {"matrix": _MATRIX, "distortion": _DISTORTION})
+_CAMERA = Key(INTRINSICS.read, "", INTRINSICS.write, is_needed=True)
+PLANE_MAP = Table(PlaneMap, {"matrix": _MATRIX, "intrinsics": _CAMERA})
+_RESIDUALS = {
+    "rms": Key(anything, "how well it fits: root mean square (px of the frame)"),
+    "worst": Key(anything, "the largest (px of the frame)"),
+} | dict.fromkeys(("points", "pictures"), Key(anything))
+_MARKS = "Where the frames showed the floor sheets' marks, by their numbers: u, v (px)."
+_FRAMES = Table(
+    dict,
+    {
+        "size": Key(check_size, "width and height (px)", is_needed=True),
+        "region": Key(check_region, "of the sensor: left, top, width, height (px)"),
+    },
+    "What it is a calibration of.",
+)
+
+
+def _lens(matrix: Any, distortion: Any, **residuals: Any) -> dict[str, Any]:
+    intrinsics = Intrinsics(matrix, distortion=distortion.tolist())
+    return {"intrinsics": intrinsics, "lens_residuals": _residuals(residuals)}
+
+
+def _floor(matrix: Any, **given: Any) -> dict[str, Any]:
+    residuals = {name: given.pop(name) for name in _RESIDUALS if name in given}
+    return given | {"floor": PlaneMap(matrix), "floor_residuals": _residuals(residuals)}
+
+
+def _residuals(given: dict[str, Any]) -> Residuals | None:
+    missing = [name for name in _RESIDUALS if name not in given]
+    if given and missing:
+        raise ValueError(f"{missing[0]} is missing")
+    return Residuals(**given) if given else None
+
+
+_LENS = Table(
+    _lens,
+    INTRINSICS.keys | _RESIDUALS,
+    "Focal lengths and centre (px), then how the lens distorts, as OpenCV has it.",
+)
+_FLOOR = Table(
+    _floor,
+    {
+        "area": Key(check_size, "the work area: width and height (px)", is_needed=True),
+        "mm_per_px": Key(
+            lambda _, value: check_mm_per_px(value), "a px of the work area on the floor (mm)"
+        ),
+        "marker_height": Key(codec.number, "of the robot's markers above the floor (mm)"),
+        "matrix": _MATRIX,
+        **_RESIDUALS,
+    },
+    "The matrix takes (u, v, 1) of an ideal lens to (x, y, 1) on the floor, times a number.",
+)
+
+
+def _calibration(
+    *, format: int, frames: Any, lens: Any = (), floor: Any = (), **others: Any
+) -> Calibration:
+    return Calibration(**frames, **dict(lens), **dict(floor), **others)
+
+
+def _marks(name: str, value: Any) -> dict[Any, Any]:
+    """Return a table with numbers as keys; what is none stays as it is, to be refused."""
+    return {
+        int(key) if len(key) < _LONGEST_NUMBER and _NUMBER.fullmatch(key) else key: pixel
+        for key, pixel in codec.as_table(name, value).items()
+    }
+
+
+def _any_keys(said: str, values: dict[str, Any]) -> Any:
+    return Table(dict, dict.fromkeys(values, Key(anything)), said).write(values)
+
+
+_FILE = Table(
+    _calibration,
+    {
+        "format": Key(anything),
+        "date": Key(codec.date),
+        "frames": Key(_FRAMES.read, "", _FRAMES.write, is_needed=True),
+        "lens": Key(_LENS.read, "", _LENS.write),
+        "floor": Key(_FLOOR.read, "", _FLOOR.write),
+        "features": Key(anything, "", partial(_any_keys, "Settings of the camera.")),
+        "marks": Key(_marks, "", partial(_any_keys, _MARKS)),
+    },
+)
 
 
 def save_calibration(path: str | PathLike[str], calibration: Calibration) -> None:
@@ -93,63 +169,26 @@ def as_calibration(value: Any, plane_map: PlaneMap | None = None) -> Calibration
 
 def calibration_text(one: Calibration) -> str:
     """Return the file of a calibration."""
-    import tomlkit  # it costs milliseconds
-
-    document = tomlkit.document()
-    for line in _HEADER:
-        document.add(tomlkit.comment(line))
-    document.add("format", tomlkit.item(_FORMAT))
-    if one.date is not None:
-        document.add("date", tomlkit.item(one.date))
-    frames = {"size": list(one.size), "region": one.region and list(one.region)}
-    document.add("frames", _table(frames, "What it is a calibration of."))
-    if one.intrinsics is not None:
-        lens = {
-            "matrix": np.asarray(one.intrinsics.matrix).tolist(),
-            "distortion": np.asarray(one.intrinsics.distortion).tolist(),
-            **_as_dict(one.lens_residuals),
-        }
-        said = "Focal lengths and centre (px), then how the lens distorts, as OpenCV has it."
-        document.add("lens", _table(lens, said))
-    if one.floor is not None:
-        floor = {
-            "area": list(one.area or ()),
-            "mm_per_px": one.mm_per_px,
-            "marker_height": one.marker_height,
-            "matrix": one.floor.matrix.tolist(),
-            **_as_dict(one.floor_residuals),
-        }
-        said = (
-            "The matrix takes (u, v, 1) of an ideal lens to (x, y, 1) on the floor, times a number."
-        )
-        document.add("floor", _table(floor, said))
-    if one.features:
-        document.add("features", _table(one.features, "Settings of the camera."))
-    if one.marks:
-        said = "Where the frames showed the floor sheets' marks, by their numbers: u, v (px)."
-        document.add("marks", _table({str(n): [*at] for n, at in one.marks.items()}, said))
-    return tomlkit.dumps(document)
+    values = {
+        "format": _FORMAT,
+        "date": one.date,
+        "frames": one,
+        "lens": one.intrinsics
+        and {
+            "matrix": one.intrinsics.matrix,
+            "distortion": one.intrinsics.distortion,
+            **_numbers_of(one.lens_residuals),
+        },
+        "floor": one.floor
+        and {**vars(one), "matrix": one.floor.matrix, **_numbers_of(one.floor_residuals)},
+        "features": one.features or None,
+        "marks": {str(mark): [*at] for mark, at in one.marks.items()} or None,
+    }
+    return "".join(f"# {line}\n" for line in _HEADER) + str(_FILE.write(values).as_string())
 
 
-def _table(values: Any, comment: str) -> Table:
-    import tomlkit
-
-    table = tomlkit.table()
-    table.add(tomlkit.comment(comment))
-    for key, value in values.items():
-        if value is None:
-            continue
-        item = tomlkit.item(value)
-        if isinstance(value, list) and isinstance(value[0], list):
-            item.multiline(True)
-        elif key in _COMMENTS:
-            item.comment(_COMMENTS[key])
-        table.add(key, item)
-    return table
-
-
-def _as_dict(residuals: Residuals | None) -> dict[str, Any]:
-    return {} if residuals is None else {name: getattr(residuals, name) for name in _RESIDUALS}
+def _numbers_of(residuals: Residuals | None) -> dict[str, Any]:
+    return {} if residuals is None else vars(residuals)
 
 
 def load_calibration(path: str | PathLike[str]) -> Calibration:
@@ -175,125 +214,9 @@ def load_calibration(path: str | PathLike[str]) -> Calibration:
         If it is no calibration, or is damaged; the message names file and key, what was expected
         and what came.
     """
-    file = as_path(path)
-    table = read_toml(file)
-    try:
-        return _read(table)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise ValueError(f"{one_line(file)}: {one_line(error)}") from error
+    return codec.load_table(path, _read)  # type: ignore[no-any-return]
 
 
 def _read(table: dict[str, Any]) -> Calibration:
-    if table.get("format") != _FORMAT or table["format"] is True:
-        raise ValueError(
-            f"format must be {_FORMAT}, got {quoted(table.get('format'))}: is it a calibration "
-            "that robsim wrote?"
-        )
-    _check_keys("", table)
-    frames = _subtable(table, "frames") or {}
-    if "size" not in frames:
-        raise ValueError("frames must have size")
-    lens, floor = _subtable(table, "lens"), _subtable(table, "floor")
-    intrinsics = None if lens is None else _intrinsics("lens", lens)
-    if floor is not None:
-        _need("floor", floor, "area", "matrix")
-    return _named(
-        {
-            "size": ("frames.size", frames["size"]),
-            "region": ("frames.region", frames.get("region")),
-            "area": ("floor.area", (floor or {}).get("area")),
-            "mm_per_px": ("floor.mm_per_px", (floor or {}).get("mm_per_px")),
-            "marker_height": ("floor.marker_height", (floor or {}).get("marker_height", 0.0)),
-            "date": ("date", table.get("date")),
-            "features": ("features", table.get("features", {})),
-            "marks": ("marks", _marks(table.get("marks", {}))),
-        },
-        intrinsics=intrinsics,
-        floor=None if floor is None else _plane_map("floor", floor),
-        lens_residuals=_residuals("lens", lens),
-        floor_residuals=_residuals("floor", floor),
-    )
-
-
-def _named(values: dict[str, tuple[str, Any]], **others: Any) -> Calibration:
-    """Return a calibration; an error in a value speaks of its key in the file."""
-    try:
-        return Calibration(**{name: value for name, (_, value) in values.items()}, **others)
-    except (TypeError, ValueError) as error:
-        text = str(error)
-        for name, (key, _) in values.items():
-            if text.startswith(f"{name} must"):
-                raise ValueError(text.replace(name, key, 1)) from error
-        raise
-
-
-def _subtable(table: dict[str, Any], name: str) -> dict[str, Any] | None:
-    value = table.get(name)
-    if value is None:
-        return None
-    if not isinstance(value, dict):
-        raise TypeError(f"{name} must be a table, got {quoted(value)}")
-    _check_keys(name, value)
-    return value
-
-
-def _check_keys(name: str, table: dict[str, Any]) -> None:
-    if unknown := [key for key in table if key not in _TABLES[name]]:
-        where = f"{name} must have only the keys" if name else "it must have only the keys"
-        raise ValueError(f"{where} {', '.join(_TABLES[name])}, got {quoted(unknown[0])}")
-
-
-def _marks(table: Any) -> Any:
-    """Return the table with numbers as keys; what is none stays as it is, to be refused."""
-    if not isinstance(table, dict):
-        return table
-    return {
-        int(key) if len(key) < _LONGEST_NUMBER and _NUMBER.fullmatch(key) else key: value
-        for key, value in table.items()
-    }
-
-
-def _need(name: str, table: dict[str, Any], *keys: str) -> None:
-    for key in keys:
-        if key not in table:
-            raise ValueError(f"{name} must have {key}")
-
-
-def _intrinsics(name: str, table: dict[str, Any]) -> Intrinsics:
-    _need(name, table, "matrix", "distortion")
-    matrix = _numbers(f"{name}.matrix", table["matrix"], (3, 3))
-    distortion = _numbers(f"{name}.distortion", table["distortion"], (5,))
-    try:
-        return Intrinsics(matrix, distortion=distortion.tolist())
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name}.{error}") from error
-
-
-def _plane_map(name: str, table: dict[str, Any]) -> PlaneMap:
-    matrix = _numbers(f"{name}.matrix", table["matrix"], (3, 3))
-    try:
-        return PlaneMap(matrix)
-    except ValueError as error:
-        raise ValueError(f"{name}.{error}") from error
-
-
-def _numbers(name: str, value: Any, shape: tuple[int, ...]) -> Any:
-    size = " x ".join(map(str, shape))
-    expected = f"{name} must be {size} finite numbers, got {quoted(value)}"
-    try:
-        array = as_float_array(name, value)
-    except TypeError:
-        raise TypeError(expected) from None
-    if array.shape != shape or not np.isfinite(array).all():
-        raise ValueError(expected)
-    return array
-
-
-def _residuals(name: str, table: dict[str, Any] | None) -> Residuals | None:
-    if table is None or not any(key in table for key in _RESIDUALS):
-        return None
-    _need(name, table, *_RESIDUALS)
-    try:
-        return Residuals(**{key: table[key] for key in _RESIDUALS})
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name}.{error}") from error
+    codec.check_format(table, _FORMAT, hint="is it a calibration that robsim wrote?")
+    return _FILE.read("calibration", table)  # type: ignore[no-any-return]

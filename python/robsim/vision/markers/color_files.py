@@ -13,23 +13,39 @@ from numpy.typing import NDArray
 from PIL import ImageColor
 
 from robsim._core import ColorClass, Frame, rgb_to_yuv
-from robsim.base.checks import check_text
-from robsim.base.files import as_path, read_text, read_toml, write_whole
-from robsim.base.files.reading import parse_toml
+from robsim.base.checks import check_int, check_text
+from robsim.base.files import as_path, parse_toml, read_text, write_whole
+from robsim.base.files.codec import Key, Table, as_table, by_name, in_words, load_table
 from robsim.base.shipped import ASSETS
-from robsim.base.text import cut, listed, one_line, quoted
+from robsim.base.text import listed, quoted
 from robsim.base.values import FileVersion
 from robsim.vision.imaging.images import Pixels
 
 #: The colour file that ships with robsim.
 SHIPPED_COLORS = ASSETS / "colors.toml"
 _MOST_COLORS = 1000  # of a file
-_CHANNELS = ("y", "u", "v")
 _HEADER = """\
 # Colour classes: ranges of Y (brightness), U and V, both limits included. U = V = 128 is grey;
 # a larger U is bluer, a larger V is redder. `robsim colors list FILE` shows them.
 
 """
+
+
+def _range(name: str, value: Any) -> tuple[int, int]:
+    numbers = value if isinstance(value, list) else []
+    if len(numbers) != 2 or not all(type(one) is int for one in numbers):
+        raise ValueError(f"{name} must be [lower, upper], two whole numbers, got {in_words(value)}")
+    lower, upper = (check_int(name, one, minimum=0, maximum=255) for one in numbers)
+    return lower, upper
+
+
+#: A colour class without its name.
+COLOR = Table(dict, {channel: Key(_range) for channel in "yuv"})
+
+
+def color_of(name: str, table: Any) -> ColorClass:
+    """Return the colour class of a table."""
+    return ColorClass(name, **COLOR.read(name, as_table(name, table, " with y, u and v")))
 
 
 def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ...]:
@@ -68,11 +84,7 @@ def _shipped_colors(file: FileVersion) -> tuple[ColorClass, ...]:
 
 
 def _read(path: Path) -> tuple[ColorClass, ...]:
-    tables = read_toml(path)
-    try:
-        return _colors_of(tables)
-    except ValueError as error:
-        raise ValueError(f"colour file {one_line(path)}: {error}") from error
+    return load_table(path, _colors_of, "colour file ")  # type: ignore[no-any-return]
 
 
 def colors_of_text(text: str) -> tuple[ColorClass, ...]:
@@ -83,7 +95,7 @@ def _colors_of(tables: dict[str, Any]) -> tuple[ColorClass, ...]:
     if not tables:
         raise ValueError("it has no colours, expected tables such as [red]")
     _check_count(len(tables))
-    return tuple(_color(name, table) for name, table in tables.items())
+    return (*by_name("", tables, color_of).values(),)
 
 
 def _check_count(count: int) -> None:
@@ -108,10 +120,7 @@ def colors_to_toml(colors: ColorClass | Iterable[ColorClass]) -> str:
 
     document = tomlkit.document()
     for color in _classes(colors):
-        table = tomlkit.table()
-        for channel in _CHANNELS:
-            table.add(channel, list(getattr(color, channel)))
-        document.add(color.name, table)
+        document.add(color.name, COLOR.write(color))
     return document.as_string()
 
 
@@ -177,7 +186,7 @@ def _updated(text: str, colors: Iterable[ColorClass], without: set[str]) -> str:
             added.append(color)
             continue
         table: Any = document[color.name]
-        for channel in _CHANNELS:
+        for channel in COLOR.keys:
             value = list(getattr(color, channel))
             if table.get(channel, [0, 255]) != value:
                 table[channel] = value
@@ -196,26 +205,6 @@ def _classes(colors: ColorClass | Iterable[ColorClass]) -> tuple[ColorClass, ...
         names = listed(color.name for color in classes)
         raise ValueError(f"colors must have different names, got {names}")
     return classes
-
-
-def _color(name: str, table: Any) -> ColorClass:
-    if not isinstance(table, dict):
-        raise ValueError(f"[{cut(name)}] must be a table with y, u and v, got {quoted(table)}")
-    unknown = set(table) - set(_CHANNELS)
-    if unknown:
-        raise ValueError(f"[{cut(name)}] must have y, u and v only, got {listed(sorted(unknown))}")
-    return ColorClass(name, **{channel: _range(name, channel, table[channel]) for channel in table})
-
-
-def _range(name: str, channel: str, value: Any) -> tuple[int, int]:
-    numbers = value if isinstance(value, list) else []
-    if len(numbers) != 2 or not all(type(number) is int for number in numbers):
-        raise ValueError(
-            f"{channel} of [{cut(name)}] must be [lower, upper], two ints, got {quoted(value)}"
-        )
-    if not all(0 <= number <= 255 for number in numbers):
-        raise ValueError(f"{channel} of [{cut(name)}] must lie within 0..255, got {quoted(value)}")
-    return numbers[0], numbers[1]
 
 
 def as_colors(

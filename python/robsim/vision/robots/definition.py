@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import MarkerLayout, cos, fitting_roles, sin
-from robsim.base.checks import Floats, check_choice, check_float, check_int, check_name
-from robsim.base.spelling import check_names
+from robsim.base.checks import Floats, check_float, check_int, check_name
 from robsim.base.text import quoted
 from robsim.base.values import Value, frozen
 from robsim.vision.imaging.images import Pixels, check_pixels
@@ -22,8 +21,6 @@ from robsim.vision.robots.polygons import area_and_centroid
 
 #: The colours of the markers of a robot that names no others.
 DEFAULT_COLORS = tuple(MarkerLayout(distance=1, offset=0).colors.values())
-#: The kinds of markers, as files call them.
-_KINDS = ("blob",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,30 +221,6 @@ def from_colors(
 
 def by_color(robot: RobotDefinition) -> dict[str, Floats]:
     return {marker.color: marker.polygon for marker in robot.markers.values()}
-
-
-def markers_of_tables(tables: Any) -> dict[str, BlobMarker]:
-    """Return the markers that a file has in a table for each role, such as ``[markers.right]``.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If there are not the tables of two roles, or one is wrong; the message names it.
-    """
-    markers = {}
-    for role, color in zip(roles_of("markers", tables), DEFAULT_COLORS, strict=True):
-        name, table = f"markers.{role}", tables[role]
-        if not isinstance(table, Mapping):
-            raise TypeError(f"{name} must be a table, got {quoted(table)}")
-        check_names(f"{name} has no key", table, ("kind", "color", "polygon"), ValueError)
-        check_choice(f"{name}.kind", table.get("kind", _KINDS[0]), _KINDS)
-        if "polygon" not in table:
-            raise ValueError(f"{name}.polygon is missing")
-        try:
-            markers[role] = BlobMarker(table["polygon"], table.get("color", color))
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"{name}: {error}") from error
-    return markers
 
 
 def check_color_names(argument: str, names: Any) -> tuple[str, str]:

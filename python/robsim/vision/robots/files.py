@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Mapping
 from contextlib import suppress
-from functools import lru_cache
+from functools import lru_cache, partial
 from os import PathLike
 from pathlib import Path, PureWindowsPath
 from typing import Any
@@ -13,20 +14,111 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from robsim._core import MarkerLayout
 from robsim.base.checks import Floats
-from robsim.base.files import as_path, naming, read_toml, write_whole
-from robsim.base.text import cut, one_line, quoted
+from robsim.base.files import as_path, codec, naming, write_whole
+from robsim.base.files.codec import Key, Table, count, load_table, number, numbers, text
+from robsim.base.text import one_line, quoted
 from robsim.base.values import FileVersion
 from robsim.vision.imaging.images import load_image
-from robsim.vision.robots.definition import RobotDefinition, markers_of_tables
+from robsim.vision.robots.definition import DEFAULT_COLORS, BlobMarker, RobotDefinition
+from robsim.vision.robots.marker_roles import roles_of, taken_roles
 
 #: The definition file of a robot folder, and the image beside it.
 TOML = "robot.toml"
 IMAGE = "robot.png"
+_WHAT = "robot definition "
 _OTHER_IMAGE = "robot-2.png"  # while a definition that uses the first one is replaced
 
-_KEYS = {"name", "image", "size", "alignment", "outline", "markers"}
-_OPTIONAL = {"centre", "maximum_blobs"}
+_MARKER = Table(
+    BlobMarker,
+    {"color": Key(text), "polygon": Key(numbers, "px of the image", is_needed=True)},
+)
+_MARKER_KINDS = ("blob",)
+
+
+def _markers(name: str, value: Any) -> dict[str, BlobMarker]:
+    """Return the markers that a file has in a table for each role, such as ``[markers.right]``."""
+    tables = codec.as_table(name, value)
+    colors = zip(roles_of(name, tables), DEFAULT_COLORS, strict=True)
+    return {
+        role: codec.read_key(role, partial(_marker, color), tables[role]) for role, color in colors
+    }
+
+
+def _marker(color: str, role: str, value: Any) -> BlobMarker:
+    table = {"color": color} | codec.as_table(role, value)
+    codec.kind_of(table, _MARKER_KINDS)
+    return _MARKER.read(role, table)  # type: ignore[no-any-return]
+
+
+def _markers_table(markers: Mapping[str, BlobMarker]) -> Any:
+    import tomlkit
+
+    tables = tomlkit.table(is_super_table=True)
+    for role, marker in markers.items():
+        tables.add(role, _MARKER.write(marker))
+    return tables
+
+
+#: The keys of a robot, but for its image.
+ROBOT_KEYS = {
+    "name": Key(text, is_needed=True),
+    "size": Key(number, "px", is_needed=True),
+    "alignment": Key(number, "degrees", is_needed=True),
+    "centre": Key(numbers, "px of the image"),
+    "outline": Key(numbers, is_needed=True),
+    "maximum_blobs": Key(count),
+}
+MARKERS = Key(_markers, "", _markers_table, is_needed=True)
+
+
+class _LayoutTable(Table):
+    """The table of a marker layout, with a table for each role, such as ``[markers.right]``."""
+
+    _ROLE = Table(
+        dict,
+        {
+            "color": Key(text, attribute="colors"),
+            "position": Key(
+                numbers,
+                "px, forward and right of the centre",
+                is_needed=True,
+                attribute="positions",
+            ),
+            "area": Key(number, "px^2", attribute="areas"),
+            "polygon": Key(numbers, "px, its corners", attribute="polygons"),
+        },
+    )
+
+    def values(self, name: str, value: Any) -> dict[str, Any]:
+        table = dict(codec.as_table(name, value))
+        tables = taken_roles(table)
+        values = super().values(name, table)
+        for role in roles_of(name, tables):
+            for attribute, one in codec.read_key(role, self._ROLE.read, tables[role]).items():
+                values.setdefault(attribute, {})[role] = one
+        return values
+
+    def write(self, value: Any, kind: str = "") -> Any:
+        table = super().write(value, kind)
+        for role in value.roles:
+            given = {
+                key.attribute: getattr(value, key.attribute) for key in self._ROLE.keys.values()
+            }
+            table.add(role, self._ROLE.write({of: by and by[role] for of, by in given.items()}))
+        return table
+
+
+#: Where the markers are on the work area, as files have it.
+LAYOUT = _LayoutTable(
+    MarkerLayout.from_positions,
+    {
+        "distance_tolerance": Key(number, "fraction"),
+        "area_tolerance": Key(number, "ratio"),
+        "maximum_blobs": Key(count),
+    },
+)
 
 _TEXT = """\
 # The appearance of a robot from above. Written by robsim; it may be edited by hand.
@@ -51,7 +143,7 @@ maximum_blobs = {maximum_blobs}
 # class of a colour file; area and centroid of a polygon are those that the camera is to measure.
 """
 
-_MARKER = """
+_MARKER_TEXT = """
 [markers.{role}]
 color = {color}
 polygon = {polygon}
@@ -72,8 +164,8 @@ def read_robot(folder: Path) -> RobotDefinition:
             return _read(folder, file)
         except FileNotFoundError:  # it was replaced just now
             return _read(folder, file)
-    except (ValueError, TypeError, OSError) as error:
-        raise ValueError(f"robot definition {one_line(file)}: {error}") from error
+    except OSError as error:
+        raise ValueError(f"{_WHAT}{one_line(file)}: {error}") from error
 
 
 def _read(folder: Path, file: str) -> RobotDefinition:
@@ -122,7 +214,7 @@ def _image_names(folder: Path, content: bytes) -> tuple[str, str | None]:
     """Return the name for the new image of a folder, and that of the old one, if there is one."""
     try:
         old = _image_name(FileVersion.of(folder / TOML))
-    except (ValueError, TypeError, OSError):  # no definition that could be kept
+    except (ValueError, OSError):  # no definition that could be kept
         return IMAGE, None
     with suppress(OSError):
         if (folder / old).read_bytes() == content:
@@ -133,34 +225,34 @@ def _image_names(folder: Path, content: bytes) -> tuple[str, str | None]:
 @lru_cache(maxsize=16)
 def _image_name(file: FileVersion) -> str:
     """Return the name of the image of a definition file."""
-    values = read_toml(file.path)
-    missing = _KEYS - set(values)
-    unknown = set(values) - _KEYS - _OPTIONAL
-    if missing or unknown:
-        problems = [f"{key} is missing" for key in sorted(missing)]
-        problems += [f"{cut(key)} is not known" for key in sorted(unknown)[:3]]
-        raise ValueError("; ".join(problems))
-    image = values["image"]
-    if not isinstance(image, str):
-        raise TypeError(f"image must be the name of a file, got {quoted(image)}")
+    return str(load_table(file.path, lambda table: _ROBOT.read(TOML, table)["image"], _WHAT))
+
+
+def _image_file(name: str, value: Any) -> str:
     # PureWindowsPath knows the path separators of all systems.
-    if image in ("", ".", "..") or PureWindowsPath(image).name != image:
-        raise ValueError(f"image must be the name of a file beside {TOML}, got {quoted(image)}")
-    return image
+    file = text(name, value)
+    if file in ("", ".", "..") or PureWindowsPath(file).name != file:
+        raise ValueError(f"{name} must be the name of a file beside {TOML}, got {quoted(file)}")
+    return file
+
+
+_ROBOT = Table(dict, ROBOT_KEYS | {"image": Key(_image_file, is_needed=True), "markers": MARKERS})
 
 
 @lru_cache(maxsize=16)
 def _definition(file: FileVersion, image: FileVersion) -> RobotDefinition:
-    values: dict[str, Any] = read_toml(file.path)
-    values["markers"] = markers_of_tables(values["markers"])
-    return RobotDefinition(**{**values, "image": load_image(image.path, mode="RGBA")})
+    def robot_of(table: dict[str, Any]) -> RobotDefinition:
+        values = _ROBOT.read(TOML, table)
+        return RobotDefinition(**values | {"image": load_image(image.path, mode="RGBA")})
+
+    return load_table(file.path, robot_of, _WHAT)  # type: ignore[no-any-return]
 
 
 def _as_text(robot: RobotDefinition, image: str) -> str:
     import tomlkit
 
     assert robot.centre is not None
-    text = _TEXT.format(
+    filled = _TEXT.format(
         name=tomlkit.string(robot.name).as_string(),
         image=image,
         size=float(robot.size),
@@ -171,8 +263,8 @@ def _as_text(robot: RobotDefinition, image: str) -> str:
     )
     for role, marker in robot.markers.items():
         color = tomlkit.string(marker.color).as_string()
-        text += _MARKER.format(role=role, color=color, polygon=_points(marker.polygon))
-    return text
+        filled += _MARKER_TEXT.format(role=role, color=color, polygon=_points(marker.polygon))
+    return filled
 
 
 def _point(point: Floats) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Generic, TypeVar
 
 from robsim._core import marker_roles
-from robsim.base.text import listed, quoted
+from robsim.base.text import quoted
 
 T = TypeVar("T")
 #: The pairs of roles, each in the order of its markers: the first, the second.
@@ -59,37 +59,3 @@ def roles_of(name: str, values: Any) -> tuple[str, str]:
 
 def taken_roles(table: dict[str, Any]) -> dict[str, Any]:
     return {role: table.pop(role) for roles in ROLES for role in roles if role in table}
-
-
-def given_by_role(name: str, tables: Any, keys: Mapping[str, str]) -> dict[str, dict[str, Any]]:
-    """Return what a file's tables of two markers give, such as ``[markers.right]``.
-
-    Parameters
-    ----------
-    name : str
-        What is read, for the messages.
-    tables : any
-        A table for each role.
-    keys : dict of str to str
-        The keys that such a table may have, and what of the markers they are.
-
-    Returns
-    -------
-    dict of str to dict
-        Such as ``{"positions": {"right": ..., "left": ...}}``; keys that no table has are left out.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If there are not the tables of two roles, or they have other keys.
-    """
-    given: dict[str, dict[str, Any]] = {}
-    for role in roles_of(name, tables):
-        table = tables[role]
-        if not isinstance(table, Mapping):
-            raise TypeError(f"{name}.{role} must be a table, got {quoted(table)}")
-        for key, value in table.items():
-            if key not in keys:
-                raise ValueError(f"{name}.{role} must have {listed(keys)} alone, got {quoted(key)}")
-            given.setdefault(keys[key], {})[role] = value
-    return given
