@@ -5,13 +5,14 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Mapping
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from robsim.base.files import as_path, read_toml
-from robsim.base.spelling import check_names
-from robsim.base.text import one_line, quoted
+from robsim.base.files import as_path, codec
+from robsim.base.files.codec import Key, Table, anything
+from robsim.base.text import quoted
 from robsim.campaigns._metrics import score_value
 from robsim.campaigns.choices import FOLDER
 from robsim.campaigns.spec import CampaignSpec
@@ -49,7 +50,6 @@ camera_delay = [0, 1]
 20 = { kind = "GaussianNoise", percent = 20 }
 """
 
-_KEYS = ("runs", "steps", "seed", "metrics", "time_limit", "keep", "scenario", "vary")
 _NONE = "none"  # TOML has no None
 
 
@@ -70,25 +70,33 @@ def load_spec(path: str | PathLike[str], *, runs: int | None = None) -> Campaign
     ValueError
         If it is not TOML, or something in it is missing, unknown or wrong.
     """
-    file = as_path(path)
-    values = read_toml(file, MOST_BYTES)
-    try:
-        check_names("a campaign has no", values, _KEYS, ValueError)
-        if runs is not None:
-            values["runs"] = runs
-        if missing := [name for name in ("runs", "steps", "metrics") if name not in values]:
-            raise ValueError(f"{missing[0]} is missing")
-        folder = file.absolute().parent
-        values["metrics"] = [_metric(one, folder) for one in _as_list(values["metrics"])]
-        values["scenario"] = _scenario(values.get("scenario", {}), folder)
-        values["vary"] = _vary(values.get("vary", {}), folder)
-        return CampaignSpec(**values)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise ValueError(f"campaign file {one_line(path)}: {error}") from error
+    given = {} if runs is None else {"runs": runs}
+    table = _table(as_path(path).absolute().parent)
+    spec: CampaignSpec = codec.load_table(
+        path, lambda values: table.read("campaign", values | given), "campaign file ", MOST_BYTES
+    )
+    return spec
 
 
-def _as_list(value: Any) -> list[Any]:
-    return value if isinstance(value, list) else [value]
+def _table(folder: Path) -> Table:
+    """Return the table of a campaign in a folder."""
+
+    def metrics(_: str, value: Any) -> list[Any]:
+        return [_metric(one, folder) for one in (value if isinstance(value, list) else [value])]
+
+    return Table(
+        CampaignSpec,
+        {
+            "runs": Key(anything, is_needed=True),
+            "steps": Key(anything, is_needed=True),
+            "seed": Key(anything),
+            "metrics": Key(metrics, is_needed=True),
+            "time_limit": Key(anything),
+            "keep": Key(anything),
+            "scenario": Key(partial(_scenario, folder)),
+            "vary": Key(partial(codec.by_name, read=partial(_values, folder))),
+        },
+    )
 
 
 def _metric(name: Any, folder: Path) -> Any:
@@ -111,21 +119,13 @@ def _metric(name: Any, folder: Path) -> Any:
         raise ValueError(f"metrics: there is no {quoted(name)}: {error}") from error
 
 
-def _scenario(value: Any, folder: Path) -> Scenario:
+def _scenario(folder: Path, name: str, value: Any) -> Scenario:
     if isinstance(value, str):
         return Scenario.load(folder / value)
-    if not isinstance(value, dict):
-        raise TypeError(f"scenario must be a table or a file, got {quoted(value)}")
-    return Scenario(**options_of(value, OPTIONS))
+    return Scenario(**options_of(codec.as_table(name, value, ", or a file"), OPTIONS))
 
 
-def _vary(tables: Any, folder: Path) -> dict[str, Any]:
-    if not isinstance(tables, dict):
-        raise TypeError(f"vary must be a table, got {quoted(tables)}")
-    return {name: _values(name, values, folder) for name, values in tables.items()}
-
-
-def _values(name: str, values: Any, folder: Path) -> Any:
+def _values(folder: Path, name: str, values: Any) -> Any:
     if isinstance(values, dict):
         labels = _labels(values)
         return {
@@ -134,7 +134,7 @@ def _values(name: str, values: Any, folder: Path) -> Any:
         }
     if not isinstance(values, list):
         raise TypeError(
-            f"vary: {name} must be a list of values, or a table of labels, got {quoted(values)}"
+            f"{name} must be a list of values, or a table of labels, got {codec.in_words(values)}"
         )
     return [_value(name, value, folder) for value in values]
 
