@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from typing import Any
 
-from robsim.base.checks import check_choice, check_name, is_int
-from robsim.base.files import as_folder, read_toml
+from robsim.base.checks import check_choice, check_name
+from robsim.base.files import as_folder, codec, read_text
+from robsim.base.files.codec import Key, Table, WrongTable, choice, names, text, up_to
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line, quoted
 from robsim.teach.assignments.assignment import SECONDS, SEEDS, Assignment, FileTests, TaskTest
 from robsim.teach.assignments.limits_file import RecordedTest, read_limits
 from robsim.teach.errors import AssignmentError
-from robsim.teach.grading.keys import Key
+from robsim.teach.grading import keys
 from robsim.teach.grading.robot_half import ROBOT_SLOTS
 from robsim.teach.isolation.limits import LEVELS, Isolation, WorkerLimits
 from robsim.teach.submissions.names import checked_path
@@ -23,125 +25,83 @@ from robsim.teach.tasks.by_name import TASKS, task
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import MODULE, Solution, solutions_in
 
-_NEEDED: Any = object()
-_Text = TypeVar("_Text", bound=str)
-
-
-class Keys:
-    """A table of a file: each key is asked for once, with what it must be.
-
-    Parameters
-    ----------
-    values : mapping of str to value
-        The table.
-    file : str
-        The name of the file, for messages.
-    known : tuple of str
-        All keys that there may be.
-    where : str
-        Which table of the file it is, for messages; "" = the file itself.
-
-    Raises
-    ------
-    AssignmentError
-        If it has other keys.
-    """
-
-    def __init__(
-        self, values: Mapping[str, Any], file: str, known: tuple[str, ...], where: str = ""
-    ) -> None:
-        self._values = values
-        self.file = file
-        self.place = f"{file}, {where}" if where else file
-        check_names(f"{self.place}: there is no key", values, known, self._error)
-
-    def __contains__(self, key: str) -> bool:
-        return key in self._values
-
-    def _error(self, message: str) -> AssignmentError:
-        return AssignmentError(message, file=self.file)
-
-    def refuse(self, message: object) -> NoReturn:
-        raise self._error(f"{self.place}: {message}") from None
-
-    def _got(self, key: str, expected: str) -> NoReturn:
-        self.refuse(f"{key} must be {expected}, got {quoted(self._values[key])}")
-
-    def _given(self, key: str, default: Any) -> bool:
-        """Whether a key is there; raise AssignmentError if it is not, and must be."""
-        if key not in self._values and default is _NEEDED:
-            self.refuse(f"{key} is missing")
-        return key in self._values
-
-    def text(self, key: str, default: str = _NEEDED) -> str:
-        """Return a text."""
-        if not self._given(key, default):
-            return default
-        value = self._values[key]
-        return value if isinstance(value, str) and value else self._got(key, "a text")
-
-    def choice(self, key: str, choices: tuple[_Text, ...], default: _Text = _NEEDED) -> _Text:
-        """Return one of some texts."""
-        if not self._given(key, default):
-            return default
-        try:
-            return check_choice(key, self._values[key], choices)
-        except (TypeError, ValueError) as error:
-            self.refuse(error)
-
-    def flag(self, key: str, default: bool = _NEEDED) -> bool:
-        """Return true or false."""
-        if not self._given(key, default):
-            return default
-        value = self._values[key]
-        return value if isinstance(value, bool) else self._got(key, "true or false")
-
-    def number(self, key: str, default: float = _NEEDED, *, most: float) -> float:
-        """Return a number from 0 to the most."""
-        if not self._given(key, default):
-            return default
-        value = self._values[key]
-        if not (is_int(value) or isinstance(value, float)) or not 0 <= value <= most:
-            self._got(key, f"a number within 0..{most:g}")
-        return float(value)
-
-    def names(self, key: str, default: tuple[str, ...] | None = _NEEDED) -> tuple[str, ...] | None:
-        """Return a list of texts."""
-        if not self._given(key, default):
-            return default
-        value = self._values[key]
-        if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
-            self._got(key, 'a list of names, such as ["numpy"]')
-        return tuple(value)
-
-    def table(self, key: str) -> Mapping[str, Any]:
-        """Return a table; empty, where there is none."""
-        value = self._values.get(key, {})
-        return value if isinstance(value, dict) else self._got(key, f"a table, [{key}]")
-
-    def tables(self, key: str) -> list[Mapping[str, Any]]:
-        """Return a list of tables; empty, where there is none."""
-        value = self._values.get(key, [])
-        if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
-            self._got(key, f"tables, each below a line [[{key}]]")
-        return list(value)
-
-
 FILE, KEY, GIVEN, SOLUTIONS = "assignment.toml", "key", "given", "solutions"
-_KEYS = (
-    *("name", "title", "slots", "functions", "given", "imports", "masked", "seeds", "isolation"),
-    *("points", "limits", "tests", "files"),
-)
-_TEST_KEYS = ("name", "title", "number", "task", "points", "public", "parameters")
-_FILE_KEYS = ("path", "public")
 #: What files of version 0.1 may mask, by the names of then.
 _OLD_MASKS = {
     "robsim.reference": "robsim.estimation.reference",
     **{f"robsim.{room}": f"robsim.teach.{room}" for room in ("tasks", "grading", "assignments")},
 }
-_LIMIT_KEYS = (*WorkerLimits.__dataclass_fields__, "submission")
 _GIVEN = ("pose", "blobs", "frames")  # each has what those before it have
 _MOST_POINTS, _MOST_SECONDS, _MOST_GIVEN = 1e6, 1e6, 2**24
+
+
+def _title(name: str, value: Any) -> str:
+    if not text(name, value):
+        raise ValueError(f"{name} must be a text, got none")
+    return str(value)
+
+
+def _path(name: str, value: Any) -> str:
+    path = Path(_title(name, value))
+    if path.is_absolute() or ".." in path.parts or path.suffix != ".py":
+        raise ValueError(f"{name} must be that of a Python file in the folder, got {quoted(value)}")
+    return str(value)
+
+
+def _test_name(name: str, value: Any) -> str:
+    if not text(name, value).isidentifier():  # it is part of the names of files
+        raise ValueError(f"{name} must be of letters, digits and _, got {quoted(value)}")
+    return str(value)
+
+
+def _limits(**limits: Any) -> tuple[float, WorkerLimits]:
+    return limits.pop("submission", SECONDS), WorkerLimits(**limits)
+
+
+def _slots(name: str, value: Any) -> tuple[str, ...]:
+    slots = names(name, value)
+    check_names(f"{name}: the robot has no", slots, ROBOT_SLOTS, ValueError)
+    return slots
+
+
+_POINTS = Key(up_to(_MOST_POINTS))
+_PUBLIC = Key(codec.flag, is_needed=True)
+_LIMITS = Table(
+    _limits,
+    {name: Key(codec.anything) for name in WorkerLimits.__dataclass_fields__}
+    | {"submission": Key(up_to(_MOST_SECONDS))},
+)
+_TEST = Table(
+    dict,
+    {
+        "name": Key(_test_name, is_needed=True),
+        "title": Key(_title),
+        "number": Key(_title),
+        "task": Key(choice(*TASKS), is_needed=True),
+        "points": replace(_POINTS, is_needed=True),
+        "public": _PUBLIC,
+        "parameters": Key(codec.as_table),
+    },
+)
+_FILE_TESTS = Table(dict, {"path": Key(_path, is_needed=True), "public": _PUBLIC})
+_ASSIGNMENT = Table(
+    dict,
+    {
+        "name": Key(check_name, is_needed=True),
+        "title": Key(_title, is_needed=True),
+        "slots": Key(_slots),
+        "functions": Key(names),
+        "given": Key(choice(*_GIVEN)),
+        "imports": Key(names),
+        "masked": Key(names),
+        "seeds": Key(choice(*SEEDS)),
+        "isolation": Key(choice(*LEVELS)),
+        "points": _POINTS,
+        "limits": Key(_LIMITS.read),
+        "tests": Key(partial(codec.listed_tables, read=_TEST.read)),
+        "files": Key(partial(codec.listed_tables, read=_FILE_TESTS.read)),
+    },
+)
 
 
 def load_assignment(
@@ -168,77 +128,64 @@ def load_assignment(
     if isolation is not None:
         check_choice("isolation", isolation, LEVELS)
     folder = as_folder(folder)
-    keys = Keys(_toml(folder), FILE, _KEYS)
-    tests = _tests(keys, folder)
-    files = tuple(
-        _file_tests(values, number, folder) for number, values in _numbered(keys, "files")
-    )
-    if not tests and not files:
-        keys.refuse("it has no tests: add some, each below a line [[tests]] or [[files]]")
-    seconds, limits = _limits(keys)
-    level = keys.choice("isolation", LEVELS, "auto")
-    assignment = Assignment(
-        folder=folder.absolute(),
-        name=_name(keys),
-        title=keys.text("title"),
-        slots=_slots(keys, tests),
-        functions=keys.names("functions", ()) or (),
-        imports=keys.names("imports", None),
-        masked=_renamed(keys.names("masked", _masked(tests)) or ()),
-        given=_given(keys, tests),
-        given_files=_given_files(folder),
-        own_seeds=keys.choice("seeds", SEEDS, SEEDS[0]) == SEEDS[0],
-        key=Key.read(folder / KEY) if (folder / KEY).exists() else None,
-        isolation=isolation or level,
-        limits=limits,
-        points=keys.number("points", most=_MOST_POINTS) if "points" in keys else None,
-        seconds=seconds,
-        tests=tests,
-        files=files,
-    )
-    _check_rules(keys, assignment)
-    return assignment
-
-
-def _toml(folder: Path) -> dict[str, Any]:
-    file = folder / FILE
     try:
-        return read_toml(file)
+        written = read_text(folder / FILE)
+        with codec.telling(FILE, written):
+            values = _ASSIGNMENT.read(FILE, codec.parsed(written))
+            return _assignment(values, folder, isolation)
     except FileNotFoundError:
         what = "there is no such folder" if not folder.exists() else f"it has no {FILE}"
         message = f"{one_line(folder)} is not an assignment: {what}"
     except (OSError, ValueError) as error:
         message = str(error)
-    raise AssignmentError(message, file=FILE) from None
+    raise AssignmentError(message, file=FILE)
 
 
-def _numbered(keys: Keys, key: str) -> list[tuple[int, Mapping[str, Any]]]:
-    return list(enumerate(keys.tables(key), 1))
+def _assignment(values: dict[str, Any], folder: Path, isolation: Isolation | None) -> Assignment:
+    tests = _tests(values.get("tests", []), folder)
+    files = tuple(
+        _file_tests(one, folder, number) for number, one in enumerate(values.get("files", []), 1)
+    )
+    if not tests and not files:
+        raise ValueError("it has no tests: add some, each below a line [[tests]] or [[files]]")
+    seconds, limits = values.get("limits", (SECONDS, WorkerLimits()))
+    assignment = Assignment(
+        folder=folder.absolute(),
+        name=values["name"],
+        title=values["title"],
+        slots=_slots_for(values, tests),
+        functions=values.get("functions", ()),
+        imports=values.get("imports"),
+        masked=_renamed(values.get("masked", _masked(tests))),
+        given=_given(values, tests),
+        given_files=_given_files(folder),
+        own_seeds=values.get("seeds", SEEDS[0]) == SEEDS[0],
+        key=keys.Key.read(folder / KEY) if (folder / KEY).exists() else None,
+        isolation=isolation or values.get("isolation", "auto"),
+        limits=limits,
+        points=values.get("points"),
+        seconds=seconds,
+        tests=tests,
+        files=files,
+    )
+    assignment._rules()
+    return assignment
 
 
-def _name(keys: Keys) -> str:
-    try:
-        return check_name("name", keys.text("name"))
-    except ValueError as error:
-        keys.refuse(error)
-
-
-def _tests(keys: Keys, folder: Path) -> tuple[TaskTest, ...]:
+def _tests(tables: list[dict[str, Any]], folder: Path) -> tuple[TaskTest, ...]:
     recorded = read_limits(folder)
     tests: dict[str, TaskTest] = {}
-    for number, values in _numbered(keys, "tests"):
-        test = _test(Keys(values, FILE, _TEST_KEYS, f"[[tests]] {number}"), folder, recorded)
+    for number, values in enumerate(tables, 1):
+        with codec.within("tests", str(number)):
+            test = _test(values, folder, recorded)
         if test.name in tests:
-            keys.refuse(f"two tests have the name {quoted(test.name)}")
+            raise ValueError(f"two tests have the name {quoted(test.name)}")
         tests[test.name] = test
     return tuple(tests.values())
 
 
-def _test(keys: Keys, folder: Path, recorded: Mapping[str, RecordedTest]) -> TaskTest:
-    name = keys.text("name")
-    if not name.isidentifier():  # it is part of the names of files
-        keys.refuse(f"name must be of letters, digits and _, got {quoted(name)}")
-    made = _task(keys)
+def _test(values: dict[str, Any], folder: Path, recorded: Mapping[str, RecordedTest]) -> TaskTest:
+    name, made = values["name"], _task(values["task"], values.get("parameters", {}))
     known = recorded.get(name, RecordedTest())
     check_names(
         f"limits.json, {name}: the task has no score",
@@ -250,11 +197,11 @@ def _test(keys: Keys, folder: Path, recorded: Mapping[str, RecordedTest]) -> Tas
     stale = None if known.calibration is None else known.calibration.stale(made, solutions)
     return TaskTest(
         name=name,
-        title=keys.text("title", made.title),
-        number=keys.text("number", ""),
+        title=values.get("title", made.title),
+        number=values.get("number", ""),
         task=made,
-        points=keys.number("points", most=_MOST_POINTS),
-        public=keys.flag("public"),
+        points=values["points"],
+        public=values["public"],
         limits=known.limits,
         stale=stale or "",
         reference=solutions[0],
@@ -262,15 +209,11 @@ def _test(keys: Keys, folder: Path, recorded: Mapping[str, RecordedTest]) -> Tas
     )
 
 
-def _task(keys: Keys) -> Task:
-    parameters = {key: _frozen(value) for key, value in keys.table("parameters").items()}
-    name = keys.choice("task", tuple(TASKS))
+def _task(name: str, parameters: Mapping[str, Any]) -> Task:
     known = [field.name for field in fields(TASKS[name])]
-    check_names(f"{keys.place}: the task {name} has no", parameters, known, _refused)
-    try:
-        return task(name, **parameters)
-    except (TypeError, ValueError) as error:
-        keys.refuse(error)
+    for key in parameters:
+        codec.check_key(key, known, f"the task {name} has no")
+    return task(name, **{key: _frozen(value) for key, value in parameters.items()})
 
 
 def _frozen(value: Any) -> Any:
@@ -287,32 +230,30 @@ def solutions_for(folder: Path, made: Task) -> tuple[Solution, ...]:
         raise AssignmentError(f"{SOLUTIONS}/{made.name}: {error}", file=SOLUTIONS) from None
 
 
-def _file_tests(values: Mapping[str, Any], number: int, folder: Path) -> FileTests:
-    keys = Keys(values, FILE, _FILE_KEYS, f"[[files]] {number}")
-    name = keys.text("path")
-    path = folder / name
-    if Path(name).is_absolute() or ".." in Path(name).parts or path.suffix != ".py":
-        keys.refuse(f"path must be that of a Python file in the folder, got {quoted(name)}")
+def _file_tests(values: dict[str, Any], folder: Path, number: int) -> FileTests:
+    path = folder / values["path"]
     if not path.is_file():
-        keys.refuse(f"there is no file {one_line(name)}")
-    return FileTests(path=path.absolute(), public=keys.flag("public"))
+        raise WrongTable(f"there is no file {one_line(values['path'])}", ("files", str(number)))
+    return FileTests(path=path.absolute(), public=values["public"])
 
 
-def _slots(keys: Keys, tests: tuple[TaskTest, ...]) -> tuple[str, ...]:
+def _slots_for(values: dict[str, Any], tests: tuple[TaskTest, ...]) -> tuple[str, ...]:
     needed = tuple(dict.fromkeys(slot for test in tests for slot in test.task.slots))
-    slots = keys.names("slots") if "slots" in keys or not needed else needed
-    assert slots is not None
-    check_names(f"{FILE}: slots: the robot has no", slots, ROBOT_SLOTS, _refused)
+    slots: tuple[str, ...] = values.get("slots", needed)
+    if not slots and "slots" not in values:
+        raise ValueError("slots is missing")
     if missing := [slot for slot in needed if slot not in slots]:
-        keys.refuse(f"slots must have {', '.join(missing)}, which its tasks need")
+        raise WrongTable(f"slots must have {', '.join(missing)}, which its tasks need")
     return slots
 
 
-def _given(keys: Keys, tests: tuple[TaskTest, ...]) -> str:
+def _given(values: dict[str, Any], tests: tuple[TaskTest, ...]) -> str:
     most = max((_GIVEN.index(test.task.given) for test in tests), default=0)
-    given = keys.choice("given", _GIVEN, _GIVEN[most])
+    given: str = values.get("given", _GIVEN[most])
     if _GIVEN.index(given) < most:
-        keys.refuse(f"given must be {_GIVEN[most]!r}, as its tasks need it, got {quoted(given)}")
+        raise WrongTable(
+            f"given must be {_GIVEN[most]!r}, as its tasks need it, got {quoted(given)}"
+        )
     return given
 
 
@@ -323,17 +264,6 @@ def _masked(tests: tuple[TaskTest, ...]) -> tuple[str, ...]:
 
 def _renamed(masked: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(_OLD_MASKS.get(name, name) for name in masked))
-
-
-def _limits(keys: Keys) -> tuple[float, WorkerLimits]:
-    values = dict(keys.table("limits"))
-    own = Keys(values, FILE, _LIMIT_KEYS, "[limits]")
-    seconds = own.number("submission", SECONDS, most=_MOST_SECONDS)
-    values.pop("submission", None)
-    try:
-        return seconds, WorkerLimits(**values)
-    except (TypeError, ValueError) as error:
-        own.refuse(error)
 
 
 def _given_files(folder: Path) -> dict[str, bytes]:
@@ -347,20 +277,9 @@ def _given_files(folder: Path) -> dict[str, bytes]:
         for name in found:
             checked_path(name, GIVEN)
     except OSError as error:
-        raise _refused(f"{GIVEN}/ must have files alone: {error}") from None
+        raise ValueError(f"{GIVEN}/ must have files alone: {error}") from None
     except Exception as error:
-        raise _refused(f"{GIVEN}/: {error}") from None
+        raise ValueError(f"{GIVEN}/: {error}") from None
     if sum(map(len, found.values())) > _MOST_GIVEN:
-        raise _refused(f"{GIVEN}/ must have at most {_MOST_GIVEN >> 20} MB")
+        raise ValueError(f"{GIVEN}/ must have at most {_MOST_GIVEN >> 20} MB")
     return found
-
-
-def _refused(message: str) -> AssignmentError:
-    return AssignmentError(message, file=FILE)
-
-
-def _check_rules(keys: Keys, assignment: Assignment) -> None:
-    try:
-        assignment._rules()
-    except (TypeError, ValueError) as error:
-        keys.refuse(error)
