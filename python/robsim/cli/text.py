@@ -13,15 +13,10 @@ from robsim.base.spelling import suggestion
 from robsim.base.text import quoted
 from robsim.control.by_name import NAMES, POINTS, controller_named
 from robsim.simulation import Dropout
-from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
+from robsim.vision.imaging.noise import NOISES, Noise
 
 Points = list[tuple[float, float]]
 Region = tuple[int, int, int, int]
-
-_NOISES: dict[str, type[GaussianNoise | UniformNoise]] = {
-    "gaussian": GaussianNoise,
-    "uniform": UniformNoise,
-}
 
 
 @contextmanager
@@ -43,18 +38,18 @@ def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
     return int(width), int(height)
 
 
-def parse_noise(option: str, text: str | None) -> GaussianNoise | UniformNoise | None:
+def parse_noise(option: str, text: str | None) -> Noise | None:
     """Return the noise from text such as gaussian:10."""
     if text is None:
         return None
     kind, _, percent = text.lower().partition(":")
-    if kind not in _NOISES or not _is_number(percent):
+    if kind not in NOISES or not _is_number(percent):
         raise ValueError(
             f"{option} must be a noise such as gaussian:10 or uniform:10, got {quoted(text)}"
-            + ("" if kind in _NOISES else suggestion(kind, _NOISES))
+            + ("" if kind in NOISES else suggestion(kind, NOISES))
         )
     with about(option):
-        return _NOISES[kind](float(percent))
+        return NOISES[kind](float(percent))
 
 
 def parse_dropout(option: str, text: str) -> Dropout:

@@ -115,6 +115,8 @@ class UniformNoise(_Noise):
 
 
 Noise = GaussianNoise | UniformNoise
+#: The noises by their names.
+NOISES: dict[str, type[Noise]] = {kind._kind: kind for kind in (UniformNoise, GaussianNoise)}
 
 
 def as_native_noise(noise: Noise | None) -> VisualNoise:
