@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Self, overload
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from robsim._core import trace_schema
 from robsim.base.checks import Floats, check_name
 from robsim.base.text import quoted
 
+_Values = TypeVar("_Values")
 GROUPS = {group.name: group for group in trace_schema()}
 """The groups of fixed width by name; a new one is added to the schema in the core."""
 #: The groups that the trace of a simulated run, or of recorded frames, must have.
@@ -81,12 +82,15 @@ def as_rows(name: str, values: Any) -> Floats:
     return rows
 
 
-class Column(property):
-    """The group of its name: an array with a row for each step."""
+class _Group(property, Generic[_Values]):
+    """The group of its name: a row for each step, as the schema describes it."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         group = GROUPS[name]
-        super().__init__(lambda trace: trace._numbers(group))
+        if group.is_flag:
+            super().__init__(lambda trace: np.asarray(trace._numbers(group) > 0))
+        else:
+            super().__init__(lambda trace: trace._numbers(group))
         self.__doc__ = group.description
 
     if TYPE_CHECKING:
@@ -94,25 +98,16 @@ class Column(property):
         @overload
         def __get__(self, trace: None, owner: type, /) -> Self: ...
         @overload
-        def __get__(self, trace: Any, owner: type | None = None, /) -> Floats: ...
+        def __get__(self, trace: Any, owner: type | None = None, /) -> _Values: ...
         def __get__(self, trace: Any, owner: type | None = None, /) -> Any: ...
 
 
-class Flag(property):
-    """The group of its name: True or False at each step."""
+class Column(_Group[Floats]):
+    """An array of numbers."""
 
-    def __set_name__(self, owner: type, name: str) -> None:
-        group = GROUPS[name]
-        super().__init__(lambda trace: np.asarray(trace._numbers(group) > 0))
-        self.__doc__ = group.description
 
-    if TYPE_CHECKING:
-
-        @overload
-        def __get__(self, trace: None, owner: type, /) -> Self: ...
-        @overload
-        def __get__(self, trace: Any, owner: type | None = None, /) -> NDArray[np.bool_]: ...
-        def __get__(self, trace: Any, owner: type | None = None, /) -> Any: ...
+class Flag(_Group[NDArray[np.bool_]]):
+    """True or False at each step."""
 
 
 _TRUTH = "only a simulation knows the truth, recorded frames do not have it"
