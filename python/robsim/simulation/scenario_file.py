@@ -11,7 +11,6 @@ import numpy as np
 from PIL import Image
 
 from robsim._core import (
-    ColorClass,
     DriveAround,
     MarkerLayout,
     Replay,
@@ -21,7 +20,7 @@ from robsim._core import (
     Unicycle,
 )
 from robsim.base.checks import check_choice
-from robsim.base.files import codec
+from robsim.base.files import codec, parse_toml
 from robsim.base.files.codec import Key, Table, count, number, numbers
 from robsim.base.seeds import SeedRecord
 from robsim.base.text import cut, quoted
@@ -157,7 +156,7 @@ def to_toml(changes: dict[str, Any]) -> str:
 def _written(name: str, value: Any) -> Any:
     """Return the value of an option as TOML has it: a table, or a plain value."""
     if name == "colors":
-        return _colors_table(value)
+        return codec.super_table({color.name: COLOR.write(color) for color in value})
     if isinstance(value, RobotDefinition) and (shipped := _shipped_name(value)) is not None:
         return shipped
     if (table := _TABLES.get(kind := type(value))) is not None:
@@ -168,15 +167,6 @@ def _written(name: str, value: Any) -> Any:
 
 def _shipped_name(robot: RobotDefinition) -> str | None:
     return next((name for name in shipped_robots() if as_robot(name) == robot), None)
-
-
-def _colors_table(colors: Iterable[ColorClass]) -> Any:
-    import tomlkit
-
-    table = tomlkit.table(is_super_table=True)
-    for color in colors:
-        table.add(tomlkit.key(color.name), COLOR.write(color))
-    return table
 
 
 # --- reading
@@ -204,10 +194,8 @@ def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
     if not isinstance(text, str):
         raise TypeError(f"text must be a str, got {quoted(text)}")
     with codec.telling(source, text):
-        if len(text) > MOST_BYTES:
-            raise ValueError(f"text must have at most {MOST_BYTES >> 20} MB")
         return cls(
-            **options_of(codec.parsed(text, MOST_BYTES), [field.name for field in fields(cls)])
+            **options_of(parse_toml(text, MOST_BYTES), [field.name for field in fields(cls)])
         )
 
 

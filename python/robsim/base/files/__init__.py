@@ -7,7 +7,6 @@ from robsim.base.files.reading import (
     content_of,
     parse_toml,
     read_text,
-    read_toml,
 )
 from robsim.base.files.writing import (
     PartialFile,
@@ -33,7 +32,6 @@ __all__ = [
     "packed_arrays",
     "parse_toml",
     "read_text",
-    "read_toml",
     "sync_folder",
     "write_csv",
     "write_new_files",

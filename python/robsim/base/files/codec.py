@@ -56,14 +56,15 @@ def telling(source: object, text: str) -> Iterator[None]:
     try:
         yield
     except _WRONG as error:
-        line = _line_of(text, (*error.path, error.key)) if isinstance(error, WrongTable) else 0
+        wrong = error if isinstance(error, WrongTable) else WrongTable(str(error))
+        line = _line_of(text, (*wrong.path, wrong.key))
         place = f"{one_line(source)}, line {line}" if line else one_line(source)
         raise ValueError(f"{place}: {one_line(error)}") from error
 
 
 def load_table(
     path: str | PathLike[str],
-    read: Callable[[dict[str, Any]], Any],
+    read: Callable[[dict[str, Any]], Any] = dict,
     what: str = "",
     most: int = MOST_TOML,
 ) -> Any:
@@ -75,15 +76,7 @@ def load_table(
     file = as_path(path)
     text = read_text(file, most)
     with telling(f"{what}{file}", text):
-        return read(parsed(text, most))
-
-
-def parsed(text: str, most: int = MOST_TOML) -> dict[str, Any]:
-    """Return the table of a text, within limits."""
-    try:
-        return parse_toml(text, most)
-    except ValueError as error:
-        raise ValueError(f"this is not a TOML file: {error}") from error
+        return read(parse_toml(text, most))
 
 
 def _line_of(text: str, path: tuple[str, ...]) -> int:
@@ -139,6 +132,7 @@ class Table:
     make: Callable[..., Any]  # the value, of what the keys give by their attributes
     keys: dict[str, Key]  # in the order of the file
     said: str = ""  # the comment above the keys
+    ignores_others: bool = False
 
     def read(self, name: str, value: Any) -> Any:
         """Return the value of a table."""
@@ -147,6 +141,8 @@ class Table:
     def values(self, name: str, value: Any) -> dict[str, Any]:
         """Return what the keys of a table give, by their attributes."""
         table = as_table(name, value)
+        if self.ignores_others:
+            table = {key: one for key, one in table.items() if key in self.keys}
         for key in table:
             check_key(key, self.keys)
         for key, one in self.keys.items():
@@ -212,6 +208,16 @@ def by_name(name: str, value: Any, read: Read, hint: str = "") -> dict[str, Any]
     """Return what a function reads from each of the tables that a table has, by their names."""
     tables = as_table(name, value, hint)
     return {key: read_key(key, read, table) for key, table in tables.items()}
+
+
+def super_table(tables: Mapping[str, Any]) -> Any:
+    """Return a table of tables alone, which has no line of its own."""
+    import tomlkit
+
+    table = tomlkit.table(is_super_table=True)
+    for name, one in tables.items():
+        table.add(name, one)
+    return table
 
 
 def listed_tables(name: str, value: Any, read: Read) -> list[Any]:

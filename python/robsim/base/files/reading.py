@@ -34,30 +34,6 @@ def as_path(path: str | PathLike[str], name: str = "path") -> Path:
     return found
 
 
-def read_toml(path: str | PathLike[str], most: int = MOST_TOML) -> dict[str, Any]:
-    """Read a TOML file, with or without a byte order mark.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    most : int
-        Limit of its size (bytes).
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If it is not TOML, or too large; the message names the file.
-    """
-    text = read_text(Path(path), most)
-    try:
-        return parse_toml(text, most)
-    except ValueError as error:
-        raise ValueError(f"{one_line(path)} is not a TOML file: {error}") from error
-
-
 def read_text(path: Path, most: int = MOST_TOML) -> str:
     """Return the text of a file of at most so many bytes; else raise a ValueError that names it."""
     content = content_of(path, most + 1)
@@ -92,7 +68,7 @@ def parse_toml(text: str, most: int = MOST_TOML) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ValueError(cut(error)) from error
+        raise ValueError(f"this is not a TOML file: {cut(error)}") from error
 
 
 def content_of(path: Path, size: int = -1) -> bytes:

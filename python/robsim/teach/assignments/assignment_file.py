@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from robsim.base.checks import check_choice, check_name
-from robsim.base.files import as_folder, codec, read_text
+from robsim.base.files import as_folder, codec, parse_toml, read_text
 from robsim.base.files.codec import Key, Table, WrongTable, choice, names, text, up_to
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line, quoted
@@ -131,7 +131,7 @@ def load_assignment(
     try:
         written = read_text(folder / FILE)
         with codec.telling(FILE, written):
-            values = _ASSIGNMENT.read(FILE, codec.parsed(written))
+            values = _ASSIGNMENT.read(FILE, parse_toml(written))
             return _assignment(values, folder, isolation)
     except FileNotFoundError:
         what = "there is no such folder" if not folder.exists() else f"it has no {FILE}"

@@ -6,11 +6,13 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
 from robsim.base.checks import check_float
-from robsim.base.spelling import check_names
+from robsim.base.files import codec
+from robsim.base.files.codec import Key, Table
 from robsim.base.text import quoted
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.marks.calibration import TaskCalibration
@@ -59,59 +61,47 @@ def read_limits(folder: Path) -> dict[str, RecordedTest]:
     except OSError as error:
         _refuse(f"it cannot be read: {error.strerror}")
     try:
-        data = json.loads(content[: _MOST + 1])
-    except (ValueError, RecursionError) as error:
-        _refuse(f"it is not JSON: {error}")
-    if not isinstance(data, dict) or data.get("format") != FORMAT:
-        _refuse(f"it is not of format {FORMAT}")
-    return {name: _test(name, values) for name, values in _table("tests", data, "tests").items()}
+        data = codec.as_table("the file", json.loads(content[: _MOST + 1]))
+        codec.check_format(data, FORMAT)
+        return codec.by_name("tests", data.get("tests", {}), _TEST.read)
+    except (ValueError, TypeError, RecursionError) as error:
+        _refuse(error)
 
 
-def _test(name: str, values: Any) -> RecordedTest:
-    if not isinstance(values, dict):
-        _refuse(f"{name} must be an object, got {quoted(values)}")
-    limits = _table(name, values, "limits")
-    reference = _table(name, values, "reference")
-    return RecordedTest(
-        limits={score: _limit(f"{name}, {score}", one) for score, one in limits.items()},
-        reference={score: _numbers(f"{name}, {score}", one) for score, one in reference.items()},
-        calibration=_calibration(name, values.get("calibration")),
-    )
+def _limit(name: str, value: Any) -> float | None:
+    return None if value is None else check_float(name, value, exclusive_minimum=0)
+
+
+def _score_limit(**given: float | None) -> ScoreLimit:
+    return ScoreLimit(**{key: value for key, value in given.items() if value is not None})
 
 
 def _calibration(name: str, record: Any) -> TaskCalibration | None:
-    try:
-        return None if record is None else TaskCalibration.from_record(record)
-    except ValueError as error:
-        _refuse(f"{name}: {error}")
+    return None if record is None else TaskCalibration.from_record(record)
 
 
-def _table(place: str, values: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-    value = values.get(key, {})
-    return value if isinstance(value, dict) else _refuse(f"{place}: {key} must be an object")
-
-
-def _limit(place: str, values: Any) -> ScoreLimit:
-    if not isinstance(values, dict) or not {"full", "zero"} <= values.keys():
-        _refuse(f"{place} must have full and zero, got {quoted(values)}")
-    check_names(f"{FILE}: {place} has no", values, _LIMIT, lambda text: AssignmentError(text))
-    given = {key: value for key, value in values.items() if value is not None}
-    try:
-        numbers = {
-            key: check_float(key, value, exclusive_minimum=0) for key, value in given.items()
-        }
-    except (TypeError, ValueError) as error:
-        _refuse(f"{place}: {error}")
-    return ScoreLimit(**numbers)
-
-
-def _numbers(place: str, values: Any) -> tuple[float, ...]:
-    if not isinstance(values, list) or not all(
-        one is None or isinstance(one, (int, float)) for one in values
+def _numbers(name: str, value: Any) -> tuple[float, ...]:
+    if not isinstance(value, list) or not all(
+        one is None or isinstance(one, (int, float)) for one in value
     ):
-        _refuse(f"{place} must be numbers, got {quoted(values)}")
-    return tuple(math.nan if one is None else float(one) for one in values)
+        raise TypeError(f"{name} must be numbers, got {quoted(value)}")
+    return tuple(math.nan if one is None else float(one) for one in value)
 
 
-def _refuse(message: str) -> NoReturn:
+_SCORE = Table(
+    _score_limit,
+    {key: Key(_limit, is_needed=key in ("full", "zero")) for key in _LIMIT},
+)
+_TEST = Table(
+    RecordedTest,
+    {
+        "limits": Key(partial(codec.by_name, read=_SCORE.read)),
+        "reference": Key(partial(codec.by_name, read=_numbers)),
+        "calibration": Key(_calibration),
+    },
+    ignores_others=True,
+)
+
+
+def _refuse(message: object) -> NoReturn:
     raise AssignmentError(f"{FILE}: {message}", file=FILE) from None

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from robsim.base.checks import check_int, check_name, check_text
-from robsim.base.files import as_folder, write_whole
+from robsim.base.files import as_folder, codec, write_whole
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line
 from robsim.teach.assignments.assignment import Assignment
@@ -254,12 +254,7 @@ def _parameters(values: Mapping[str, Any]) -> list[str]:
 def _toml(value: Any) -> str:
     import tomlkit
 
-    return str(tomlkit.item(_listed(value)).as_string())
-
-
-def _listed(value: Any) -> Any:
-    """Return a value with lists for tuples, as TOML has them."""
-    return [_listed(one) for one in value] if isinstance(value, (tuple, list)) else value
+    return str(tomlkit.item(codec.plain(value)).as_string())
 
 
 def _filled(name: str, values: Mapping[str, str]) -> str:

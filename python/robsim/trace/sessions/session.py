@@ -12,7 +12,8 @@ import numpy as np
 
 from robsim._core import ColorClass, Frame, MarkerLayout, Observation, PlaneMap, RobotModel
 from robsim.base.checks import Floats
-from robsim.base.files import as_path, read_toml
+from robsim.base.files import as_path
+from robsim.base.files.codec import load_table
 from robsim.base.text import cut, one_line, quoted
 from robsim.trace.columns import GROUPS
 from robsim.trace.run_info import RunInfo
@@ -250,7 +251,7 @@ class Session:
 
     def _steps_promised(self) -> int:
         file = self.folder / END
-        end = read_toml(file)
+        end = load_table(file)
         steps, lost = end.get("steps"), end.get("steps_lost", 0)
         if not (type(steps) is int and type(lost) is int and 0 <= steps + lost < 2**62):
             raise ValueError(f"{one_line(file)}: steps must be a whole number, got {quoted(steps)}")

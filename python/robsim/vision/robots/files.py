@@ -53,12 +53,7 @@ def _marker(color: str, role: str, value: Any) -> BlobMarker:
 
 
 def _markers_table(markers: Mapping[str, BlobMarker]) -> Any:
-    import tomlkit
-
-    tables = tomlkit.table(is_super_table=True)
-    for role, marker in markers.items():
-        tables.add(role, _MARKER.write(marker))
-    return tables
+    return codec.super_table({role: _MARKER.write(one) for role, one in markers.items()})
 
 
 #: The keys of a robot, but for its image.

@@ -8,13 +8,14 @@ from functools import lru_cache
 from os import PathLike
 from pathlib import Path
 from secrets import token_hex
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from robsim.base.checks import check_text
-from robsim.base.files import naming, read_text, read_toml, write_whole
+from robsim.base.files import naming, read_text, write_whole
+from robsim.base.files.codec import load_table, text
 from robsim.base.shipped import ASSETS
 from robsim.base.spelling import suggestion
-from robsim.base.text import cut, listed, one_line, quoted
+from robsim.base.text import listed, one_line, quoted
 from robsim.base.values import FileVersion
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.files import TOML, read_robot
@@ -47,22 +48,17 @@ def default_robot() -> str:
     """
     file = settings_file()
     try:
-        name = _stored_name(FileVersion.of(file))
+        return _stored_name(FileVersion.of(file))
     except FileNotFoundError:
         return DEFAULT
     except (ValueError, OSError) as error:
-        raise ValueError(f"settings file {one_line(file)}: {cut(error)}; {_RESET}") from error
-    if not isinstance(name, str):
-        raise ValueError(
-            f"settings file {one_line(file)}: robot must be the name of a robot, got "
-            f"{quoted(name)}; {_RESET}"
-        )
-    return name
+        raise ValueError(f"settings file {one_line(error)}; {_RESET}") from error
 
 
 @lru_cache(maxsize=1)
-def _stored_name(file: FileVersion) -> Any:
-    return read_toml(file.path).get("robot", DEFAULT)
+def _stored_name(file: FileVersion) -> str:
+    name: str = load_table(file.path, lambda table: text("robot", table.get("robot", DEFAULT)))
+    return name
 
 
 def missing_robot_error(name: str) -> ValueError:
@@ -79,15 +75,13 @@ def store_default_robot(name: str) -> None:
     file = settings_file()
     settings = tomlkit.document()
     try:
-        read_toml(file)  # within limits, and more strictly than tomlkit
+        load_table(file)  # within limits, and more strictly than tomlkit
         settings = tomlkit.parse(read_text(file))
     except FileNotFoundError:
         with naming(file.parent):
             file.parent.mkdir(parents=True, exist_ok=True)
-    except ValueError as error:
-        raise ValueError(f"settings file {one_line(file)}: {cut(error)}; {_RESET}") from error
-    except OSError as error:
-        raise ValueError(f"settings file {one_line(file)}: {error.strerror}; {_RESET}") from error
+    except (ValueError, OSError) as error:
+        raise ValueError(f"settings file {one_line(error)}; {_RESET}") from error
     settings["robot"] = name
     write_whole(file, tomlkit.dumps(settings).encode())
 
