@@ -1,4 +1,4 @@
-"""What is wrong in a TOML file is told with the line, the table and the key, whoever reads it."""
+"""An error in a TOML file names the line, the table and the key, in every reader."""
 
 import re
 

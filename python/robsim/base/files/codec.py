@@ -27,7 +27,7 @@ _LONGEST_LINE = 1000  # characters, among which a key is looked for
 
 
 class WrongTable(ValueError):
-    """What is wrong in a table of a file: a sentence, the path there, and the key.
+    """An error in a table of a file: a sentence, the path there, and the key.
 
     Tables of a list have their numbers in the path, from 1. The key is the sentence's first word by
     default.
@@ -68,10 +68,10 @@ def load_table(
     what: str = "",
     most: int = MOST_TOML,
 ) -> Any:
-    """Return what a function makes of the table of a file of at most so many bytes.
+    """Read the table of a file of at most so many bytes; return the result of `read`.
 
-    A ValueError for what is not TOML, too large or wrong names file, line, table and key; it starts
-    with what the file is: ``"colour file "``.
+    A ValueError names file, line, table and key. It starts with `what`, the kind of the file, such
+    as ``"colour file "``.
     """
     file = as_path(path)
     text = read_text(file, most)
@@ -108,7 +108,7 @@ def _parts(key: str) -> tuple[str, ...]:
 
 
 def plain(value: Any) -> Any:
-    """Return a value made of what TOML has, its numbers to the last bit."""
+    """Return a value in the types of TOML, its numbers to the last bit."""
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     return [plain(one) for one in value] if isinstance(value, (tuple, list)) else value
@@ -118,7 +118,7 @@ def plain(value: Any) -> Any:
 class Key:
     """A key of a table: how its value is read and written."""
 
-    read: Read  # takes the name, for messages, and what stands in the file
+    read: Read  # takes the name, for messages, and the value in the file
     unit: str = ""  # the comment behind the value
     write: Callable[[Any], Any] = plain  # returns what TOML has
     is_needed: bool = False
@@ -129,7 +129,7 @@ class Key:
 class Table:
     """A table of a file, for a value."""
 
-    make: Callable[..., Any]  # the value, of what the keys give by their attributes
+    make: Callable[..., Any]  # takes the values of the keys, by their attributes
     keys: dict[str, Key]  # in the order of the file
     said: str = ""  # the comment above the keys
     ignores_others: bool = False
@@ -139,7 +139,7 @@ class Table:
         return self.make(**self.values(name, value))
 
     def values(self, name: str, value: Any) -> dict[str, Any]:
-        """Return what the keys of a table give, by their attributes."""
+        """Return the values of the keys of a table, by their attributes."""
         table = as_table(name, value)
         if self.ignores_others:
             table = {key: one for key, one in table.items() if key in self.keys}
@@ -156,7 +156,7 @@ class Table:
     def write(self, value: Any, kind: str = "") -> Any:
         """Return the table of a value, or of its attributes; a kind becomes its first key.
 
-        What is None or NaN is left out.
+        It has no keys for None and NaN.
         """
         import tomlkit  # it costs milliseconds
 
@@ -195,23 +195,23 @@ def read_key(name: str, read: Read, value: Any) -> Any:
 
 
 def as_table(name: str, value: Any, hint: str = "") -> dict[str, Any]:
-    """Return a table of a file; else raise TypeError, with a hint what it is like."""
+    """Return a table of a file; else raise TypeError, with a hint."""
     return of_type(name, value, f"a table{hint}", dict)  # type: ignore[no-any-return]
 
 
 def check_key(key: str, known: Iterable[str], what: str = "there is no key") -> None:
-    """Raise for a key that there is not, with the one that was meant."""
+    """Raise an error for an unknown key, with the one that was meant."""
     check_names(what, [key], known, lambda sentence: WrongTable(sentence, key=key))
 
 
 def by_name(name: str, value: Any, read: Read, hint: str = "") -> dict[str, Any]:
-    """Return what a function reads from each of the tables that a table has, by their names."""
+    """Read each of the tables in a table; return the results by their names."""
     tables = as_table(name, value, hint)
     return {key: read_key(key, read, table) for key, table in tables.items()}
 
 
 def super_table(tables: Mapping[str, Any]) -> Any:
-    """Return a table of tables alone, which has no line of its own."""
+    """Return a table that has only tables, and no line in the file."""
     import tomlkit
 
     table = tomlkit.table(is_super_table=True)
@@ -221,7 +221,7 @@ def super_table(tables: Mapping[str, Any]) -> Any:
 
 
 def listed_tables(name: str, value: Any, read: Read) -> list[Any]:
-    """Return what a function reads from each table of a list, ``[[name]]``."""
+    """Read each table of a list, ``[[name]]``; return the results."""
     if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
         raise TypeError(
             f"{name} must be tables, each below a line [[{name}]], got {in_words(value)}"
@@ -277,7 +277,7 @@ def number(name: str, value: Any) -> float:
 
 
 def up_to(most: float) -> Read:
-    """Return what reads a number from 0 to the most."""
+    """Return a reader of numbers from 0 to the most."""
     return lambda name, value: check_float(
         name, of_type(name, value, "a number", int, float), minimum=0, maximum=most
     )
@@ -289,7 +289,7 @@ def count(name: str, value: Any) -> int:
 
 
 def choice(*choices: str) -> Read:
-    """Return what reads one of some texts."""
+    """Return a reader of one of some texts."""
     return lambda name, value: check_choice(name, value, choices)
 
 
@@ -313,7 +313,7 @@ def numbers(name: str, value: Any) -> Any:
 
 
 def array(*shape: int) -> Read:
-    """Return what reads finite numbers of a shape."""
+    """Return a reader of finite numbers of a shape."""
 
     def read(name: str, value: Any) -> Any:
         size = " x ".join(map(str, shape))

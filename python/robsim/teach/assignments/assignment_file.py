@@ -44,7 +44,7 @@ def _title(name: str, value: Any) -> str:
 def _path(name: str, value: Any) -> str:
     path = Path(_title(name, value))
     if path.is_absolute() or ".." in path.parts or path.suffix != ".py":
-        raise ValueError(f"{name} must be that of a Python file in the folder, got {quoted(value)}")
+        raise ValueError(f"{name} must lead to a Python file in the folder, got {quoted(value)}")
     return str(value)
 
 

