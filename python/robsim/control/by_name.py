@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -12,13 +13,10 @@ from robsim.control.path_following import FollowPath, GoToPoint
 Point = tuple[float, float]
 Control = Callable[[Step], Any]
 
-#: Those that need no pose, with their default options.
+#: Those that need no pose, with their default options: ``DriveAround`` is ``drive-around``.
 OPEN_LOOP: dict[str, Callable[[], Control]] = {
-    "spin": Spin,
-    "drive-around": DriveAround,
-    "pseudo-random-binary": PseudoRandomBinary,
-    "multi-sine": MultiSine,
-    "chirp": Chirp,
+    re.sub("(?<!^)(?=[A-Z])", "-", kind.__name__).lower(): kind
+    for kind in (Spin, DriveAround, PseudoRandomBinary, MultiSine, Chirp)
 }
 _TO_POINTS: dict[str, Callable[[Sequence[Point]], Control]] = {
     "go-to-point": lambda points: GoToPoint(*points[0]),

@@ -129,16 +129,22 @@ def load_assignment(
         check_choice("isolation", isolation, LEVELS)
     folder = as_folder(folder)
     try:
-        written = read_text(folder / FILE)
+        written = _text_in(folder)
         with codec.telling(FILE, written):
             values = _ASSIGNMENT.read(FILE, parse_toml(written))
             return _assignment(values, folder, isolation)
+    except ValueError as error:
+        raise AssignmentError(str(error), file=FILE) from None
+
+
+def _text_in(folder: Path) -> str:
+    try:
+        return read_text(folder / FILE)
     except FileNotFoundError:
         what = "there is no such folder" if not folder.exists() else f"it has no {FILE}"
-        message = f"{one_line(folder)} is not an assignment: {what}"
-    except (OSError, ValueError) as error:
-        message = str(error)
-    raise AssignmentError(message, file=FILE)
+        raise ValueError(f"{one_line(folder)} is not an assignment: {what}") from None
+    except OSError as error:
+        raise ValueError(str(error)) from None
 
 
 def _assignment(values: dict[str, Any], folder: Path, isolation: Isolation | None) -> Assignment:
