@@ -15,6 +15,7 @@ import numpy as np
 from robsim._core import Intrinsics, PlaneMap
 from robsim.base.checks import Floats
 from robsim.base.text import as_cell, cut, one_line, quoted
+from robsim.trace.columns import GROUPS
 
 #: Limits of the file and of a line (bytes).
 MOST_BYTES = 2**31
@@ -72,11 +73,7 @@ class Row:
 
 
 # Columns of the arrays; the other fields are a column each.
-_ARRAYS = {
-    "u": ("u1", "u2"),
-    "last_u": ("last_u1", "last_u2"),
-    "pose_measured": ("x_measured", "y_measured", "heading_measured"),
-}
+_ARRAYS = {name: tuple(GROUPS[name].units) for name in ("u", "last_u", "pose_measured")}
 _FIELDS = tuple(entry.name for entry in fields(Row))
 _COLUMNS = tuple(column for name in _FIELDS for column in _ARRAYS.get(name, (name,)))
 _COLUMNS_BY_FORMAT = {1: _COLUMNS[:-1], 2: _COLUMNS}
