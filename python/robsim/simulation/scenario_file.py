@@ -70,8 +70,8 @@ def _png(pixels: Pixels) -> bytes:
 _IMAGE = Key(_image, "PNG in base64", _png, is_needed=True)
 _ENTROPY = Key(_numbers_tuple)
 
-# The values that are tables, by their kinds.
-_TABLES: dict[type, Table] = {
+#: The values that are tables, by their kinds.
+TABLES: dict[type, Table] = {
     kind: Table(kind, keys)
     for kind, keys in {
         GaussianNoise: {"percent": Key(number, "%")},
@@ -159,7 +159,7 @@ def _written(name: str, value: Any) -> Any:
         return codec.super_table({color.name: COLOR.write(color) for color in value})
     if isinstance(value, RobotDefinition) and (shipped := _shipped_name(value)) is not None:
         return shipped
-    if (table := _TABLES.get(kind := type(value))) is not None:
+    if (table := TABLES.get(kind := type(value))) is not None:
         has_kind = len(OPTIONS[name].types) > 1 or not table.keys
         return table.write(value, kind.__name__ if has_kind else "")
     return _CONTINUOUS if name == "headings" and value is None else codec.plain(value)
@@ -224,4 +224,4 @@ def _read_option(name: str, value: Any) -> Any:
         return codec.of_type(name, value, *option.plain)
     table = dict(codec.as_table(name, value, f" [{name}]"))
     kinds = {kind.__name__: kind for kind in option.types}
-    return _TABLES[kinds[codec.kind_of(table, tuple(kinds))]].read(name, table)
+    return TABLES[kinds[codec.kind_of(table, tuple(kinds))]].read(name, table)

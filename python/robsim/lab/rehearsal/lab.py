@@ -14,16 +14,12 @@ from robsim.base.seeds import seed_sequence, stream_number
 from robsim.base.text import quoted
 from robsim.lab.rehearsal.faults import CameraFaults, LabTruth, Lens, truth_of
 from robsim.simulation import Scenario
+from robsim.simulation.scenario_file import TABLES
 from robsim.simulation.world import world_of_scenario as worlds
 from robsim.vision.imaging.noise import as_native_noise
 
 #: Most pixels of the scene for one work-area px, where an oblique camera comes close to the floor.
 _FINEST = 4.0
-
-_PARAMETERS = (
-    *("mass", "inertia", "linear_friction", "angular_friction", "wheel_radius", "wheel_base"),
-    *("motor_gain", "motor_offset"),
-)
 
 
 class SimulatedLab:
@@ -272,8 +268,8 @@ def _real_time(scenario: Scenario, dt: float) -> Scenario:
     worlds.check_bounces(scenario)
     model = scenario.model or RobotParameters()
     if isinstance(model, RobotParameters):
-        values = {name: getattr(model, name) for name in _PARAMETERS}
-        model = RobotModel(RobotParameters(**values, dt=dt))
+        values = {name: getattr(model, name) for name in TABLES[RobotParameters].keys}
+        model = RobotModel(RobotParameters(**values | {"dt": dt}))
     elif not np.isclose(model.dt, dt, rtol=1e-9, atol=0):
         raise ValueError(
             f"scenario must have a model for steps of 1 / fps = {dt:g} s, got one of {model.dt:g} "
