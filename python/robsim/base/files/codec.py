@@ -122,14 +122,13 @@ class Key:
     unit: str = ""  # the comment behind the value
     write: Callable[[Any], Any] = plain  # returns what TOML has
     is_needed: bool = False
-    attribute: str = ""  # which has the value, and the argument that takes it; else its name
 
 
 @dataclass(frozen=True)
 class Table:
     """A table of a file, for a value."""
 
-    make: Callable[..., Any]  # takes the values of the keys, by their attributes
+    make: Callable[..., Any]  # takes the values of the keys, by their names
     keys: dict[str, Key]  # in the order of the file
     said: str = ""  # the comment above the keys
     ignores_others: bool = False
@@ -139,7 +138,7 @@ class Table:
         return self.make(**self.values(name, value))
 
     def values(self, name: str, value: Any) -> dict[str, Any]:
-        """Return the values of the keys of a table, by their attributes."""
+        """Return the values of the keys of a table, by their names."""
         table = as_table(name, value)
         if self.ignores_others:
             table = {key: one for key, one in table.items() if key in self.keys}
@@ -148,10 +147,7 @@ class Table:
         for key, one in self.keys.items():
             if one.is_needed and key not in table:
                 raise ValueError(f"{key} is missing")
-        return {
-            self.keys[key].attribute or key: read_key(key, self.keys[key].read, given)
-            for key, given in table.items()
-        }
+        return {key: read_key(key, self.keys[key].read, given) for key, given in table.items()}
 
     def write(self, value: Any, kind: str = "") -> Any:
         """Return the table of a value, or of its attributes; a kind becomes its first key.
@@ -166,8 +162,7 @@ class Table:
         if kind:
             table.add("kind", kind)
         for name, key in self.keys.items():
-            of = key.attribute or name
-            held = value.get(of) if isinstance(value, Mapping) else getattr(value, of)
+            held = value.get(name) if isinstance(value, Mapping) else getattr(value, name)
             given = None if held is None else key.write(held)
             if given is not None and given == given:  # NaN = not known
                 table.add(name, item(given, key.unit))

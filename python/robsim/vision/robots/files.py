@@ -69,20 +69,18 @@ MARKERS = Key(_markers, "", _markers_table, is_needed=True)
 
 
 class _LayoutTable(Table):
-    """The table of a marker layout, with a table for each role, such as ``[markers.right]``."""
+    """The table of a marker layout, with a table for each role, such as ``[markers.right]``.
+
+    The layout has the color of each role in ``colors``, its position in ``positions``, and so on.
+    """
 
     _ROLE = Table(
         dict,
         {
-            "color": Key(text, attribute="colors"),
-            "position": Key(
-                numbers,
-                "px, forward and right of the centre",
-                is_needed=True,
-                attribute="positions",
-            ),
-            "area": Key(number, "px^2", attribute="areas"),
-            "polygon": Key(numbers, "px, its corners", attribute="polygons"),
+            "color": Key(text),
+            "position": Key(numbers, "px, forward and right of the centre", is_needed=True),
+            "area": Key(number, "px^2"),
+            "polygon": Key(numbers, "px, its corners"),
         },
     )
 
@@ -91,17 +89,15 @@ class _LayoutTable(Table):
         tables = taken_roles(table)
         values = super().values(name, table)
         for role in roles_of(name, tables):
-            for attribute, one in codec.read_key(role, self._ROLE.read, tables[role]).items():
-                values.setdefault(attribute, {})[role] = one
+            for key, one in codec.read_key(role, self._ROLE.read, tables[role]).items():
+                values.setdefault(f"{key}s", {})[role] = one
         return values
 
     def write(self, value: Any, kind: str = "") -> Any:
         table = super().write(value, kind)
+        given = {key: getattr(value, f"{key}s") for key in self._ROLE.keys}
         for role in value.roles:
-            given = {
-                key.attribute: getattr(value, key.attribute) for key in self._ROLE.keys.values()
-            }
-            table.add(role, self._ROLE.write({of: by and by[role] for of, by in given.items()}))
+            table.add(role, self._ROLE.write({key: by and by[role] for key, by in given.items()}))
         return table
 
 
