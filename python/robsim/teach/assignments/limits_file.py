@@ -64,7 +64,9 @@ def read_limits(folder: Path) -> dict[str, RecordedTest]:
         data = codec.as_table("the file", json.loads(content[: _MOST + 1]))
         codec.check_format(data, FORMAT)
         return codec.by_name("tests", data.get("tests", {}), _TEST.read)
-    except (ValueError, TypeError, RecursionError) as error:
+    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
+        _refuse(f"it is not JSON: {error}")
+    except (ValueError, TypeError) as error:
         _refuse(error)
 
 
