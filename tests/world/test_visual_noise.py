@@ -29,7 +29,7 @@ def share(kind, k, scale):
 
 @pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("percent", [0.2, 1.7, 5, 10, 40, 300])
+@pytest.mark.parametrize("percent", [0.2, 1.7, 5, 10, 40, 100])
 def test_the_whole_distribution_at_any_level(kind, percent):
     size = thorough(1200, 600)
     noise = added(kind, percent, shape=(size, size, 3))
@@ -73,9 +73,8 @@ def test_the_same_seed_and_index_give_the_same_bytes():
 def test_the_level_has_limits():
     for kind, make in KINDS.items():
         assert (added(kind, 0) == 0).all()
-        for percent, pixels in ((5e-324, {0}), (1e308, {-128, 127})):
-            assert pixels <= set(np.unique(added(kind, percent))) <= {0, *pixels}
-        for percent in (-5e-324, math.nan, math.inf):
+        assert (added(kind, 5e-324) == 0).all()
+        for percent in (-5e-324, 100.1, math.nan, math.inf):
             with pytest.raises(ValueError, match=r"\bpercent\b"):
                 make(percent)
 

@@ -27,7 +27,7 @@ class _Noise:
     _LEVEL: ClassVar[Level] = Level("%", high=HIGHEST, step=1.0, default=20.0)
 
     def __post_init__(self) -> None:
-        check_float("percent", self.percent, "%", minimum=0)
+        check_float("percent", self.percent, "%", minimum=0, maximum=HIGHEST)
 
     @property
     def _level(self) -> float:
@@ -82,7 +82,7 @@ class GaussianNoise(_Noise):
     Raises
     ------
     TypeError, ValueError
-        If `percent` is not a number of at least 0.
+        If `percent` is not a number within 0..100.
 
     Examples
     --------
@@ -104,7 +104,7 @@ class UniformNoise(_Noise):
     Raises
     ------
     TypeError, ValueError
-        If `percent` is not a number of at least 0.
+        If `percent` is not a number within 0..100.
 
     Examples
     --------
