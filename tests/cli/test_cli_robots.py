@@ -166,7 +166,7 @@ def test_add_with_all_options(tmp_path):
 def test_add_from_a_robot():
     done("add", "mine", "lab", "--size", "60")
     assert load_robot("mine").size == 60
-    assert "overwrite=True replaces it" in refused("add", "mine", "lab")
+    assert "in the shell --overwrite, replaces it" in refused("add", "mine", "lab")
     done("add", "mine", "lab", "--overwrite")
     assert load_robot("mine").size == 120
 
@@ -176,7 +176,7 @@ def test_add_refuses_and_leaves_nothing_behind(user_folder):
     Image.new("L", (30, 30), 99).save("grey.png")
     for named, *arguments in [
         ("ships with robsim", "lab", "sheep"),
-        ("name", "../x", "lab"),
+        ("NAME", "../x", "lab"),
         ("text.png", "mine", "text.png"),
         ("--marker", "mine", "lab", "--marker", "red=hello"),
         ("--marker", "mine", "lab", "--marker", "1,2 3,4 5,9"),
@@ -197,7 +197,7 @@ def test_rotate():
     assert "180°, faces left" in done("rotate", "mine", "90")
     assert "134.5°\n" in done("rotate", "mine", "-45.5")
     assert load_robot("mine").alignment == 134.5
-    assert "degrees" in refused("rotate", "mine", "inf")
+    assert "DEGREES must" in refused("rotate", "mine", "inf")
     assert "ships with robsim" in refused("rotate", "lab", "-90")
 
 

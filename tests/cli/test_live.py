@@ -54,7 +54,9 @@ def test_wrong_options_are_named():
         "--seconds both": ("--steps", "3", "--seconds", "2"),
         "--seconds must": ("--seconds", "0"),
         "--fps and --dt": ("--fps", "20", "--dt", "0.05"),
-        "--max-voltage": ("--max-voltage", "0"),
+        "--area must": ("--area", "0x0"),
+        "error: --area must": ("--camera", __file__, "--area", "5x5"),
+        "--max-voltage must": ("--max-voltage", "0"),
         "--positions": ("--pixels", "0,0 1,0 1,1 0,1"),
         "folder mine": ("mine",),
     }.items():

@@ -124,9 +124,9 @@ def check_choice(name: str, value: Any, choices: tuple[_Text, ...]) -> _Text:
     return choices[choices.index(value)]
 
 
-def check_mm_per_px(value: Any) -> float:
+def check_mm_per_px(value: Any, name: str = "mm_per_px") -> float:
     """Return how long a px of the work area is on the floor (mm)."""
-    return check_float("mm_per_px", value, "mm", minimum=1e-3, maximum=1e4)
+    return check_float(name, value, "mm", minimum=1e-3, maximum=1e4)
 
 
 def check_size(name: str, value: Any) -> tuple[int, int]:

@@ -46,7 +46,7 @@ def check(
     """Check callbacks."""
     from robsim.teach.doctor import check_folder
 
-    with errors.report_errors():
+    with errors.names({"slots": "--slot"}), errors.report_errors():
         report = check_folder(path, slots=slot, task=task)
     if as_json:
         errors.show(report.to_json())

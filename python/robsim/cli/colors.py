@@ -21,7 +21,7 @@ from robsim.cli.command import (
     option,
 )
 from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
-from robsim.cli.text import Region, about, parse_noise, parse_point, parse_region
+from robsim.cli.text import Region, parse_noise, parse_point, parse_region
 from robsim.simulation import Simulation
 from robsim.vision.imaging.images import Pixels, load_image, save_image
 from robsim.vision.markers.color_files import (
@@ -67,8 +67,7 @@ def frame(
         x, y = parse_point("--at", at) or (600.0, 600.0)
         if not (0 <= x < 1200 and 0 <= y < 1200):
             raise ValueError(f"--at must lie within the image of 1200 x 1200 px, got {at}")
-        with about("--heading"):
-            heading = check_float("heading", heading, "degrees")
+        check_float("--heading", heading, "degrees")
         start = x, y, float(np.deg2rad(np.remainder(heading, 360)))
         simulation = Simulation(
             robot=robot,

@@ -20,6 +20,15 @@ class Command(TyperCommand):
         """Return the parameters."""
         return _without_types(super().get_params(ctx))
 
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; messages of errors name its arguments as the shell does."""
+        names = {}
+        for one in self.params:
+            shown = one.opts[0] if one.param_type_name == "option" else one.metavar or one.name
+            names |= dict.fromkeys((one.name, one.opts[0].lstrip("-").replace("-", "_")), shown)
+        with errors.names(names):
+            return super().invoke(ctx)
+
 
 class Group(TyperGroup):
     """Several commands; Ctrl-C ends each of them with a word."""

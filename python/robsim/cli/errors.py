@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import typer
@@ -18,8 +20,29 @@ from robsim.base.text import one_line, printable
 if TYPE_CHECKING:
     from rich.table import Table
 
+# What the shell calls the arguments of the command that is run.
+_names: ContextVar[Mapping[str, str]] = ContextVar("names", default=MappingProxyType({}))
 _WIDEST = 1000  # characters
 _WIDEST_PAGE = 100
+
+
+@contextmanager
+def names(given: Mapping[str, str]) -> Iterator[None]:
+    """Let messages that begin with the name of an argument begin with that of the shell."""
+    token = _names.set({**_names.get(), **given})
+    try:
+        yield
+    finally:
+        _names.reset(token)
+
+
+def in_shell_words(message: str) -> str:
+    """Return a message that begins with an argument's name, ``name must`` or ``name:``, renamed."""
+    first, _, rest = message.partition(" ")
+    name = first.removesuffix(":")
+    begins = name != first or rest.startswith(("must ", "has "))
+    shown = _names.get().get(name) if begins else None
+    return message if shown is None else shown + message.removeprefix(name)
 
 
 @contextmanager
@@ -50,7 +73,7 @@ def report_errors(folder: Path | None = None) -> Iterator[None]:
 
 def _sentence(error: BaseException) -> str:
     """Return the message and the notes of an error."""
-    text = str(error)
+    text = in_shell_words(str(error))
     if isinstance(error, OSError) and error.filename and error.strerror:
         text = f"{error.filename}: {error.strerror}"
     return "\n".join(map(one_line, [text, *getattr(error, "__notes__", [])]))

@@ -159,12 +159,9 @@ def live(
         if steps is not None and seconds is not None:
             raise ValueError("--steps and --seconds both end the run: give one of them")
         _check_number("--seconds", seconds)
-        with about("--max-voltage"):
-            Limits(voltage=maximum_voltage)
-        with about("--slew-rate"):
+        with about("--max-voltage", "voltage"):
             limits = Limits(voltage=maximum_voltage, slew_rate=slew_rate)
-        with about("--steps"):
-            steps = None if steps is None else step_count(steps)
+        steps = None if steps is None else step_count(steps)
         controller = parse_control("--control", control)
         check_folder(out)
         shared.check_unit(unit, scale, calibration)

@@ -110,7 +110,7 @@ def _new_lab(
 ) -> SimulatedLab:
     """Return the simulated lab of the options."""
     width, height = area or Scenario.area
-    scale = _LAB_SIZE / max(width, height)
+    scale = _LAB_SIZE / max(width, height, 1)  # the scenario refuses a size of 0
     scenario = Scenario(
         robot=robot,
         area=(width, height),
@@ -172,10 +172,8 @@ def rate_of(fps: float | None, dt: float | None) -> float | None:
     if fps is not None and dt is not None:
         raise ValueError("--fps and --dt say the same: give one of them")
     if dt is not None:
-        with about("--dt"):
-            return 1 / check_float("dt", dt, "s", minimum=1e-3, maximum=3600)
-    with about("--fps"):
-        return fps if fps is None else check_float("fps", fps, "1/s", minimum=0.1, maximum=1000)
+        return 1 / check_float("--dt", dt, "s", minimum=1e-3, maximum=3600)
+    return fps if fps is None else check_float("--fps", fps, "1/s", minimum=0.1, maximum=1000)
 
 
 EXAMPLE = "Example: robsim cameras"

@@ -11,6 +11,7 @@ from typing import Any
 from robsim.base.checks import check_choice
 from robsim.base.spelling import suggestion
 from robsim.base.text import quoted
+from robsim.cli import errors
 from robsim.control.by_name import NAMES, POINTS, controller_named
 from robsim.simulation import Dropout
 from robsim.vision.imaging.noise import NOISES, Noise
@@ -20,12 +21,18 @@ Region = tuple[int, int, int, int]
 
 
 @contextmanager
-def about(option: str) -> Iterator[None]:
-    """Begin the message of an error inside the context with the option that it is about."""
-    try:
-        yield
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{option}: {error}") from error
+def about(option: str, *names: str) -> Iterator[None]:
+    """Begin the message of an error inside the context with the option that it is about.
+
+    The option replaces the name of an argument if the message begins with one of `names`.
+    """
+    with errors.names(dict.fromkeys(names, option)):
+        try:
+            yield
+        except (TypeError, ValueError) as error:
+            message = errors.in_shell_words(str(error))
+            is_named = message.startswith("--")
+            raise ValueError(message if is_named else f"{option}: {message}") from error
 
 
 def parse_size(option: str, text: str | None) -> tuple[int, int] | None:
@@ -59,7 +66,7 @@ def parse_dropout(option: str, text: str) -> Dropout:
         raise ValueError(
             f"{option} must be a probability such as 0.2, or 0.2:5 for 5 steps, got {quoted(text)}"
         )
-    with about(option):
+    with errors.names({"steps": f"{option}: steps"}), about(option):
         return Dropout(float(probability), int(steps) if colon else 1)
 
 

@@ -14,7 +14,7 @@ from robsim.cli import errors
 from robsim.cli.calibration.options import Mark, check_out, height_of, pictures_of, report_and_save
 from robsim.cli.command import argument, number_option, option
 from robsim.cli.shared import Json
-from robsim.cli.text import about, parse_points, parse_size
+from robsim.cli.text import parse_points, parse_size
 
 #: Names, pixels and positions of marks.
 Marks = tuple[list[str] | None, Sequence[Sequence[float]], Sequence[Sequence[float]]]
@@ -116,8 +116,7 @@ def floor(
                 "of the work area in px, and how many mm of the floor a px is, such as "
                 "--area 1200x1200 --scale 2"
             )
-        with about("--scale"):
-            check_mm_per_px(scale)
+        check_mm_per_px(scale, "--scale")
         height = height_of("--marker-height", marker_height)
         if height and calibration is None:
             raise ValueError(

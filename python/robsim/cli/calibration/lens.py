@@ -17,7 +17,6 @@ from robsim.cli.calibration.options import (
 )
 from robsim.cli.command import argument, integer_option, option, switch
 from robsim.cli.shared import Json
-from robsim.cli.text import about
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.taking import BoardTaker
 
@@ -105,8 +104,7 @@ def taken_pictures(
     from robsim.lab.cameras.camera import Camera
     from robsim.vision.imaging.images import save_image
 
-    with about("--count"):
-        check_int("count", count, minimum=4, maximum=200)
+    check_int("--count", count, minimum=4, maximum=200)
     if keep is not None:
         keep.mkdir(parents=True, exist_ok=True)
     taken: list[tuple[str, Any]] = []

@@ -11,6 +11,7 @@ import typer
 
 from robsim.base.text import quoted
 from robsim.cli.command import number_option, option
+from robsim.cli.text import about
 
 if TYPE_CHECKING:
     from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
@@ -54,7 +55,8 @@ def board_of(board: str | None, square: float | None, *, charuco: bool) -> Chess
     if not (found := re.fullmatch(r"(\d{1,3})[xX](\d{1,3})", board)):
         raise ValueError(f"--board must be columns x rows such as 9x6, got {quoted(board)}")
     columns, rows = map(int, found.groups())
-    return kind(columns, rows, **options)
+    with about("--board"):
+        return kind(columns, rows, **options)
 
 
 def height_of(option: str, text: str) -> float:

@@ -34,14 +34,12 @@ def sheet(
 ) -> None:
     """Write a sheet to print, as PDF at true scale."""
     from robsim.base.checks import check_choice
-    from robsim.cli.text import about
     from robsim.lab.calibration.patterns.floor_sheet import FloorSheet
     from robsim.lab.calibration.patterns.printing import save_sheet
 
     with errors.report_errors():
         check_out(out, ".pdf")
-        with about("--kind"):
-            check_choice("kind", kind, KINDS)
+        check_choice("--kind", kind, KINDS)
         _refuse_of_other_kinds(kind, board or square, sheet_number != 1 or mark != 80)
         if kind == "floor":
             save_sheet(out, FloorSheet(sheet_number, mark), paper=paper)

@@ -31,7 +31,7 @@ class _Datum:
     absent: str
 
 
-_NO_MEASUREMENT = "no measurement is on; give measure=True"
+_NO_MEASUREMENT = "no measurement is on; give measure=True, in the shell --measure"
 
 _DATA = {
     "measurement": _Datum("measure", _NO_MEASUREMENT, "the robot was not seen in this step"),
@@ -45,7 +45,8 @@ _DATA = {
     ),
     "parameters": _Datum(
         "estimate_parameters",
-        "no parameter estimator is on; give estimate_parameters=True",
+        "no parameter estimator is on; give estimate_parameters=True, in the shell "
+        "--estimate-parameters",
         "no parameters have been estimated yet",
     ),
 }

@@ -131,8 +131,8 @@ def add_robot(
     problems = [] if ignore_colors else check_colors(robot, colors).sentences
     if problems:
         raise ValueError(
-            f"{'; '.join(problems)}. ignore_colors=True adds the robot anyway; "
-            "the colour file can be changed later"
+            f"{'; '.join(problems)}. ignore_colors=True, in the shell --anyway, adds the robot "
+            "anyway; the colour file can be changed later"
         )
     return _store(robot, overwrite)
 
@@ -244,7 +244,10 @@ def check_new_name(name: str, overwrite: bool) -> None:
     _check_not_shipped(name)
     existing = same_name(name, user_robots())
     if existing is not None and not overwrite:
-        raise ValueError(f"you have a robot {quoted(existing)} already: overwrite=True replaces it")
+        raise ValueError(
+            f"you have a robot {quoted(existing)} already: overwrite=True, "
+            "in the shell --overwrite, replaces it"
+        )
 
 
 def _is_plain(name: str) -> bool:
