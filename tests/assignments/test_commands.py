@@ -16,8 +16,8 @@ from submissions import packed
 # --- the examples of the commands
 
 
-def run(line, *more, cwd, status=(0,)):
-    words = shlex.split(line.removeprefix("Example: "))
+def run(function, *more, cwd, status=(0,)):
+    words = shlex.split(function.__doc__.rpartition("Example: ")[2])
     assert words[0] == "robsim"
     done = command(*words[1:], *more, cwd=cwd)
     assert done.exit_code in status, done.stderr
@@ -28,7 +28,7 @@ def run(line, *more, cwd, status=(0,)):
 def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
     monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 3)
     monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.WRONG_TESTS", 2)
-    run(commands.NEW_EXAMPLE, "--no-calibrate", "--seed", "1", cwd=tmp_path)
+    run(commands.new, "--no-calibrate", "--seed", "1", cwd=tmp_path)
     folder = tmp_path / "hw1"
     file = folder / "assignment.toml"
     text = file.read_text().replace("runs = 10", "runs = 2").replace("steps = 150", "steps = 20")
@@ -37,7 +37,7 @@ def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
         if wrong.name != "naive":
             shutil.rmtree(wrong)
     run(
-        commands.CALIBRATE_EXAMPLE,
+        commands.calibrate,
         "--false-fail",
         "0.5",
         "--confidence",
@@ -49,13 +49,13 @@ def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
     monkeypatch.setattr(f"{rehearsal}.hostile_submissions", lambda _: ())
     monkeypatch.setattr("robsim.teach.assignments.grading.findings._SECONDS", 0.1)
     # With limits of so few tests, right ones may fail.
-    assert "right: reference" in run(commands.CHECK_EXAMPLE, cwd=tmp_path, status=(0, 1)).stdout
-    run(commands.PACK_EXAMPLE, cwd=tmp_path)
+    assert "right: reference" in run(commands.check, cwd=tmp_path, status=(0, 1)).stdout
+    run(commands.pack, cwd=tmp_path)
     assert (tmp_path / "hw1-students.zip").is_file()
     folder.rename(tmp_path / "hw3")
     solution(tmp_path / "submissions/anna", kind="park")
     (tmp_path / "submissions/ben").mkdir()
-    assert "anna" in run(grade.EXAMPLE, cwd=tmp_path, status=(1,)).stdout
+    assert "anna" in run(grade.grade, cwd=tmp_path, status=(1,)).stdout
     assert (tmp_path / "graded/class.html").is_file()
 
 

@@ -12,13 +12,9 @@ import typer
 
 from robsim.cli import errors
 from robsim.cli.command import (
-    Command,
     argument,
+    command,
     command_group,
-    integer_option,
-    number_option,
-    option,
-    switch,
 )
 from robsim.cli.shared import Jobs, Json, engine_of
 
@@ -40,33 +36,22 @@ def report_errors() -> Iterator[None]:
             raise typer.Exit(2) from None
 
 
-CALIBRATE_EXAMPLE = "Example: robsim assignment calibrate hw1 --jobs 2"
-CALIBRATE_HELP = (
-    "Find from which score on there are points, and write limits.json.\n\n"
-    "The right solutions in solutions/ are run as often as it takes for a limit that as good a "
-    "solution hardly ever misses, whatever the scores are distributed like. Then the wrong ones "
-    "are run: in how many tests each has less than full points is printed. Ctrl-C loses nothing: "
-    "the same command goes on."
-)
-
-
 def calibrate(
-    folder: Folder,
-    false_fail: Annotated[
-        float,
-        number_option(
-            "--false-fail",
-            "SHARE",
-            "How often a right solution may have less than full points in a test, at most. A "
-            "tenth of it takes ten times as long.",
-        ),
-    ] = 0.01,
-    confidence: Annotated[
-        float, number_option("--confidence", "SHARE", "In how many calibrations of 1 that is kept.")
-    ] = 0.95,
-    jobs: Jobs = 1,
+    folder: Folder, false_fail: float = 0.01, confidence: float = 0.95, jobs: Jobs = 1
 ) -> None:
-    """Find from which score on there are points, and write limits.json."""
+    """Find from which score on there are points, and write limits.json.
+
+    The right solutions in solutions/ are run as often as it takes for a limit that as good a
+    solution hardly ever misses, whatever the scores are distributed like. Then the wrong ones are
+    run: in how many tests each has less than full points is printed. Ctrl-C loses nothing: the same
+    command goes on.
+
+    --false-fail SHARE: How often a right solution may have less than full points in a test, at
+        most. A tenth of it takes ten times as long.
+    --confidence SHARE: In how many calibrations of 1 that is kept.
+
+    Example: robsim assignment calibrate hw1 --jobs 2
+    """
     with report_errors():
         calibrate_and_print(folder, jobs=jobs, false_fail=false_fail, confidence=confidence)
 
@@ -120,37 +105,30 @@ def _warn(calibration: TaskCalibration) -> None:
         )
 
 
-NEW_EXAMPLE = "Example: robsim assignment new park hw1"
-NEW_HELP = (
-    "Make the folder of a new assignment.\n\n"
-    "TEMPLATE is park, follow, identify, measure or estimate. The folder gets a key of "
-    "its own, numbers drawn for it, sheet, solutions right and wrong, a public and a hidden test, "
-    "and limits that are calibrated for it, which takes 10 to 30 minutes: Ctrl-C leaves a "
-    "folder that robsim assignment calibrate completes. Its README.md says what is what."
-)
-
-
 def new(
-    template: Annotated[str, argument("TEMPLATE", "What students are to do.")],
-    folder: Annotated[Path, argument("FOLDER", "The folder, which is made.")],
-    name: Annotated[
-        str | None, option("--name", "TEXT", "Name of the assignment. Default: that of the folder.")
-    ] = None,
-    no_calibrate: Annotated[
-        bool, switch("--no-calibrate", "Leave that to robsim assignment calibrate.")
-    ] = False,
-    seed: Annotated[
-        int | None,
-        integer_option(
-            "--seed",
-            "N",
-            "What the numbers are drawn from; the key is always new. Default: another one "
-            "each time.",
-        ),
-    ] = None,
+    template: str,
+    folder: Path,
+    name: str | None = None,
+    no_calibrate: bool = False,
+    seed: int | None = None,
     jobs: Jobs = 1,
 ) -> None:
-    """Make the folder of a new assignment."""
+    """Make the folder of a new assignment.
+
+    TEMPLATE is park, follow, identify, measure or estimate. The folder gets a key of its own,
+    numbers drawn for it, sheet, solutions right and wrong, a public and a hidden test, and limits
+    that are calibrated for it, which takes 10 to 30 minutes: Ctrl-C leaves a folder that robsim
+    assignment calibrate completes. Its README.md says what is what.
+
+    TEMPLATE: What students are to do.
+    FOLDER: The folder, which is made.
+    --name TEXT: Name of the assignment. Default: that of the folder.
+    --no-calibrate: Leave that to robsim assignment calibrate.
+    --seed N: What the numbers are drawn from; the key is always new. Default: another one each
+        time.
+
+    Example: robsim assignment new park hw1
+    """
     from robsim.teach.assignments import new_assignment
 
     with report_errors():
@@ -167,20 +145,19 @@ def _drawn(parameters: dict[str, object]) -> str:
     return ", ".join(f"{key} {value}" for key, value in parameters.items())
 
 
-CHECK_EXAMPLE = "Example: robsim assignment check hw1"
-CHECK_HELP = (
-    "Check an assignment before you rely on it.\n\n"
-    "A class is graded that is made of all that is known: right solutions, one also as a notebook, "
-    "must get all points, wrong ones fewer, and none what is empty, ends its process, hangs, "
-    "patches what scores it, or looks for the truth. The key must be secret, the limits those of "
-    "this task; the sheet must name what is to be written; students must get nothing hidden.\n\n"
-    "It takes a minute or two. The exit status is 0 if all is well, 1 if something is wrong, 2 if "
-    "the assignment cannot be used at all."
-)
-
-
 def check(folder: Folder, jobs: Jobs = 1, as_json: Json = False) -> None:
-    """Check an assignment before you rely on it."""
+    """Check an assignment before you rely on it.
+
+    A class is graded that is made of all that is known: right solutions, one also as a notebook,
+    must get all points, wrong ones fewer, and none what is empty, ends its process, hangs, patches
+    what scores it, or looks for the truth. The key must be secret, the limits those of this task;
+    the sheet must name what is to be written; students must get nothing hidden.
+
+    It takes a minute or two. The exit status is 0 if all is well, 1 if something is wrong, 2 if the
+    assignment cannot be used at all.
+
+    Example: robsim assignment check hw1
+    """
     from robsim.teach.assignments import check_assignment
 
     with report_errors():
@@ -190,35 +167,25 @@ def check(folder: Folder, jobs: Jobs = 1, as_json: Json = False) -> None:
         raise typer.Exit(1)
 
 
-PACK_EXAMPLE = "Example: robsim assignment pack hw1 --students hw1-students.zip"
-PACK_HELP = (
-    "Pack an assignment: for students, for Gradescope.\n\n"
-    "Students get the sheet, files to begin with, and the public tests with what the reference "
-    "came to in them: no key, no hidden test, no solution. The autograder has all that grading "
-    "needs, the key as well: give it to nobody but Gradescope."
-)
-
-
 def pack(
     folder: Folder,
-    students: Annotated[
-        Path | None,
-        option("--students", "ZIP|FOLDER", "Write what students get: a zip, or a folder."),
-    ] = None,
-    gradescope: Annotated[
-        Path | None, option("--gradescope", "ZIP", "Write an autograder for Gradescope.")
-    ] = None,
-    install: Annotated[
-        str | None,
-        option(
-            "--install",
-            "WHEEL|NAME",
-            "With --gradescope: what is installed there, a wheel of robsim, or what pip "
-            "takes, such as robsim==1.2. Default: this version, from where pip finds it.",
-        ),
-    ] = None,
+    students: Path | None = None,
+    gradescope: Path | None = None,
+    install: str | None = None,
 ) -> None:
-    """Pack an assignment: for students, for Gradescope."""
+    """Pack an assignment: for students, for Gradescope.
+
+    Students get the sheet, files to begin with, and the public tests with what the reference came
+    to in them: no key, no hidden test, no solution. The autograder has all that grading needs, the
+    key as well: give it to nobody but Gradescope.
+
+    --students ZIP|FOLDER: Write what students get: a zip, or a folder.
+    --gradescope ZIP: Write an autograder for Gradescope.
+    --install WHEEL|NAME: With --gradescope: what is installed there, a wheel of robsim, or what pip
+        takes, such as robsim==1.2. Default: this version, from where pip finds it.
+
+    Example: robsim assignment pack hw1 --students hw1-students.zip
+    """
     from robsim.teach.assignments import load_assignment, pack_gradescope, pack_students
 
     with report_errors():
@@ -242,7 +209,5 @@ HELP = (
     "Gradescope."
 )
 app = command_group("Start with: robsim assignment new park hw1")
-app.command(cls=Command, help=NEW_HELP, epilog=NEW_EXAMPLE)(new)
-app.command(cls=Command, help=CALIBRATE_HELP, epilog=CALIBRATE_EXAMPLE)(calibrate)
-app.command(cls=Command, help=CHECK_HELP, epilog=CHECK_EXAMPLE)(check)
-app.command(cls=Command, help=PACK_HELP, epilog=PACK_EXAMPLE)(pack)
+for one in (new, calibrate, check, pack):
+    command(app)(one)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from robsim.cli import errors
-from robsim.cli.command import argument, option
+from robsim.cli.command import option
 from robsim.cli.errors import styled
 from robsim.cli.shared import Json
 from robsim.simulation.slots import SLOTS
@@ -20,30 +20,33 @@ if TYPE_CHECKING:
 
     from robsim.teach.doctor import FolderReport, TaskReport
 
-EXAMPLE = "Example: robsim check mine"
-HELP = (
-    "Each file of the folder is tried in many situations: a robot that is not seen, a heading that "
-    "passes +-180 degrees, the wall, a long run. The exit status is 0 if all are well, 1 if one is "
-    "ill, 2 if there is nothing to check. A check ends a call that takes longer than 5 s.\n\n"
-    "With --task they are also tried on a task, as robsim tasks try does, in its world: whether "
-    "they solve it, which score is short of its limit, and why. The exit status is 0 if they solve "
-    "it, and all are well."
-)
 
 _STYLES = {"well": "green", "remark": "yellow", "ill": "bold red"}
 
 
 def check(
-    path: Annotated[Path, argument("FILE|FOLDER", "A folder with callbacks, or one of its files.")],
+    path: Path,
     slot: Annotated[
         str | None, option("--slot", "NAME", f"Only this one: {', '.join(SLOTS)}.")
     ] = None,
-    task: Annotated[
-        str | None, option("--task", "NAME", "Also try them on that task; see robsim tasks list.")
-    ] = None,
+    task: str | None = None,
     as_json: Json = False,
 ) -> None:
-    """Check callbacks."""
+    """Check callbacks.
+
+    Each file of the folder is tried in many situations: a robot that is not seen, a heading that
+    passes +-180 degrees, the wall, a long run. The exit status is 0 if all are well, 1 if one is
+    ill, 2 if there is nothing to check. A check ends a call that takes longer than 5 s.
+
+    With --task they are also tried on a task, as robsim tasks try does, in its world: whether they
+    solve it, which score is short of its limit, and why. The exit status is 0 if they solve it, and
+    all are well.
+
+    FILE|FOLDER: A folder with callbacks, or one of its files.
+    --task NAME: Also try them on that task; see robsim tasks list.
+
+    Example: robsim check mine
+    """
     from robsim.teach.doctor import check_folder
 
     with errors.names({"slots": "--slot"}), errors.report_errors():

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robsim._core import Frame, Observation, color_histograms
 from robsim.base.text import quoted
 from robsim.cli import errors
-from robsim.cli.command import argument, integer_option, option, switch
 from robsim.cli.shared import Area, CalibrationFile, Colors, Robot
 from robsim.cli.text import Region, parse_region, parse_size
 from robsim.vision.imaging.images import Pixels, image_suffixes, load_image
@@ -23,64 +22,40 @@ if TYPE_CHECKING:
     from robsim.trace.sessions.session import Session
     from robsim.vision.imaging.recordings import Recording
 
-HELP = (
-    "Find the ranges of a colour in images of it, or those of a robot's markers in a recording.\n\n"
-    "Of images: give a --region for each, and the --name of the colour; image viewers show pixel "
-    "positions. Of a recording - a video, a folder of images, a session - in which the robot "
-    "drives: its markers are trained wherever it was, in the light of the whole floor. Prints the "
-    "ranges in the format of a colour file, and how level and chroma drift from frame to frame; "
-    "--to writes the ranges to a file and keeps its other colours."
-)
-EXAMPLE = (
-    "Example: robsim colors train frame.png --region 578,613,594,630 --name red --to colors.toml"
-)
-
 
 def train(
-    frames: Annotated[
-        list[Path],
-        argument(
-            "FRAMES",
-            "Images, or one recording: a video, a folder of images, a session.",
-            show_default=False,
-        ),
-    ],
-    regions: Annotated[
-        list[str] | None,
-        option(
-            "--region",
-            "[NAME=]L,T,R,B",
-            "Box in px around pixels of the colour: left,top,right,bottom; one for each "
-            "image. In the first frame of a recording, one for each of the robot's colours, "
-            "red=L,T,R,B and blue=L,T,R,B, if --colors do not find it. Can be repeated.",
-        ),
-    ] = None,
-    name: Annotated[
-        str | None, option("--name", "NAME", "Of images: name of the colour: red, ...")
-    ] = None,
+    frames: list[Path],
+    regions: list[str] | None = None,
+    name: str | None = None,
     robot: Robot = None,
     colors: Colors = None,
     area: Area = None,
     calibration: CalibrationFile = None,
-    to: Annotated[
-        Path | None, option("--to", "FILE", "Colour file to write to; created if needed.")
-    ] = None,
-    margin: Annotated[
-        int | None,
-        integer_option(
-            "--margin", "LEVELS", "Widening of the ranges found, in levels of 0..255. Default: 52."
-        ),
-    ] = None,
-    limit_y: Annotated[
-        bool,
-        switch("--limit-y", "Of images: limit the brightness Y, too; needed for black and white."),
-    ] = False,
-    figure: Annotated[
-        Path | None,
-        option("--figure", "FILE", "Of images: file for the histograms, such as red.png."),
-    ] = None,
+    to: Path | None = None,
+    margin: int | None = None,
+    limit_y: bool = False,
+    figure: Path | None = None,
 ) -> None:
-    """Find the ranges of a colour in images of it, or those of markers in a recording."""
+    """Find the ranges of a colour in images of it, or those of a robot's markers in a recording.
+
+    Of images: give a --region for each, and the --name of the colour; image viewers show pixel
+    positions. Of a recording - a video, a folder of images, a session - in which the robot drives:
+    its markers are trained wherever it was, in the light of the whole floor. Prints the ranges in
+    the format of a colour file, and how level and chroma drift from frame to frame; --to writes the
+    ranges to a file and keeps its other colours.
+
+    FRAMES: Images, or one recording: a video, a folder of images, a session.
+    --region [NAME=]L,T,R,B: Box in px around pixels of the colour: left,top,right,bottom; one for
+        each image. In the first frame of a recording, one for each of the robot's colours,
+        red=L,T,R,B and blue=L,T,R,B, if --colors do not find it. Can be repeated.
+    --name NAME: Of images: name of the colour: red, ...
+    --to FILE: Colour file to write to; created if needed.
+    --margin LEVELS: Widening of the ranges found, in levels of 0..255. Default: 52.
+    --limit-y: Of images: limit the brightness Y, too; needed for black and white.
+    --figure FILE: Of images: file for the histograms, such as red.png.
+
+    Example: robsim colors train frame.png --region 578,613,594,630 --name red --to colors.toml
+    """
     from robsim.cli.results import check_figure_name, check_file
 
     with errors.report_errors():

@@ -13,12 +13,9 @@ from robsim.base.checks import Floats, check_float
 from robsim.base.text import quoted
 from robsim.cli import color_training, errors
 from robsim.cli.command import (
-    Command,
     argument,
+    command,
     command_group,
-    integer_option,
-    number_option,
-    option,
 )
 from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
 from robsim.cli.text import Region, parse_noise, parse_point, parse_region
@@ -38,31 +35,28 @@ HELP = (
 )
 app = command_group("Start with: robsim colors frame")
 
-_SMOOTHING = "Width of the averaging window in px: 3, 5, ... 15; 1 = off."
-
 Images = Annotated[list[Path], argument("IMAGE", "Images.", show_default=False)]
 
 
-@app.command(
-    cls=Command,
-    help="Write an image of the simulated robot, to train and test colours on.\n\n"
-    "Prints the regions of its markers.",
-    epilog="Example: robsim colors frame frame.png",
-)
+@command(app)
 def frame(
-    file: Annotated[Path, argument("FILE", "The image.")] = Path("frame.png"),
+    file: Path = Path("frame.png"),
     robot: Robot = None,
-    at: Annotated[
-        str | None, option("--at", "X,Y", "Position of the robot in px. Default: the centre.")
-    ] = None,
-    heading: Annotated[
-        float,
-        number_option("--heading", "DEGREES", "Heading in degrees, clockwise from facing right."),
-    ] = 0.0,
+    at: str | None = None,
+    heading: float = 0.0,
     noise: Noise = None,
     seed: Seed = None,
 ) -> None:
-    """Write an image of the simulated robot."""
+    """Write an image of the simulated robot, to train and test colours on.
+
+    Prints the regions of its markers.
+
+    FILE: The image.
+    --at X,Y: Position of the robot in px. Default: the centre.
+    --heading DEGREES: Heading in degrees, clockwise from facing right.
+
+    Example: robsim colors frame frame.png
+    """
     with errors.report_errors():
         x, y = parse_point("--at", at) or (600.0, 600.0)
         if not (0 <= x < 1200 and 0 <= y < 1200):
@@ -85,13 +79,14 @@ def frame(
         errors.say(f"  {role} marker ({marker.color}): {region}")
 
 
-@app.command("list", cls=Command, epilog="Example: robsim colors list")
-def list_colors(
-    file: Annotated[
-        Path | None, argument("FILE", "Colour file.", show_default="that of robsim")
-    ] = None,
-) -> None:
-    """List the colours in a file, with their ranges."""
+@command(app, "list")
+def list_colors(file: Path | None = None) -> None:
+    """List the colours in a file, with their ranges.
+
+    FILE: Colour file. [default: that of robsim]
+
+    Example: robsim colors list
+    """
     with errors.report_errors():
         colors = load_colors(file)
     errors.print_rows(
@@ -101,44 +96,32 @@ def list_colors(
     errors.say(f"from {file or 'those that ship with robsim'}")
 
 
-app.command("train", cls=Command, help=color_training.HELP, epilog=color_training.EXAMPLE)(
-    color_training.train
-)
+command(app)(color_training.train)
 
 
-@app.command(
-    "test",
-    cls=Command,
-    help="Look for colours in images.\n\n"
-    "With --region, scores how robustly a colour is detected in one image when the light changes "
-    "and noise is added, and proposes wider or narrower ranges.",
-    epilog="Example: robsim colors test frame.png --colors colors.toml --out seen.png "
-    "--region red=578,613,594,630",
-)
+@command(app, "test")
 def try_colors(
     images: Images,
     colors: Colors = None,
-    smoothing: Annotated[int, integer_option("--smoothing", "PX", _SMOOTHING)] = 7,
-    regions: Annotated[
-        list[str] | None,
-        option(
-            "--region",
-            "NAME=L,T,R,B",
-            "Region of the colour NAME; all its regions must be given. Can be repeated.",
-        ),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        option(
-            "--out",
-            "FILE|FOLDER",
-            "Image file that shows which pixel belongs to which colour; a folder if several "
-            "images are given.",
-        ),
-    ] = None,
+    smoothing: int = 7,
+    regions: list[str] | None = None,
+    out: Path | None = None,
     as_json: Json = False,
 ) -> None:
-    """Look for colours in images."""
+    """Look for colours in images.
+
+    With --region, scores how robustly a colour is detected in one image when the light changes and
+    noise is added, and proposes wider or narrower ranges.
+
+    --smoothing PX: Width of the averaging window in px: 3, 5, ... 15; 1 = off.
+    --region NAME=L,T,R,B: Region of the colour NAME; all its regions must be given. Can be
+        repeated.
+    --out FILE|FOLDER: Image file that shows which pixel belongs to which colour; a folder if
+        several images are given.
+
+    Example: robsim colors test frame.png --colors colors.toml --out seen.png --region
+    red=578,613,594,630
+    """
     with errors.report_errors():
         classes = load_colors(colors)
         marked = _marked_regions(images, classes, regions or [])

@@ -1,10 +1,24 @@
-"""The classes of all commands, and how their arguments and options are declared."""
+"""The classes of all commands, and how their arguments and options are declared.
+
+The docstring of a command is its --help: what it does, a line for each argument and option whose
+type in the signature is a plain one, in the order of the signature, and an example::
+
+    SOURCE: Video file, or folder of images.
+    --colors FILE: Colour file. [default: that of robsim]
+    --video/--no-video: Write the annotated video, too.
+
+What several commands share is declared as an `Annotated` type by `option` and its like.
+"""
 
 from __future__ import annotations
 
 import importlib
+import inspect
 import re
-from typing import Any
+import typing
+from collections.abc import Callable
+from inspect import Parameter
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -22,7 +36,7 @@ class Command(TyperCommand):
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; messages of errors name its arguments as the shell does."""
-        names = {}
+        names: dict[str, str] = {}
         for one in self.params:
             shown = one.opts[0] if one.param_type_name == "option" else one.metavar or one.name
             names |= dict.fromkeys((one.name, one.opts[0].lstrip("-").replace("-", "_")), shown)
@@ -54,7 +68,7 @@ class Group(TyperGroup):
 class Later(TyperCommand):
     """A command, or a group of commands, whose module is loaded when it is run.
 
-    The module has a function of its name, or an `app`, and HELP and EXAMPLE.
+    The module has a function of its name, or an `app` and HELP.
     """
 
     def __init__(self, name: str, module: str, summary: str) -> None:
@@ -64,13 +78,12 @@ class Later(TyperCommand):
     def loaded(self) -> Any:
         """Return the command itself."""
         module: Any = importlib.import_module(f"robsim.cli.{self._module}")
-        about = f"{self.help}\n\n{module.HELP}"
         holder = typer.Typer(rich_markup_mode="rich", pretty_exceptions_enable=False)
         if hasattr(module, "app"):
+            about = f"{self.help}\n\n{module.HELP}"
             holder.add_typer(module.app, name=self.name, cls=Group, help=about)
         else:
-            define = holder.command(self.name, cls=Command, help=about, epilog=module.EXAMPLE)
-            define(getattr(module, str(self.name)))
+            command(holder, self.name, summary=self.help)(getattr(module, str(self.name)))
         return typer.main.get_group(holder).commands[str(self.name)]
 
     def make_context(self, *args: Any, **extra: Any) -> Any:
@@ -81,6 +94,52 @@ class Later(TyperCommand):
 def command_group(epilog: str) -> typer.Typer:
     """Return a group for commands, without any as yet."""
     return typer.Typer(no_args_is_help=True, rich_markup_mode="rich", epilog=epilog)
+
+
+def command(
+    app: typer.Typer, name: str | None = None, *, summary: str | None = None, **more: Any
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Return a decorator that adds a command, described by its docstring, to a group.
+
+    A `summary` replaces the first line of the docstring; `more` goes to Typer.
+    """
+
+    def add(function: Callable[..., None]) -> Callable[..., None]:
+        signature = inspect.signature(function, eval_str=True)
+        parameters = signature.parameters.values()
+        plain = [one for one in parameters if typing.get_origin(one.annotation) is not Annotated]
+        first, *parts, example = (inspect.getdoc(function) or "").split("\n\n")
+        entries = parts.pop().replace("\n    ", " ").split("\n") if plain else []
+        declared = {
+            one.name: one.replace(annotation=Annotated[one.annotation, _declared(one, entry)])
+            for one, entry in zip(plain, entries, strict=True)
+        }
+
+        def shown(**given: Any) -> None:
+            function(**given)
+
+        known = [declared.get(one.name, one) for one in parameters]
+        shown.__signature__ = signature.replace(parameters=known)  # type: ignore[attr-defined]
+        about = "\n\n".join([summary or first, *parts])
+        called = name or function.__name__
+        app.command(called, cls=Command, help=about, epilog=example, **more)(shown)
+        return function
+
+    return add
+
+
+def _declared(parameter: Parameter, entry: str) -> Any:
+    """Return the argument or option of a parameter that a line of a docstring describes."""
+    head, _, text = entry.partition(": ")
+    name, _, value = head.partition(" ")
+    text, _, default = text.partition(" [default: ")
+    kinds = (parameter.annotation, *typing.get_args(parameter.annotation))
+    more: dict[str, Any] = {"show_default": default.removesuffix("]")} if default else {}
+    if parse := next((parse for one, parse in _PARSERS.items() if one in kinds), None):
+        more["parser"] = parse
+    if name.startswith("-"):
+        return option(name, value, text, **more)
+    return argument(name, text, **more)
 
 
 def _without_types(params: list[Any]) -> list[Any]:
@@ -119,6 +178,9 @@ def number(text: str) -> float:
         raise typer.BadParameter(
             f"it must be a number such as 0.5, got {quoted(text)}{meant}"
         ) from None
+
+
+_PARSERS = {int: whole_number, float: number}
 
 
 def number_option(name: str, value: str, text: str, **more: Any) -> Any:

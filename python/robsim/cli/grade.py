@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from robsim.cli import errors
-from robsim.cli.command import argument, integer_option, option, switch
 from robsim.cli.shared import Jobs, Json, Out, engine_of
 
 if TYPE_CHECKING:
@@ -50,113 +49,67 @@ def checked_isolation(isolation: str) -> IsolationReport:
         return check_isolation(isolation=check_choice("isolation", isolation, LEVELS))
 
 
-EXAMPLE = "Example: robsim grade hw3 submissions"
-HELP = (
-    "Each is run in a process of its own, which sees the frames and none of the truth. Results are "
-    "written after each test: the same command goes on where it was ended, and runs again only "
-    "what has changed. In the folder of each student are index.html and result.txt for them, and "
-    "teacher.html with all; beside these class.html and class.csv.\n\n"
-    "With --public, for students: the public tests of what they have written.\n\n"
-    "The exit status is 0 if all have all points, 1 if points are missing, 2 if the assignment is "
-    "not complete, broken, or something could not be graded, 3 if submissions cannot be shut in as "
-    "they must.\n\n"
-    "robsim grade --check-isolation says what shuts submissions in on this machine. Tests without "
-    "an assignment: python -m pytest --robsim-submission=PATH TESTS.py."
-)
 _MISSING, _BROKEN = 1, 2  # exit statuses
 
 
 def grade(
-    assignment: Annotated[
-        Path | None, argument("ASSIGNMENT", "The folder of the assignment.")
-    ] = None,
-    submissions: Annotated[
-        Path | None,
-        argument(
-            "SUBMISSIONS",
-            "A folder with one for each student: a folder, a Python file, a notebook or a "
-            "zip; or a single one.",
-        ),
-    ] = None,
-    public: Annotated[bool, switch("--public", "Only the tests that students have, too.")] = False,
-    only: Annotated[
-        list[str] | None, option("--only", "TEST", "Run only this test; may be given twice.")
-    ] = None,
+    assignment: Path | None = None,
+    submissions: Path | None = None,
+    public: bool = False,
+    only: list[str] | None = None,
     jobs: Jobs = 1,
-    isolation: Annotated[
-        str | None,
-        option(
-            "--isolation",
-            "LEVEL",
-            "auto: all that works here; strict: the same, and files, processes, network and "
-            "memory must be closed; process: limits alone; none: a process, and nothing else. "
-            "Default: as the assignment says.",
-        ),
-    ] = None,
+    isolation: str | None = None,
     out: Out = Path("graded"),
-    student: Annotated[
-        str | None,
-        option(
-            "--student",
-            "NAME",
-            "Whose it is, for a single submission. Default: the name of its file or folder.",
-        ),
-    ] = None,
-    columns: Annotated[
-        str,
-        option(
-            "--columns", "PLATFORM", "Columns of class.csv: robsim, moodle, canvas or blackboard."
-        ),
-    ] = "robsim",
-    pseudonyms: Annotated[
-        bool, switch("--pseudonyms", "Nobody's name in the files of the class.")
-    ] = False,
-    gradescope: Annotated[
-        Path | None,
-        option(
-            "--gradescope",
-            "FILE",
-            "Write the result of a single submission as Gradescope reads it, results.json. "
-            "An autograder: robsim assignment pack.",
-        ),
-    ] = None,
-    regrade: Annotated[
-        bool,
-        switch(
-            "--regrade",
-            "Run nothing: mark the results in --out anew, after limits or points changed.",
-        ),
-    ] = False,
-    play: Annotated[
-        str | None,
-        option(
-            "--play",
-            "TEST",
-            "For an appeal: do a run of this test again, which is the same, and write its "
-            "trace and picture.",
-        ),
-    ] = None,
-    gui: Annotated[
-        bool,
-        switch(
-            "--gui",
-            "Also open the run to --play in the panel, in the browser, with the goal of the "
-            "task; it ends when you close its page, or with Ctrl-C.",
-        ),
-    ] = False,
-    run: Annotated[
-        int | None,
-        integer_option("--run", "N", "Which run to --play. Default: the worst one in the results."),
-    ] = None,
-    check_isolation: Annotated[
-        bool,
-        switch(
-            "--check-isolation", "Let a process try to get out, say what held, and grade nothing."
-        ),
-    ] = False,
+    student: str | None = None,
+    columns: str = "robsim",
+    pseudonyms: bool = False,
+    gradescope: Path | None = None,
+    regrade: bool = False,
+    play: str | None = None,
+    gui: bool = False,
+    run: int | None = None,
+    check_isolation: bool = False,
     as_json: Json = False,
 ) -> None:
-    """Grade submissions by an assignment."""
+    """Grade submissions by an assignment.
+
+    Each is run in a process of its own, which sees the frames and none of the truth. Results are
+    written after each test: the same command goes on where it was ended, and runs again only what
+    has changed. In the folder of each student are index.html and result.txt for them, and
+    teacher.html with all; beside these class.html and class.csv.
+
+    With --public, for students: the public tests of what they have written.
+
+    The exit status is 0 if all have all points, 1 if points are missing, 2 if the assignment is not
+    complete, broken, or something could not be graded, 3 if submissions cannot be shut in as they
+    must.
+
+    robsim grade --check-isolation says what shuts submissions in on this machine. Tests without an
+    assignment: python -m pytest --robsim-submission=PATH TESTS.py.
+
+    ASSIGNMENT: The folder of the assignment.
+    SUBMISSIONS: A folder with one for each student: a folder, a Python file, a notebook or a zip;
+        or a single one.
+    --public: Only the tests that students have, too.
+    --only TEST: Run only this test; may be given twice.
+    --isolation LEVEL: auto: all that works here; strict: the same, and files, processes, network
+        and memory must be closed; process: limits alone; none: a process, and nothing else.
+        Default: as the assignment says.
+    --student NAME: Whose it is, for a single submission. Default: the name of its file or folder.
+    --columns PLATFORM: Columns of class.csv: robsim, moodle, canvas or blackboard.
+    --pseudonyms: Nobody's name in the files of the class.
+    --gradescope FILE: Write the result of a single submission as Gradescope reads it, results.json.
+        An autograder: robsim assignment pack.
+    --regrade: Run nothing: mark the results in --out anew, after limits or points changed.
+    --play TEST: For an appeal: do a run of this test again, which is the same, and write its trace
+        and picture.
+    --gui: Also open the run to --play in the panel, in the browser, with the goal of the task; it
+        ends when you close its page, or with Ctrl-C.
+    --run N: Which run to --play. Default: the worst one in the results.
+    --check-isolation: Let a process try to get out, say what held, and grade nothing.
+
+    Example: robsim grade hw3 submissions
+    """
     if check_isolation:
         print_isolation(isolation or "auto", as_json=as_json)
         return

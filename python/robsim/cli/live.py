@@ -6,13 +6,12 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
 from robsim._core import MotorLink
 from robsim.cli import errors, shared
-from robsim.cli.command import integer_option, number_option, option, switch
 from robsim.cli.outcome import finish
 from robsim.cli.text import about, parse_control, parse_size
 from robsim.lab.cameras.camera import Camera
@@ -20,80 +19,18 @@ from robsim.lab.cameras.camera import Camera
 # What a robot of unknown strength may be driven with.
 _VOLTAGE = 1.5  # V
 _SLEW_RATE = 10.0  # V/s
-EXAMPLE = "Example: robsim live --camera simulated --control go-to-point:900,300 --seconds 15"
-HELP = (
-    "Try it without hardware: --camera simulated is a simulated lab in real time. Before a real "
-    "robot drives: --check. The robot is stopped at the end, by Ctrl-C, when a callback fails and "
-    "when a frame is late; the results are kept. Without a controller, yours or --control, it is "
-    "only measured."
-)
 
 
 def live(
     folder: shared.Callbacks = None,
-    camera: Annotated[
-        str | None,
-        option(
-            "--camera",
-            "SOURCE",
-            "Number of a camera, such as 0; address, such as firewire://, "
-            "gige://192.168.1.20 or http://camera.local/video.mjpg; video file or folder of "
-            "images, played at its own rate; or: simulated.",
-        ),
-    ] = None,
-    motors: Annotated[
-        str | None,
-        option(
-            "--motors",
-            "LINE",
-            "Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD; simulated: "
-            "that of the simulated lab, its default; none: nothing is sent, the default of all "
-            "other cameras.",
-        ),
-    ] = None,
-    check: Annotated[
-        bool,
-        switch(
-            "--check",
-            "Only look, for 3 s, while the robot stands: is the camera good enough? The exit "
-            "status is 1 if it is not.",
-        ),
-    ] = False,
-    control: Annotated[
-        str | None,
-        option(
-            "--control",
-            "NAME[:POINTS]",
-            "A built-in controller in place of the folder's, as in robsim run.",
-        ),
-    ] = None,
-    steps: Annotated[
-        int | None,
-        integer_option(
-            "--steps", "N", "Number of steps. Default: until Ctrl-C, or the end of a file."
-        ),
-    ] = None,
-    seconds: Annotated[
-        float | None, number_option("--seconds", "S", "Duration in s, in its place.")
-    ] = None,
-    maximum_voltage: Annotated[
-        float,
-        number_option(
-            "--max-voltage",
-            "V",
-            f"Largest voltage of a motor in V. Default: {_VOLTAGE:g}.",
-            show_default=False,
-        ),
-    ] = _VOLTAGE,
-    slew_rate: Annotated[
-        float,
-        number_option(
-            "--slew-rate",
-            "V/S",
-            f"Largest change of a voltage in V/s. Default: {_SLEW_RATE:g}.",
-            show_default=False,
-        ),
-    ] = _SLEW_RATE,
+    camera: str | None = None,
+    motors: str | None = None,
+    check: bool = False,
+    control: str | None = None,
+    steps: int | None = None,
+    seconds: float | None = None,
+    max_voltage: float = _VOLTAGE,
+    slew_rate: float = _SLEW_RATE,
     robot: shared.Robot = None,
     colors: shared.Colors = None,
     smoothing: shared.Smoothing = None,
@@ -101,52 +38,50 @@ def live(
     pixels: shared.Pixels = None,
     positions: shared.Positions = None,
     calibration: shared.CalibrationFile = None,
-    fps: Annotated[
-        float | None,
-        number_option(
-            "--fps",
-            "RATE",
-            "Frames per second: asked of a camera by number, on FireWire or on GigE; those of "
-            "another address, which tells none; a folder is played at that rate.",
-        ),
-    ] = None,
-    every: Annotated[
-        int | None,
-        integer_option(
-            "--every",
-            "N",
-            "Take only each n-th frame. Default: all, or as many as a step of define_model.py has.",
-        ),
-    ] = None,
-    dt: Annotated[
-        float | None, number_option("--dt", "SECONDS", "1 / RATE, in place of --fps, in s.")
-    ] = None,
-    frame_timeout: Annotated[
-        float | None,
-        number_option(
-            "--frame-timeout",
-            "SECONDS",
-            "Without a fresh frame for so long, the robot is stopped. Default: three frames, "
-            "at least 0.1 s.",
-        ),
-    ] = None,
+    fps: float | None = None,
+    every: int | None = None,
+    dt: float | None = None,
+    frame_timeout: float | None = None,
     time_limit: shared.CallLimit = None,
     out: shared.Out = Path("robsim-live"),
-    record: Annotated[
-        bool | None,
-        switch(
-            "--record/--no-record",
-            "Record frames and inputs in a session in that folder, to be replayed. Default: "
-            "yes, but for a file.",
-            show_default=False,
-        ),
-    ] = None,
-    lossless: Annotated[bool, switch("--lossless", "Record the frames without loss.")] = False,
+    record: bool | None = None,
+    lossless: bool = False,
     unit: shared.Unit = "px",
     scale: shared.Scale = None,
     as_json: shared.Json = False,
 ) -> None:
-    """Drive a robot under a real camera."""
+    """Drive a robot under a real camera.
+
+    Try it without hardware: --camera simulated is a simulated lab in real time. Before a real robot
+    drives: --check. The robot is stopped at the end, by Ctrl-C, when a callback fails and when a
+    frame is late; the results are kept. Without a controller, yours or --control, it is only
+    measured.
+
+    --camera SOURCE: Number of a camera, such as 0; address, such as firewire://,
+        gige://192.168.1.20 or http://camera.local/video.mjpg; video file or folder of images,
+        played at its own rate; or: simulated.
+    --motors LINE: Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD; simulated:
+        that of the simulated lab, its default; none: nothing is sent, the default of all other
+        cameras.
+    --check: Only look, for 3 s, while the robot stands: is the camera good enough? The exit status
+        is 1 if it is not.
+    --control NAME[:POINTS]: A built-in controller in place of the folder's, as in robsim run.
+    --steps N: Number of steps. Default: until Ctrl-C, or the end of a file.
+    --seconds S: Duration in s, in its place.
+    --max-voltage V: Largest voltage of a motor in V.
+    --slew-rate V/S: Largest change of a voltage in V/s.
+    --fps RATE: Frames per second: asked of a camera by number, on FireWire or on GigE; those of
+        another address, which tells none; a folder is played at that rate.
+    --every N: Take only each n-th frame. Default: all, or as many as a step of define_model.py has.
+    --dt SECONDS: 1 / RATE, in place of --fps, in s.
+    --frame-timeout SECONDS: Without a fresh frame for so long, the robot is stopped. Default: three
+        frames, at least 0.1 s.
+    --record/--no-record: Record frames and inputs in a session in that folder, to be replayed.
+        Default: yes, but for a file.
+    --lossless: Record the frames without loss.
+
+    Example: robsim live --camera simulated --control go-to-point:900,300 --seconds 15
+    """
     from robsim._core import Limits
     from robsim.cli.driving import LiveRun, step_of_model
     from robsim.cli.results import check_folder
@@ -160,7 +95,7 @@ def live(
             raise ValueError("--steps and --seconds both end the run: give one of them")
         _check_number("--seconds", seconds)
         with about("--max-voltage", "voltage"):
-            limits = Limits(voltage=maximum_voltage, slew_rate=slew_rate)
+            limits = Limits(voltage=max_voltage, slew_rate=slew_rate)
         steps = None if steps is None else step_count(steps)
         controller = parse_control("--control", control)
         check_folder(out)

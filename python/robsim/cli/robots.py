@@ -9,13 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 from robsim.base.text import one_line, quoted
 from robsim.cli import errors
 from robsim.cli.command import (
-    Command,
     argument,
+    command,
     command_group,
-    number,
-    number_option,
     option,
-    switch,
 )
 from robsim.cli.text import parse_point, parse_points
 
@@ -37,9 +34,12 @@ Colors = Annotated[
 _FACES = {0.0: "right", 90.0: "up", 180.0: "left", 270.0: "down"}
 
 
-@app.command("list", cls=Command, epilog="Example: robsim robots list")
+@command(app, "list")
 def list_robots() -> None:
-    """List all robots, and which one is the default."""
+    """List all robots, and which one is the default.
+
+    Example: robsim robots list
+    """
     from rich.box import SIMPLE_HEAD
     from rich.markup import escape
     from rich.table import Table
@@ -76,18 +76,15 @@ def list_robots() -> None:
         errors.print_error(sentence)
 
 
-@app.command(cls=Command, epilog="Example: robsim robots show lab")
-def show(
-    name: Annotated[
-        str | None,
-        argument("NAME|FOLDER", "A robot, or a folder with one.", show_default="the default robot"),
-    ] = None,
-    out: Annotated[
-        Path | None, option("--out", "FILE", "File for the drawing.", show_default="robot-NAME.png")
-    ] = None,
-    colors: Colors = None,
-) -> None:
-    """Draw a robot with its outline, markers and heading, and check it."""
+@command(app)
+def show(name: str | None = None, out: Path | None = None, colors: Colors = None) -> None:
+    """Draw a robot with its outline, markers and heading, and check it.
+
+    NAME|FOLDER: A robot, or a folder with one. [default: the default robot]
+    --out FILE: File for the drawing. [default: robot-NAME.png]
+
+    Example: robsim robots show lab
+    """
     from robsim.cli.results import save_figure
     from robsim.plotting import plot_robot
     from robsim.vision.robots.lookup import load_robot
@@ -106,79 +103,42 @@ def show(
         errors.print_error(problem)
 
 
-@app.command(
-    cls=Command,
-    help="Add a robot to your user folder.\n\n"
-    "Options that are not given are derived from an image, or copied from another robot. The "
-    "surroundings of the robot in the image must be transparent, or --outline be given. The roles "
-    "of the markers, right and left, or front and back, follow from where they lie. Check the "
-    "result with [bold]robsim robots show[/], rotate it with [bold]robsim robots rotate[/].",
-    epilog="Example: robsim robots add mine photo.png --size 120",
-)
+@command(app)
 def add(
     name: Name,
-    source: Annotated[
-        str, argument("SOURCE", "An image (PNG), a robot, or a folder.", show_default=False)
-    ],
-    size: Annotated[
-        float | None,
-        number_option(
-            "--size", "PX", "Width of the image on the work area in px.", show_default="120"
-        ),
-    ] = None,
-    alignment: Annotated[
-        float | None,
-        number_option(
-            "--alignment",
-            "DEGREES",
-            "Degrees clockwise, after which the robot faces right.",
-            show_default="0",
-        ),
-    ] = None,
-    centre: Annotated[
-        str | None,
-        option(
-            "--centre",
-            "X,Y",
-            "Centre in the image, as '240,250': px right,down.",
-            show_default="that of the outline",
-        ),
-    ] = None,
-    outline: Annotated[
-        str | None,
-        option(
-            "--outline",
-            "POINTS",
-            "Polygon in the image, as '120,40 180,40 180,90'.",
-            show_default="around the opaque pixels",
-        ),
-    ] = None,
-    markers: Annotated[
-        list[str] | None,
-        option(
-            "--marker",
-            "NAME=POINTS",
-            "Polygon of the marker of a colour, as 'red=120,40 180,40 180,90'. Can be repeated.",
-            show_default="the largest blob of each colour",
-        ),
-    ] = None,
+    source: str,
+    size: float | None = None,
+    alignment: float | None = None,
+    centre: str | None = None,
+    outline: str | None = None,
+    markers: list[str] | None = None,
     colors: Colors = None,
-    marker_colors: Annotated[
-        str | None,
-        option(
-            "--marker-colors",
-            "NAME,NAME",
-            "Colours of the two markers, as the colour file names them; to give another "
-            "robot's markers others, in the order of their roles.",
-            show_default="red,blue",
-        ),
-    ] = None,
-    overwrite: Annotated[bool, switch("--overwrite", "Replace your robot of this name.")] = False,
-    ignore_colors: Annotated[
-        bool, switch("--anyway", "Add it even if its markers are not detected.")
-    ] = False,
+    marker_colors: str | None = None,
+    overwrite: bool = False,
+    ignore_colors: bool = False,
 ) -> None:
-    """Add a robot to your user folder."""
+    """Add a robot to your user folder.
+
+    Options that are not given are derived from an image, or copied from another robot. The
+    surroundings of the robot in the image must be transparent, or --outline be given. The roles of
+    the markers, right and left, or front and back, follow from where they lie. Check the result
+    with [bold]robsim robots show[/], rotate it with [bold]robsim robots rotate[/].
+
+    SOURCE: An image (PNG), a robot, or a folder.
+    --size PX: Width of the image on the work area in px. [default: 120]
+    --alignment DEGREES: Degrees clockwise, after which the robot faces right. [default: 0]
+    --centre X,Y: Centre in the image, as '240,250': px right,down. [default: that of the outline]
+    --outline POINTS: Polygon in the image, as '120,40 180,40 180,90'. [default: around the opaque
+        pixels]
+    --marker NAME=POINTS: Polygon of the marker of a colour, as 'red=120,40 180,40 180,90'. Can be
+        repeated. [default: the largest blob of each colour]
+    --marker-colors NAME,NAME: Colours of the two markers, as the colour file names them; to give
+        another robot's markers others, in the order of their roles. [default: red,blue]
+    --overwrite: Replace your robot of this name.
+    --anyway: Add it even if its markers are not detected.
+
+    Example: robsim robots add mine photo.png --size 120
+    """
     from robsim.vision.robots.user_robots import add_robot
 
     with errors.report_errors():
@@ -214,19 +174,14 @@ def _parsed_markers(texts: list[str]) -> dict[str, list[tuple[float, float]]]:
 
 
 # A negative number is not an option here.
-@app.command(
-    cls=Command,
-    epilog="Example: robsim robots rotate mine -90",
-    context_settings={"ignore_unknown_options": True},
-)
-def rotate(
-    name: Name,
-    degrees: Annotated[
-        float,
-        argument("DEGREES", "Angle in degrees, clockwise; negative: anticlockwise.", parser=number),
-    ],
-) -> None:
-    """Rotate the image of one of your robots, so that the robot faces right."""
+@command(app, context_settings={"ignore_unknown_options": True})
+def rotate(name: Name, degrees: float) -> None:
+    """Rotate the image of one of your robots, so that the robot faces right.
+
+    DEGREES: Angle in degrees, clockwise; negative: anticlockwise.
+
+    Example: robsim robots rotate mine -90
+    """
     from robsim.vision.robots.user_robots import rotate_robot
 
     with errors.report_errors():
@@ -234,9 +189,12 @@ def rotate(
     errors.show(_described(robot))
 
 
-@app.command(cls=Command, epilog="Example: robsim robots use lab")
+@command(app)
 def use(name: Name) -> None:
-    """Choose the default robot; the choice is stored."""
+    """Choose the default robot; the choice is stored.
+
+    Example: robsim robots use lab
+    """
     from robsim.vision.robots.lookup import default_robot, set_default_robot
 
     with errors.report_errors():
@@ -244,9 +202,12 @@ def use(name: Name) -> None:
         errors.say(f"in use: {default_robot()}")
 
 
-@app.command(cls=Command, epilog="Example: robsim robots reset")
+@command(app)
 def reset() -> None:
-    """Make "lab" the default robot again."""
+    """Make "lab" the default robot again.
+
+    Example: robsim robots reset
+    """
     from robsim.vision.robots.lookup import default_robot, reset_default_robot
 
     with errors.report_errors():
@@ -254,9 +215,12 @@ def reset() -> None:
         errors.say(f"in use: {default_robot()}")
 
 
-@app.command(cls=Command, epilog="Example: robsim robots remove mine")
+@command(app)
 def remove(name: Name) -> None:
-    """Remove one of your robots."""
+    """Remove one of your robots.
+
+    Example: robsim robots remove mine
+    """
     from robsim.vision.robots.lookup import default_robot
     from robsim.vision.robots.user_robots import remove_robot
 

@@ -7,14 +7,13 @@ import re
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from robsim._core import MotorLink, PlaneMap
 from robsim.base.checks import check_float
 from robsim.base.spelling import suggestion
 from robsim.base.text import quoted
 from robsim.cli import errors
-from robsim.cli.command import switch
 from robsim.cli.shared import Json
 from robsim.cli.text import about
 from robsim.lab.cameras.camera import Camera
@@ -176,18 +175,15 @@ def rate_of(fps: float | None, dt: float | None) -> float | None:
     return fps if fps is None else check_float("--fps", fps, "1/s", minimum=0.1, maximum=1000)
 
 
-EXAMPLE = "Example: robsim cameras"
-HELP = "Each with what to give robsim.Camera. None of them is opened."
+def cameras(network: bool = False, as_json: Json = False) -> None:
+    """List the cameras of this computer, and why others are missing.
 
+    Each with what to give robsim.Camera. None of them is opened.
 
-def cameras(
-    network: Annotated[
-        bool,
-        switch("--network", "Look for GigE Vision cameras on the network, too: that takes 1 s."),
-    ] = False,
-    as_json: Json = False,
-) -> None:
-    """List the cameras of this computer, and why others are missing."""
+    --network: Look for GigE Vision cameras on the network, too: that takes 1 s.
+
+    Example: robsim cameras
+    """
     from robsim.lab.cameras.finding import find_cameras
 
     with errors.report_errors():

@@ -11,44 +11,38 @@ import typer
 from robsim.base.text import one_line
 from robsim.cli import errors
 from robsim.cli.command import (
-    Command,
     argument,
+    command,
     command_group,
-    integer_option,
-    number_option,
-    option,
 )
 from robsim.cli.shared import Json
 
-SHOW_EXAMPLE = "Example: robsim tasks show park --to parking"
-SHOW_HELP = (
-    "Show a task: what it asks, what is given, how it is scored.\n\n"
-    "With --to it is written to a folder as sheet.md, with a file for each callback to write, and "
-    "task.py with the values that they are told. Nothing is overwritten there."
-)
 Name = Annotated[
     str, argument("TASK", "Name of the task, as of robsim tasks list.", show_default=False)
 ]
 
 
 def list_tasks() -> None:
-    """List the tasks, and which callbacks they ask for."""
+    """List the tasks, and which callbacks they ask for.
+
+    Example: robsim tasks list
+    """
     from robsim.teach.tasks import TASKS
 
     rows = [(name, kind.title, ", ".join(kind.slots)) for name, kind in TASKS.items()]
     errors.print_rows(("task", "what is to be done", "callbacks"), rows)
 
 
-def show(
-    name: Name,
-    to: Annotated[
-        Path | None,
-        option(
-            "--to", "FOLDER", "Write the sheet and files to start from there; created if needed."
-        ),
-    ] = None,
-) -> None:
-    """Show a task."""
+def show(name: Name, to: Path | None = None) -> None:
+    """Show a task: what it asks, what is given, how it is scored.
+
+    With --to it is written to a folder as sheet.md, with a file for each callback to write, and
+    task.py with the values that they are told. Nothing is overwritten there.
+
+    --to FOLDER: Write the sheet and files to start from there; created if needed.
+
+    Example: robsim tasks show park --to parking
+    """
     from robsim.teach.tasks import task
 
     with errors.report_errors():
@@ -71,39 +65,29 @@ def _print(sheet: str) -> None:
     errors.print_page([Markdown(sheet)])
 
 
-TRY_EXAMPLE = "Example: robsim tasks try park parking --figure park.png"
-TRY_HELP = (
-    "Try a solution of a task, beside a reference in the same runs.\n\n"
-    "It says what the scores come to, and what fails in which line. The exit status is 0 if the "
-    "solution is as good as the reference, 1 if it is not, 2 if there is nothing to try. It is run "
-    "in this process, as your own code: grade those of others with robsim grade."
-)
-
-
 def try_solution(
     name: Name,
-    path: Annotated[
-        Path,
-        argument(
-            "FILE|FOLDER", "A folder with the callbacks, or the file of one.", show_default=False
-        ),
-    ],
-    runs: Annotated[
-        int | None, integer_option("--runs", "N", "Number of runs. Default: the task's.")
-    ] = None,
-    seed: Annotated[int, integer_option("--seed", "N", "Another number: other runs.")] = 1,
-    time_limit: Annotated[
-        float | None,
-        number_option(
-            "--time-limit", "SECONDS", "Longest duration of a call of a callback. Default: none."
-        ),
-    ] = None,
-    figure: Annotated[
-        Path | None, option("--figure", "FILE", "Draw the worst run there: a PNG, PDF or SVG file.")
-    ] = None,
+    path: Path,
+    runs: int | None = None,
+    seed: int = 1,
+    time_limit: float | None = None,
+    figure: Path | None = None,
     as_json: Json = False,
 ) -> None:
-    """Try a solution of a task."""
+    """Try a solution of a task, beside a reference in the same runs.
+
+    It says what the scores come to, and what fails in which line. The exit status is 0 if the
+    solution is as good as the reference, 1 if it is not, 2 if there is nothing to try. It is run in
+    this process, as your own code: grade those of others with robsim grade.
+
+    FILE|FOLDER: A folder with the callbacks, or the file of one.
+    --runs N: Number of runs. Default: the task's.
+    --seed N: Another number: other runs.
+    --time-limit SECONDS: Longest duration of a call of a callback. Default: none.
+    --figure FILE: Draw the worst run there: a PNG, PDF or SVG file.
+
+    Example: robsim tasks try park parking --figure park.png
+    """
     from robsim.cli.results import check_figure_name, check_file, save_figure
     from robsim.teach.tasks import task, try_solution
 
@@ -129,6 +113,6 @@ HELP = (
     "are run beside a reference, in the same runs."
 )
 app = command_group("Start with: robsim tasks list")
-app.command("list", cls=Command, epilog="Example: robsim tasks list")(list_tasks)
-app.command(cls=Command, help=SHOW_HELP, epilog=SHOW_EXAMPLE)(show)
-app.command("try", cls=Command, help=TRY_HELP, epilog=TRY_EXAMPLE)(try_solution)
+command(app, "list")(list_tasks)
+command(app)(show)
+command(app, "try")(try_solution)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from robsim.cli import errors, shared
-from robsim.cli.command import argument, number_option, switch
 from robsim.cli.outcome import finish, write_with_progress
 from robsim.cli.text import parse_size
 
@@ -16,15 +15,10 @@ if TYPE_CHECKING:
     from robsim.vision.imaging.recordings import Recording
 
 VIDEO = "tracked.mp4"
-EXAMPLE = "Example: robsim track run.mkv --area 1200x1200 --out tracked"
-HELP = (
-    "Writes the trace, the figures and an annotated video. For a camera that views the floor "
-    "obliquely, give four or more points whose positions are known."
-)
 
 
 def track(
-    source: Annotated[Path, argument("SOURCE", "Video file, or folder of images.")],
+    source: Path,
     robot: shared.Robot = None,
     colors: shared.Colors = None,
     smoothing: shared.Smoothing = None,
@@ -32,23 +26,24 @@ def track(
     pixels: shared.Pixels = None,
     positions: shared.Positions = None,
     calibration: shared.CalibrationFile = None,
-    dt: Annotated[
-        float | None,
-        number_option(
-            "--dt",
-            "SECONDS",
-            "Time between two frames in s. Default: from the video; 0.2 for images.",
-        ),
-    ] = None,
+    dt: float | None = None,
     out: shared.Out = Path("robsim-track"),
-    video: Annotated[
-        bool, switch("--video/--no-video", "Write the annotated video, tracked.mp4, too.")
-    ] = True,
+    video: bool = True,
     unit: shared.Unit = "px",
     scale: shared.Scale = None,
     as_json: shared.Json = False,
 ) -> None:
-    """Track the robot in a video file or a folder of images."""
+    """Track the robot in a video file or a folder of images.
+
+    Writes the trace, the figures and an annotated video. For a camera that views the floor
+    obliquely, give four or more points whose positions are known.
+
+    SOURCE: Video file, or folder of images.
+    --dt SECONDS: Time between two frames in s. Default: from the video; 0.2 for images.
+    --video/--no-video: Write the annotated video, tracked.mp4, too.
+
+    Example: robsim track run.mkv --area 1200x1200 --out tracked
+    """
     from robsim.cli.results import check_folder
     from robsim.simulation import Experiment
     from robsim.vision.imaging.recordings import Recording

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robsim.cli.calibration import check, floor, lens, sheet
-from robsim.cli.command import Command, command_group
+from robsim.cli.command import command, command_group
 
 HELP = (
     "In this order: print a board (sheet), hold it in front of the camera (lens), lay floor sheets "
@@ -12,7 +12,5 @@ HELP = (
     "camera."
 )
 app = command_group("Start with: robsim calibrate sheet --kind chessboard --out board.pdf")
-app.command(cls=Command, help=sheet.HELP, epilog=sheet.EXAMPLE)(sheet.sheet)
-app.command(cls=Command, help=lens.HELP, epilog=lens.EXAMPLE)(lens.lens)
-app.command(cls=Command, help=floor.HELP, epilog=floor.EXAMPLE)(floor.floor)
-app.command(cls=Command, help=check.HELP, epilog=check.EXAMPLE)(check.check)
+for one in (sheet.sheet, lens.lens, floor.floor, check.check):
+    command(app)(one)

@@ -3,35 +3,30 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 from robsim.cli import errors
 from robsim.cli.calibration.options import pictures_of
-from robsim.cli.command import argument, number_option, option
-
-EXAMPLE = "Example: robsim calibrate check floor.png --calibration camera.toml --out check.png"
-HELP = (
-    "Draw the floor's grid on a picture, to see whether a calibration fits.\n\n"
-    "Yellow lines lie on the floor: tiles and marks of known places must lie on them. Blue ones "
-    "are as high as the robot's markers. Floor sheets that stayed since the calibration tell "
-    "whether the camera was moved."
-)
 
 
 def check(
-    picture: Annotated[
-        Path, argument("PICTURE", "Picture, folder or video: its first one is taken.")
-    ],
-    calibration: Annotated[Path, option("--calibration", "FILE", "The calibration.")] = Path(
-        "camera.toml"
-    ),
-    step: Annotated[
-        float | None,
-        number_option("--step", "MM", "Distance of the lines in mm. Default: a round one."),
-    ] = None,
-    out: Annotated[Path, option("--out", "FILE", "The picture to write.")] = Path("check.png"),
+    picture: Path,
+    calibration: Path = Path("camera.toml"),
+    step: float | None = None,
+    out: Path = Path("check.png"),
 ) -> None:
-    """Draw the floor's grid on a picture, to see whether a calibration fits."""
+    """Draw the floor's grid on a picture, to see whether a calibration fits.
+
+    Yellow lines lie on the floor: tiles and marks of known places must lie on them. Blue ones are
+    as high as the robot's markers. Floor sheets that stayed since the calibration tell whether the
+    camera was moved.
+
+    PICTURE: Picture, folder or video: its first one is taken.
+    --calibration FILE: The calibration.
+    --step MM: Distance of the lines in mm. Default: a round one.
+    --out FILE: The picture to write.
+
+    Example: robsim calibrate check floor.png --calibration camera.toml --out check.png
+    """
     from robsim.lab.calibration.grid import draw_grid, remedy_of_shifts, sheet_shifts
     from robsim.vision.imaging.calibration_file import load_calibration
     from robsim.vision.imaging.images import save_image

@@ -6,104 +6,61 @@ import csv
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from robsim.base.checks import check_mm_per_px
 from robsim.base.text import quoted
 from robsim.cli import errors
 from robsim.cli.calibration.options import Mark, check_out, height_of, pictures_of, report_and_save
-from robsim.cli.command import argument, number_option, option
 from robsim.cli.shared import Json
 from robsim.cli.text import parse_points, parse_size
 
 #: Names, pixels and positions of marks.
 Marks = tuple[list[str] | None, Sequence[Sequence[float]], Sequence[Sequence[float]]]
 _COLUMNS = "name", "u", "v", "x", "y"
-EXAMPLE = (
-    "Example: robsim calibrate floor floor.png --calibration camera.toml --area 1200x1200 "
-    "--scale 2 --marker-height 80mm"
-)
-HELP = (
-    "Calibrate where a camera looks at the floor from.\n\n"
-    "By printed sheets (robsim calibrate sheet --kind floor): lay them anywhere on the floor, "
-    "spread over the whole area, and take a picture; nothing need be measured. --place says where "
-    "the cross of a sheet lies on the area; without it, the sheet of the lowest number is the "
-    "middle of the area, and x points to its right. Or by marks whose places you measured: --marks "
-    "or --pixels and --positions. Six or more are checked against each other. The exit status is 1 "
-    "if the result is bad."
-)
 
 
 def floor(
-    pictures: Annotated[
-        list[Path] | None,
-        argument(
-            "PICTURES",
-            "Pictures of the floor, folders of them, or videos; the camera stands still.",
-        ),
-    ] = None,
-    area: Annotated[str | None, option("--area", "WxH", "Size of the work area in px.")] = None,
-    scale: Annotated[
-        float | None, number_option("--scale", "MM", "A px of the work area in mm on the floor.")
-    ] = None,
-    marker_height: Annotated[
-        str,
-        option(
-            "--marker-height",
-            "LENGTH",
-            "How high the robot's markers are above the floor, such as 80mm; needs a lens.",
-        ),
-    ] = "0mm",
-    calibration: Annotated[
-        Path | None,
-        option(
-            "--calibration",
-            "FILE",
-            "The calibrated lens, of robsim calibrate lens. Default: none, it does not distort.",
-        ),
-    ] = None,
+    pictures: list[Path] | None = None,
+    area: str | None = None,
+    scale: float | None = None,
+    marker_height: str = "0mm",
+    calibration: Path | None = None,
     mark: Mark = 80.0,
-    places: Annotated[
-        list[str] | None,
-        option(
-            "--place",
-            "N:X,Y",
-            "Where the cross of sheet N lies in mm from the top left corner of the area. Can "
-            "be repeated.",
-        ),
-    ] = None,
-    marks: Annotated[
-        Path | None,
-        option(
-            "--marks",
-            "FILE",
-            "Marks as CSV with the columns name, u, v (px), x, y (mm); those of one name are "
-            "averaged.",
-        ),
-    ] = None,
-    pixels: Annotated[
-        str | None, option("--pixels", "POINTS", "Marks in the picture in px: '12,8 630,11 ...'.")
-    ] = None,
-    positions: Annotated[
-        str | None,
-        option(
-            "--positions",
-            "POINTS",
-            "Their places on the floor in mm from the top left corner of the area.",
-        ),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        option(
-            "--out",
-            "FILE",
-            "The calibration to write. Default: that of --calibration, or camera.toml.",
-            show_default=False,
-        ),
-    ] = None,
+    places: list[str] | None = None,
+    marks: Path | None = None,
+    pixels: str | None = None,
+    positions: str | None = None,
+    out: Path | None = None,
     as_json: Json = False,
 ) -> None:
-    """Calibrate where a camera looks at the floor from."""
+    """Calibrate where a camera looks at the floor from.
+
+    By printed sheets (robsim calibrate sheet --kind floor): lay them anywhere on the floor, spread
+    over the whole area, and take a picture; nothing need be measured. --place says where the cross
+    of a sheet lies on the area; without it, the sheet of the lowest number is the middle of the
+    area, and x points to its right. Or by marks whose places you measured: --marks or --pixels and
+    --positions. Six or more are checked against each other. The exit status is 1 if the result is
+    bad.
+
+    PICTURES: Pictures of the floor, folders of them, or videos; the camera stands still.
+    --area WxH: Size of the work area in px.
+    --scale MM: A px of the work area in mm on the floor.
+    --marker-height LENGTH: How high the robot's markers are above the floor, such as 80mm; needs a
+        lens.
+    --calibration FILE: The calibrated lens, of robsim calibrate lens. Default: none, it does not
+        distort.
+    --place N:X,Y: Where the cross of sheet N lies in mm from the top left corner of the area. Can
+        be repeated.
+    --marks FILE: Marks as CSV with the columns name, u, v (px), x, y (mm); those of one name are
+        averaged.
+    --pixels POINTS: Marks in the picture in px: '12,8 630,11 ...'.
+    --positions POINTS: Their places on the floor in mm from the top left corner of the area.
+    --out FILE: The calibration to write. Default: that of --calibration, or camera.toml.
+
+    Example: robsim calibrate floor floor.png --calibration camera.toml --area 1200x1200 --scale 2
+    --marker-height 80mm
+    """
     from robsim.vision.imaging.calibration_file import load_calibration
 
     with errors.report_errors():

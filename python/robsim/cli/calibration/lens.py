@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from robsim.base.checks import check_int
 from robsim.cli import errors
@@ -15,45 +15,38 @@ from robsim.cli.calibration.options import (
     pictures_of,
     report_and_save,
 )
-from robsim.cli.command import argument, integer_option, option, switch
 from robsim.cli.shared import Json
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.taking import BoardTaker
 
-EXAMPLE = "Example: robsim calibrate lens pictures/ --board 9x6 --square 25 --out camera.toml"
-HELP = (
-    "Calibrate a lens by pictures of a printed board.\n\n"
-    "Ten to twenty pictures, of the size that the robot will be seen in: hold the board still, "
-    "tilted by 20 to 45 degrees, each time in another direction, and bring it into all corners of "
-    "the picture. Pictures are files, folders and videos; or, with --camera, they are taken by "
-    "themselves whenever the board stands still somewhere new. The exit status is 1 if the result "
-    "is bad."
-)
-
 
 def lens(
-    pictures: Annotated[
-        list[Path] | None, argument("PICTURES", "Pictures, folders of them, or videos.")
-    ] = None,
+    pictures: list[Path] | None = None,
     board: Board = None,
     square: Square = None,
-    charuco: Annotated[bool, switch("--charuco", "The board is a ChArUco board.")] = False,
-    camera: Annotated[
-        str | None,
-        option(
-            "--camera", "SOURCE", "Take the pictures from a live camera: its number or its address."
-        ),
-    ] = None,
-    count: Annotated[int, integer_option("--count", "N", "How many pictures to take by it.")] = 15,
-    keep: Annotated[
-        Path | None, option("--keep", "FOLDER", "Folder for the pictures that it takes.")
-    ] = None,
-    out: Annotated[Path, option("--out", "FILE", "The calibration to write.")] = Path(
-        "camera.toml"
-    ),
+    charuco: bool = False,
+    camera: str | None = None,
+    count: int = 15,
+    keep: Path | None = None,
+    out: Path = Path("camera.toml"),
     as_json: Json = False,
 ) -> None:
-    """Calibrate a lens by pictures of a printed board."""
+    """Calibrate a lens by pictures of a printed board.
+
+    Ten to twenty pictures, of the size that the robot will be seen in: hold the board still, tilted
+    by 20 to 45 degrees, each time in another direction, and bring it into all corners of the
+    picture. Pictures are files, folders and videos; or, with --camera, they are taken by themselves
+    whenever the board stands still somewhere new. The exit status is 1 if the result is bad.
+
+    PICTURES: Pictures, folders of them, or videos.
+    --charuco: The board is a ChArUco board.
+    --camera SOURCE: Take the pictures from a live camera: its number or its address.
+    --count N: How many pictures to take by it.
+    --keep FOLDER: Folder for the pictures that it takes.
+    --out FILE: The calibration to write.
+
+    Example: robsim calibrate lens pictures/ --board 9x6 --square 25 --out camera.toml
+    """
     from robsim.lab.calibration.lens import calibrate_lens
 
     with errors.report_errors():

@@ -3,36 +3,36 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 from robsim.cli import errors
 from robsim.cli.calibration.options import Board, Square, board_of, check_out
-from robsim.cli.command import integer_option, number_option, option
 
 KINDS = "chessboard", "charuco", "floor"
-EXAMPLE = "Example: robsim calibrate sheet --kind floor --number 1 --out floor-1.pdf"
-HELP = (
-    "Write a sheet to print, as PDF at true scale.\n\n"
-    "Print it at 100 %, not 'fit to page', and measure the line of 100 mm on it. chessboard and "
-    "charuco are for the lens: glue the sheet on something flat. A ChArUco board may reach beyond "
-    "the picture. floor is for the floor: print several, of different numbers."
-)
 
 
 def sheet(
-    out: Annotated[Path, option("--out", "FILE", "The PDF file to write.")],
-    kind: Annotated[str, option("--kind", "KIND", "chessboard, charuco or floor.")] = "chessboard",
-    paper: Annotated[str, option("--paper", "SIZE", "A4, A3, A2, A1, A0 or letter.")] = "A4",
+    out: Path,
+    kind: str = "chessboard",
+    paper: str = "A4",
     board: Board = None,
     square: Square = None,
-    sheet_number: Annotated[
-        int, integer_option("--number", "N", "Number of a floor sheet: 1 to 16.")
-    ] = 1,
-    mark: Annotated[
-        float, number_option("--mark", "MM", "Side of a mark on a floor sheet in mm.")
-    ] = 80.0,
+    sheet_number: int = 1,
+    mark: float = 80.0,
 ) -> None:
-    """Write a sheet to print, as PDF at true scale."""
+    """Write a sheet to print, as PDF at true scale.
+
+    Print it at 100 %, not 'fit to page', and measure the line of 100 mm on it. chessboard and
+    charuco are for the lens: glue the sheet on something flat. A ChArUco board may reach beyond the
+    picture. floor is for the floor: print several, of different numbers.
+
+    --out FILE: The PDF file to write.
+    --kind KIND: chessboard, charuco or floor.
+    --paper SIZE: A4, A3, A2, A1, A0 or letter.
+    --number N: Number of a floor sheet: 1 to 16.
+    --mark MM: Side of a mark on a floor sheet in mm.
+
+    Example: robsim calibrate sheet --kind floor --number 1 --out floor-1.pdf
+    """
     from robsim.base.checks import check_choice
     from robsim.lab.calibration.patterns.floor_sheet import FloorSheet
     from robsim.lab.calibration.patterns.printing import save_sheet

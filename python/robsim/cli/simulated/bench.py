@@ -8,7 +8,7 @@ import statistics
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from robsim._core import (
 from robsim.base.checks import Floats, check_int
 from robsim.base.report import Column, Quantity, Report, Row, Table
 from robsim.cli import errors
-from robsim.cli.command import integer_option
 from robsim.cli.shared import Json
 from robsim.simulation import Simulation
 from robsim.simulation.world.scene import make_scene, robot_sprite
@@ -34,22 +33,19 @@ from robsim.vision.imaging.noise import GaussianNoise
 from robsim.vision.imaging.video import load_opencv
 from robsim.vision.robots.lookup import load_robot
 
-EXAMPLE = "Example: robsim bench"
-HELP = (
-    "The alternatives, OpenCV and numpy, are timed in the same run on the same frames. OpenCV must "
-    "be installed."
-)
 _ROUNDS = 25
 
 
-def bench(
-    rounds: Annotated[
-        int,
-        integer_option("--rounds", "N", "Number of timings of each case; the median is reported."),
-    ] = _ROUNDS,
-    as_json: Json = False,
-) -> None:
-    """Measure how fast robsim is on this machine."""
+def bench(rounds: int = _ROUNDS, as_json: Json = False) -> None:
+    """Measure how fast robsim is on this machine.
+
+    The alternatives, OpenCV and numpy, are timed in the same run on the same frames. OpenCV must be
+    installed.
+
+    --rounds N: Number of timings of each case; the median is reported.
+
+    Example: robsim bench
+    """
     with errors.report_errors():
         result = run_bench(rounds=rounds)
     errors.show(result.to_json() if as_json else result)

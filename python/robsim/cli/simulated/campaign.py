@@ -4,55 +4,52 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from robsim.cli import errors
-from robsim.cli.command import argument, integer_option, option
 from robsim.cli.results import check_file, check_folder
 from robsim.cli.shared import Jobs, Json, engine_of
 
 if TYPE_CHECKING:
     from robsim.campaigns import CampaignResult
 
-EXAMPLE = "Example: robsim campaign --example noise.toml"
-HELP = (
-    "The file says what is run: --example writes one to edit. The table has, for each number, its "
-    "mean with a confidence interval, the difference to the first case, and how many runs more "
-    "decide whether there is one.\n\n"
-    "With --store, the same command goes on where the last one was ended, and one with more "
-    "--runs adds to them. Any SQLite program can read the file: its view results has all rows.\n\n"
-    "A run that fails is a row with its error. The exit status is 1 if all did."
-)
-
 
 def campaign(
-    file: Annotated[Path | None, argument("FILE", "The campaign, a TOML file.")] = None,
-    example: Annotated[
-        Path | None, option("--example", "FILE", "Write an example to a file, and stop.")
-    ] = None,
-    runs: Annotated[
-        int | None,
-        integer_option("--runs", "N", "Number of runs of each case. Default: as the file says."),
-    ] = None,
+    file: Path | None = None,
+    example: Path | None = None,
+    runs: int | None = None,
     jobs: Jobs = 1,
-    store: Annotated[
-        Path | None, option("--store", "FILE", "SQLite file that keeps the rows.")
-    ] = None,
-    by: Annotated[
-        list[str] | None, option("--by", "OPTION", "Compare its values; may be given twice.")
-    ] = None,
-    csv: Annotated[Path | None, option("--csv", "FILE", "Write all rows to a CSV file.")] = None,
-    parquet: Annotated[
-        Path | None, option("--parquet", "FILE", "Write all rows to a Parquet file.")
-    ] = None,
-    npz: Annotated[
-        Path | None, option("--npz", "FOLDER", "Write a file for each case that numpy reads.")
-    ] = None,
+    store: Path | None = None,
+    by: list[str] | None = None,
+    csv: Path | None = None,
+    parquet: Path | None = None,
+    npz: Path | None = None,
     as_json: Json = False,
 ) -> None:
-    """Run a simulation many times, over seeds and options, and compare the means."""
+    """Run a simulation many times, over seeds and options, and compare the means.
+
+    The file says what is run: --example writes one to edit. The table has, for each number, its
+    mean with a confidence interval, the difference to the first case, and how many runs more decide
+    whether there is one.
+
+    With --store, the same command goes on where the last one was ended, and one with more --runs
+    adds to them. Any SQLite program can read the file: its view results has all rows.
+
+    A run that fails is a row with its error. The exit status is 1 if all did.
+
+    FILE: The campaign, a TOML file.
+    --example FILE: Write an example to a file, and stop.
+    --runs N: Number of runs of each case. Default: as the file says.
+    --store FILE: SQLite file that keeps the rows.
+    --by OPTION: Compare its values; may be given twice.
+    --csv FILE: Write all rows to a CSV file.
+    --parquet FILE: Write all rows to a Parquet file.
+    --npz FOLDER: Write a file for each case that numpy reads.
+
+    Example: robsim campaign --example noise.toml
+    """
     with errors.report_errors():
         if (file is None) == (example is None):
             raise ValueError("give the FILE of a campaign, or --example FILE to write one")

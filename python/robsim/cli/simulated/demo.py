@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from robsim.cli import errors
-from robsim.cli.command import integer_option, option
 from robsim.cli.shared import Json
 
 if TYPE_CHECKING:
@@ -17,25 +16,25 @@ if TYPE_CHECKING:
     from robsim.estimation.identification.batch import BatchEstimate
     from robsim.simulation import Simulation
 
-EXAMPLE = "Example: robsim demo"
-HELP = (
-    "The robot drives around; a noisy camera measures where it is. From these measurements "
-    "recursive least squares estimates the parameters of its model online, and a batch fit at the "
-    "end. Both stand beside the true values. Figures and the trace are written to a folder."
-)
 
 _MINIMUM_STEPS = 50
 
 
 def demo(
-    out: Annotated[Path, option("--out", "FOLDER", "Folder for the figures and the trace.")] = Path(
-        "robsim-demo"
-    ),
-    steps: Annotated[int, integer_option("--steps", "N", "Number of steps, at least 50.")] = 1000,
-    seed: Annotated[int, integer_option("--seed", "N", "Seed of the run.")] = 2008,
-    as_json: Json = False,
+    out: Path = Path("robsim-demo"), steps: int = 1000, seed: int = 2008, as_json: Json = False
 ) -> None:
-    """Drive a robot, track it by camera and estimate its parameters."""
+    """Drive a robot, track it by camera and estimate its parameters.
+
+    The robot drives around; a noisy camera measures where it is. From these measurements recursive
+    least squares estimates the parameters of its model online, and a batch fit at the end. Both
+    stand beside the true values. Figures and the trace are written to a folder.
+
+    --out FOLDER: Folder for the figures and the trace.
+    --steps N: Number of steps, at least 50.
+    --seed N: Seed of the run.
+
+    Example: robsim demo
+    """
     with errors.report_errors():
         result = _run(out, steps, seed)
     if as_json:

@@ -19,17 +19,6 @@ if TYPE_CHECKING:
     from robsim.trace.sessions.session import Session
     from robsim.vision.imaging.recordings import Recording
 
-EXAMPLE = "Example: robsim gui mine"
-HELP = (
-    "With a folder it runs the callbacks there, and takes in what you change in them. A trace, a "
-    "session or a video is played back. Without any of these there is a simulation to play "
-    "with.\n\n"
-    "With --robots it defines a robot instead, with --train it trains colours, with --calibrate it "
-    "calibrates where a camera looks at the floor from: on a picture, a folder of pictures, a "
-    "video, a simulation of callbacks; on the robot, or an example, if there is none.\n\n"
-    "It ends when you close its last page, or with Ctrl-C. Only browsers on this machine can open "
-    "the page."
-)
 
 # What there is to see at first, unless a folder or an option says otherwise.
 _STAGES = {"measure": True, "estimate_parameters": True}
@@ -107,7 +96,20 @@ def gui(
     ] = False,
     **world: Any,
 ) -> None:
-    """Open the panel in the browser."""
+    """Open the panel in the browser.
+
+    With a folder it runs the callbacks there, and takes in what you change in them. A trace, a
+    session or a video is played back. Without any of these there is a simulation to play with.
+
+    With --robots it defines a robot instead, with --train it trains colours, with --calibrate it
+    calibrates where a camera looks at the floor from: on a picture, a folder of pictures, a video,
+    a simulation of callbacks; on the robot, or an example, if there is none.
+
+    It ends when you close its last page, or with Ctrl-C. Only browsers on this machine can open the
+    page.
+
+    Example: robsim gui mine
+    """
     from robsim.gui import panel
 
     with errors.report_errors(path):

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated
 
 from robsim.cli import errors
-from robsim.cli.command import argument
-
-EXAMPLE = "Example: robsim new mine"
-HELP = (
-    "Each file is a stage of the loop: control.py, measure.py, ... Optional stages are switched "
-    "off: set ENABLED = True in their files. Then: robsim gui FOLDER, or robsim run FOLDER"
-)
 
 
-def new(
-    folder: Annotated[Path, argument("FOLDER", "The folder; created if needed.")],
-) -> None:
-    """Write the default callbacks to a folder."""
+def new(folder: Path) -> None:
+    """Write the default callbacks to a folder.
+
+    Each file is a stage of the loop: control.py, measure.py, ... Optional stages are switched off:
+    set ENABLED = True in their files. Then: robsim gui FOLDER, or robsim run FOLDER
+
+    FOLDER: The folder; created if needed.
+
+    Example: robsim new mine
+    """
     from robsim.simulation.callback_folder import new_folder
 
     with errors.report_errors():

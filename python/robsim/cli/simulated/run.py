@@ -16,13 +16,6 @@ if TYPE_CHECKING:
     from robsim.simulation import Simulation
 
 
-EXAMPLE = "Example: robsim run mine --steps 300 --measure"
-HELP = (
-    "Figures and the trace are written to a folder. Without a controller, yours or --control, the "
-    "robot spins. Ctrl-C ends the run and keeps its results."
-)
-
-
 @takes_world
 def run(
     folder: shared.Callbacks = None,
@@ -47,7 +40,13 @@ def run(
     as_json: shared.Json = False,
     **world: Any,
 ) -> None:
-    """Run a simulation."""
+    """Run a simulation.
+
+    Figures and the trace are written to a folder. Without a controller, yours or --control, the
+    robot spins. Ctrl-C ends the run and keeps its results.
+
+    Example: robsim run mine --steps 300 --measure
+    """
     from robsim.simulation.options import step_count
 
     with errors.report_errors(folder):
