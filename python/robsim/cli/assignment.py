@@ -28,12 +28,11 @@ def report_errors() -> Iterator[None]:
     """Print an error as a sentence, and exit with 2; those of an assignment, too."""
     from robsim.teach.errors import GradingError
 
-    with errors.report_errors():
-        try:
-            yield
-        except GradingError as error:
-            errors.print_error(error)
-            raise typer.Exit(2) from None
+    try:
+        yield
+    except GradingError as error:
+        errors.print_error(error)
+        raise typer.Exit(2) from None
 
 
 def calibrate(

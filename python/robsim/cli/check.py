@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from robsim.base.checks import check_choice
 from robsim.cli import errors
 from robsim.cli.command import option
 from robsim.cli.errors import styled
@@ -49,8 +50,9 @@ def check(
     """
     from robsim.teach.doctor import check_folder
 
-    with errors.names({"slots": "--slot"}), errors.report_errors():
-        report = check_folder(path, slots=slot, task=task)
+    if slot is not None:
+        check_choice("--slot", slot, tuple(SLOTS))
+    report = check_folder(path, slots=slot, task=task)
     if as_json:
         errors.show(report.to_json())
     else:

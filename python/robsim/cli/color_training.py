@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from robsim._core import Frame, Observation, color_histograms
+from robsim._core import ColorClass, Frame, Observation, color_histograms
 from robsim.base.text import quoted
 from robsim.cli import errors
 from robsim.cli.shared import Area, CalibrationFile, Colors, Robot
@@ -58,36 +59,33 @@ def train(
     """
     from robsim.cli.results import check_figure_name, check_file
 
-    with errors.report_errors():
-        if to:
-            check_file(to)
-        if name is None:
-            _check_for_a_recording(frames, limit_y, figure)
-            source = _recording(frames[0], area, calibration)
-            markers = load_robot(robot).marker_layout()
-            if regions and colors is not None:
-                raise ValueError("--colors and --region of a recording must not both be given")
-            seen = _regions_of_markers(regions, [*markers.colors.values()]) if regions else None
-            trained = [*train_markers(source, markers, colors=colors, regions=seen, margin=margin)]
-        else:
-            _check_for_images(
-                {
-                    "--robot": robot,
-                    "--colors": colors,
-                    "--area": area,
-                    "--calibration": calibration,
-                }
-            )
-            if figure:
-                check_figure_name(figure)
-                check_file(figure)
-            images = [load_image(image) for image in frames]
-            boxes = _regions_of_images(images, regions or [])
-            trained = [train_color(images, boxes, name=name, margin=margin, limit_y=limit_y)]
-            if figure:
-                _write_histograms(figure, trained[0], images, frames)
-        if to:
-            save_colors(to, [one.color for one in trained])
+    if to:
+        check_file(to)
+    if name is None:
+        _check_for_a_recording(frames, limit_y, figure)
+        source = _recording(frames[0], area, calibration)
+        markers = load_robot(robot).marker_layout()
+        if regions and colors is not None:
+            raise ValueError("--colors and --region of a recording must not both be given")
+        seen = _regions_of_markers(regions, [*markers.colors.values()]) if regions else None
+        trained = [*train_markers(source, markers, colors=colors, regions=seen, margin=margin)]
+    else:
+        others = {"robot": robot, "colors": colors, "area": area, "calibration": calibration}
+        for other, value in others.items():
+            if value is not None:
+                raise ValueError(
+                    f"--{other} goes with a recording, --name with images: leave one out"
+                )
+        if figure:
+            check_figure_name(figure)
+            check_file(figure)
+        images = [load_image(image) for image in frames]
+        boxes = _regions_of_images(images, regions or [])
+        trained = [train_color(images, boxes, name=name, margin=margin, limit_y=limit_y)]
+        if figure:
+            _write_histograms(figure, trained[0].color, trained[0].histograms, images, frames)
+    if to:
+        save_colors(to, [one.color for one in trained])
     errors.show(colors_to_toml([one.color for one in trained]))
     if len(frames) > 1 or name is None:
         for one in trained:
@@ -95,12 +93,6 @@ def train(
     for file, what in ((to, "written to"), (figure, "histograms in")):
         if file:
             errors.say(f"{what} {file}")
-
-
-def _check_for_images(others: dict[str, Any]) -> None:
-    for name, value in others.items():
-        if value is not None:
-            raise ValueError(f"{name} goes with a recording, --name with images: leave one out")
 
 
 def _check_for_a_recording(frames: Sequence[Path], limit_y: bool, figure: Path | None) -> None:
@@ -160,7 +152,11 @@ def _regions_of_images(images: Sequence[Pixels], texts: Sequence[str]) -> list[R
 
 
 def _write_histograms(
-    file: Path, trained: Any, images: Sequence[Pixels], names: Sequence[Path]
+    file: Path,
+    color: ColorClass,
+    histograms: NDArray[np.int64],
+    images: Sequence[Pixels],
+    names: Sequence[Path],
 ) -> None:
     from robsim.cli.results import save_figure
     from robsim.plotting import plot_color_histograms
@@ -169,5 +165,5 @@ def _write_histograms(
         [color_histograms(p, (0, 0, p.shape[1] - 1, p.shape[0] - 1)) for p in images], axis=0
     )
     picture = ", ".join(name.name for name in names)
-    figure = plot_color_histograms(trained.histograms, trained.color, others=whole, picture=picture)
+    figure = plot_color_histograms(histograms, color, others=whole, picture=picture)
     save_figure(file, figure)

@@ -57,21 +57,20 @@ def frame(
 
     Example: robsim colors frame frame.png
     """
-    with errors.report_errors():
-        x, y = parse_point("--at", at) or (600.0, 600.0)
-        if not (0 <= x < 1200 and 0 <= y < 1200):
-            raise ValueError(f"--at must lie within the image of 1200 x 1200 px, got {at}")
-        check_float("--heading", heading, "degrees")
-        start = x, y, float(np.deg2rad(np.remainder(heading, 360)))
-        simulation = Simulation(
-            robot=robot,
-            start=start,
-            headings=None,
-            noise=parse_noise("--noise", noise),
-            adjust_background=lambda background: background,  # no red square beside the marker
-            seed=seed,
-        )
-        _write_image(file, simulation.frame.image)
+    x, y = parse_point("--at", at) or (600.0, 600.0)
+    if not (0 <= x < 1200 and 0 <= y < 1200):
+        raise ValueError(f"--at must lie within the image of 1200 x 1200 px, got {at}")
+    check_float("--heading", heading, "degrees")
+    start = x, y, float(np.deg2rad(np.remainder(heading, 360)))
+    simulation = Simulation(
+        robot=robot,
+        start=start,
+        headings=None,
+        noise=parse_noise("--noise", noise),
+        adjust_background=lambda background: background,  # no red square beside the marker
+        seed=seed,
+    )
+    _write_image(file, simulation.frame.image)
     errors.say(f"frame of the robot {simulation.robot.name} written to {file}")
     seen = simulation.robot
     for role, marker in seen.markers.items():
@@ -87,8 +86,7 @@ def list_colors(file: Path | None = None) -> None:
 
     Example: robsim colors list
     """
-    with errors.report_errors():
-        colors = load_colors(file)
+    colors = load_colors(file)
     errors.print_rows(
         ("colour", "Y", "U", "V"),
         [(c.name, *map(_range, (c.y, c.u, c.v))) for c in colors],
@@ -122,18 +120,15 @@ def try_colors(
     Example: robsim colors test frame.png --colors colors.toml --out seen.png --region
     red=578,613,594,630
     """
-    with errors.report_errors():
-        classes = load_colors(colors)
-        marked = _marked_regions(images, classes, regions or [])
-        painted = _painted_files(images, out)
-        found = {
-            str(image): _found(image, classes, smoothing, painted.get(image)) for image in images
-        }
-        scores = [
-            score_color(load_image(images[0]), color, marked[color.name], smoothing=smoothing)
-            for color in classes
-            if color.name in marked
-        ]
+    classes = load_colors(colors)
+    marked = _marked_regions(images, classes, regions or [])
+    painted = _painted_files(images, out)
+    found = {str(image): _found(image, classes, smoothing, painted.get(image)) for image in images}
+    scores = [
+        score_color(load_image(images[0]), color, marked[color.name], smoothing=smoothing)
+        for color in classes
+        if color.name in marked
+    ]
     if as_json:
         result = {"found": found, "scores": [score.to_dict() for score in scores]}
         errors.show(json.dumps(result, indent=2))

@@ -35,12 +35,12 @@ class Command(TyperCommand):
         return _without_types(super().get_params(ctx))
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command; messages of errors name its arguments as the shell does."""
+        """Run the command; errors are told in a sentence, and name arguments as the shell does."""
         names: dict[str, str] = {}
         for one in self.params:
             shown = one.opts[0] if one.param_type_name == "option" else one.metavar or one.name
             names |= dict.fromkeys((one.name, one.opts[0].lstrip("-").replace("-", "_")), shown)
-        with errors.names(names):
+        with errors.names(names), errors.report_errors():
             return super().invoke(ctx)
 
 

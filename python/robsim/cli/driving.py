@@ -32,16 +32,7 @@ _TO_START, _CLEAR = "\r", "\x1b[K"
 class StatusLine:
     """Renews a line on a terminal, and ends the run when its time is over.
 
-    Without a terminal it shows nothing.
-
-    Parameters
-    ----------
-    experiment : Experiment
-        The run.
-    camera : Camera
-        Its camera.
-    seconds : float, optional
-        How long after the first frame the run is ended (s). Default: never.
+    That is so many `seconds` after the first frame. Without a terminal it shows nothing.
     """
 
     def __init__(self, experiment: Experiment, camera: Camera, seconds: float | None) -> None:
@@ -120,20 +111,10 @@ def step_of_model(folder: Path | None) -> float | None:
 
 @dataclass(frozen=True, kw_only=True)
 class CountsReport(Report):
-    """What has become of the frames of a camera.
-
-    Attributes
-    ----------
-    counts : CameraCounts
-        The counts.
-    """
+    """What has become of the frames of a camera."""
 
     counts: CameraCounts
-
-    @property
-    def title(self) -> str:
-        """What was counted."""
-        return "Frames of the camera"
+    title: str = "Frames of the camera"
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -150,24 +131,12 @@ class CountsReport(Report):
 
 @dataclass
 class LiveRun:
-    """A live run.
-
-    Parameters
-    ----------
-    steps : int or None
-        Number of steps.
-    seconds : float or None
-        Its duration (s).
-    limits : Limits
-        What the motors are asked for at most.
-    frame_timeout : float or None
-        As in `Experiment`.
-    """
+    """A live run."""
 
     steps: int | None
-    seconds: float | None
-    limits: Limits
-    frame_timeout: float | None
+    seconds: float | None  # how long it is (s)
+    limits: Limits  # of what the motors are asked for
+    frame_timeout: float | None  # as in `Experiment`
     #: The run, when there is something to report of it.
     experiment: Experiment | None = None
     #: What ended it.

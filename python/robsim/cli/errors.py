@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import traceback
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -58,7 +59,7 @@ def report_errors(folder: Path | None = None) -> Iterator[None]:
         from robsim.simulation.callbacks.errors import callback_of
         from robsim.simulation.slots import SLOTS
 
-        if isinstance(error, typer.Exit):
+        if isinstance(error, typer.Exit) or _is_of_output(error):
             raise
         if folder is not None and (text := _in_callbacks(error, folder)):
             print_error(text)
@@ -69,6 +70,12 @@ def report_errors(folder: Path | None = None) -> Iterator[None]:
         failed = callback_of(error)
         is_callback = failed is not None and failed.slot in SLOTS
         raise typer.Exit(code=1 if is_callback else 2) from error
+
+
+def _is_of_output(error: BaseException) -> bool:
+    if not isinstance(error, OSError) or error.filename is not None:
+        return False
+    return error.errno in (errno.EPIPE, errno.ENOSPC)
 
 
 def _sentence(error: BaseException) -> str:

@@ -45,8 +45,7 @@ def checked_isolation(isolation: str) -> IsolationReport:
     from robsim.teach.isolation.check import check_isolation
     from robsim.teach.isolation.limits import LEVELS
 
-    with errors.report_errors():
-        return check_isolation(isolation=check_choice("isolation", isolation, LEVELS))
+    return check_isolation(isolation=check_choice("isolation", isolation, LEVELS))
 
 
 _MISSING, _BROKEN = 1, 2  # exit statuses
@@ -161,18 +160,17 @@ def _reported() -> Iterator[None]:
     from robsim.teach.errors import GradingError, SubmissionError
     from robsim.teach.isolation.start import IsolationError
 
-    with errors.report_errors():
-        try:
-            yield
-        except IsolationError as error:
-            errors.print_error(error)
-            raise typer.Exit(NOT_STRICT) from None
-        except SubmissionError as error:  # of a single run
-            errors.print_error(error)
-            raise typer.Exit(_MISSING) from None
-        except GradingError as error:
-            errors.print_error(f"{error.whose}: {error}")
-            raise typer.Exit(_BROKEN) from None
+    try:
+        yield
+    except IsolationError as error:
+        errors.print_error(error)
+        raise typer.Exit(NOT_STRICT) from None
+    except SubmissionError as error:  # of a single run
+        errors.print_error(error)
+        raise typer.Exit(_MISSING) from None
+    except GradingError as error:
+        errors.print_error(f"{error.whose}: {error}")
+        raise typer.Exit(_BROKEN) from None
 
 
 def _exit(result: ClassResult) -> None:

@@ -129,11 +129,8 @@ def live(
             "control": controller,
         }
         run.drive(line, folder, {name: one for name, one in options.items() if one is not None})
-        remark = shared.earlier_run(out)
     if run.experiment is not None:
         finish(run.experiment, out, as_json=as_json, more=run.reports, unit=unit, scale=scale)
-        if remark and run.experiment.trace:
-            errors.print_note(remark)
         if session is not None and (session / "steps.csv").exists():
             errors.print_note(f"the session is in {session}; with other callbacks, in Python:")
             errors.print_note(f"  {_replay(session, folder)}")
@@ -195,21 +192,7 @@ _PICTURE = "check.png"
 def check_and_report(
     camera: Camera, motors: MotorLink | None, out: Path, as_json: bool, **options: Any
 ) -> None:
-    """Check a camera, print what was found, and draw it; exit with 1 if it is bad.
-
-    Parameters
-    ----------
-    camera : Camera
-        The camera.
-    motors : MotorLink or None
-        The line to the robot.
-    out : Path
-        Folder for the picture.
-    as_json : bool
-        Whether to print JSON.
-    **options
-        Those of `robsim.lab.check_camera`.
-    """
+    """Check a camera, print what was found, and draw it; exit with 1 if it is bad."""
     from robsim import plotting
     from robsim.cli.results import save_figure
     from robsim.lab.rehearsal.camera_check import check_camera

@@ -18,6 +18,5 @@ def notebooks(folder: Path) -> None:
     """
     from robsim.base.shipped import copy_notebooks
 
-    with errors.report_errors():
-        files = copy_notebooks(folder)
+    files = copy_notebooks(folder)
     errors.say(f"written to {folder}: {', '.join(file.name for file in files)}")

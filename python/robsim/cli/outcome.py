@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from robsim.cli import errors
+from robsim.cli.shared import earlier_run
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -44,11 +45,11 @@ def finish(
     if not len(simulation.trace):
         errors.print_note("no steps, no results")
         return
-    with errors.report_errors():
-        results = write_results(out, simulation, more=more, unit=unit, scale=scale)
-        if video or record:
-            trace = simulation.trace.in_unit(unit, mm_per_px=scale)
-            _write_videos(cast("Simulation", simulation), trace, video, record)
+    remark = earlier_run(out)
+    results = write_results(out, simulation, more=more, unit=unit, scale=scale)
+    if video or record:
+        trace = simulation.trace.in_unit(unit, mm_per_px=scale)
+        _write_videos(cast("Simulation", simulation), trace, video, record)
     if as_json:
         errors.show(json.dumps(results.to_dict(), indent=2, allow_nan=False))
     elif text := str(results):
@@ -57,11 +58,12 @@ def finish(
         errors.print_note(sentence)
     if results.tracking is None:
         errors.print_note("not tracked: add --measure, or write a measure.py with ENABLED = True")
-    if as_json:
-        return
-    errors.say(f"written to {out}: {', '.join(file.name for file in results.files)}")
-    for file in filter(None, (video, record)):
-        errors.say(f"written: {file}")
+    if not as_json:
+        errors.say(f"written to {out}: {', '.join(file.name for file in results.files)}")
+        for file in filter(None, (video, record)):
+            errors.say(f"written: {file}")
+    if remark:
+        errors.print_note(remark)
 
 
 def _write_videos(
@@ -70,11 +72,7 @@ def _write_videos(
     from robsim.plotting.images.replay import annotated_frames
 
     if video:
-        frames = annotated_frames(
-            _frames(simulation),
-            trace,
-            simulation=simulation,
-        )
+        frames = annotated_frames(_frames(simulation), trace, simulation=simulation)
         write_with_progress(video, frames, trace)
     if record:
         write_with_progress(record, _frames(simulation), trace)
@@ -99,14 +97,7 @@ _PATIENCE = 3.0  # s that the last page may be away, such as while it is loaded 
 def show_panel(opened: HostedPanel, port: int = 0, *, is_wanted: bool = True) -> None:
     """Tell the address of a panel, and show it until its last page is closed, or Ctrl-C.
 
-    Parameters
-    ----------
-    opened : HostedPanel
-        The panel.
-    port : int
-        Port of its page on this machine; 0 = any that is free.
-    is_wanted : bool
-        Whether a browser is to be started.
+    A `port` of 0 is any that is free; `is_wanted` tells whether a browser is to be started.
     """
     page = opened._serve(port)
     is_shown = is_wanted and page.open()

@@ -26,22 +26,10 @@ _FIGURES = ("camera.jpg", "traces.png", "parameters.png", "batch.png")
 
 @dataclass(frozen=True, kw_only=True)
 class Results:
-    """The results of a run, and the files written.
+    """The results of a run, with other reports of it by name, and the files written."""
 
-    Attributes
-    ----------
-    report : BatchEstimate or None
-        True values, batch and online estimates; None if parameters were not estimated.
-    tracking : TrackingStatistics or None
-        Errors of the measured poses; None if the robot was not tracked.
-    files : tuple of Path
-        The files written.
-    more : dict of str to Report
-        Other reports of the run, by name.
-    """
-
-    report: BatchEstimate | None
-    tracking: Report | None
+    report: BatchEstimate | None  # if parameters were estimated
+    tracking: Report | None  # if the robot was tracked
     files: tuple[Path, ...]
     more: Mapping[str, Report] = field(default_factory=dict)
 
@@ -90,15 +78,7 @@ def check_figure_name(file: Path) -> None:
 
 
 def save_figure(file: Path, figure: Any) -> None:
-    """Write a figure to a file in the format that its suffix names.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
-    ValueError
-        If the suffix names no known format.
-    """
+    """Write a figure to a file in the format that its suffix names."""
     check_figure_name(file)
     # Noise does not compress: a camera's image is a fifth as large as JPEG.
     quality = {"pil_kwargs": {"quality": 90}} if file.suffix == ".jpg" else {}
@@ -119,26 +99,9 @@ def write_results(
 ) -> Results:
     """Write the figures and the trace of a run.
 
-    Parameters
-    ----------
-    out : Path
-        Folder to write to; created if needed.
-    simulation : Simulation or Experiment
-        A simulation that has run.
-    method : str
-        The method of the batch estimate.
-    more : dict of str to Report, optional
-        Other reports of the run.
-    unit : str
-        The unit of lengths in reports, figures and the trace.
-    scale : float, optional
-        Length of a px of the work area (mm). Default: as the run was calibrated.
-
-    Returns
-    -------
-    Results
-        The numbers, and the files: camera.jpg, traces.png, trace.npz; parameters.png and
-        batch.png if parameters were estimated.
+    These are camera.jpg, traces.png, trace.npz; parameters.png and batch.png if parameters were
+    estimated. The `method` is that of the batch estimate, `more` are other reports of the run,
+    `scale` is the length of a px of the work area (mm), by default as the run was calibrated.
     """
     trace = simulation.trace.in_unit(unit, mm_per_px=scale)
     is_tracked = trace.is_tracked

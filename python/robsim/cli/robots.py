@@ -90,13 +90,12 @@ def show(name: str | None = None, out: Path | None = None, colors: Colors = None
     from robsim.vision.robots.lookup import load_robot
     from robsim.vision.robots.marker_check import check_colors
 
-    with errors.report_errors():
-        robot = load_robot(name)
-        problems = check_colors(robot, colors).sentences
-        plain_name = re.sub(r"[^\w-]+", "-", robot.name)
-        file = out or Path(f"robot-{plain_name}.png")
-        file = file if file.suffix else file.with_suffix(".png")
-        save_figure(file, plot_robot(robot).get_figure())
+    robot = load_robot(name)
+    problems = check_colors(robot, colors).sentences
+    plain_name = re.sub(r"[^\w-]+", "-", robot.name)
+    file = out or Path(f"robot-{plain_name}.png")
+    file = file if file.suffix else file.with_suffix(".png")
+    save_figure(file, plot_robot(robot).get_figure())
     errors.show(_described(robot))
     errors.say(f"figure written to {file}")
     for problem in problems:
@@ -141,20 +140,19 @@ def add(
     """
     from robsim.vision.robots.user_robots import add_robot
 
-    with errors.report_errors():
-        robot = add_robot(
-            name,
-            source,
-            size=size,
-            alignment=alignment,
-            centre=parse_point("--centre", centre),
-            outline=parse_points("--outline", outline),
-            markers=_parsed_markers(markers) if markers else None,
-            colors=colors,
-            marker_colors=marker_colors.split(",") if marker_colors else None,
-            overwrite=overwrite,
-            ignore_colors=ignore_colors,
-        )
+    robot = add_robot(
+        name,
+        source,
+        size=size,
+        alignment=alignment,
+        centre=parse_point("--centre", centre),
+        outline=parse_points("--outline", outline),
+        markers=_parsed_markers(markers) if markers else None,
+        colors=colors,
+        marker_colors=marker_colors.split(",") if marker_colors else None,
+        overwrite=overwrite,
+        ignore_colors=ignore_colors,
+    )
     errors.show(_described(robot))
     errors.say(f"added: check it with `robsim robots show {name}`, then `robsim robots use {name}`")
 
@@ -184,8 +182,7 @@ def rotate(name: Name, degrees: float) -> None:
     """
     from robsim.vision.robots.user_robots import rotate_robot
 
-    with errors.report_errors():
-        robot = rotate_robot(name, degrees)
+    robot = rotate_robot(name, degrees)
     errors.show(_described(robot))
 
 
@@ -197,9 +194,8 @@ def use(name: Name) -> None:
     """
     from robsim.vision.robots.lookup import default_robot, set_default_robot
 
-    with errors.report_errors():
-        set_default_robot(name)
-        errors.say(f"in use: {default_robot()}")
+    set_default_robot(name)
+    errors.say(f"in use: {default_robot()}")
 
 
 @command(app)
@@ -210,9 +206,8 @@ def reset() -> None:
     """
     from robsim.vision.robots.lookup import default_robot, reset_default_robot
 
-    with errors.report_errors():
-        reset_default_robot()
-        errors.say(f"in use: {default_robot()}")
+    reset_default_robot()
+    errors.say(f"in use: {default_robot()}")
 
 
 @command(app)
@@ -224,9 +219,8 @@ def remove(name: Name) -> None:
     from robsim.vision.robots.lookup import default_robot
     from robsim.vision.robots.user_robots import remove_robot
 
-    with errors.report_errors():
-        remove_robot(name)
-        errors.say(f"removed: {name}; in use: {default_robot()}")
+    remove_robot(name)
+    errors.say(f"removed: {name}; in use: {default_robot()}")
 
 
 def _numbers_of(folder: Path, problems: list[object]) -> tuple[str, str, str]:

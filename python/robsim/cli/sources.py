@@ -50,13 +50,6 @@ def opened(
 
     A `model_dt` is the time of a step that the frames must have (s). Where `every` is not given, it
     follows from the rate, if that is known before the camera is open.
-
-    Raises
-    ------
-    ValueError
-        If a text cannot be understood.
-    OSError
-        If the camera or the line cannot be opened.
     """
     if camera is None:
         raise ValueError(
@@ -186,8 +179,7 @@ def cameras(network: bool = False, as_json: Json = False) -> None:
     """
     from robsim.lab.cameras.finding import find_cameras
 
-    with errors.report_errors():
-        report = find_cameras(network=network)
+    report = find_cameras(network=network)
     if as_json:
         errors.show(report.to_json())
         return

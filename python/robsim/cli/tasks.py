@@ -45,12 +45,11 @@ def show(name: Name, to: Path | None = None) -> None:
     """
     from robsim.teach.tasks import task
 
-    with errors.report_errors():
-        one = task(name)
-        if to is None:
-            _print(one.sheet)
-            return
-        files = one.begin(to)
+    one = task(name)
+    if to is None:
+        _print(one.sheet)
+        return
+    files = one.begin(to)
     errors.say(f"written to {to}: {', '.join(file.name for file in files)}")
     errors.say(f"read {to / 'sheet.md'}; then: robsim tasks try {name} {to}")
 

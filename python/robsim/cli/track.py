@@ -48,21 +48,19 @@ def track(
     from robsim.simulation import Experiment
     from robsim.vision.imaging.recordings import Recording
 
-    with errors.report_errors():
-        check_folder(out)
-        shared.check_unit(unit, scale, calibration)
-        if out.resolve() == source.resolve() or (out / VIDEO).resolve() == source.resolve():
-            raise ValueError(f"--out {out} would overwrite {source}: give another folder")
-        plane_map = shared.parse_plane_map(pixels, positions)
-        recording = Recording(
-            source,
-            plane_map=plane_map,
-            area=parse_size("--area", area),
-            dt=dt,
-            calibration=calibration,
-        )
-        experiment = Experiment(recording, robot=robot, colors=colors, smoothing=smoothing)
-        remark = shared.earlier_run(out)
+    check_folder(out)
+    shared.check_unit(unit, scale, calibration)
+    if out.resolve() == source.resolve() or (out / VIDEO).resolve() == source.resolve():
+        raise ValueError(f"--out {out} would overwrite {source}: give another folder")
+    plane_map = shared.parse_plane_map(pixels, positions)
+    recording = Recording(
+        source,
+        plane_map=plane_map,
+        area=parse_size("--area", area),
+        dt=dt,
+        calibration=calibration,
+    )
+    experiment = Experiment(recording, robot=robot, colors=colors, smoothing=smoothing)
     failure = None
     try:
         experiment.run(progress=True)
@@ -72,16 +70,13 @@ def track(
         failure = error
     if count := len(experiment.trace):
         finish(experiment, out, as_json=as_json, unit=unit, scale=scale)
-        if remark:
-            errors.print_note(remark)
         if video:
             trace = experiment.trace.in_unit(unit, mm_per_px=scale)
             _write_video(experiment, trace, recording, out / VIDEO)
         if failure is not None:
             errors.print_note(f"the {count} frames before the error are tracked")
-    with errors.report_errors():
-        if failure is not None:
-            raise failure
+    if failure is not None:
+        raise failure
 
 
 def _write_video(experiment: Experiment, trace: Trace, recording: Recording, file: Path) -> None:
@@ -93,10 +88,5 @@ def _write_video(experiment: Experiment, trace: Trace, recording: Recording, fil
     except ImportError as error:
         errors.print_note(f"no {file.name}: {error}")
         return
-    shown = annotated_frames(
-        recording,
-        trace,
-        simulation=experiment,
-    )
-    with errors.report_errors():
-        write_with_progress(file, shown, trace)
+    shown = annotated_frames(recording, trace, simulation=experiment)
+    write_with_progress(file, shown, trace)

@@ -31,17 +31,16 @@ def check(
     from robsim.vision.imaging.calibration_file import load_calibration
     from robsim.vision.imaging.images import save_image
 
-    with errors.report_errors():
-        if out.resolve() == picture.resolve():
-            raise ValueError(f"--out {out} would overwrite the picture: give another name")
-        loaded = load_calibration(calibration)
-        image = next(pictures_of([picture]))[1]
-        save_image(out, draw_grid(image, loaded, step=step))
-        shifts = {}
-        try:
-            shifts = sheet_shifts(image, loaded)
-        except ImportError as error:
-            errors.print_note(f"floor sheets were not looked for: {error}")
+    if out.resolve() == picture.resolve():
+        raise ValueError(f"--out {out} would overwrite the picture: give another name")
+    loaded = load_calibration(calibration)
+    image = next(pictures_of([picture]))[1]
+    save_image(out, draw_grid(image, loaded, step=step))
+    shifts = {}
+    try:
+        shifts = sheet_shifts(image, loaded)
+    except ImportError as error:
+        errors.print_note(f"floor sheets were not looked for: {error}")
     for sheet, shift in shifts.items():
         errors.say(f"floor sheet {sheet}: {shift:.1f} px from where the calibration saw it")
     if remedy := remedy_of_shifts(shifts):

@@ -6,7 +6,7 @@ import csv
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robsim.base.checks import check_mm_per_px
 from robsim.base.text import quoted
@@ -14,6 +14,9 @@ from robsim.cli import errors
 from robsim.cli.calibration.options import Mark, check_out, height_of, pictures_of, report_and_save
 from robsim.cli.shared import Json
 from robsim.cli.text import parse_points, parse_size
+
+if TYPE_CHECKING:
+    from robsim.lab.calibration.floor_report import FloorCalibration
 
 #: Names, pixels and positions of marks.
 Marks = tuple[list[str] | None, Sequence[Sequence[float]], Sequence[Sequence[float]]]
@@ -63,34 +66,33 @@ def floor(
     """
     from robsim.vision.imaging.calibration_file import load_calibration
 
-    with errors.report_errors():
-        file = out or calibration or Path("camera.toml")
-        check_out(file, ".toml", "--out" if out else "--calibration")
-        if area is None or scale is None:
-            missing = [name for name, one in (("--area", area), ("--scale", scale)) if one is None]
-            raise ValueError(
-                f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: the size "
-                "of the work area in px, and how many mm of the floor a px is, such as "
-                "--area 1200x1200 --scale 2"
-            )
-        check_mm_per_px(scale, "--scale")
-        height = height_of("--marker-height", marker_height)
-        if height and calibration is None:
-            raise ValueError(
-                "--marker-height needs a lens, --calibration of robsim calibrate lens: how things "
-                "shift in the picture when they are higher depends on it. Without one, measure "
-                "marks that lie as high as the markers"
-            )
-        options = {
-            "area": parse_size("--area", area),
-            "mm_per_px": scale,
-            "marker_height": height,
-            "lens": None if calibration is None else load_calibration(calibration),
-        }
-        report = _calibrated(
-            pictures or [], _given_marks(marks, pixels, positions), mark, places or [], options
+    file = out or calibration or Path("camera.toml")
+    check_out(file, ".toml", "--out" if out else "--calibration")
+    if area is None or scale is None:
+        missing = [name for name, one in (("--area", area), ("--scale", scale)) if one is None]
+        raise ValueError(
+            f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: the size "
+            "of the work area in px, and how many mm of the floor a px is, such as "
+            "--area 1200x1200 --scale 2"
         )
-        report_and_save(report, file, as_json=as_json)
+    check_mm_per_px(scale, "--scale")
+    height = height_of("--marker-height", marker_height)
+    if height and calibration is None:
+        raise ValueError(
+            "--marker-height needs a lens, --calibration of robsim calibrate lens: how things "
+            "shift in the picture when they are higher depends on it. Without one, measure "
+            "marks that lie as high as the markers"
+        )
+    options = {
+        "area": parse_size("--area", area),
+        "mm_per_px": scale,
+        "marker_height": height,
+        "lens": None if calibration is None else load_calibration(calibration),
+    }
+    report = _calibrated(
+        pictures or [], _given_marks(marks, pixels, positions), mark, places or [], options
+    )
+    report_and_save(report, file, as_json=as_json)
 
 
 def _calibrated(
@@ -99,7 +101,7 @@ def _calibrated(
     mark: float,
     places: list[str],
     options: dict[str, Any],
-) -> Any:
+) -> FloorCalibration:
     from robsim.lab.calibration.floor import calibrate_floor, calibrate_floor_by_sheets
 
     if marks is None:

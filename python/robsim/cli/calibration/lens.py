@@ -49,23 +49,22 @@ def lens(
     """
     from robsim.lab.calibration.lens import calibrate_lens
 
-    with errors.report_errors():
-        check_out(out, ".toml")
-        pattern = board_of(board, square, charuco=charuco)
-        if bool(pictures) == (camera is not None):
-            raise ValueError("give either pictures, or --camera to take them")
-        if camera is not None:
-            named = taken_pictures(camera, pattern, count, keep)
-        else:
-            named = list(pictures_of(pictures or []))
-        names, images = zip(*named, strict=True) if named else ((), ())
-        report = calibrate_lens(images, pattern, names=names)
-        if _has_floor(out):
-            errors.print_note(
-                f"{out} had a floor, by the lens that is replaced: calibrate it again "
-                "(robsim calibrate floor)"
-            )
-        report_and_save(report, out, as_json=as_json)
+    check_out(out, ".toml")
+    pattern = board_of(board, square, charuco=charuco)
+    if bool(pictures) == (camera is not None):
+        raise ValueError("give either pictures, or --camera to take them")
+    if camera is not None:
+        named = taken_pictures(camera, pattern, count, keep)
+    else:
+        named = list(pictures_of(pictures or []))
+    names, images = zip(*named, strict=True) if named else ((), ())
+    report = calibrate_lens(images, pattern, names=names)
+    if _has_floor(out):
+        errors.print_note(
+            f"{out} had a floor, by the lens that is replaced: calibrate it again "
+            "(robsim calibrate floor)"
+        )
+    report_and_save(report, out, as_json=as_json)
 
 
 def _has_floor(file: Path) -> bool:
@@ -84,13 +83,7 @@ _PATIENCE = 60.0  # s without a new picture
 def taken_pictures(
     camera: str, board: Chessboard | Charuco, count: int, keep: Path | None
 ) -> list[tuple[str, Any]]:
-    """Return names and pictures that a live camera took, and write them to a folder.
-
-    Raises
-    ------
-    OSError
-        If the camera cannot be opened or read, or the board does not come.
-    """
+    """Return names and pictures that a live camera took, and write them to a folder."""
     import time
 
     from robsim.cli.sources import _source

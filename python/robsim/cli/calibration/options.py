@@ -14,6 +14,8 @@ from robsim.cli.command import number_option, option
 from robsim.cli.text import about
 
 if TYPE_CHECKING:
+    from robsim.lab.calibration.floor_report import FloorCalibration
+    from robsim.lab.calibration.lens_report import LensCalibration
     from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 
 _MOST_OF_VIDEO = 40  # pictures; neighbours in a video show the same
@@ -94,7 +96,9 @@ def pictures_of(sources: list[Path], most: int = _MOST_OF_VIDEO) -> Iterator[tup
                     yield f"{source.name} frame {frame.index}", frame.image
 
 
-def report_and_save(report: Any, out: Path, *, as_json: bool) -> None:
+def report_and_save(
+    report: LensCalibration | FloorCalibration, out: Path, *, as_json: bool
+) -> None:
     """Print a report and write its calibration; exit with 1 if it is bad."""
     from robsim.cli import errors
     from robsim.vision.imaging.calibration_file import save_calibration

@@ -37,14 +37,13 @@ def sheet(
     from robsim.lab.calibration.patterns.floor_sheet import FloorSheet
     from robsim.lab.calibration.patterns.printing import save_sheet
 
-    with errors.report_errors():
-        check_out(out, ".pdf")
-        check_choice("--kind", kind, KINDS)
-        _refuse_of_other_kinds(kind, board or square, sheet_number != 1 or mark != 80)
-        if kind == "floor":
-            save_sheet(out, FloorSheet(sheet_number, mark), paper=paper)
-        else:
-            save_sheet(out, board_of(board, square, charuco=kind == "charuco"), paper=paper)
+    check_out(out, ".pdf")
+    check_choice("--kind", kind, KINDS)
+    _refuse_of_other_kinds(kind, board or square, sheet_number != 1 or mark != 80)
+    if kind == "floor":
+        save_sheet(out, FloorSheet(sheet_number, mark), paper=paper)
+    else:
+        save_sheet(out, board_of(board, square, charuco=kind == "charuco"), paper=paper)
     errors.say(f"written: {out}")
     errors.print_note("print it at 100 %, and measure its line of 100 mm")
 

@@ -46,8 +46,7 @@ def bench(rounds: int = _ROUNDS, as_json: Json = False) -> None:
 
     Example: robsim bench
     """
-    with errors.report_errors():
-        result = run_bench(rounds=rounds)
+    result = run_bench(rounds=rounds)
     errors.show(result.to_json() if as_json else result)
 
 

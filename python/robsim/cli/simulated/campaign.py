@@ -50,22 +50,21 @@ def campaign(
 
     Example: robsim campaign --example noise.toml
     """
-    with errors.report_errors():
-        if (file is None) == (example is None):
-            raise ValueError("give the FILE of a campaign, or --example FILE to write one")
-        if example is not None:
-            _write_example(example)
-            return
-        assert file is not None
-        _check_exports(csv=csv, parquet=parquet, npz=npz)
-        result = _result(file, runs=runs, jobs=jobs, store=store)
-        summary = result.summary(by or None)
-        if csv is not None:
-            result.to_csv(csv)
-        if parquet is not None:
-            result.to_parquet(parquet)
-        if npz is not None:
-            result.to_npz(npz)
+    if (file is None) == (example is None):
+        raise ValueError("give the FILE of a campaign, or --example FILE to write one")
+    if example is not None:
+        _write_example(example)
+        return
+    assert file is not None
+    _check_exports(csv=csv, parquet=parquet, npz=npz)
+    result = _result(file, runs=runs, jobs=jobs, store=store)
+    summary = result.summary(by or None)
+    if csv is not None:
+        result.to_csv(csv)
+    if parquet is not None:
+        result.to_parquet(parquet)
+    if npz is not None:
+        result.to_npz(npz)
     if as_json:
         record = {
             "cases": len(result.spec.cases),

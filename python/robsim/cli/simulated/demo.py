@@ -35,8 +35,7 @@ def demo(
 
     Example: robsim demo
     """
-    with errors.report_errors():
-        result = _run(out, steps, seed)
+    result = _run(out, steps, seed)
     if as_json:
         errors.show(json.dumps(result.to_dict(), indent=2))
         return

@@ -20,8 +20,7 @@ def new(folder: Path) -> None:
     """
     from robsim.simulation.callback_folder import new_folder
 
-    with errors.report_errors():
-        files = new_folder(folder)
+    files = new_folder(folder)
     errors.say(f"written to {folder}: {', '.join(file.name for file in files)}")
     name = shlex.quote(str(folder))
     errors.say(f"edit them, then see them drive: robsim gui {name}")

@@ -56,11 +56,8 @@ def run(
         options = options_of(folder, world, scenario=scenario, time_limit=time_limit)
         simulation = simulation_of(folder, options)
         _check_outputs(out, video, record)
-        remark = shared.earlier_run(out)
         run_kept(simulation, steps, out)
     finish(simulation, out, as_json=as_json, video=video, record=record, unit=unit, scale=scale)
-    if remark and len(simulation.trace):
-        errors.print_note(remark)
 
 
 def _check_outputs(out: Path, video: Path | None, record: Path | None) -> None:
