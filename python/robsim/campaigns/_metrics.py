@@ -139,16 +139,7 @@ def numbers_of(
 
     A metric that gives one number has a column of its name; the others have ``NAME_KEY``. One that
     raises, gives something else, or a number whose column there is before, loses its own numbers
-    only.
-
-    Parameters
-    ----------
-    metrics : mapping of str to callable
-        As `metrics_value` returns them.
-    trace : Trace
-        The run.
-    taken : frozenset of str
-        Names of columns that are none of a metric.
+    only. The names that are `taken` are those of columns of no metric.
     """
     numbers: dict[str, float] = {}
     errors: dict[str, BaseException] = {}

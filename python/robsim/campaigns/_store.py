@@ -279,14 +279,7 @@ def seed_in_store(path: str | PathLike[str]) -> np.random.SeedSequence | None:
 def trace_in_store(path: Path, description: Mapping[str, Any], case: int, run: int) -> Trace | None:
     """Return the trace that the store of a campaign has of a run.
 
-    None where it has none, or there is no such store any more.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    ValueError
-        If the trace is damaged.
+    The result is None without a trace or a store. ValueError: the trace is damaged.
     """
     if not path.exists():
         return None

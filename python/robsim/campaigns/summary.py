@@ -182,20 +182,9 @@ def summary_of(
     failed: int,
     first_error: str = "",
 ) -> CampaignSummary:
-    """Return the summary of numbers.
+    """Return the summary of numbers: `values` (G, R, M), M numbers of R runs of G groups.
 
-    Parameters
-    ----------
-    values : array (G, R, M)
-        M numbers of R runs of G groups; NaN = not known.
-    by, groups, metrics : sequence of str
-        The options, the names of the groups, and the names of the numbers.
-    level : float
-        Level of confidence.
-    failed : int
-        Number of runs that failed.
-    first_error : str
-        The error of the first of them.
+    NaN = not known. The `first_error` is the error of the first failed run.
     """
     n, mean, sd, half_width = _statistics(values, level)
     with np.errstate(invalid="ignore"):  # inf - inf

@@ -27,31 +27,15 @@ _POSES = {ESTIMATE: "pose_estimated", MEASUREMENT: "pose_measured"}
 
 @dataclass(frozen=True)
 class RunError:
-    """An error of a submission and of the reference.
-
-    Attributes
-    ----------
-    title, unit : str
-        What it is, and its unit.
-    of : str
-        `ESTIMATE`, `MEASUREMENT` or `DRIVE`.
-    yours : array (N,)
-        That of the submission; NaN = not known.
-    reference : array (M,) or None
-        That of the reference.
-    counts_at_end : bool
-        Whether it should become small, and is large at first.
-    unscored : int
-        Number of rows at the start that do not count.
-    """
+    """An error of a submission and of the reference."""
 
     title: str
     unit: str
-    of: str
-    yours: Floats
-    reference: Floats | None
-    counts_at_end: bool = False
-    unscored: int = 0
+    of: str  # `ESTIMATE`, `MEASUREMENT` or `DRIVE`
+    yours: Floats  # (N,): the submission's; NaN = not known
+    reference: Floats | None  # (M,): the reference's
+    counts_at_end: bool = False  # whether it should become small, and is large at first
+    unscored: int = 0  # number of rows at the start that do not count
 
     @property
     def worst(self) -> int | None:
@@ -193,34 +177,13 @@ def draw_run(
     asked: Mapping[str, float] | None = None,
     unscored: int = 0,
 ) -> tuple[Figure, str]:
-    """Draw a run of a submission beside that of the reference in the same world.
+    """Draw a run of a submission and the reference's; return the figure and a caption.
 
-    Parameters
-    ----------
-    trace, reference : Trace
-        Both runs; that of the submission may have ended early.
-    slots : sequence of str
-        What the submission fills, which says what its error is: of the estimate, of the
-        measurement, of the parameters; for a controller the distance from the goal or the path.
-    goals : array_like (3,), (2,) or (N, 2), optional
-        A pose or a position to drive to, or the corners of a path; in work-area px.
-    asked : mapping of str to float, optional
-        By the unit of an error: how large it may be in this run, by and large, for all points, such
-        as ``{"px": 0.8, "deg": 1.2}``.
-    unscored : int
-        Number of steps at the start that do not count: no largest error is told of them.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        The figure.
-    caption : str
-        What it shows, in a sentence or two.
-
-    Raises
-    ------
-    ValueError
-        If the run has no steps.
+    The run may have ended early. The slots of the submission decide about its error: of the
+    estimate, of the measurement, of the parameters; for a controller the distance from `goals`.
+    These are a pose (3,) or a position (2,) to drive to, or the corners (N, 2) of a path, in
+    work-area px. For each unit, `asked` has the error that is allowed on average for all points,
+    such as ``{"px": 0.8, "deg": 1.2}``. The first `unscored` steps have no largest error.
     """
     if not len(trace):
         raise ValueError("trace must have steps")

@@ -72,17 +72,7 @@ def check_blobs(blobs: Any) -> None:
 
 
 def check_kind(name: str, value: Any, kind: type) -> None:
-    """Raise a TypeError unless a value is of a kind; it says where to get one from.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    value : object
-        What was given.
-    kind : type
-        One of those that stand above.
-    """
+    """Raise a TypeError, which says where to get one from, unless a value is of a kind above."""
     if not isinstance(value, kind):
         raise TypeError(
             f"{name} must be of type {kind.__name__}, got {type(value).__name__}: "

@@ -17,15 +17,7 @@ def size_for(seconds: float, whole: float = SECONDS) -> int:
 
 
 class Chunks:
-    """The runs that are still to be done, in their order.
-
-    Parameters
-    ----------
-    jobs : iterable of (int, int)
-        Case and number of each run.
-    count : int
-        How many there are.
-    """
+    """The `count` runs that are still to be done, in their order: case and number of each."""
 
     def __init__(self, jobs: Iterable[Job], count: int) -> None:
         self._jobs, self._left = iter(jobs), count
@@ -34,12 +26,8 @@ class Chunks:
     def take(self, whole: float = SECONDS, room: int = 1) -> list[Job]:
         """Take the next chunk; empty = nothing is left.
 
-        Parameters
-        ----------
-        whole : float
-            How long a chunk may take (s), as long as enough runs are left for all.
-        room : int
-            How many chunks there may be at a time.
+        It takes `whole` seconds at most, as long as enough runs are left for all: `room` chunks at
+        a time.
         """
         size = _FIRST
         if self._runs:

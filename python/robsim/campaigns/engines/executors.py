@@ -34,14 +34,7 @@ class DaskClient(Protocol):
 class ExecutorWorkers(Generic[JobT, RowT]):
     """The workers of an executor, which is used as it is.
 
-    Parameters
-    ----------
-    work : Work
-        What they are sent.
-    executor : Executor
-        The executor.
-    sent : object, optional
-        The work in another form, which is sent with each chunk.
+    They receive the work, or `sent`, another form of it, with each chunk.
     """
 
     deaths = 1  # Dask itself has tried a run four times by then: its allowed-failures

@@ -34,14 +34,9 @@ class Supply(Protocol[JobT, _Given]):
     """The jobs that are still to be done."""
 
     def take(self, whole: float = ..., room: int = ...) -> list[JobT]:
-        """Take the next chunk; empty = there is none, or none yet.
+        """Take the next chunk, of `whole` seconds at most, where there may be `room` at a time.
 
-        Parameters
-        ----------
-        whole : float
-            How long a chunk may take (s).
-        room : int
-            How many chunks there may be at a time.
+        Empty = no chunk is there, or not yet.
         """
 
     def note(self, rows: Sequence[_Given], /) -> None:

@@ -112,20 +112,13 @@ _RARE = 1e-12  # probability of a value that tells nothing
 def pixel_information(noise: Noise | None) -> Callable[[Floats], Floats]:
     """Return the function mean (N,) -> information of a pixel of that mean (N,).
 
-    Parameters
-    ----------
-    noise : GaussianNoise, UniformNoise or None
-        The camera's noise. None: rounding alone.
-
-    Notes
-    -----
     Gaussian noise: Fisher's information of the value k = round(mu + e), clipped to 0..255,
 
         J(mu) = sum_k P_k'(mu)^2 / P_k(mu)
 
-    Others: that of the best estimate that is linear in the value, (d mean / d mu)^2 / variance.
-    J is averaged over a grey level, as nobody knows how the mean lies between two, and is at most
-    that of a value which is rounded without noise, 12.
+    Others: the information of the best estimate that is linear in the value, (d mean / d mu)^2 /
+    variance. J is averaged over a grey level, as the place of the mean between two is unknown. It
+    is at most 12, as for a value that is rounded without noise.
     """
     if noise is None or noise.percent == 0:
         return lambda mean: np.full(len(mean), 1 / _ROUNDING)
@@ -334,16 +327,9 @@ def measurement_bound(
 
 
 class SeenMarkers:
-    """The markers of a robot in a frame, from which its pose is measured.
+    """The markers of a robot in a frame, from which its pose (3,) is measured.
 
-    Parameters
-    ----------
-    frame : Frame
-        The frame.
-    pose : array (3,)
-        The robot's pose.
-    polygons : list of array (N, 2)
-        Those of the markers, in the robot's frame (work-area px).
+    Their polygons (N, 2) are in the robot's frame (work-area px).
     """
 
     def __init__(self, frame: Frame, pose: Floats, polygons: Sequence[Floats]) -> None:

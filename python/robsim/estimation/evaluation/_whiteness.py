@@ -205,22 +205,10 @@ def _autocorrelation(w: Floats, lags: int) -> tuple[Floats, NDArray[np.int64], N
 
 
 def whitened(values: Floats, covariance: ArrayLike, *, name: str = "S") -> Floats:
-    """Return L^-1 values with L L' = covariance: uncorrelated, of variance 1.
+    """Return L^-1 values (..., n) with L L' = covariance (..., n, n): uncorrelated, of variance 1.
 
-    Parameters
-    ----------
-    values : array (..., n)
-        Errors or innovations; NaN = not known.
-    covariance : array (..., n, n)
-        Their covariance, or one for all of them.
-    name : str
-        Name of the covariance in a message.
-
-    Raises
-    ------
-    ValueError
-        If a covariance is not symmetric positive definite, a value is infinite, or the shapes do
-        not fit.
+    NaN = not known. ValueError: a covariance, which messages call `name`, is not symmetric positive
+    definite, a value is infinite, or the shapes do not fit.
     """
     matrices = as_float_array(name, covariance)
     if not values.ndim:
@@ -265,22 +253,11 @@ def _whitened_rows(
 
 
 def standard_error_of_mean(values: Floats) -> float:
-    """Return the standard error of the mean of a series whose neighbours are correlated.
+    """Return the standard error of the mean of a series (N,) whose neighbours are correlated.
 
-    Parameters
-    ----------
-    values : array (N,)
-        The series; NaN = not known, and left out. It is taken for stationary.
-
-    Returns
-    -------
-    float
-        The standard error; NaN for fewer than two values.
-
-    Notes
-    -----
-    With the autocovariances c_k of N values, and the pairs G_j = c_2j + c_2j+1 up to the last that
-    is positive in a row:
+    It is taken for stationary; NaN = not known, and left out. The result is NaN for fewer than two
+    values. With the autocovariances c_k of N values, and the pairs G_j = c_2j + c_2j+1 up to the
+    last that is positive in a row:
 
         variance of the mean = (2 sum_j G_j - c_0) / N, at least c_0 / N
 

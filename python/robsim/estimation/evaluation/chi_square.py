@@ -56,30 +56,14 @@ def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floa
 
 
 def chi_square_quantile(probability: float, n: int) -> float:
-    """Return the value that a chi-square variable exceeds with a probability.
-
-    Parameters
-    ----------
-    probability : float
-        The probability, above 0.
-    n : int
-        Degrees of freedom.
-    """
+    """Return the value that chi-square (n degrees of freedom) exceeds with a probability > 0."""
     from scipy.special import chdtri
 
     return float(chdtri(n, probability))
 
 
 def chi_square_tail(value: float, n: int) -> float:
-    """Return the probability that a chi-square variable with n degrees of freedom exceeds a value.
-
-    Parameters
-    ----------
-    value : float
-        The value.
-    n : int
-        Degrees of freedom.
-    """
+    """Return how probable it is that chi-square (n degrees of freedom) exceeds a value."""
     from scipy.special import chdtrc
 
     return float(chdtrc(n, value))

@@ -315,15 +315,7 @@ _MINIMUM_MARGINS = {"cm": 1e-4, "m": 1e-6}
 
 
 def usual_limits(values: Floats, unit: str = "px") -> tuple[float, float]:
-    """Return limits that contain 0 and all values except those far outside the middle 90 %.
-
-    Parameters
-    ----------
-    values : array (n,)
-        Finite numbers.
-    unit : str
-        Their unit.
-    """
+    """Return limits that contain 0 and all values (n,) but those far outside the middle 90 %."""
     if not len(values):
         return -1.0, 1.0
     low, high = np.quantile(values, (0.05, 0.95))

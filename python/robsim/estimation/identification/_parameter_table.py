@@ -14,13 +14,7 @@ from robsim.trace import PARAMETER_NAMES
 
 
 def parameter_table(columns: Mapping[Column, NDArray[Any]]) -> Table:
-    """Return a table with a row for each parameter.
-
-    Parameters
-    ----------
-    columns : mapping of Column to array (3, 5)
-        The columns and their values.
-    """
+    """Return a table with a row for each parameter, of columns with values (3, 5)."""
     values = zip(*(array.ravel().tolist() for array in columns.values()), strict=True)
     rows = [Row(name, numbers) for name, numbers in zip(PARAMETER_NAMES, values, strict=True)]
     return Table(
@@ -29,13 +23,7 @@ def parameter_table(columns: Mapping[Column, NDArray[Any]]) -> Table:
 
 
 def noise_remarks(identify_from: str) -> tuple[str, ...]:
-    """Return what standard errors from these poses leave out, a sentence each.
-
-    Parameters
-    ----------
-    identify_from : str
-        The data of the estimates: truth, measurement or estimate.
-    """
+    """Return what standard errors from poses of the truth, measurement or estimate leave out."""
     # Measured from 12 runs of 800 steps: true errors over standard errors of output error, 1.0 to
     # 1.2 with 36 drawn headings, 4.5 to 5.5 with exact ones; of instrumental variables 0.9 to 2.4.
     # Noise of the camera brings them nearer to 1 (tests/statistics/RESULTS.md).

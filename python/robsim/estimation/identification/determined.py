@@ -173,31 +173,12 @@ def judge(
     unit: str = "px",
     px_length: float = 1.0,
 ) -> Identifiability:
-    """Return how well parameters are determined, from their unscaled standard errors.
+    """Return how well parameters theta (3, 5) are determined, from their unscaled standard errors.
 
-    Parameters
-    ----------
-    standard_errors_unscaled : array (3, 5)
-        Their standard errors for noise of standard deviation 1: the square roots of the diagonal
-        of (phi' phi)^-1.
-    theta : array (3, 5)
-        The estimates.
-    sigma : array (3,), optional
-        Standard deviations of the equation noise of x, y (in `unit`) and heading (rad). Default:
-        `ASSUMED_SIGMA`.
-    freedom : float
-        Degrees of freedom that sigma was estimated with; inf = it is known.
-    identify_from : str
-        The data of the estimates: truth, measurement or estimate.
-    unit : str
-        The unit of lengths.
-    px_length : float
-        Length of a px in that unit.
-
-    Raises
-    ------
-    ValueError
-        If sigma is not three numbers of at least 0.
+    Unscaled errors (3, 5) hold for noise of standard deviation 1: the square roots of the diagonal
+    of (phi' phi)^-1. The equation noise of x, y (in `unit`) and heading (rad) has standard
+    deviations sigma (3,), by default `ASSUMED_SIGMA`. They were estimated with so many degrees of
+    `freedom`; inf = they are known. `px_length` is the length of a px in the unit.
     """
     assumed = np.multiply(ASSUMED_SIGMA, (px_length, px_length, 1.0))
     values = np.array(as_float_array("sigma", assumed if sigma is None else sigma))
@@ -273,20 +254,9 @@ def identifiability(
 
 
 def prediction_sigma(trace: Trace, theta: Floats) -> tuple[Floats, int]:
-    """Return the standard deviations of the one-step prediction errors, and their freedom.
+    """Return the standard deviations (3,) of the one-step prediction errors, and their freedom.
 
-    Parameters
-    ----------
-    trace : Trace
-        The run.
-    theta : array (3, 5)
-        The estimates.
-
-    Returns
-    -------
-    array (3,), int
-        Standard deviations of x, y (in the unit of the trace) and heading (rad), and degrees of
-        freedom.
+    They are of x, y (in the unit of the trace) and heading (rad), for estimates theta (3, 5).
     """
     found = regression_of(trace)
     errors = found.y - np.sum(found.phi * theta, axis=2)

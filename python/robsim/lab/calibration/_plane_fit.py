@@ -20,25 +20,13 @@ _LEAST_NOISE = 0.05  # px, of what a residual is taken for at least
 
 @dataclass(frozen=True)
 class PlaneFit:
-    """The fitted plane.
+    """The fitted plane."""
 
-    Attributes
-    ----------
-    to_floor : array (3, 3)
-        The homography from ideal pixels to the floor (mm).
-    places : array (G, 3)
-        Of each group: x, y (mm), angle (rad); 0 of the first.
-    residuals : list of array (N, 2)
-        Of each group, in ideal pixels.
-    jacobian : array (2 N, P)
-        Of the residuals, by the parameters.
-    """
-
-    to_floor: Floats
-    places: Floats
-    residuals: list[Floats]
+    to_floor: Floats  # (3, 3): the homography from ideal pixels to the floor (mm)
+    places: Floats  # (G, 3): of each group: x, y (mm), angle (rad); 0 of the first
+    residuals: list[Floats]  # (N, 2) of each group, in ideal pixels
     parameters: Floats
-    jacobian: Floats
+    jacobian: Floats  # (2 N, P): of the residuals, by the parameters
     view: _Camera
 
     @property
@@ -128,21 +116,10 @@ class _Camera:
 def fit_plane(
     pixels: Sequence[Floats], positions: Sequence[Floats], matrix: Floats | None
 ) -> PlaneFit:
-    """Return the plane that fits best.
+    """Return the plane that fits best to ideal pixels and positions (mm), (N, 2) of each group.
 
-    Parameters
-    ----------
-    pixels : sequence of array (N, 2)
-        Ideal pixels of the points of each group.
-    positions : sequence of array (N, 2)
-        Their positions, in the axes of each group (mm).
-    matrix : array (3, 3) or None
-        Focal lengths and centre of the camera (px); None = not known.
-
-    Raises
-    ------
-    ValueError
-        If the points of the first group do not determine a plane.
+    The matrix (3, 3) has focal lengths and centre of the camera (px); None = not known. ValueError:
+    the points of the first group do not determine a plane.
     """
     from scipy.optimize import least_squares
 

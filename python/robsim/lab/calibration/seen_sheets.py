@@ -16,23 +16,13 @@ from robsim.vision.imaging.images import Pixels, frame_size
 
 @dataclass(frozen=True)
 class SeenSheets:
-    """What a picture shows of floor sheets.
+    """The floor sheets in a picture."""
 
-    Attributes
-    ----------
-    size : tuple of int
-        That of the picture (px).
-    mark : float
-        Side of a mark by which their corners are told (mm).
-    corners : mapping of int to Corners
-        By the number of the sheet.
-    places : mapping of int to tuple of float
-        Where the cross of a sheet is on the floor (mm), if it was measured.
-    """
-
-    size: tuple[int, int]
-    mark: float
+    size: tuple[int, int]  # the picture's (px)
+    mark: float  # side of a mark, the scale of the corners (mm)
+    # by the number of the sheet
     corners: dict[int, Corners] = field(default_factory=dict, repr=False)
+    # where the cross of a sheet is on the floor (mm), if it was measured
     places: dict[int, tuple[float | None, float | None]] = field(default_factory=dict)
 
     @classmethod

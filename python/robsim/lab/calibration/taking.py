@@ -26,20 +26,7 @@ _WORDS = (
 
 
 class BoardTaker:
-    """Decides which frames of a live camera are worth keeping.
-
-    Parameters
-    ----------
-    board : Chessboard or Charuco
-        What is held in front of the camera.
-    size : tuple of int
-        Width and height of the frames (px).
-
-    Attributes
-    ----------
-    board : Chessboard or Charuco
-        As given.
-    """
+    """Decides which frames of a board by a live camera, of a size in px, are worth keeping."""
 
     def __init__(self, board: Chessboard | Charuco, size: tuple[int, int]) -> None:
         self.board, self._size = board, size
@@ -80,21 +67,11 @@ def empty_parts(seen: Sequence[Corners], size: tuple[int, int]) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class BoardPictures:
-    """The corners of a board in pictures of one size, by name, in the order of taking.
+    """The corners of a board in pictures of one size, by name, in the order of taking."""
 
-    Attributes
-    ----------
-    board : Chessboard or Charuco
-        The board in the pictures.
-    size : tuple of int
-        Their width and height (px).
-    corners : mapping of str to Corners
-        The corners in each picture.
-    """
-
-    board: Chessboard | Charuco
-    size: tuple[int, int] = (1, 1)
-    corners: Mapping[str, Corners] = field(default_factory=dict)
+    board: Chessboard | Charuco  # the board in the pictures
+    size: tuple[int, int] = (1, 1)  # their width and height (px)
+    corners: Mapping[str, Corners] = field(default_factory=dict)  # the corners in each picture
 
     def __len__(self) -> int:
         return len(self.corners)

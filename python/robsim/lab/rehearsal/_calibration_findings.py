@@ -23,21 +23,11 @@ _TALLEST = 300.0  # mm, of a robot on such a floor
 
 @dataclass(frozen=True)
 class MarkerPair:
-    """Where both markers were seen in a frame.
+    """Where both markers were seen in a frame."""
 
-    Attributes
-    ----------
-    pixels : array (2, 2)
-        (u, v) of both, in the order of their roles.
-    middle : array (2,)
-        Their middle on the work area (px).
-    ratio : float
-        Their distance on the work area, by that of the robot's definition.
-    """
-
-    pixels: Floats
-    middle: Floats
-    ratio: float
+    pixels: Floats  # (2, 2): (u, v) of both, in the order of their roles
+    middle: Floats  # (2,): their middle on the work area (px)
+    ratio: float  # of their distance on the work area to the one of the robot's definition
 
 
 def marker_pair(
@@ -91,16 +81,8 @@ def explaining_height(
 ) -> float | None:
     """Return the height of the markers (mm) at which they are as far apart as they should be.
 
-    None if there is none, or the camera's height is not known.
-
-    Parameters
-    ----------
-    pairs : sequence of MarkerPair
-        What was seen.
-    calibration : Calibration
-        That of the camera.
-    distance : float
-        How far the markers are apart (work-area px).
+    That is a `distance` in work-area px. None if there is no such height, or the camera's is not
+    known.
     """
     floor, scale = calibration.floor, calibration.mm_per_px
     if floor is None or calibration.intrinsics is None or scale is None or not pairs:

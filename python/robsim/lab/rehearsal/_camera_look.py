@@ -36,44 +36,23 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class MarkerLight:
-    """The pixels of a marker in a frame.
+    """The pixels of a marker in a frame."""
 
-    Attributes
-    ----------
-    level : float
-        The brightest channel of its mean colour (0..255).
-    clipped : float
-        Share of its pixels with a channel at the upper end.
-    margin : float
-        How far its mean colour is inside the limits of its class (levels); negative = outside.
-    contrast : float
-        Distance in (U, V) between its mean colour and that of what is around it (levels).
-    found : float
-        Area of its blob, as a fraction of its own.
-    """
-
-    level: float
-    clipped: float
+    level: float  # The brightest channel of its mean colour (0..255).
+    clipped: float  # Share of its pixels with a channel at the upper end.
+    # By how much its mean colour is inside the limits of its class (levels). Outside it is negative.
     margin: float
+    # Distance in (U, V) between its mean colour and its surroundings' (levels).
     contrast: float
-    found: float
+    found: float  # Area of its blob, as a fraction of the marker's
 
 
 def marker_light(
     frame: Frame, corners: Floats, blob: Blob, color: ColorClass
 ) -> MarkerLight | None:
-    """Return what the light makes of a marker; None if too little of it is in the frame.
+    """Return the light of a marker with these corners (N, 2), in pixels of the frame.
 
-    Parameters
-    ----------
-    frame : Frame
-        The frame.
-    corners : array (N, 2)
-        Corners of the marker (pixels of the frame).
-    blob : Blob
-        The blob that it was found as.
-    color : ColorClass
-        The class that found it.
+    The blob and the class are those that found it. None if too little of it is in the frame.
     """
     if not np.isfinite(corners).all():  # where the lens shows nothing
         return None
@@ -125,17 +104,7 @@ _GRID = 96  # pixels that are looked at for the light of the whole frame, in eac
 
 
 class CameraLook:
-    """What is seen in the frames of a camera, one by one.
-
-    Parameters
-    ----------
-    robot : RobotDefinition
-        The robot that is looked for.
-    colors : sequence of ColorClass
-        The colours of its markers.
-    smoothing : int or None
-        As in `find_blobs`.
-    """
+    """The view of a robot with markers of these colours in a camera's frames, one by one."""
 
     def __init__(
         self, robot: RobotDefinition, colors: Sequence[ColorClass], smoothing: int | None

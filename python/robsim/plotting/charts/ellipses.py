@@ -91,24 +91,10 @@ def plot_ellipses(
 
 
 def ellipses(covariances: Floats, level: float) -> Floats:
-    """Return the corners of ellipses around 0 that contain a fraction of a normal distribution.
+    """Return the corners (N, 48, 2) of ellipses around 0 that contain a fraction, the level.
 
-    Parameters
-    ----------
-    covariances : array (N, 2, 2)
-        Covariances of positions.
-    level : float
-        The fraction.
-
-    Returns
-    -------
-    array (N, 48, 2)
-        The corners.
-
-    Raises
-    ------
-    ValueError
-        If a covariance has a negative eigenvalue.
+    It is that of normal distributions with these covariances (N, 2, 2). ValueError: one of them has
+    a negative eigenvalue.
     """
     eigenvalues, axes = np.linalg.eigh(covariances)
     if (eigenvalues[:, 0] < -1e-9 * eigenvalues[:, 1]).any():

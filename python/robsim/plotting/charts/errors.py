@@ -33,19 +33,10 @@ _FEW_ERRORS = 8
 
 
 def draw_errors(panel: Axes, k: NDArray[np.int64], errors: Floats, *, color: str) -> None:
-    """Draw errors over the steps, so that they can be told apart.
+    """Draw errors (N,) over the steps k (N,), so that they can be distinguished; NaN = not known.
 
-    Dots with a line; above 300 steps dots alone, which are no solid ink; above 3000 steps the
-    range of the errors, and within it that of their middle 68 %.
-
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        Where to draw.
-    k, errors : array (N,)
-        Steps and errors; NaN = not known.
-    color : str
-        Their colour.
+    Dots with a line; above 300 steps dots alone, which are no solid ink. Above 3000 steps the range
+    of the errors, and within it the range of their middle 68 %.
     """
     if len(k) > style.MANY_STEPS:
         _draw_ranges(panel, k, errors, color)
@@ -68,14 +59,9 @@ def _draw_ranges(panel: Axes, k: NDArray[np.int64], errors: Floats, color: str) 
 
 
 def draw_reported(panel: Axes, k: NDArray[np.int64], half_width: Floats) -> float:
-    """Draw the band of the reported standard deviations; return half its usual width.
+    """Draw the band of two reported standard deviations (N,); return half its usual width.
 
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        Errors over the steps.
-    k, half_width : array (N,)
-        Steps, and two standard deviations; NaN = not known: the band has a gap there.
+    NaN = not known: the band has a gap there.
     """
     look: dict[str, Any] = {"color": style.REPORTED, "linewidth": 0}
     # The value of a step holds from half a step before it to half a step after it.
@@ -90,17 +76,8 @@ def limit_panel(
 ) -> None:
     """Set limits that contain 0 and all errors but outliers, which become triangles at the edge.
 
-    Parameters
-    ----------
-    panel : matplotlib.axes.Axes
-        Errors over the steps.
-    k, errors : array (N,)
-        The steps and errors drawn there; NaN = not known.
-    unit : str
-        The unit of the errors.
-    band : float
-        Half the width of a band around 0 that is to be seen, too, unless it is so wide that the
-        errors would be a line.
+    A band around 0, of half that width, is to be seen, too, unless it is so wide that the errors
+    would be a line. NaN = not known.
     """
     low, high = usual_limits(errors[np.isfinite(errors)], unit)
     seen = min(1.1 * band, _WIDEST_BAND * max(-low, high))
@@ -121,16 +98,7 @@ def limit_panel(
 def draw_histogram(axes: Axes, errors: Floats, unit: str, *, color: str = style.MEASURED) -> None:
     """Draw a histogram, with the normal distribution of the same mean and standard deviation.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes beside the panel of the errors, whose y axis they share.
-    errors : array (n,)
-        The known errors.
-    unit : str
-        Their unit.
-    color : str
-        Colour of the bars.
+    The axes are beside the panel of the errors, whose y axis they share.
     """
     axes.tick_params(labelleft=False)
     axes.xaxis.set_major_locator(MaxNLocator(4, integer=True, min_n_ticks=1))

@@ -162,17 +162,7 @@ def _draw_end(axes: Axes, trace: Trace, outline: Floats | None, from_world: _Map
 
 
 def draw_goals(axes: Axes, goals: Floats, from_world: _Map) -> None:
-    """Draw a goal, a position (2,) or a pose (3,), or several positions (N, 2).
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    goals : array
-        The goals (work-area px, rad).
-    from_world : callable
-        The map from positions (N, 2) to the axes.
-    """
+    """Draw a goal, a position (2,) or a pose (3,), or positions (N, 2), in work-area px and rad."""
     positions = from_world(np.atleast_2d(goals)[:, :2])
     look: dict[str, Any] = {
         "color": style.GOAL,

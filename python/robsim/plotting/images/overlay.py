@@ -27,19 +27,9 @@ def heading_line(pose: Floats) -> Floats:
 
 
 def placed_outline(outline: ArrayLike, pose: Floats) -> Floats:
-    """Return the corners (N, 2) of a robot's outline at a pose.
+    """Return the corners (N, 2) of a robot's outline at a pose (3,), in work-area px.
 
-    Parameters
-    ----------
-    outline : array_like (N, 2)
-        Outline in the robot's own axes, x forward and y to the right (work-area px).
-    pose : array (3,)
-        x, y (work-area px), heading (rad).
-
-    Raises
-    ------
-    ValueError
-        If `outline` is not of shape (N, 2).
+    The outline is in the robot's own axes, x forward and y to the right.
     """
     points = check_positions("outline", outline)
     # y to the right of the robot: forward rotated by +90 degrees, clockwise in the image.

@@ -98,24 +98,12 @@ def instrumental_variables(
 
 @dataclass(frozen=True, eq=False)
 class _Samples:
-    """Samples of one axis in a run: y = phi (a2, b1, b2, d1), with a1 = 1 - a2.
+    """Samples of one axis in a run: y = phi (a2, b1, b2, d1), with a1 = 1 - a2."""
 
-    Attributes
-    ----------
-    first : array (2,)
-        The first two values of the axis.
-    phi : array (n, 4)
-        Regressors: x(k-2) - x(k-1), and those of b1, b2 and d1.
-    y : array (n,)
-        Outputs x(k) - x(k-1).
-    slope : array (n, 3)
-        Derivatives of the last three regressors by the heading.
-    """
-
-    first: Floats
-    phi: Floats
-    y: Floats
-    slope: Floats
+    first: Floats  # (2,): the first two values of the axis
+    phi: Floats  # (n, 4): regressors: x(k-2) - x(k-1), and those of b1, b2 and d1
+    y: Floats  # (n,): outputs x(k) - x(k-1)
+    slope: Floats  # (n, 3): derivatives of the last three regressors by the heading
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -16,21 +16,10 @@ _BLOCK = 128
 
 
 def solve(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:
-    """Solve matrix x = right by least squares.
+    """Solve matrix (N, n) x = right (N,) or (N, m) by least squares; return x and its covariance.
 
-    Parameters
-    ----------
-    matrix : array (N, n)
-        One column per unknown.
-    right : array (N,) or (N, m)
-        Right-hand side, or m of them.
-
-    Returns
-    -------
-    x : array (n,) or (n, m)
-        The minimum-norm solution, for columns scaled to length 1.
-    covariance : array (n, n)
-        (matrix' matrix)^-1; NaN on the diagonal for unknowns that the rows do not determine.
+    x is the minimum-norm solution, for columns scaled to length 1; the covariance (n, n) is
+    (matrix' matrix)^-1, NaN on the diagonal for unknowns that the rows do not determine.
     """
     parts = decompose(matrix)
     # x = V s^-1 U' right,  (matrix' matrix)^-1 = V s^-2 V'
@@ -63,12 +52,8 @@ _POLES = 1 - np.geomspace(1.0, 0.01, 14)
 def initial_estimate(segments: list[Segment]) -> Floats:
     """Return theta (3, 5): for each axis the best candidate pole, with b1, b2 and d1 fitted to it.
 
-    It needs no starting value, and noise in the poses does not bias it.
-
-    Parameters
-    ----------
-    segments : list of Segment
-        Segments with short gaps only: headings are interpolated.
+    It needs no starting value, and noise in the poses does not bias it. The segments may have short
+    gaps only: headings are interpolated.
     """
     return np.array([_best_axis(segments, axis) for axis in (X, Y, HEADING)])
 
@@ -102,24 +87,12 @@ def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Flo
 
 @dataclass(frozen=True, eq=False)
 class Decomposition:
-    """matrix = U diag(s) V' diag(lengths), without the singular values that are rounding errors.
+    """matrix = U diag(s) V' diag(lengths), without the singular values that are rounding errors."""
 
-    Attributes
-    ----------
-    lengths : array (..., n)
-        Lengths of the columns; 1 for a column of zeros.
-    U : array (..., N, m)
-        Left singular vectors of the columns scaled to length 1.
-    inverse : array (..., n, m)
-        V s^-1; 0 for a rounding error.
-    is_determined : array (..., n) of bool
-        The unknowns without a component in the null space.
-    """
-
-    lengths: Floats
-    U: Floats
-    inverse: Floats
-    is_determined: NDArray[np.bool_]
+    lengths: Floats  # (..., n): lengths of the columns; 1 for a column of zeros
+    U: Floats  # (..., N, m): left singular vectors of the columns scaled to length 1
+    inverse: Floats  # (..., n, m): V s^-1; 0 for a rounding error
+    is_determined: NDArray[np.bool_]  # (..., n): the unknowns without a component in the null space
 
 
 def decompose(matrix: Floats) -> Decomposition:

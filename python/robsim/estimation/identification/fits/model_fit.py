@@ -134,15 +134,7 @@ def check_delay_or_fit(delay: float | str) -> float | None:
 
 
 def fit_delay(record: Record, fit: Callable[[Record, float], ModelFit]) -> ModelFit:
-    """Return the best of the fits with any delay, and how well the record determines it.
-
-    Parameters
-    ----------
-    record : Record
-        Poses and inputs.
-    fit : callable
-        Returns the fit for a delay (steps).
-    """
+    """Return the best of the fits with any delay (steps), and how well the record determines it."""
     from scipy.optimize import minimize_scalar
 
     at = cache(lambda delay: fit(record, delay))

@@ -33,21 +33,13 @@ class Unknowns:
 
 @dataclass(frozen=True, eq=False)
 class Linearisation:
-    """The weighted residuals, linearised in a step of the unknowns.
+    """The weighted residuals, linearised in a step of the unknowns."""
 
-    Attributes
-    ----------
-    sigma : array (3,)
-        Standard deviations of x, y and heading, which the residuals are divided by.
-    cost : float
-        Sum of squares of the weighted residuals.
-    blocks : array (S, 22, 22)
-        For each segment the triangular factor of [derivatives | residuals], whose columns are
-        those of the 6 initial values, of the 15 parameters, and the residuals.
-    """
-
+    # (3,): standard deviations of x, y and heading, which the residuals are divided by
     sigma: Floats
-    cost: float
+    cost: float  # sum of squares of the weighted residuals
+    # (S, 22, 22): for each segment the triangular factor of [derivatives | residuals], whose
+    # columns are for the 6 initial values, the 15 parameters, and the residuals
     blocks: Floats
 
     @staticmethod

@@ -19,21 +19,11 @@ Bools = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """Measured poses and inputs of N steps.
+    """Measured poses and inputs of N steps."""
 
-    Attributes
-    ----------
-    poses : array (N, 3)
-        A row of NaN = not seen.
-    u : array (N, 2)
-        Inputs (V).
-    breaks : array (N,) of bool
-        The step does not follow from the previous one.
-    """
-
-    poses: Floats
-    u: Floats
-    breaks: Bools
+    poses: Floats  # (N, 3): a row of NaN = not seen
+    u: Floats  # (N, 2): inputs (V)
+    breaks: Bools  # (N,): the step does not follow from the previous one
 
     @property
     def seen(self) -> Bools:
@@ -46,21 +36,11 @@ class Record:
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """Consecutive steps without a break; the robot is seen in the first and in the last one.
+    """Consecutive steps without a break; the robot is seen in the first and in the last one."""
 
-    Attributes
-    ----------
-    poses : array (n, 3)
-        NaN = not seen. The heading is unwrapped.
-    u : array (n, 2)
-        Inputs (V).
-    seen : array (n,) of bool
-        The steps with a pose.
-    """
-
-    poses: Floats
-    u: Floats
-    seen: Bools
+    poses: Floats  # (n, 3): NaN = not seen. The heading is unwrapped
+    u: Floats  # (n, 2): inputs (V)
+    seen: Bools  # (n,): the steps with a pose
 
     def interpolated(self) -> Floats:
         """Return the poses (n, 3), linearly interpolated where the robot was not seen."""
@@ -104,16 +84,10 @@ def _rows(name: str, values: Any, width: int) -> Floats:
 
 
 def split(record: Record, *, maximum_gap: int | None = None, minimum: int) -> list[Segment]:
-    """Return the segments between the breaks.
+    """Return the segments between the breaks that have `minimum` poses.
 
-    Parameters
-    ----------
-    record : Record
-        What to split.
-    maximum_gap : int, optional
-        Also split where the robot was not seen for more than this number of steps.
-    minimum : int
-        Segments with fewer poses than this are omitted.
+    With a `maximum_gap`, also split where the robot was not seen for more than this number of
+    steps.
     """
     at = np.flatnonzero(record.seen)
     number = np.cumsum(record.breaks)[at]

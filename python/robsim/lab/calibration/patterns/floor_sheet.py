@@ -27,17 +27,7 @@ _TURNS = 2  # the second begins at the sides that the first one found
 
 
 def refined_corners(cv2: Any, gray: Any, corners: Floats) -> Floats:
-    """Return the corners (M, 4, 2) of marks, refined.
-
-    Parameters
-    ----------
-    cv2 : module
-        OpenCV.
-    gray : array (H, W) of uint8
-        The picture.
-    corners : array (M, 4, 2)
-        About where they are, clockwise (px).
-    """
+    """Return the corners (M, 4, 2) of marks in a picture (H, W), clockwise (px), refined."""
     picture = gray.astype(np.float32)
     for _ in range(_TURNS):
         corners = _turn(cv2, picture, corners)

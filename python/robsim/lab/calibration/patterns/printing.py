@@ -39,16 +39,8 @@ def pdf_page(
 ) -> bytes:
     """Return a PDF file of one page; a program that prints it is told not to scale it.
 
-    Parameters
-    ----------
-    size : tuple of float
-        Width and height of the paper (mm).
-    rectangles : list of tuple of float
-        Left, top, width and height of what is black (mm from the top left corner, y down).
-    texts : list of Text
-        Printable ASCII.
-    title : str
-        What viewers call it.
+    The size is the paper's (mm). Of each black rectangle there are left, top, width and height (mm
+    from the top left corner, y down). Texts are printable ASCII; viewers show the title.
     """
     width, height = size
     lines = ["0 g", f"{_POINTS:.10f} 0 0 {_POINTS:.10f} 0 0 cm"]  # from here on in mm
