@@ -115,7 +115,7 @@ def test_a_wrong_call_says_what_is_wrong(tmp_path, monkeypatch):
         ("--identify-from", ("run", "--identify-from", "nothing")),
         ("smoothing", ("run", "--smoothing", "99")),
         ("error: --time-limit must", ("run", "--time-limit", "-1")),
-        ("error: --markers: no robot", ("run", "--markers", "nobody")),
+        ("error: --markers: no robot", ("run", "--markers", "none")),
         ("error: --headings must", ("run", "--headings", "0")),
         ("percent must lie within 0..100", ("run", "--noise", "gaussian:200")),
         ("--dropout: steps must", ("run", "--dropout", "0.2:0")),

@@ -40,10 +40,10 @@ def calibrate(
 ) -> None:
     """Find from which score on there are points, and write limits.json.
 
-    The right solutions in solutions/ are run as often as it takes for a limit that as good a
-    solution hardly ever misses, whatever the scores are distributed like. Then the wrong ones are
-    run: in how many tests each has less than full points is printed. Ctrl-C loses nothing: the same
-    command goes on.
+    The right solutions in solutions/ are run until their limits are known: an equally good solution
+    hardly ever misses these, for any distribution of the scores. Then the wrong ones are run, to
+    print in how many tests each has less than full points. Ctrl-C loses nothing: the same command
+    continues.
 
     --false-fail SHARE: How often a right solution may have less than full points in a test, at
         most. A tenth of it takes ten times as long.
@@ -114,17 +114,16 @@ def new(
 ) -> None:
     """Make the folder of a new assignment.
 
-    TEMPLATE is park, follow, identify, measure or estimate. The folder gets a key of its own,
-    numbers drawn for it, sheet, solutions right and wrong, a public and a hidden test, and limits
-    that are calibrated for it, which takes 10 to 30 minutes: Ctrl-C leaves a folder that robsim
-    assignment calibrate completes. Its README.md says what is what.
+    TEMPLATE is park, follow, identify, measure or estimate. The folder gets its own key and
+    numbers, a sheet, right and wrong solutions, a public and a hidden test, and limits. To
+    calibrate the limits takes 10 to 30 minutes: Ctrl-C leaves a folder that robsim assignment
+    calibrate completes. README.md describes the files.
 
     TEMPLATE: What students are to do.
     FOLDER: The folder, which is made.
-    --name TEXT: Name of the assignment. Default: that of the folder.
+    --name TEXT: Name of the assignment. Default: the folder's.
     --no-calibrate: Leave that to robsim assignment calibrate.
-    --seed N: What the numbers are drawn from; the key is always new. Default: another one each
-        time.
+    --seed N: Seed of the drawn numbers, but not of the key. Default: another one each time.
 
     Example: robsim assignment new park hw1
     """
@@ -147,10 +146,11 @@ def _drawn(parameters: dict[str, object]) -> str:
 def check(folder: Folder, jobs: Jobs = 1, as_json: Json = False) -> None:
     """Check an assignment before you rely on it.
 
-    A class is graded that is made of all that is known: right solutions, one also as a notebook,
-    must get all points, wrong ones fewer, and none what is empty, ends its process, hangs, patches
-    what scores it, or looks for the truth. The key must be secret, the limits those of this task;
-    the sheet must name what is to be written; students must get nothing hidden.
+    It grades a class of all known cases. Right solutions, one also as a notebook, must get all
+    points, and wrong ones fewer. An empty one must get no points, like one that ends its process,
+    hangs, patches the scoring, or looks for the truth. The key must be secret, and the limits must
+    belong to this task. The sheet must name the callbacks to write, and students must get nothing
+    hidden.
 
     It takes a minute or two. The exit status is 0 if all is well, 1 if something is wrong, 2 if the
     assignment cannot be used at all.
@@ -174,14 +174,14 @@ def pack(
 ) -> None:
     """Pack an assignment: for students, for Gradescope.
 
-    Students get the sheet, files to begin with, and the public tests with what the reference came
-    to in them: no key, no hidden test, no solution. The autograder has all that grading needs, the
-    key as well: give it to nobody but Gradescope.
+    Students get the sheet, files to begin with, and the public tests with the reference's scores:
+    no key, no hidden test, no solution. The autograder has all that grading needs, the key as well:
+    give it to Gradescope alone.
 
     --students ZIP|FOLDER: Write what students get: a zip, or a folder.
     --gradescope ZIP: Write an autograder for Gradescope.
-    --install WHEEL|NAME: With --gradescope: what is installed there, a wheel of robsim, or what pip
-        takes, such as robsim==1.2. Default: this version, from where pip finds it.
+    --install WHEEL|NAME: With --gradescope: a wheel of robsim to install there, or a requirement of
+        pip such as robsim==1.2. Default: this version, from where pip finds it.
 
     Example: robsim assignment pack hw1 --students hw1-students.zip
     """

@@ -35,13 +35,13 @@ def check(
 ) -> None:
     """Check callbacks.
 
-    Each file of the folder is tried in many situations: a robot that is not seen, a heading that
-    passes +-180 degrees, the wall, a long run. The exit status is 0 if all are well, 1 if one is
-    ill, 2 if there is nothing to check. A check ends a call that takes longer than 5 s.
+    Each file of the folder is tried in many situations: an unseen robot, a heading that passes
+    +-180 degrees, the wall, a long run. The exit status is 0 if all pass, 1 if one fails, 2 if
+    there is nothing to check. A check ends a call that takes longer than 5 s.
 
     With --task they are also tried on a task, as robsim tasks try does, in its world: whether they
     solve it, which score is short of its limit, and why. The exit status is 0 if they solve it, and
-    all are well.
+    all pass.
 
     FILE|FOLDER: A folder with callbacks, or one of its files.
     --task NAME: Also try them on that task; see robsim tasks list.

@@ -37,7 +37,7 @@ def train(
     limit_y: bool = False,
     figure: Path | None = None,
 ) -> None:
-    """Find the ranges of a colour in images of it, or those of a robot's markers in a recording.
+    """Find the ranges of a colour in images, or the ranges of a robot's markers in a recording.
 
     Of images: give a --region for each, and the --name of the colour; image viewers show pixel
     positions. Of a recording - a video, a folder of images, a session - in which the robot drives:

@@ -108,8 +108,8 @@ def try_colors(
 ) -> None:
     """Look for colours in images.
 
-    With --region, scores how robustly a colour is detected in one image when the light changes and
-    noise is added, and proposes wider or narrower ranges.
+    With --region, it scores how robustly a colour is detected in one image under other light and
+    noise. It proposes wider or narrower ranges.
 
     --smoothing PX: Width of the averaging window in px: 3, 5, ... 15; 1 = off.
     --region NAME=L,T,R,B: Region of the colour NAME; all its regions must be given. Can be

@@ -1,13 +1,13 @@
 """The classes of all commands, and how their arguments and options are declared.
 
-The docstring of a command is its --help: what it does, a line for each argument and option whose
-type in the signature is a plain one, in the order of the signature, and an example::
+The docstring of a command is its --help: description, lines of arguments and options, example.
+The lines are in the order of the signature, for all whose type there is a plain one::
 
     SOURCE: Video file, or folder of images.
     --colors FILE: Colour file. [default: that of robsim]
     --video/--no-video: Write the annotated video, too.
 
-What several commands share is declared as an `Annotated` type by `option` and its like.
+Several commands share options that are `Annotated` types, declared by `option` and its like.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Command(TyperCommand):
         return _without_types(super().get_params(ctx))
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command; errors are told in a sentence, and name arguments as the shell does."""
+        """Run the command; errors become sentences, and name arguments as the shell does."""
         names: dict[str, str] = {}
         for one in self.params:
             shown = one.opts[0] if one.param_type_name == "option" else one.metavar or one.name

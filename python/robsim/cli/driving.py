@@ -111,7 +111,7 @@ def step_of_model(folder: Path | None) -> float | None:
 
 @dataclass(frozen=True, kw_only=True)
 class CountsReport(Report):
-    """What has become of the frames of a camera."""
+    """The counts of a camera's frames."""
 
     counts: CameraCounts
     title: str = "Frames of the camera"
@@ -135,7 +135,7 @@ class LiveRun:
 
     steps: int | None
     seconds: float | None  # how long it is (s)
-    limits: Limits  # of what the motors are asked for
+    limits: Limits  # of the voltages
     frame_timeout: float | None  # as in `Experiment`
     #: The run, when there is something to report of it.
     experiment: Experiment | None = None

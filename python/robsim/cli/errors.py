@@ -21,7 +21,7 @@ from robsim.base.text import one_line, printable
 if TYPE_CHECKING:
     from rich.table import Table
 
-# What the shell calls the arguments of the command that is run.
+# The shell's names of the arguments of the running command.
 _names: ContextVar[Mapping[str, str]] = ContextVar("names", default=MappingProxyType({}))
 _WIDEST = 1000  # characters
 _WIDEST_PAGE = 100
@@ -29,7 +29,7 @@ _WIDEST_PAGE = 100
 
 @contextmanager
 def names(given: Mapping[str, str]) -> Iterator[None]:
-    """Let messages that begin with the name of an argument begin with that of the shell."""
+    """Let messages that begin with the name of an argument begin with the shell's name."""
     token = _names.set({**_names.get(), **given})
     try:
         yield

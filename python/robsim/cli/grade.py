@@ -72,40 +72,39 @@ def grade(
 ) -> None:
     """Grade submissions by an assignment.
 
-    Each is run in a process of its own, which sees the frames and none of the truth. Results are
-    written after each test: the same command goes on where it was ended, and runs again only what
-    has changed. In the folder of each student are index.html and result.txt for them, and
-    teacher.html with all; beside these class.html and class.csv.
+    Each runs in its own process, which sees the frames and none of the truth. Results are written
+    after each test: the same command continues an ended one, and repeats only what changed. In the
+    folder of each student are index.html and result.txt for them, and teacher.html with all; beside
+    these class.html and class.csv.
 
-    With --public, for students: the public tests of what they have written.
+    With --public, for students: the public tests of their work.
 
-    The exit status is 0 if all have all points, 1 if points are missing, 2 if the assignment is not
-    complete, broken, or something could not be graded, 3 if submissions cannot be shut in as they
-    must.
+    The exit status is 0 if all have all points, 1 if points are missing, 3 if submissions cannot be
+    shut in. It is 2 if the assignment is incomplete or broken, or if something could not be graded.
 
-    robsim grade --check-isolation says what shuts submissions in on this machine. Tests without an
-    assignment: python -m pytest --robsim-submission=PATH TESTS.py.
+    robsim grade --check-isolation reports how submissions are shut in on this machine. Tests
+    without an assignment: python -m pytest --robsim-submission=PATH TESTS.py.
 
     ASSIGNMENT: The folder of the assignment.
     SUBMISSIONS: A folder with one for each student: a folder, a Python file, a notebook or a zip;
         or a single one.
     --public: Only the tests that students have, too.
     --only TEST: Run only this test; may be given twice.
-    --isolation LEVEL: auto: all that works here; strict: the same, and files, processes, network
-        and memory must be closed; process: limits alone; none: a process, and nothing else.
+    --isolation LEVEL: auto = all that works here. strict = the same, and files, processes, network
+        and memory must be closed. process = limits alone. none = a process, and nothing else.
         Default: as the assignment says.
     --student NAME: Whose it is, for a single submission. Default: the name of its file or folder.
     --columns PLATFORM: Columns of class.csv: robsim, moodle, canvas or blackboard.
-    --pseudonyms: Nobody's name in the files of the class.
+    --pseudonyms: No names of students in the files of the class.
     --gradescope FILE: Write the result of a single submission as Gradescope reads it, results.json.
         An autograder: robsim assignment pack.
-    --regrade: Run nothing: mark the results in --out anew, after limits or points changed.
+    --regrade: Run nothing: mark the results in --out again, after limits or points changed.
     --play TEST: For an appeal: do a run of this test again, which is the same, and write its trace
         and picture.
     --gui: Also open the run to --play in the panel, in the browser, with the goal of the task; it
         ends when you close its page, or with Ctrl-C.
     --run N: Which run to --play. Default: the worst one in the results.
-    --check-isolation: Let a process try to get out, say what held, and grade nothing.
+    --check-isolation: Let a process try to get out, report the result, and grade nothing.
 
     Example: robsim grade hw3 submissions
     """

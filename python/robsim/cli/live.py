@@ -60,12 +60,12 @@ def live(
     --camera SOURCE: Number of a camera, such as 0; address, such as firewire://,
         gige://192.168.1.20 or http://camera.local/video.mjpg; video file or folder of images,
         played at its own rate; or: simulated.
-    --motors LINE: Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD; simulated:
-        that of the simulated lab, its default; none: nothing is sent, the default of all other
+    --motors LINE: Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD; simulated =
+        the line of the simulated lab, its default. none = nothing is sent, the default of all other
         cameras.
     --check: Only look, for 3 s, while the robot stands: is the camera good enough? The exit status
         is 1 if it is not.
-    --control NAME[:POINTS]: A built-in controller in place of the folder's, as in robsim run.
+    --control NAME[:POINTS]: A built-in controller instead of the folder's, as in robsim run.
     --steps N: Number of steps. Default: until Ctrl-C, or the end of a file.
     --seconds S: Duration in s, in its place.
     --max-voltage V: Largest voltage of a motor in V.
@@ -73,7 +73,7 @@ def live(
     --fps RATE: Frames per second: asked of a camera by number, on FireWire or on GigE; those of
         another address, which tells none; a folder is played at that rate.
     --every N: Take only each n-th frame. Default: all, or as many as a step of define_model.py has.
-    --dt SECONDS: 1 / RATE, in place of --fps, in s.
+    --dt SECONDS: 1 / RATE, instead of --fps, in s.
     --frame-timeout SECONDS: Without a fresh frame for so long, the robot is stopped. Default: three
         frames, at least 0.1 s.
     --record/--no-record: Record frames and inputs in a session in that folder, to be replayed.
@@ -192,7 +192,7 @@ _PICTURE = "check.png"
 def check_and_report(
     camera: Camera, motors: MotorLink | None, out: Path, as_json: bool, **options: Any
 ) -> None:
-    """Check a camera, print what was found, and draw it; exit with 1 if it is bad."""
+    """Check a camera, print and draw the findings; exit with 1 if it is bad."""
     from robsim import plotting
     from robsim.cli.results import save_figure
     from robsim.lab.rehearsal.camera_check import check_camera

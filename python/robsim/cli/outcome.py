@@ -97,7 +97,7 @@ _PATIENCE = 3.0  # s that the last page may be away, such as while it is loaded 
 def show_panel(opened: HostedPanel, port: int = 0, *, is_wanted: bool = True) -> None:
     """Tell the address of a panel, and show it until its last page is closed, or Ctrl-C.
 
-    A `port` of 0 is any that is free; `is_wanted` tells whether a browser is to be started.
+    A `port` of 0 is any free one. A browser starts if one `is_wanted`.
     """
     page = opened._serve(port)
     is_shown = is_wanted and page.open()

@@ -100,8 +100,8 @@ def write_results(
     """Write the figures and the trace of a run.
 
     These are camera.jpg, traces.png, trace.npz; parameters.png and batch.png if parameters were
-    estimated. The `method` is that of the batch estimate, `more` are other reports of the run,
-    `scale` is the length of a px of the work area (mm), by default as the run was calibrated.
+    estimated. The batch estimate has the `method`, and `more` are other reports of the run. `scale`
+    is the length of a px of the work area (mm), by default as the run was calibrated.
     """
     trace = simulation.trace.in_unit(unit, mm_per_px=scale)
     is_tracked = trace.is_tracked

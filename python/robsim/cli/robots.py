@@ -118,15 +118,15 @@ def add(
 ) -> None:
     """Add a robot to your user folder.
 
-    Options that are not given are derived from an image, or copied from another robot. The
-    surroundings of the robot in the image must be transparent, or --outline be given. The roles of
-    the markers, right and left, or front and back, follow from where they lie. Check the result
-    with [bold]robsim robots show[/], rotate it with [bold]robsim robots rotate[/].
+    Missing options are derived from an image, or copied from another robot. The surroundings of the
+    robot in the image must be transparent, or --outline be given. The roles of the markers, right
+    and left, or front and back, follow from where they lie. Check the result with [bold]robsim
+    robots show[/], rotate it with [bold]robsim robots rotate[/].
 
     SOURCE: An image (PNG), a robot, or a folder.
     --size PX: Width of the image on the work area in px. [default: 120]
     --alignment DEGREES: Degrees clockwise, after which the robot faces right. [default: 0]
-    --centre X,Y: Centre in the image, as '240,250': px right,down. [default: that of the outline]
+    --centre X,Y: Centre in the image, as '240,250': px right,down. [default: the outline's]
     --outline POINTS: Polygon in the image, as '120,40 180,40 180,90'. [default: around the opaque
         pixels]
     --marker NAME=POINTS: Polygon of the marker of a colour, as 'red=120,40 180,40 180,90'. Can be
@@ -176,7 +176,7 @@ def _parsed_markers(texts: list[str]) -> dict[str, list[tuple[float, float]]]:
 def rotate(name: Name, degrees: float) -> None:
     """Rotate the image of one of your robots, so that the robot faces right.
 
-    DEGREES: Angle in degrees, clockwise; negative: anticlockwise.
+    DEGREES: Angle in degrees, clockwise; a negative one is anticlockwise.
 
     Example: robsim robots rotate mine -90
     """

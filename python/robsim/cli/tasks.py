@@ -23,7 +23,7 @@ Name = Annotated[
 
 
 def list_tasks() -> None:
-    """List the tasks, and which callbacks they ask for.
+    """List the tasks, and which callbacks they need.
 
     Example: robsim tasks list
     """
@@ -34,10 +34,10 @@ def list_tasks() -> None:
 
 
 def show(name: Name, to: Path | None = None) -> None:
-    """Show a task: what it asks, what is given, how it is scored.
+    """Show a task: its aim, its data, and its scores.
 
-    With --to it is written to a folder as sheet.md, with a file for each callback to write, and
-    task.py with the values that they are told. Nothing is overwritten there.
+    With --to it is written to a folder as sheet.md, with a file for each callback to write. Their
+    values are in task.py. Nothing is overwritten there.
 
     --to FOLDER: Write the sheet and files to start from there; created if needed.
 
@@ -75,9 +75,9 @@ def try_solution(
 ) -> None:
     """Try a solution of a task, beside a reference in the same runs.
 
-    It says what the scores come to, and what fails in which line. The exit status is 0 if the
-    solution is as good as the reference, 1 if it is not, 2 if there is nothing to try. It is run in
-    this process, as your own code: grade those of others with robsim grade.
+    It prints the scores, and each fault with its line. The exit status is 0 if the solution is as
+    good as the reference, 1 if it is worse, 2 without a solution. It is run in this process, as
+    your own code: grade other people's with robsim grade.
 
     FILE|FOLDER: A folder with the callbacks, or the file of one.
     --runs N: Number of runs. Default: the task's.

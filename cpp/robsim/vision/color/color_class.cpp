@@ -167,7 +167,7 @@ std::string text(const Range& range) {
   throw std::invalid_argument(
       sentence +
       ". Give a region within the marker, and more light if the marker is coloured; a black or "
-      "white one is told by its brightness: limit_y=True, in the shell --limit-y");
+      "white one differs by its brightness: limit_y=True, in the shell --limit-y");
 }
 
 }  // namespace

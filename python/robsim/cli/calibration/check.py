@@ -17,8 +17,8 @@ def check(
     """Draw the floor's grid on a picture, to see whether a calibration fits.
 
     Yellow lines lie on the floor: tiles and marks of known places must lie on them. Blue ones are
-    as high as the robot's markers. Floor sheets that stayed since the calibration tell whether the
-    camera was moved.
+    as high as the robot's markers. Floor sheets that stayed since the calibration show a camera
+    that was moved.
 
     PICTURE: Picture, folder or video: its first one is taken.
     --calibration FILE: The calibration.

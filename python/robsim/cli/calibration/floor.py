@@ -41,7 +41,7 @@ def floor(
 
     By printed sheets (robsim calibrate sheet --kind floor): lay them anywhere on the floor, spread
     over the whole area, and take a picture; nothing need be measured. --place says where the cross
-    of a sheet lies on the area; without it, the sheet of the lowest number is the middle of the
+    of a sheet lies on the area; by default the sheet of the lowest number is the middle of the
     area, and x points to its right. Or by marks whose places you measured: --marks or --pixels and
     --positions. Six or more are checked against each other. The exit status is 1 if the result is
     bad.

@@ -30,12 +30,12 @@ def campaign(
 ) -> None:
     """Run a simulation many times, over seeds and options, and compare the means.
 
-    The file says what is run: --example writes one to edit. The table has, for each number, its
-    mean with a confidence interval, the difference to the first case, and how many runs more decide
-    whether there is one.
+    The file describes the runs: --example writes one to edit. The table has for each number its
+    mean with a confidence interval and the difference to the first case. It also shows how many
+    more runs decide whether there is a difference.
 
-    With --store, the same command goes on where the last one was ended, and one with more --runs
-    adds to them. Any SQLite program can read the file: its view results has all rows.
+    With --store, the same command continues the last one, and one with more --runs adds to them.
+    Any SQLite program can read the file: its view results has all rows.
 
     A run that fails is a row with its error. The exit status is 1 if all did.
 

@@ -103,7 +103,7 @@ def gui(
 
     With --robots it defines a robot instead, with --train it trains colours, with --calibrate it
     calibrates where a camera looks at the floor from: on a picture, a folder of pictures, a video,
-    a simulation of callbacks; on the robot, or an example, if there is none.
+    a simulation of callbacks; by default on the robot, or an example.
 
     It ends when you close its last page, or with Ctrl-C. Only browsers on this machine can open the
     page.

@@ -40,7 +40,7 @@ class MarkerLight:
 
     level: float  # The brightest channel of its mean colour (0..255).
     clipped: float  # Share of its pixels with a channel at the upper end.
-    # By how much its mean colour is inside the limits of its class (levels). Outside it is negative.
+    # By how much its mean colour is inside the limits of its class (levels); negative outside.
     margin: float
     # Distance in (U, V) between its mean colour and its surroundings' (levels).
     contrast: float
