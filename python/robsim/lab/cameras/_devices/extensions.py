@@ -11,33 +11,17 @@ from robsim.lab.cameras.errors import NoBackEndError
 
 @dataclass(frozen=True, kw_only=True)
 class Extension:
-    """An extension that may not be built, or whose library may not be installed.
+    """An extension that may not be built, or whose library may not be installed."""
 
-    Attributes
-    ----------
-    module : str
-        Its name, ``"robsim._firewire"``.
-    cameras, library : str
-        What it reads, and by what.
-    debian, fedora, development : str
-        Packages of the library, and the one of Debian that it is built with.
-    """
-
-    module: str
+    module: str  # such as "robsim._firewire"
     cameras: str
     library: str
-    debian: str
+    debian: str  # a package of the library, as of Fedora
     fedora: str
-    development: str
+    development: str  # the package of Debian to build with
 
     def load(self) -> Any:
-        """Return the module.
-
-        Raises
-        ------
-        NoBackEndError
-            If it, or what it needs, is not there; the message says what to install.
-        """
+        """Return the module; a NoBackEndError names the packages to install."""
         try:
             return importlib.import_module(self.module)
         except ModuleNotFoundError as error:

@@ -33,12 +33,7 @@ def new_camera(
 ) -> Any:
     """Return the device of an address such as ``"firewire://"``; it is not open yet.
 
-    Raises
-    ------
-    ValueError
-        If the address is none.
-    NoBackEndError
-        If FireWire cannot be read here.
+    ValueError: the address is wrong. NoBackEndError: the extension is missing here.
     """
     choice = url.removeprefix(f"{SCHEME}://").lower()
     if not re.fullmatch(r"|[0-9]{1,2}|[0-9a-f]{16}", choice):

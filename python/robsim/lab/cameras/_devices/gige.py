@@ -44,12 +44,7 @@ def new_camera(
     After a question mark stands what is chosen seldom: ``format``, a pixel format of GenICam in
     place of the coding, and ``packet_size`` (bytes).
 
-    Raises
-    ------
-    ValueError
-        If the address is none.
-    NoBackEndError
-        If GigE Vision cannot be read here.
+    ValueError: the address is wrong. NoBackEndError: the extension is missing here.
     """
     parts = urlsplit(url)
     if not parts.netloc or parts.path.strip("/"):

@@ -50,12 +50,8 @@ _LONGEST_HEAD = 1 << 16  # bytes
 class HttpCamera:
     """The camera in Python of an address. It needs no OpenCV; the interpreter decodes alone.
 
-    Parameters
-    ----------
-    url : str
-        ``http://host:port/path``; ``http://user:password@host`` logs in.
-    open_timeout : float
-        Maximum wait for the answer (s).
+    The url is ``http://host:port/path``; ``http://user:password@host`` logs in. The answer comes
+    within `open_timeout` (s).
     """
 
     def __init__(self, url: str, open_timeout: float) -> None:

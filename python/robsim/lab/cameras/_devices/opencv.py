@@ -46,25 +46,10 @@ def back_ends(cv2: Any) -> tuple[str, ...]:
 
 
 class OpenCvCamera:
-    """The camera in Python of what OpenCV opens; its images are BGR.
+    """The camera in Python of what OpenCV opens by number or address; its images are BGR.
 
-    Parameters
-    ----------
-    source : int or str
-        Number or address.
-    back_end : str
-        Name of one of OpenCV's.
-    size : tuple of int, optional
-        Width and height to ask of a camera by number (px).
-    fps : float, optional
-        Rate to ask of it (1/s).
-    open_timeout : float
-        Maximum wait for a stream to open (s).
-
-    Raises
-    ------
-    NoBackEndError
-        If OpenCV is not installed, or has no such back end.
+    A camera by number receives requests of a size (width, height in px) and a rate (1/s). A stream
+    opens within `open_timeout` (s). NoBackEndError: OpenCV, or this back end of it, is missing.
     """
 
     def __init__(

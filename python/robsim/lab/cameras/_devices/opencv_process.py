@@ -33,13 +33,7 @@ def is_possible() -> bool:
 
 
 class OpenCvHere:
-    """The same in this process, where there can be no other; its images are BGR.
-
-    Parameters
-    ----------
-    camera : OpenCvCamera
-        What is to be read.
-    """
+    """The same in this process, where there can be no other; its images are BGR."""
 
     def __init__(self, camera: OpenCvCamera) -> None:
         self._camera = camera
@@ -65,12 +59,7 @@ class OpenCvProcess:
 
     In this one, each frame would need the interpreter: while a callback keeps it, frames would wait
     in OpenCV, and come late, with the time of when they were read. The process ends with `close`
-    and with its reader, and OpenCV can neither hang nor crash it.
-
-    Parameters
-    ----------
-    camera : OpenCvCamera
-        What is to be read; it is not opened here.
+    and with its reader, and OpenCV can neither hang nor crash it. It does not open the camera here.
     """
 
     def __init__(self, camera: OpenCvCamera) -> None:

@@ -18,17 +18,7 @@ _LONGEST_WAIT = 0.1  # s in one call
 class Playback:
     """The camera in Python of a file: each frame comes when its time has come.
 
-    Parameters
-    ----------
-    source : path
-        The file or folder.
-    fps : float, optional
-        Frames per second. Default: those of the file.
-
-    Raises
-    ------
-    ValueError
-        If it is a folder, and no rate is given.
+    The rate (1/s) is by default the file's. ValueError: a folder, without a rate.
     """
 
     def __init__(self, source: str | PathLike[str], fps: float | None) -> None:
