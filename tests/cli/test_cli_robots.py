@@ -180,7 +180,7 @@ def test_add_refuses_and_leaves_nothing_behind(user_folder):
         ("text.png", "mine", "text.png"),
         ("--marker", "mine", "lab", "--marker", "red=hello"),
         ("--marker", "mine", "lab", "--marker", "1,2 3,4 5,9"),
-        ("markers['red']", "mine", "lab", "--marker", "red=nan,1 2,2 3,1"),
+        ("--marker['red'] must", "mine", "lab", "--marker", "red=nan,1 2,2 3,1"),
         ("--outline", "mine", "lab", "--outline", "1 2 3"),
         ("--centre", "mine", "lab", "--centre", "1,2 3,4"),
         ("(red) and back marker", "mine", "lab", "--marker", "red=120,260 190,260 150,330"),

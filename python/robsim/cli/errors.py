@@ -40,8 +40,8 @@ def names(given: Mapping[str, str]) -> Iterator[None]:
 def in_shell_words(message: str) -> str:
     """Return a message that begins with an argument's name, ``name must`` or ``name:``, renamed."""
     first, _, rest = message.partition(" ")
-    name = first.removesuffix(":")
-    begins = name != first or rest.startswith(("must ", "has "))
+    name = first.removesuffix(":").partition("[")[0]
+    begins = first.endswith(":") or rest.startswith(("must ", "has "))
     shown = _names.get().get(name) if begins else None
     return message if shown is None else shown + message.removeprefix(name)
 
