@@ -19,7 +19,8 @@ enum class Stage { world, estimate_parameters, measure, estimate_state, control,
 /// both know is recorded.
 class Loop {
  public:
-  /// Called every 50 ms or so, while no native work is under way. May throw, which ends the run.
+  /// Called every 50 ms or so, between two steps; in a live run without the interpreter, beside
+  /// them. May throw, which ends the run.
   using Pulse = std::function<void(std::int64_t done)>;
 
   /// What became of a step, for who keeps a record of his own. Must not throw.
