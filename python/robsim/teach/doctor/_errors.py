@@ -19,8 +19,7 @@ _NEVER_SEEN = "step.measurement is None before the robot is seen for the first t
 _NOT_SEEN = "step.measurement is None where the robot is not seen"
 
 
-def problem_of(estimator: EstimatorUnderTest, trial: Trial) -> Problem:
-    """Return the error that ended a trial, as a problem."""
+def problem_of(trial: Trial) -> Problem:
     assert trial.error is not None
     kind, sentence = explained(trial.error)
     missing = _missing(trial)
@@ -29,17 +28,10 @@ def problem_of(estimator: EstimatorUnderTest, trial: Trial) -> Problem:
         sentence = f"{reason}: then {sentence}"
     elif kind == "exception":
         sentence = "; ".join([sentence, *_hints(trial.error)])
-    return Problem(
-        kind=kind,
-        sentence=sentence,
-        situation=trial.situation.name,
-        k=trial.failed_at,
-        line=line_of_error(trial.error) or estimator.line,
-    )
+    return trial.problem(kind, sentence, trial.failed_at, line_of_error(trial.error))
 
 
 def problem_of_make(estimator: EstimatorUnderTest, error: BaseException) -> Problem:
-    """Return the error that kept make() from returning an estimator, as a problem."""
     kind, sentence = explained(error)
     if not accepts(estimator.make, 0):
         kind, sentence = "make fails", _not_a_maker(estimator)
@@ -49,7 +41,6 @@ def problem_of_make(estimator: EstimatorUnderTest, error: BaseException) -> Prob
 
 
 def _not_a_maker(estimator: EstimatorUnderTest) -> str:
-    """Say that make needs arguments, and what to give in its place."""
     make, name, noun = estimator.make, estimator.name, estimator.slot.noun
     expected = f"make takes no argument and returns a fresh {noun}, got {name}{where_defined(make)}"
     if isinstance(make, type):
@@ -60,13 +51,6 @@ def _not_a_maker(estimator: EstimatorUnderTest) -> str:
 
 
 def explained(error: BaseException) -> tuple[str, str]:
-    """Return kind and sentence of an error.
-
-    Parameters
-    ----------
-    error : BaseException
-        The error.
-    """
     text = str(error)
     if isinstance(error, BadResult):
         return error.kind, text
@@ -93,7 +77,6 @@ def _hints(error: BaseException) -> list[str]:
 
 
 def _missing(trial: Trial) -> tuple[str, str] | None:
-    """Return kind and sentence if the step had no data, which may have caused the error."""
     assert trial.error is not None
     seen, k = trial.situation.measurements, trial.failed_at
     if not seen and comes_of_none(trial.error) and "sample" in names_in(trial.error):

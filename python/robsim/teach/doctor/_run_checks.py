@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import wraps
 from os import PathLike
 from pathlib import Path
@@ -30,16 +31,7 @@ Checks = Callable[[EstimatorUnderTest], Iterable[Problem | str | Table]]
 def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckReport:
     """Run the checks of an estimator and return their report.
 
-    Parameters
-    ----------
-    make : callable or path
-        Returns a fresh estimator; or its file, or the folder of that.
-    slot : Slot
-        The slot of the simulation that the estimator is for.
-    budget : float
-        Maximum of the median time per call (s).
-    checks : callable
-        ``checks(estimator)``: yields problems, the cause first, remarks as strings, and tables.
+    `checks` yields problems, the cause first, remarks as strings, and tables.
     """
     if isinstance(make, (str, PathLike)):
         make = _from_file(Path(make), slot)
@@ -51,34 +43,21 @@ def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckRe
     estimator = EstimatorUnderTest(
         make, slot, check_float("budget", budget, "s", exclusive_minimum=0)
     )
-    problems: list[Problem] = []
-    remarks: list[str] = []
-    tables: list[Table] = []
+    found: list[Problem | str | Table] = []
     try:
-        for item in checks(estimator):
-            if isinstance(item, Problem):
-                problems.append(item)
-            elif isinstance(item, Table):
-                tables.append(item)
-            else:
-                remarks.append(item)
+        found.extend(checks(estimator))
     except NoEstimator as none:
-        problems.append(problem_of_make(estimator, none.reason))
-    for printed in _printed(estimator):
-        if slot.may_print:
-            remarks.append(str(printed))
-        else:
-            problems.append(printed)
+        found.append(problem_of_make(estimator, none.__cause__ or none))
+    found.extend(str(one) if slot.may_print else one for one in _printed(estimator))
     return CheckReport(
         name=estimator.name,
-        problems=tuple(problems),
-        remarks=tuple(remarks),
-        tables=tuple(tables),
+        problems=tuple(one for one in found if isinstance(one, Problem)),
+        remarks=tuple(one for one in found if isinstance(one, str)),
+        tables=tuple(one for one in found if isinstance(one, Table)),
     )
 
 
 def _from_file(path: Path, slot: Slot) -> Callable[[], Any]:
-    """Return a function that executes a callback file anew and returns its estimator."""
     is_file = path.suffix == ".py"
     if is_file and path.stem != slot.file:
         raise ValueError(f"make must be a file {slot.file}.py, or a folder with one, got {path}")
@@ -89,15 +68,7 @@ def _from_file(path: Path, slot: Slot) -> Callable[[], Any]:
 
 
 def load(folder: CallbackFolder) -> Callbacks:
-    """Load the callbacks of a folder within the time limit.
-
-    Raises
-    ------
-    TimeoutError
-        If that takes longer.
-    Exception
-        As `CallbackFolder.load`.
-    """
+    """Load the callbacks of a folder; raises TimeoutError if that takes too long."""
     limit = TimeLimit(TIME_LIMIT)
     with limit.watching():
         callbacks: Callbacks = limit.limited(folder.load)()
@@ -134,103 +105,76 @@ _TOLERANCE = 1e-6
 _TOGETHER = 60  # steps
 
 
-def first_difference(one: Floats, other: Floats) -> int | None:
-    """Return the first step at which two histories of outputs differ; None = they do not."""
-    steps = min(len(one), len(other))
-    if steps == 0 or one.shape[1] != other.shape[1]:
-        return None if steps == 0 else 0
-    is_close = np.isclose(
-        one[:steps], other[:steps], rtol=_TOLERANCE, atol=_TOLERANCE, equal_nan=True
-    )
-    differs = ~is_close.all(axis=1)
-    return int(differs.argmax()) if differs.any() else None
-
-
-def replay_problem(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
+def replay_problem(alone: Trial) -> Problem | None:
     """Return whether a fresh estimator gives other results in the first half of the same run.
 
     The cause may be memory of the earlier run, data of future steps, or random numbers.
-
-    Parameters
-    ----------
-    estimator : EstimatorUnderTest
-        The estimator.
-    alone : Trial
-        The trial of a first fresh estimator.
     """
-    again = estimator.try_in(alone.situation.first(len(alone.situation.u) // 2))
+    again = alone.estimator.try_in(alone.situation.first(len(alone.situation.u) // 2))
     step = _difference(again, alone)
-    return None if step is None else _cause_of_difference(estimator, alone, again, step)
+    return None if step is None else _cause_of_difference(alone, again, step)
 
 
-def together_problem(
-    estimator: EstimatorUnderTest, alone: Trial, other: Situation
-) -> Problem | None:
-    """Return whether two estimators that run at the same time influence each other.
-
-    Parameters
-    ----------
-    estimator : EstimatorUnderTest
-        The estimator.
-    alone : Trial
-        The trial of a fresh estimator.
-    other : Situation
-        The situation of a second estimator that runs at the same time.
-    """
+def together_problem(alone: Trial, other: Situation) -> Problem | None:
+    """Return whether a second estimator, in another situation, influences the one of a trial."""
+    estimator = alone.estimator
     together = estimator.try_together(alone.situation.first(_TOGETHER), other)
     step = _difference(together, alone)
     if step is None:
         return None
     if isinstance(together.error, TimeoutError):
-        return problem_of(estimator, together)
-    return Problem(
-        kind="shared memory",
-        sentence=f"two {estimator.slot.noun}s from make() influence each other, as with a global "
-        "variable or a list in the class: keep all state in self, set in __init__, or in variables "
-        "of make",
-        situation="two robots at the same time",
-        k=step,
-        line=estimator.line,
+        return problem_of(together)
+    found = together.problem(
+        "shared memory",
+        f"two {estimator.slot.noun}s from make() influence each other, as with a global variable "
+        "or a list in the class: keep all state in self, set in __init__, or in variables of make",
+        step,
     )
+    return replace(found, situation="two robots at the same time")
 
 
 def _difference(trial: Trial, alone: Trial) -> int | None:
     """Return the first step whose output differs from that of the first run, or fails."""
-    step = first_difference(trial.outputs, alone.outputs)
-    return trial.failed_at if step is None and trial.error else step
+    steps = min(len(trial.outputs), len(alone.outputs))
+    one, other = trial.outputs[:steps], alone.outputs[:steps]
+    if steps and one.shape != other.shape:
+        return 0
+    is_close = np.isclose(one, other, rtol=_TOLERANCE, atol=_TOLERANCE, equal_nan=True)
+    differs = ~is_close.all(axis=1) if steps else np.zeros(1, bool)
+    if differs.any():
+        return int(differs.argmax())
+    return trial.failed_at if trial.error else None
 
 
-def _cause_of_difference(
-    estimator: EstimatorUnderTest, alone: Trial, again: Trial, step: int
-) -> Problem:
+_DEPENDS_ON_FUTURE = (
+    "depends on future",
+    "its result depends on later steps: the first half of a run alone gives another result than "
+    "within the whole run",
+)
+_REMEMBERS = (
+    "remembers earlier run",
+    "a fresh one from make() remembers the run before: set all state in __init__ (or "
+    "inside make), not in a global variable, the class or a default argument",
+)
+_NOT_REPRODUCIBLE = (
+    "not reproducible",
+    "the same steps give another result each time: use random numbers with a fixed seed, "
+    "np.random.default_rng(1), and step.t for the time",
+)
+
+
+def _cause_of_difference(alone: Trial, again: Trial, step: int) -> Problem:
     if again.error is not None:
-        return problem_of(estimator, again)
-    whole = estimator.try_in(alone.situation)
-    if _difference(whole, alone) is None:
-        kind, sentence = (
-            "depends on future",
-            "its result depends on what comes later: the first half of a run alone gives another "
-            "result than within the whole run",
-        )
-    elif _changes_less(alone.outputs, again.outputs, estimator.try_in(again.situation).outputs):
-        kind, sentence = (
-            "remembers earlier run",
-            "a fresh one from make() remembers the run before: set all state in __init__ (or "
-            "inside make), not in a global variable, the class or a default argument",
-        )
-    else:
-        kind, sentence = (
-            "not reproducible",
-            "the same steps give another result each time: use random numbers with a fixed seed, "
-            "np.random.default_rng(1), and step.t for the time",
-        )
-    return Problem(
-        kind=kind, sentence=sentence, situation=again.situation.name, k=step, line=estimator.line
-    )
+        return problem_of(again)
+    try_in = alone.estimator.try_in
+    if _difference(try_in(alone.situation), alone) is None:
+        return again.problem(*_DEPENDS_ON_FUTURE, step)
+    third = try_in(again.situation).outputs
+    is_memory = _changes_less(alone.outputs, again.outputs, third)
+    return again.problem(*(_REMEMBERS if is_memory else _NOT_REPRODUCIBLE), step)
 
 
 def _changes_less(first: Floats, second: Floats, third: Floats) -> bool:
-    """Return whether the third run differs less from the second than the second from the first."""
     if len(third) != len(second):
         return False
     before = np.nanmax(abs(second - first[: len(second)]))
@@ -242,29 +186,15 @@ _SYMMETRY_TOLERANCE = 1e-6
 _MINIMUM_EIGENVALUE = 1e-12
 
 
-def covariance_problem(estimator: EstimatorUnderTest, trial: Trial) -> Problem | None:
+def covariance_problem(trial: Trial) -> Problem | None:
     """Return the first step whose covariance is not symmetric positive definite, and why.
 
     NEES and every ellipse need its inverse, and a variance of 0 claims exact knowledge.
-
-    Parameters
-    ----------
-    estimator : EstimatorUnderTest
-        The estimator.
-    trial : Trial
-        The trial with its outputs.
     """
     for k, output in enumerate(trial.outputs):
         fault = fault_of_covariance(output[3:12].reshape(3, 3))
         if fault is not None:
-            kind, sentence = fault
-            return Problem(
-                kind=kind,
-                sentence=sentence,
-                situation=trial.situation.name,
-                k=k,
-                line=line_of_covariance(estimator),
-            )
+            return trial.problem(*fault, k, line_of_covariance(trial.estimator))
     return None
 
 

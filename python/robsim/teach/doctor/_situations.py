@@ -27,38 +27,19 @@ _SEED = 5
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Situation:
-    """A drive of the robot: its true poses, inputs and measurements.
+    """A drive of the robot: its true poses, inputs and measurements."""
 
-    Attributes
-    ----------
-    name : str
-        What the robot does, as the report says it.
-    dt : float
-        Time between two steps (s).
-    poses : array (N, 3)
-        The true poses: x, y (px), heading (rad). The estimators do not get them.
-    u : array (N, 2)
-        Inputs (V).
-    measurements : tuple of N Measurements; None = not seen
-        Empty = the robot is not tracked.
-    """
-
-    name: str
-    dt: float
-    poses: Floats
-    u: Floats
-    measurements: tuple[Measurement | None, ...] = ()
+    name: str  # the robot's drive, for reports
+    dt: float  # s
+    poses: Floats  # (N, 3), true: px, px, rad. The estimators do not get them
+    u: Floats  # (N, 2), V
+    measurements: tuple[Measurement | None, ...] = ()  # N; None = not seen, () = not tracked
 
     def first(self, steps: int) -> Situation:
-        return replace(
-            self,
-            poses=self.poses[:steps],
-            u=self.u[:steps],
-            measurements=self.measurements[:steps],
-        )
+        seen = self.measurements[:steps]
+        return replace(self, poses=self.poses[:steps], u=self.u[:steps], measurements=seen)
 
     def unseen(self, name: str, steps: Collection[int]) -> Situation:
-        """Return the situation with steps at which the robot is not seen."""
         seen = (None if k in steps else m for k, m in enumerate(self.measurements))
         return replace(self, name=name, measurements=tuple(seen))
 
@@ -71,8 +52,6 @@ class Situation:
         return replace(self, measurements=tuple(shifted))
 
     def with_noise(self, factor: float) -> Situation:
-        """Return the situation with its measurement noise multiplied by a factor."""
-
         def scaled(m: Measurement, pose: Floats) -> Measurement:
             P = None if m.covariance is None else factor**2 * m.covariance
             return Measurement(pose + factor * pose_difference(m.pose, pose), covariance=P)

@@ -12,7 +12,7 @@ from robsim._core import Estimate, Frame, RecursiveLeastSquares, RobotModel, Rob
 from robsim.base.checks import Floats
 from robsim.simulation import Experiment, Simulation
 from robsim.teach.doctor._situations import DT, Situation
-from robsim.teach.doctor._trial import TIME_LIMIT, BadResult, Slot
+from robsim.teach.doctor._trial import TIME_LIMIT, BadResult, Slot, described, finite_numbers
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import load_robot
 
@@ -30,18 +30,17 @@ def _state_entry(estimator: Any) -> Callable[..., Any]:
     if not callable(estimator):
         raise BadResult(
             "not callable",
-            f"make() returns {_described(estimator)}, which cannot be called as "
+            f"make() returns {described(estimator)}, which cannot be called as "
             "estimate(step): give its class a method __call__(self, step)",
         )
-    entry: Callable[..., Any] = estimator
-    return entry
+    return estimator  # type: ignore[no-any-return]
 
 
 def _read_state(result: Any, before: Floats | None) -> Floats:
     if not isinstance(result, Estimate):
         raise BadResult(
             "no Estimate",
-            f"it returns {_described(result)}, not an Estimate: end with "
+            f"it returns {described(result)}, not an Estimate: end with "
             "return robsim.Estimate(pose, covariance)",
         )
     output = np.concatenate((result.pose, result.covariance.ravel(), result.state))
@@ -75,14 +74,13 @@ def _parameter_entry(estimator: Any) -> Callable[..., Any]:
     if not callable(entry):
         raise BadResult(
             "not callable",
-            f"make() returns {_described(estimator)}, which has no method update(phi, y)",
+            f"make() returns {described(estimator)}, which has no method update(phi, y)",
         )
     _check_filters(estimator)
     return entry
 
 
 def _check_filters(estimator: Any) -> None:
-    """Raise BadResult if the simulation refuses a native estimator."""
     if not isinstance(estimator, RecursiveLeastSquares):
         return
     try:
@@ -99,8 +97,7 @@ def _check_filters(estimator: Any) -> None:
 
 def _parameter_callback(estimator: Any) -> Callable[[Step], Any]:
     if not hasattr(estimator, "update"):
-        callback: Callable[[Step], Any] = estimator
-        return callback
+        return estimator  # type: ignore[no-any-return]
 
     def update(step: Step) -> Any:
         # As in the simulation: no sample, no update.
@@ -112,19 +109,10 @@ def _parameter_callback(estimator: Any) -> Callable[[Step], Any]:
 def _read_parameters(result: Any, before: Floats | None) -> Floats:
     if result is None:  # no update
         return np.full(15, np.nan) if before is None else before
-    try:
-        theta = np.array(result, dtype=float)
-    except (TypeError, ValueError):
-        theta = np.empty(0)
-    if theta.shape != (3, 5):
-        raise BadResult(
-            "output shape",
-            f"it returns {_described(result)}, not the parameters, an array of shape (3, 5): rows "
-            "x, y, heading, columns a1, a2, b1, b2, d1",
-        )
-    if not np.isfinite(theta).all():
-        raise BadResult("not finite", "it returns parameters that are not finite, NaN or inf")
-    return theta.ravel()
+    expected = (
+        "the parameters, an array of shape (3, 5): rows x, y, heading, columns a1, a2, b1, b2, d1"
+    )
+    return finite_numbers(result, (3, 5), expected, "all parameters must be finite").ravel()
 
 
 def _simulate_parameters(situation: Situation, callback: Callable[[Step], Any]) -> Simulation:
@@ -139,14 +127,6 @@ def _simulate_parameters(situation: Situation, callback: Callable[[Step], Any]) 
         control=lambda step: situation.u[step.k],
         time_limit=TIME_LIMIT,
     )
-
-
-def _described(result: Any) -> str:
-    """Return a short description of a result."""
-    if isinstance(result, np.ndarray):
-        return f"an array of shape {result.shape} of {result.dtype}"
-    text = repr(result)
-    return text if len(text) <= 40 else f"a {type(result).__name__}"
 
 
 STATE = Slot(entry=_state_entry, read=_read_state, simulate=_replay_state, file="estimate_state")

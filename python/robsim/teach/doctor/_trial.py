@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 
 from robsim._core import Step
+from robsim.base.check_report import Problem
 from robsim.base.checks import Floats
 from robsim.base.source_line import SourceLine, line_of_frame, users_line_of_callable
+from robsim.base.text import quoted
 from robsim.simulation.callbacks.slot import SlotHandle
 from robsim.simulation.runner import Runner
 from robsim.simulation.time_limit import TimeLimit
@@ -36,74 +38,78 @@ class BadResult(Exception):
         self.kind = kind
 
 
-class NoEstimator(Exception):
-    """make() returned no estimator; `reason` is the error."""
+def numbers_in(result: Any, shape: tuple[int, ...]) -> Floats | None:
+    try:
+        numbers = np.array(result, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    return numbers if numbers.shape == shape else None
 
-    def __init__(self, reason: BaseException) -> None:
-        super().__init__(str(reason))
-        self.reason = reason
+
+def described(result: Any) -> str:
+    if isinstance(result, np.ndarray):
+        return f"an array of shape {result.shape} of {result.dtype}"
+    text = repr(result)
+    return text if len(text) <= 40 else f"a {type(result).__name__}"
+
+
+def finite_numbers(
+    result: Any, shape: tuple[int, ...], expected: str, hint: str, unit: str = ""
+) -> Floats:
+    """Return a result as finite numbers; a BadResult names the expected result, or has a hint."""
+    numbers = numbers_in(result, shape)
+    if numbers is None:
+        raise BadResult("output shape", f"it returns {described(result)}, not {expected}")
+    if not np.isfinite(numbers).all():
+        raise BadResult("not finite", f"it returns {quoted(result)}{unit}: {hint}")
+    return numbers
+
+
+class NoEstimator(Exception):
+    """make() returned no estimator; the cause is the error."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Slot:
-    """The interface of one kind of estimator.
+    """The interface of one kind of estimator."""
 
-    Attributes
-    ----------
-    entry : callable
-        ``entry(estimator) -> function``: its function that is called; raises BadResult if it has
-        none.
-    read : callable
-        ``read(result, previous) -> array``: a result as numbers, given those of the last step or
-        None; raises BadResult.
-    simulate : callable
-        ``simulate(situation, callback) -> Simulation or Experiment``.
-    file : str
-        The slot whose file in a callback folder has the estimator.
-    callback : callable
-        ``callback(estimator) -> (step) -> result``: the callback for the simulation.
-    from_file : callable
-        ``from_file(callback) -> estimator``: what that file gives.
-    noun : str
-        What a report calls it.
-    may_print : bool
-        Whether what it prints is worth a remark only.
-    """
-
+    #: The function of an estimator that is called; raises BadResult without one.
     entry: Callable[[Any], Callable[..., Any]]
+    #: ``read(result, previous)``: a result as numbers; raises BadResult.
     read: Callable[[Any, Floats | None], Floats]
     simulate: Callable[[Situation, Callable[[Step], Any]], Runner]
-    file: str
+    file: str  # the slot whose file in a callback folder has the estimator
     callback: Callable[[Any], Callable[[Step], Any]] = lambda estimator: estimator
-    from_file: Callable[[Any], Any] = lambda callback: callback
-    noun: str = "estimator"
-    may_print: bool = False
+    from_file: Callable[[Any], Any] = lambda callback: callback  # the estimator of that file
+    noun: str = "estimator"  # in reports
+    may_print: bool = False  # then a print is worth a remark only
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trial:
-    """The outcome of an estimator in a situation.
+    """The outcome of an estimator in a situation."""
 
-    Attributes
-    ----------
-    situation : Situation
-        The situation.
-    outputs : array (n, width)
-        The results of the steps before the error, or of all steps.
-    trace : Trace
-        What the simulation recorded.
-    error : BaseException or None
-        The error that ended the trial, at step n.
-    """
-
+    estimator: EstimatorUnderTest
     situation: Situation
-    outputs: Floats
+    outputs: Floats  # (n, width): the results of the steps before the error, or of all steps
     trace: Trace
-    error: BaseException | None = None
+    error: BaseException | None = None  # that ended the trial, at step n
 
     @property
     def failed_at(self) -> int:
         return len(self.outputs)
+
+    def problem(
+        self, kind: str, sentence: str, k: int | None = None, line: SourceLine | None = None
+    ) -> Problem:
+        """Return a problem of the trial; the default line is the definition of the estimator."""
+        return Problem(
+            kind=kind,
+            sentence=sentence,
+            situation=self.situation.name,
+            k=k,
+            line=line or self.estimator.line,
+        )
 
 
 class CallClock:
@@ -116,13 +122,11 @@ class CallClock:
         return len(self._times)
 
     @property
-    def last(self) -> float:
-        """Duration of the last call (s)."""
+    def last(self) -> float:  # s
         return self._times[-1][0]
 
     @contextmanager
     def timed(self) -> Iterator[None]:
-        """Measure the call inside the context."""
         before = _clocks()
         yield
         passed, thread, process = (now - then for now, then in zip(_clocks(), before, strict=True))
@@ -173,11 +177,9 @@ class StdoutCapture(io.TextIOBase):
 
     @property
     def text(self) -> str:
-        """The first line; empty if nothing was printed."""
         return self._text.lstrip().partition("\n")[0]
 
     def write(self, text: str) -> int:
-        """Keep the first characters that are printed."""
         if self.line is None:
             self.line = line_of_frame(sys._getframe(1))
         if len(self._text) < _KEPT_CHARACTERS:
@@ -188,14 +190,7 @@ class StdoutCapture(io.TextIOBase):
 class EstimatorUnderTest:
     """The estimator to be checked: makes fresh ones and runs trials with them.
 
-    Parameters
-    ----------
-    make : callable
-        Returns a fresh estimator.
-    slot : Slot
-        The slot of the simulation that it is for.
-    budget : float
-        Maximum of the median time per call (s).
+    The budget is the maximum of the median time per call (s).
     """
 
     def __init__(self, make: Callable[[], Any], slot: Slot, budget: float) -> None:
@@ -208,7 +203,6 @@ class EstimatorUnderTest:
         self.made: Any = None  # the last one
 
     def fresh(self) -> Callable[[Step], Any]:
-        """Return the callback of a fresh estimator."""
         try:
             limit = TimeLimit(TIME_LIMIT)
             with self.observed(), limit.watching():
@@ -217,7 +211,7 @@ class EstimatorUnderTest:
                     estimator = estimator.callback
             function = self.slot.entry(estimator)
         except (Exception, SystemExit) as error:
-            raise NoEstimator(error) from error
+            raise NoEstimator from error
         self.made = estimator
         self.name = getattr(estimator, "__name__", type(estimator).__name__)
         self.line = users_line_of_callable(function) or self.line
@@ -284,7 +278,6 @@ class _TrialRun:
             self._clock.check(self._estimator.budget)
 
     def run(self) -> Trial:
-        """Run all steps."""
         try:
             self._simulation.run(len(self._situation.u))
         except (Exception, SystemExit) as error:
@@ -296,7 +289,6 @@ class _TrialRun:
         return self._simulation._watched()
 
     def step(self) -> bool:
-        """Run one step; return whether it failed."""
         try:
             self._simulation.step()
         except (Exception, SystemExit) as error:
@@ -305,6 +297,7 @@ class _TrialRun:
 
     def trial(self) -> Trial:
         return Trial(
+            estimator=self._estimator,
             situation=self._situation,
             outputs=np.array(self._outputs),
             trace=self._simulation.trace,

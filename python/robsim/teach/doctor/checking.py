@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from os import PathLike
 from typing import TYPE_CHECKING
 
-from robsim.teach.doctor.callbacks.folder import FolderReport, report_of
+from robsim.teach.doctor.callbacks.folder import FolderReport, Surroundings, report_of
 
 if TYPE_CHECKING:
     from robsim.teach.tasks.definition import Task
@@ -54,7 +54,7 @@ def check_folder(
     >>> print(robsim.teach.check_folder("parking", task="park"))  # doctest: +SKIP
     """
     if task is None:
-        return report_of(path, slots)
+        return report_of(path, slots, Surroundings())
     from robsim.teach.doctor.tasks.checking import check_for_task  # tasks take their time
 
     return check_for_task(path, slots, task)

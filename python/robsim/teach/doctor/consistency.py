@@ -1,10 +1,11 @@
-"""Whether a covariance fits the errors, and what measurements and gaps do to it."""
+"""Whether a covariance fits the errors, and the inputs the motion while the robot is not seen."""
 
 from __future__ import annotations
 
 import ast
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from types import CodeType, FrameType
 from typing import Any
 
@@ -13,8 +14,13 @@ import numpy as np
 from robsim.base.check_report import Problem
 from robsim.base.checks import Floats
 from robsim.base.source_line import SourceLine
-from robsim.teach.doctor._lines import line_of_covariance, line_of_measurement, nodes_of
-from robsim.teach.doctor._situations import MEASUREMENT_SIGMA, UNSEEN
+from robsim.teach.doctor._lines import (
+    line_of_covariance,
+    line_of_measurement,
+    line_that_reads,
+    nodes_of,
+)
+from robsim.teach.doctor._situations import MEASUREMENT_SIGMA, UNSEEN, WAY
 from robsim.teach.doctor._trial import Trial
 from robsim.teach.doctor.gain import Gains, named
 from robsim.teach.doctor.trials import SETTLED, Trials, distances, errors, variances
@@ -33,17 +39,15 @@ _FIRST = 0.02  # the same after the very first measurement
 
 
 def growth_problem(trials: Trials) -> Problem | None:
-    """Return whether no variance grows while the robot is not seen."""
     P = variances(trials.gap)
     if (P[UNSEEN[-1]] > P[UNSEEN[0] - 1]).any():
         return None
-    return Problem(
-        kind="covariance does not grow",
-        sentence=f"after {len(UNSEEN)} steps without a measurement no variance is larger than "
-        "before them: the covariance has to grow while the robot is not seen",
-        situation=trials.gap.situation.name,
-        k=UNSEEN[-1],
-        line=line_of_covariance(trials.estimator),
+    return trials.gap.problem(
+        "covariance does not grow",
+        f"after {len(UNSEEN)} steps without a measurement no variance is larger than at first: the "
+        "covariance has to grow while the robot is not seen",
+        UNSEEN[-1],
+        line_of_covariance(trials.estimator),
     )
 
 
@@ -57,15 +61,14 @@ def reduction_problem(trials: Trials, gains: Gains) -> Problem | None:
     before, unseen, after = P[UNSEEN[0] - 1], P[UNSEEN[-1]], P[UNSEEN.stop]
     is_kept = (after > _KEPT * unseen) & (K > _LISTENS)
     if is_kept.any():
-        return Problem(
-            kind="covariance not reduced",
-            sentence="when the robot is seen again the estimate follows the measurement (gain "
+        return trials.gap.problem(
+            "covariance not reduced",
+            "when the robot is seen again the estimate follows the measurement (gain "
             f"{K[is_kept].max():.2g}), but the variance of {named(is_kept)} stays "
             f"{(after / unseen)[is_kept].max():.2g} times what it was: a measurement has to reduce "
             "it, P = (I - K H) P",
-            situation=trials.gap.situation.name,
-            k=UNSEEN.stop,
-            line=line_of_covariance(trials.estimator),
+            UNSEEN.stop,
+            line_of_covariance(trials.estimator),
         )
     first, unborn = variances(trials.late)[5], variances(trials.late)[4]
     # All components at once: a particle filter with few particles left has random gains.
@@ -74,69 +77,60 @@ def reduction_problem(trials: Trials, gains: Gains) -> Problem | None:
     is_sunk |= (first < _FIRST * before) & (unborn > before)
     if not is_sunk.any():
         return None
-    return Problem(
-        kind="covariance reduced too far",
-        sentence=f"after one measurement its variance of {named(is_sunk)} is smaller than after "
-        "many in a row: one measurement cannot tell more than itself, so that P after a long time "
-        "unseen is about R. P = (I - K H) P (I - K H)' lacks its + K R K', or K is not the one of "
-        "this P; from P alone these cannot be told apart",
-        situation=trials.gap.situation.name,
-        k=UNSEEN.stop,
-        line=line_of_covariance(trials.estimator),
+    return trials.gap.problem(
+        "covariance reduced too far",
+        f"after one measurement its variance of {named(is_sunk)} is smaller than after many in a "
+        "row: one measurement cannot tell more than itself, so that P after a long time unseen is "
+        "about R. P = (I - K H) P (I - K H)' lacks its + K R K', or K is not the one of this P; "
+        "from P alone these cannot be distinguished",
+        UNSEEN.stop,
+        line_of_covariance(trials.estimator),
     )
 
 
 def ahead_problem(trials: Trials) -> Problem | None:
-    """Return whether the estimate is where the robot will be."""
     lead = -_lag(trials.seen)
     if lead < _LAG:
         return None
-    return Problem(
-        kind="estimate ahead",
-        sentence=f"its estimate is {lead:.2g} of its steps ahead of the robot: it returns the "
-        "prediction for the next step, or predicts after the update and again before the next "
-        "one; the estimate of a step is that after the update with the measurement of this step",
-        situation=trials.weaves.name,
-        line=trials.estimator.line,
+    return trials.seen.problem(
+        "estimate ahead",
+        f"its estimate is {lead:.2g} of its steps ahead of the robot: it returns the prediction "
+        "for the next step, or predicts after the update and again before the next one; the "
+        "estimate of a step is that after the update with the measurement of this step",
     )
 
 
 def lost_problem(trials: Trials) -> Problem | None:
-    """Return whether it never comes back once the robot was not seen for a while."""
     if not trials.is_lost_after_gap:
         return None
     distance, angle = distances(trials.gap)
-    return Problem(
-        kind="lost after a gap",
-        sentence=f"{len(distance) - UNSEEN.stop} steps after the robot is seen again its estimate "
-        f"is {distance[-1]:.3g} px and {np.degrees(angle[-1]):.0f} degrees off: where measurements "
+    return trials.gap.problem(
+        "lost after a gap",
+        f"{len(distance) - UNSEEN.stop} steps after the robot is seen again its estimate is "
+        f"{distance[-1]:.3g} px and {np.degrees(angle[-1]):.0f} degrees off: where measurements "
         "far from the prediction are left out, the limit has to grow with P, or they must be "
         "believed after some steps; otherwise its covariance does not grow",
-        situation=trials.gap.situation.name,
-        k=len(distance) - 1,
-        line=line_of_measurement(trials.estimator),
+        len(distance) - 1,
+        line_of_measurement(trials.estimator),
     )
 
 
 def size_problem(trials: Trials) -> Problem | None:
-    """Return whether the errors are much larger than the covariance says, for every camera."""
     if nees(trials.seen) <= _TOO_SURE:
         return None
     sharper = trials.estimator.try_in(trials.weaves.with_noise(_SHARPER))
     if sharper.error is not None or nees(sharper) <= _TOO_SURE:
         return None
-    return Problem(
-        kind="covariance too small",
-        sentence=f"its errors are {np.sqrt(nees(trials.seen) / 3):.2g} times as large as its "
-        "covariance claims, and too large even before a camera with a tenth of the noise: look at "
-        "R and Q (variances, in px^2 and rad^2), and at what P becomes after the update",
-        situation=trials.weaves.name,
+    return trials.seen.problem(
+        "covariance too small",
+        f"its errors are {np.sqrt(nees(trials.seen) / 3):.2g} times as large as its covariance "
+        "claims, and too large even before a camera with a tenth of the noise: look at R and Q "
+        "(variances, in px^2 and rad^2), and at what P becomes after the update",
         line=line_of_covariance(trials.estimator),
     )
 
 
 def consistency_remarks(trials: Trials) -> Iterator[str]:
-    """Yield what the errors say of the covariance of a filter that is not ill."""
     noise = "noise here: {:g} px, {:g} px, {:g} rad".format(*MEASUREMENT_SIGMA)
     lag = _lag(trials.seen)
     if lag > _LAG:
@@ -198,11 +192,10 @@ def transpose_problem(trials: Trials) -> Problem | None:
     unsymmetric = _unsymmetric(trials, {where: code for where, (*_, code) in suspects.items()})
     for where, (line, text, _) in suspects.items():
         if where in unsymmetric:
-            return Problem(
-                kind="missing transpose",
-                sentence=f"it computes {text}, with the same matrix on both sides, which is not "
-                "symmetric: a covariance becomes F P F', in Python F @ P @ F.T",
-                situation=trials.weaves.name,
+            return trials.seen.problem(
+                "missing transpose",
+                f"it computes {text}, with the same matrix on both sides, which is not symmetric: "
+                "a covariance becomes F P F', in Python F @ P @ F.T",
                 line=line,
             )
     return None
@@ -264,3 +257,67 @@ def _is_unsymmetric(code: CodeType, frame: FrameType) -> bool:
     except Exception:
         return False  # not there yet
     return F.ndim == 2 and bool(abs(F - F.T).max() > _ASYMMETRY * abs(F).max())
+
+
+# The errors of right filters are no smaller with exchanged or negated inputs, those of wrong ones 3
+# to 10 times, with a crude model 1.7 times.
+_BETTER = 0.7
+_MINIMUM_ERROR = 0.3  # of WAY, or rad; below it the prediction is good
+_TOO_FAR = 1.5  # of the true way; twice the prediction gives 1.8, a crude model 1.2
+_SCALES = {"half as large": 0.5, "taken as 0": 0.0}
+# By the inputs with which it predicts best.
+_CAUSES = {
+    "exchanged": (
+        "inputs swapped",
+        "u[0] is the left motor, u[1] the right one; or its heading turns the other way (it grows "
+        "clockwise on the image, as y points down): these cannot be distinguished, since both "
+        "mirror the turn",
+    ),
+    "negated": ("inputs of wrong sign", "positive voltages drive forward"),
+}
+_TOO_LARGE = (
+    "moves too far",
+    "it moves further than the robot does: it predicts twice in a step, its dt is too large, or "
+    "its inputs are: these cannot be distinguished, since all of them add the same way",
+)
+
+
+def inputs_problem(trials: Trials) -> Problem | None:
+    """Return whether the pose in a gap is predicted much better with other inputs."""
+    if trials.ignores_inputs:
+        return None
+    u = trials.weaves.u
+    given = _error(trials, u)
+    others = {"exchanged": u[:, ::-1], "negated": -u}
+    others |= {name: scale * u for name, scale in _SCALES.items()}
+    found = {name: _error(trials, one) for name, one in others.items()}
+    better = {name: error for name, error in found.items() if _is_better(error, given)}
+    if trials.way_in_gap < _TOO_FAR:  # a model that is crude
+        better = {name: error for name, error in better.items() if name not in _SCALES}
+    if not better:
+        return None
+    best = min(better, key=lambda name: float(better[name].sum()))
+    factor = (given / np.maximum(better[best], 1e-3))[given > _MINIMUM_ERROR].max()
+    kind, cause = _CAUSES.get(best, _TOO_LARGE)
+    return trials.gap.problem(
+        kind,
+        f"with the inputs {best} it predicts the pose while the robot is not seen {factor:.2g} "
+        f"times better than with those given: {cause}",
+        UNSEEN.stop - 1,
+        line_that_reads(trials.estimator, "last_u", "u"),
+    )
+
+
+def _error(trials: Trials, u: Floats) -> Floats:
+    """Return the mean errors in the gap: distance in units of the way of ten steps, angle (rad)."""
+    situation = replace(trials.gap.situation, u=np.ascontiguousarray(u)).first(UNSEEN.stop)
+    trial = trials.gap if u is trials.weaves.u else trials.estimator.try_in(situation)
+    if trial.error is not None:
+        return np.full(2, np.inf)
+    distance, angle = (part[UNSEEN.start : UNSEEN.stop] for part in distances(trial))
+    return np.array((np.mean(distance) / WAY, np.mean(angle)))
+
+
+def _is_better(error: Floats, given: Floats) -> bool:
+    is_halved = (given > _MINIMUM_ERROR) & (error < _BETTER * given)
+    return bool(is_halved.any() and error.sum() < given.sum())

@@ -37,15 +37,9 @@ def named(chosen: npt.NDArray[np.bool_]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """The changes of an estimate after measurements are displaced, (N, 3), from that step on.
+    """The changes of an estimate after measurements are displaced, from that step on."""
 
-    Attributes
-    ----------
-    change : array (N, 3)
-        In units of the displacement.
-    """
-
-    change: Floats
+    change: Floats  # (N, 3), in units of the displacement
 
     @property
     def gain(self) -> Floats:
@@ -60,13 +54,7 @@ class Response:
 
 
 class Gains:
-    """The responses of an estimator to measurements.
-
-    Parameters
-    ----------
-    trials : Trials
-        Its trials.
-    """
+    """The responses of an estimator to measurements."""
 
     def __init__(self, trials: Trials) -> None:
         self._trials = trials
@@ -110,22 +98,18 @@ class Gains:
 
 
 def ignored_problem(trials: Trials, gains: Gains) -> Problem | None:
-    """Return whether measurements have no effect."""
     if any(one is not None for one in gains.usual.delay):
         return None
     if trials.diverged_at is not None and (abs(gains.first) > _RESPONSE).any():
         return None
-    return Problem(
-        kind="ignores measurement",
-        sentence="its estimate is the same wherever the robot is seen: step.measurement.pose has "
-        "no effect",
-        situation=trials.weaves.name,
+    return trials.seen.problem(
+        "ignores measurement",
+        "its estimate is the same wherever the robot is seen: step.measurement.pose has no effect",
         line=line_of_measurement(trials.estimator),
     )
 
 
 def unused_problem(trials: Trials, gains: Gains) -> Problem | None:
-    """Return whether a part of the measured pose has no effect."""
     delays = gains.usual.delay
     if trials.diverged_at is not None:
         return None
@@ -134,17 +118,15 @@ def unused_problem(trials: Trials, gains: Gains) -> Problem | None:
     is_unused = np.array([one is None for one in delays]) & ~reaches
     if not is_unused.any():
         return None
-    return Problem(
-        kind="ignores measurement",
-        sentence=f"its estimate of {named(is_unused)} is the same wherever that is measured: use "
-        "all of step.measurement.pose, x, y and heading",
-        situation=trials.weaves.name,
+    return trials.seen.problem(
+        "ignores measurement",
+        f"its estimate of {named(is_unused)} is the same wherever that is measured: use all of "
+        "step.measurement.pose, x, y and heading",
         line=line_of_measurement(trials.estimator),
     )
 
 
 def late_problem(trials: Trials, gains: Gains) -> Problem | None:
-    """Return whether the estimate of a step does not contain the measurement of that step."""
     delays = gains.usual.delay
     if trials.diverged_at is not None or not any(delays):
         return None
@@ -160,38 +142,34 @@ def late_problem(trials: Trials, gains: Gains) -> Problem | None:
     names = " and ".join(name for name, _ in late) if len(late) < 3 else "pose"
     steps = max(n for _, n in late)
     count = "one step" if steps == 1 else f"{steps} steps"
-    return Problem(
-        kind="measurement late",
-        sentence=f"the {names} that it measures at a step has no effect on its estimate of that "
-        f"step, but {count} later: it uses the measurement of an earlier step, or returns the "
-        "estimate of an earlier step (the prediction before the update): these cannot be told "
-        "apart, as both give the same numbers",
-        situation=trials.weaves.name,
-        k=SEEN_AT,
-        line=line_of_measurement(trials.estimator),
+    return trials.seen.problem(
+        "measurement late",
+        f"the {names} that it measures at a step has no effect on its estimate of that step, but "
+        f"{count} later: it uses the measurement of an earlier step, or returns the estimate of an "
+        "earlier step (the prediction before the update): these cannot be distinguished, as both "
+        "give the same numbers",
+        SEEN_AT,
+        line_of_measurement(trials.estimator),
     )
 
 
 def divergence_problem(trials: Trials, gains: Gains) -> Problem | None:
-    """Return why the estimate is far from the truth though the robot is seen at every step."""
     k = trials.diverged_at
     if k is None:
         return None
     distance, angle = distances(trials.seen)
     kind, cause = _cause(gains, is_near=float(distance.max()) < _LOST)
     line_of = line_of_covariance if kind == _NO_Q else line_of_measurement
-    return Problem(
-        kind=kind,
-        sentence=f"its estimate is {distance[k]:.3g} px and {np.degrees(angle[k]):.0f} degrees "
-        f"off, though the robot is seen at every step: {cause}",
-        situation=trials.weaves.name,
-        k=k,
-        line=line_of(trials.estimator),
+    return trials.seen.problem(
+        kind,
+        f"its estimate is {distance[k]:.3g} px and {np.degrees(angle[k]):.0f} degrees off, though "
+        f"the robot is seen at every step: {cause}",
+        k,
+        line_of(trials.estimator),
     )
 
 
 def _cause(gains: Gains, *, is_near: bool) -> tuple[str, str]:
-    """Return kind and sentence of a divergence."""
     K = gains.first
     own, others = np.diag(K), abs(K - np.diag(np.diag(K)))
     plane = own[:2]
@@ -236,7 +214,6 @@ def _cause(gains: Gains, *, is_near: bool) -> tuple[str, str]:
 
 
 def gain_remarks(trials: Trials, gains: Gains) -> Iterator[str]:
-    """Yield what the gain says of a filter that is not ill."""
     if trials.diverged_at is not None:
         return
     gain = gains.usual.gain

@@ -8,18 +8,100 @@ estimators reach 0.01 to 0.2, as the disturbances of the drive are small.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import cached_property
 from itertools import permutations
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from robsim._core import RobotModel, RobotParameters, regression
 from robsim.base.check_report import Problem
 from robsim.base.checks import Floats
 from robsim.base.source_line import SourceLine
 from robsim.teach.doctor._lines import line_that_reads, line_that_sets
+from robsim.teach.doctor._situations import Situation
 from robsim.teach.doctor._trial import EstimatorUnderTest, Trial
-from robsim.teach.doctor.influence import DISPLACED_AT, Influence
+
+DISPLACED_AT = 200  # the step
+_OFFSET = (3.0, 3.0, 0.1)  # px, px, rad: far beyond the noise, so that no dead zone hides it
+_VOLTS = 0.3
+_WATCHED = 30  # steps
+_CHANGE = 1e-9  # relative; less is rounding
+_IN_PHI = 2  # steps for which a pose stands in phi
+Delays = list[int | None]
+
+
+class Influence:
+    """The steps after which the parameters change, beside a trial without displacement.
+
+    The same drive is tried again with one pose, or one input, displaced. A pose stands in the y of
+    its step and in the phi of the next two; an input in the phi of the step after it.
+    """
+
+    def __init__(self, usual: Trial) -> None:
+        self._usual = usual
+
+    @cached_property
+    def of_input(self) -> Delays:
+        """Steps until each row of the parameters changes with an input in phi; None = never."""
+        u = self._usual.situation.u.copy()
+        u[DISPLACED_AT - 1] += _VOLTS
+        return _delays(self._changed(replace(self._usual.situation, u=u)))
+
+    @cached_property
+    def of_pose(self) -> list[Delays]:
+        """The same for a pose, first in y: a list for each component that is displaced."""
+        return [_delays(self._changed(self._displaced(axis))) for axis in range(3)]
+
+    @cached_property
+    def memory(self) -> int | None:
+        """The number of samples after which one is forgotten; None = longer than was watched."""
+        changed = self._changed(self._displaced(0)).any(axis=1)
+        if not changed.any():
+            return 0
+        last = int(np.flatnonzero(changed)[-1])
+        return None if last == _WATCHED - 1 else max(0, last - _IN_PHI) + 1
+
+    @property
+    def is_mismatched(self) -> tuple[bool, bool]:
+        own = [one[axis] for axis, one in enumerate(self.of_pose)]
+        pairs = [
+            (y, phi)
+            for y, phi in zip(own, self.of_input, strict=True)
+            if y is not None and phi is not None
+        ]
+        return any(y > phi for y, phi in pairs), any(phi > y for y, phi in pairs)
+
+    @property
+    def mixed(self) -> list[tuple[int, int]]:
+        """The pairs of axes (of the sample, of the parameters) of which one changes the other."""
+        return [
+            (i, j)
+            for i, one in enumerate(self.of_pose)
+            for j, delay in enumerate(one)
+            # The heading stands in phi of x and y, too.
+            if i != j and delay is not None and not (i == 2 and delay > 0)
+        ]
+
+    def _displaced(self, axis: int) -> Situation:
+        poses = self._usual.situation.poses.copy()
+        poses[DISPLACED_AT, axis] += _OFFSET[axis]
+        return replace(self._usual.situation, poses=poses)
+
+    def _changed(self, displaced: Situation) -> npt.NDArray[np.bool_]:
+        """Return whether each row of the parameters differs (N, 3), from the step on."""
+        steps = slice(DISPLACED_AT, DISPLACED_AT + _WATCHED)
+        after = self._usual.estimator.try_in(displaced.first(steps.stop)).outputs[steps]
+        before = self._usual.outputs[steps][: len(after)]
+        differs = abs(after - before) > _CHANGE * (1 + abs(before))
+        return np.asarray(differs.reshape(-1, 3, 5).any(axis=2))
+
+
+def _delays(changed: npt.NDArray[np.bool_]) -> Delays:
+    return [int(one.argmax()) if one.any() else None for one in changed.T]
+
 
 # P grows by 1 / lambda at each sample that brings nothing new. Beyond 1e15 times its size a double
 # has no digit left of what was known.
@@ -32,11 +114,6 @@ def largest_square(estimator: Any) -> float:
     """Return the largest number in the square matrices that an estimator keeps; 0 = it has none.
 
     Looked at are its attributes, the variables of a closure, and lists and dicts of these.
-
-    Parameters
-    ----------
-    estimator : object
-        The estimator.
     """
     sizes = [abs(one).max() for one in _arrays(estimator, _DEPTH) if _is_square(one)]
     return float(max(sizes, default=0.0))
@@ -69,7 +146,6 @@ def _arrays(value: Any, depth: int) -> Iterator[Floats]:
 
 
 def _attributes(value: Any) -> dict[str, Any]:
-    """Return the attributes of an object, in its dict or its slots."""
     slots = [name for cls in type(value).__mro__ for name in getattr(cls, "__slots__", ())]
     kept = {name: getattr(value, name) for name in slots if hasattr(value, name)}
     return kept | getattr(value, "__dict__", {})
@@ -112,13 +188,7 @@ _GOES_ON = np.tile((2.0, -1.0, 0.0, 0.0, 0.0), (3, 1))
 
 
 class Learning:
-    """What the parameters of a trial are worth.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial with its outputs.
-    """
+    """The errors of the parameters of a trial."""
 
     def __init__(self, trial: Trial) -> None:
         situation = trial.situation
@@ -139,10 +209,6 @@ class Learning:
         return np.asarray(self._rms(theta) / self._rms(_GOES_ON))
 
     @property
-    def error(self) -> Floats:
-        return self.error_of(self.before)
-
-    @property
     def is_near(self) -> bool:
         """Whether they have not grown beyond what a displaced sample could change."""
         return bool((abs(self.before) < _RUNAWAY).all())
@@ -160,10 +226,7 @@ class Learning:
             return np.asarray(np.sqrt(np.mean(e**2, axis=0)))
 
 
-def mismatch_problem(
-    estimator: EstimatorUnderTest, trial: Trial, influence: Influence
-) -> Problem | None:
-    """Return whether phi of one step is used with y of another."""
+def mismatch_problem(trial: Trial, influence: Influence) -> Problem | None:
     learning = Learning(trial)
     # Whole numbers hide the effect of a sample.
     if not learning.is_near or learning.are_whole:
@@ -172,23 +235,20 @@ def mismatch_problem(
     if influence.mixed or not (is_y_late or is_phi_late):
         return None
     late, other = ("y", "phi") if is_y_late else ("phi", "y")
-    return Problem(
-        kind=_MISMATCHED,
-        sentence=f"it uses {other} of a step with {late} of the step before: a displaced {other} "
-        f"changes its parameters at once, a displaced {late} a step later; phi and y of one call "
-        "belong together, y = phi @ theta",
-        situation=trial.situation.name,
-        k=DISPLACED_AT,
-        line=line_that_reads(estimator, late),
+    return trial.problem(
+        _MISMATCHED,
+        f"it uses {other} of a step with {late} of the step before: a displaced {other} changes "
+        f"its parameters at once, a displaced {late} a step later; phi and y of one call belong "
+        "together, y = phi @ theta",
+        DISPLACED_AT,
+        line_that_reads(trial.estimator, late),
     )
 
 
-def learning_items(
-    estimator: EstimatorUnderTest, trial: Trial, influence: Influence
-) -> Iterator[Problem | str]:
+def learning_items(trial: Trial, influence: Influence) -> Iterator[Problem | str]:
     """Yield why the parameters predict no better than going on as before does, if so."""
     learning = Learning(trial)
-    error = learning.error
+    error = learning.error_of(learning.before)
     # Without its inputs the robot is predicted somewhat better than by going on as before.
     has_no_inputs = learning.never_changed[:, 2:4].all(axis=1) & ~learning.before[-1, :, 2:4].any(
         axis=1
@@ -211,169 +271,129 @@ def learning_items(
         )
         return
     kind, cause = found
-    yield Problem(
-        kind=kind,
-        sentence=f"{result}: {cause}",
-        situation=trial.situation.name,
-        k=len(trial.outputs) - 1,
-        line=line_of_matrix(estimator) if kind == _NOTHING else estimator.line,
-    )
+    line = line_of_matrix(trial.estimator) if kind == _NOTHING else None
+    yield trial.problem(kind, f"{result}: {cause}", len(trial.outputs) - 1, line)
 
 
 def _cause(learning: Learning, influence: Influence) -> tuple[str, str] | None:
     """Return kind and sentence of parameters that predict nothing; None = they come slowly."""
-    return (
-        _rounded(learning)
-        or _one_row(learning)
-        or _runaway(learning)
-        or _standing(learning)
-        or _dead(influence)
-        or _rearranged(learning)
-        or _mixed(influence)
-        or _unused(learning)
-        or _forgetful(learning, influence)
-        or _unsteady(learning)
-    )
+    looks = (_from_values, _from_displacements, _from_updates)
+    return next((found for look in looks for found in look(learning, influence)), None)
 
 
-def _rounded(learning: Learning) -> tuple[str, str] | None:
-    if not learning.are_whole:
-        return None
-    return (
-        "whole numbers",
-        "its parameters are whole numbers at all steps: theta is an array of integers, which cuts "
-        "off what is added; make it of floats, such as np.zeros((3, 5))",
-    )
+def _from_values(learning: Learning, influence: Influence) -> Iterator[tuple[str, str]]:
+    if learning.are_whole:
+        yield (
+            "whole numbers",
+            "its parameters are whole numbers at all steps: theta is an array of integers, which "
+            "cuts off all fractions; make it of floats, such as np.zeros((3, 5))",
+        )
+    if learning.rows_are_one and not learning.never_changed[0, 0]:
+        yield (
+            "axes mixed",
+            "its three rows are the same at all steps: each axis has its own theta[i], phi[i], "
+            "y[i] and P; one filter for all three does this, and [[0.0] * 5] * 3, which is one "
+            "list three times",
+        )
+    # They grow without bound, so that nothing else can be seen in them.
+    if not learning.is_near and np.nanmedian(learning.left) > 1:
+        yield (
+            "wrong sign",
+            "an update makes the error of its sample larger: theta = theta + K (y - phi @ "
+            "theta); look at the signs of K and of the error, and that it is the error of this "
+            "axis",
+        )
+    if _is_standing(learning):
+        yield (
+            _MISMATCHED,
+            "they are (1, 0, 0, 0, 0), so that y is x(k-1): it uses phi of a step with y of the "
+            "step before; phi and y of one call belong together",
+        )
 
 
-def _one_row(learning: Learning) -> tuple[str, str] | None:
-    if not learning.rows_are_one or learning.never_changed[0, 0]:
-        return None
-    return (
-        "axes mixed",
-        "its three rows are the same at all steps: each axis has its own theta[i], phi[i], y[i] "
-        "and P; one filter for all three does this, and [[0.0] * 5] * 3, which is one list three "
-        "times",
-    )
-
-
-def _unused(learning: Learning) -> tuple[str, str] | None:
-    """Return whether a parameter stays what it was at the start."""
-    columns = np.flatnonzero(learning.never_changed.all(axis=0))
-    if not 0 < len(columns) < _UNKNOWNS:
-        return None
-    names = " and ".join(_COLUMNS[i] for i in columns)
-    return (
-        "parameters not learned",
-        f"{names} never change{'s' * (len(columns) == 1)}: the estimator leaves out that part of "
-        "phi; phi[i] is x(k-1), x(k-2), u1, u2, 1, for the parameters a1, a2, b1, b2, d1",
-    )
-
-
-def _runaway(learning: Learning) -> tuple[str, str] | None:
-    """Return whether they grow without bound, so that nothing else can be seen in them."""
-    if learning.is_near or not np.nanmedian(learning.left) > 1:
-        return None
-    return (
-        "wrong sign",
-        "an update makes the error of its own sample larger: theta = theta + K (y - phi @ theta); "
-        "look at the signs of K and of the error, and that it is the error of this axis",
-    )
-
-
-def _standing(learning: Learning) -> tuple[str, str] | None:
+def _is_standing(learning: Learning) -> bool:
     """Return whether they are (1, 0, 0, 0, 0): the y that they fit is x(k-1), which is in phi."""
     ahead = np.eye(5)[0]
     off = np.sum(learning.phi * (learning.before - ahead), axis=2)
     displacement = np.sum(learning.phi * (_GOES_ON - ahead), axis=2)
     is_off = np.sum(off**2, axis=0) > _STAYS**2 * np.sum(displacement**2, axis=0)
-    if is_off[:2].any():  # a heading jumps where it is wrapped
-        return None
-    return (
-        _MISMATCHED,
-        "they are (1, 0, 0, 0, 0), so that y is x(k-1): it uses phi of a step with y of the step "
-        "before; phi and y of one call belong together",
-    )
+    return not is_off[:2].any()  # a heading jumps where it is wrapped
 
 
-def _dead(influence: Influence) -> tuple[str, str] | None:
-    if not influence.is_none:
-        return None
-    return (
-        _NOTHING,
-        f"at step {DISPLACED_AT} neither phi nor y changes them; its gain or its P has become 0, "
-        "or it does not use the sample: these cannot be told apart at that step",
-    )
-
-
-def _rearranged(learning: Learning) -> tuple[str, str] | None:
-    """Return whether the parameters are right when turned round."""
-    theta = learning.before
-    ahead = np.eye(5)[0]
-    columns = [[1, 0, 2, 3, 4], [0, 1, 3, 2, 4], [1, 0, 3, 2, 4]]
-    candidates = [
-        (-theta, "wrong sign", "with the opposite sign they are right"),
-        (theta + ahead, "wrong parameters", "with 1 added to a1 they are right: they are those of "
-         "the displacement y - x(k-1)"),
-        (theta - ahead, "wrong parameters", "with 1 taken from a1 they are right"),
-        *((theta[:, :, order], "order", "in the order a1, a2, b1, b2, d1 they are right: columns "
-           f"{[*map(int, np.flatnonzero(np.array(order) != np.arange(5)) + 1)]} are exchanged")
-          for order in columns),
-        *((theta[:, list(rows)], "order", "in the order x, y, heading of the rows they are right")
-          for rows in permutations(range(3)) if rows != (0, 1, 2)),
-    ]  # fmt: skip
-    for turned, kind, sentence in candidates:
+def _from_displacements(learning: Learning, influence: Influence) -> Iterator[tuple[str, str]]:
+    if all(
+        delay is None for delays in (influence.of_input, *influence.of_pose) for delay in delays
+    ):
+        yield (
+            _NOTHING,
+            f"at step {DISPLACED_AT} neither phi nor y changes them; its gain or its P has become "
+            "0, or it does not use the sample: these cannot be distinguished at that step",
+        )
+    for turned, kind, sentence in _rearranged(learning.before):
         if (learning.error_of(turned) < _LEARNED / 2).all():
-            return kind, sentence
-    return None
+            yield kind, sentence
+    for i, j in influence.mixed:
+        yield (
+            "axes mixed",
+            f"a displaced {_NAMES[i]} changes the parameters of {_NAMES[j]}: each axis has its own "
+            "phi[i], y[i], theta[i] and P, (5, 5); one P, one phi or one filter for all three, and "
+            "exchanged rows of y, do this",
+        )
+    columns = np.flatnonzero(learning.never_changed.all(axis=0))
+    if 0 < len(columns) < _UNKNOWNS:
+        names = " and ".join(_COLUMNS[i] for i in columns)
+        yield (
+            "parameters not learned",
+            f"{names} never change{'s' * (len(columns) == 1)}: the estimator leaves out that part "
+            "of phi; phi[i] is x(k-1), x(k-2), u1, u2, 1, for the parameters a1, a2, b1, b2, d1",
+        )
 
 
-def _mixed(influence: Influence) -> tuple[str, str] | None:
-    pairs = influence.mixed
-    if not pairs:
-        return None
-    i, j = pairs[0]
-    return (
-        "axes mixed",
-        f"a displaced {_NAMES[i]} changes the parameters of {_NAMES[j]}: each axis has its own "
-        "phi[i], y[i], theta[i] and P, (5, 5); one P, one phi or one filter for all three, and "
-        "exchanged rows of y, do this",
-    )
+def _rearranged(theta: Floats) -> Iterator[tuple[Floats, str, str]]:
+    """Yield parameters turned round, with kind and sentence if these are right."""
+    ahead = np.eye(5)[0]
+    yield -theta, "wrong sign", "with the opposite sign they are right"
+    kind = "wrong parameters"
+    displacement = "with 1 added to a1 they are right: they fit the displacement y - x(k-1)"
+    yield theta + ahead, kind, displacement
+    yield theta - ahead, kind, "with 1 taken from a1 they are right"
+    for order in ([1, 0, 2, 3, 4], [0, 1, 3, 2, 4], [1, 0, 3, 2, 4]):
+        exchanged = [column + 1 for column in range(5) if order[column] != column]
+        right = f"in the order a1, a2, b1, b2, d1 they are right: columns {exchanged} are exchanged"
+        yield theta[:, :, order], "order", right
+    for rows in permutations(range(3)):
+        if rows != (0, 1, 2):
+            right = "in the order x, y, heading of the rows they are right"
+            yield theta[:, list(rows)], "order", right
 
 
-def _forgetful(learning: Learning, influence: Influence) -> tuple[str, str] | None:
+def _from_updates(learning: Learning, influence: Influence) -> Iterator[tuple[str, str]]:
     memory = influence.memory
     if memory is not None and memory < _UNKNOWNS:
-        return (
+        yield (
             _NOTHING,
             f"it remembers {memory} sample{'s' * (memory != 1)}, but {_UNKNOWNS} parameters need "
             "more: keep what was learned before (theta and P) and add to it",
         )
-    if np.median(learning.left) < _FITTED:
-        return (
+    with np.errstate(invalid="ignore"):
+        left, middle = learning.left, np.median(learning.left)
+    if middle < _FITTED:
+        yield (
             _NOTHING,
             "each update fits its own sample exactly, also the last ones, and loses what was "
             "learned before: P is not reduced, P = P - K phi' P (or it is NLMS with step 1, which "
             "is the same equation, so that these cannot be told apart)",
         )
-    return None
-
-
-def _unsteady(learning: Learning) -> tuple[str, str] | None:
-    """Return that updates do not reduce the error of their own sample; None = they do."""
-    with np.errstate(invalid="ignore"):
-        left = learning.left
-        if (left < 1 + 1e-9).mean() > _ORDINARY and np.median(left) < 1 - 1e-3:
-            return None
-    if abs(np.median(left) - 1) < 1e-3:
-        return (
+    if abs(middle - 1) < 1e-3:
+        yield (
             _NOTHING,
             "an update hardly changes the error of its own sample: its gain is too small; P (or "
             "the step size) must start large, such as P = 1e6 * np.eye(5), and not shrink without "
             "reason",
         )
-    return (
-        "wrong parameters",
-        "an update does not reduce the error of its own sample: check the gain, the signs and the "
-        "order of rows and columns",
-    )
+    if not ((left < 1 + 1e-9).mean() > _ORDINARY and middle < 1 - 1e-3):
+        yield (
+            "wrong parameters",
+            "an update does not reduce the error of its sample: check the gain, the signs and "
+            "the order of rows and columns",
+        )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from os import PathLike
 from typing import Any
@@ -17,9 +18,9 @@ from robsim.teach.doctor._run_checks import BUDGET, replay_problem, run_checks, 
 from robsim.teach.doctor._situations import DT, STANDS, Situation, excited, resting
 from robsim.teach.doctor._slots import PARAMETERS
 from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial
-from robsim.teach.doctor.influence import Influence
 from robsim.teach.doctor.learning import (
     MAXIMUM_GROWTH,
+    Influence,
     largest_square,
     learning_items,
     line_of_matrix,
@@ -93,21 +94,17 @@ def check_parameter_estimator(
 def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem | str]:
     alone = estimator.try_in(excited(DT, _SHORT, _QUIET))
     if alone.error is not None:
-        yield problem_of(estimator, alone)
+        yield problem_of(alone)
         return
     rests = resting(DT)
     # If one of these fails, the others are meaningless.
-    cause = (
-        _no_adaptation(estimator, alone)
-        or replay_problem(estimator, alone)
-        or together_problem(estimator, alone, rests)
-    )
+    cause = _no_adaptation(alone) or replay_problem(alone) or together_problem(alone, rests)
     if cause is not None:
         yield cause
         return
-    influence = Influence(estimator, alone)
-    mismatch = mismatch_problem(estimator, alone, influence)
-    found = [mismatch] if mismatch else list(learning_items(estimator, alone, influence))
+    influence = Influence(alone)
+    mismatch = mismatch_problem(alone, influence)
+    found = [mismatch] if mismatch else list(learning_items(alone, influence))
     yield from found
     if any(isinstance(one, Problem) for one in found):
         return
@@ -117,8 +114,7 @@ def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem | s
         yield from _rest_problems(estimator, rests)
 
 
-def _no_adaptation(estimator: EstimatorUnderTest, alone: Trial) -> Problem | None:
-    """Return whether the parameters never change."""
+def _no_adaptation(alone: Trial) -> Problem | None:
     thetas = alone.outputs[np.isfinite(alone.outputs).all(axis=1)]
     if len(thetas) == 0:
         sentence = "it returns None at every step: return the parameters, an array of shape (3, 5)"
@@ -126,9 +122,7 @@ def _no_adaptation(estimator: EstimatorUnderTest, alone: Trial) -> Problem | Non
         sentence = "its parameters never change: phi and y have no effect"
     else:
         return None
-    return Problem(
-        kind="no adaptation", sentence=sentence, situation=alone.situation.name, line=estimator.line
-    )
+    return alone.problem("no adaptation", sentence)
 
 
 def _relative_errors(trial: Trial) -> Floats:
@@ -146,7 +140,6 @@ def _relative_errors(trial: Trial) -> Floats:
 
 
 def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | None:
-    """Return whether good parameters diverge later."""
     trial = estimator.try_in(drive)
     is_off = _relative_errors(trial) > _DIVERGED
     is_off[:_SHORT] = False
@@ -154,29 +147,27 @@ def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | No
     if trial.error is None and np.sum(is_off) < _REPEATED:
         return None
     if trial.error is not None and not _is_numerical(trial.error):
-        return problem_of(estimator, trial)
+        return problem_of(trial)
     k = int(is_off.argmax()) if is_off.any() else trial.failed_at
-    return Problem(
-        kind="diverges",
-        sentence="its parameters are good at first and diverge later: with forgetting (lambda < 1) "
-        "in P = (P - outer(K, phi @ P)) / lambda, rounding errors make P asymmetric and grow; add "
+    found = trial.problem(
+        "diverges",
+        "its parameters are good at first and diverge later: with forgetting (lambda < 1) in "
+        "P = (P - outer(K, phi @ P)) / lambda, rounding errors make P asymmetric and grow; add "
         "P = (P + P.T) / 2 after it. Where that is done, lambda is too small: its memory, "
         "1 / (1 - lambda) samples, must be several times the 5 parameters",
-        situation="robot drives around for a long time",
-        k=k,
-        line=line_of_matrix(estimator),
+        k,
+        line_of_matrix(estimator),
     )
+    return replace(found, situation="robot drives around for a long time")
 
 
 def _is_numerical(error: BaseException) -> bool:
-    """Return whether an error may come from numbers that grow without bound."""
     if isinstance(error, BadResult):
         return error.kind == "not finite"
     return isinstance(error, (ArithmeticError, np.linalg.LinAlgError))
 
 
 def _rest_problems(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[Problem]:
-    """Yield the problems after a long rest without excitation."""
     sizes = {}
 
     def watch(k: int, made: Any) -> None:
@@ -187,16 +178,14 @@ def _rest_problems(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[
     after = trial.outputs[STANDS.stop :]
     has_overflowed = trial.error is not None and _is_numerical(trial.error)
     if trial.error is not None and not has_overflowed:
-        yield problem_of(estimator, trial)
+        yield problem_of(trial)
         return
     if not has_overflowed and (after == after[0]).all():
-        yield Problem(
-            kind="adaptation stops",
-            sentence=f"after {len(STANDS)} steps of constant input its parameters never change "
-            "again: its gain or its P has become 0",
-            situation=rests.name,
-            k=STANDS.stop,
-            line=estimator.line,
+        yield trial.problem(
+            "adaptation stops",
+            f"after {len(STANDS)} steps of constant input its parameters never change again: its "
+            "gain or its P has become 0",
+            STANDS.stop,
         )
         return
     growth = sizes.get(STANDS.stop - 1, 0.0) / max(sizes.get(STANDS.start, 0.0), 1e-300)
@@ -207,12 +196,11 @@ def _rest_problems(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[
     is_off = errors[STANDS.stop + _RECOVERY :] > max(_DIVERGED, _WORSE * usual)
     if has_overflowed or is_large or is_off.any():
         reason = f": its P grows {growth:.0e}-fold in the rest" if is_large else ""
-        yield Problem(
-            kind="windup",
-            sentence=f"a long constant input makes its parameters wrong{reason}; with forgetting, "
-            "P grows by 1 / lambda at every sample that brings nothing new, and must not grow "
-            "without bound: limit its trace, or forget only while there is excitation",
-            situation=rests.name,
-            k=trial.failed_at if has_overflowed else STANDS.stop,
-            line=line_of_matrix(estimator),
+        yield trial.problem(
+            "windup",
+            f"a long constant input makes its parameters wrong{reason}; with forgetting, P grows "
+            "by 1 / lambda at every sample that brings nothing new, and must not grow without "
+            "bound: limit its trace, or forget only while there is excitation",
+            trial.failed_at if has_overflowed else STANDS.stop,
+            line_of_matrix(estimator),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from os import PathLike
 
@@ -27,6 +28,7 @@ from robsim.teach.doctor.consistency import (
     ahead_problem,
     consistency_remarks,
     growth_problem,
+    inputs_problem,
     lost_problem,
     reduction_problem,
     size_problem,
@@ -40,7 +42,6 @@ from robsim.teach.doctor.gain import (
     late_problem,
     unused_problem,
 )
-from robsim.teach.doctor.inputs import inputs_problem
 from robsim.teach.doctor.trials import SETTLED, Trials, distances
 
 _NO_INPUT = (
@@ -120,23 +121,23 @@ def check_estimator(
 def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem | str]:
     trials = Trials(estimator, dt or DT)
     if trials.seen.error is not None:
-        yield problem_of(estimator, trials.seen)
+        yield problem_of(trials.seen)
         return
     gains = Gains(trials)
     # If one of these fails, the others are meaningless.
-    cause = replay_problem(estimator, trials.seen) or ignored_problem(trials, gains)
+    cause = replay_problem(trials.seen) or ignored_problem(trials, gains)
     if cause is not None:
         yield cause
         return
     transposed, late = transpose_problem(trials), late_problem(trials, gains)
     # A wrong covariance is a cause of the others.
     diverged = None if transposed else divergence_problem(trials, gains)
-    wrong = None if transposed else covariance_problem(estimator, trials.seen)
+    wrong = None if transposed else covariance_problem(trials.seen)
     unused = unused_problem(trials, gains)
     yield from filter(None, (transposed, unused, late, diverged, wrong))
     failed = next((one for one in (trials.gap, trials.late) if one.error), None)
     if failed is not None:
-        yield problem_of(estimator, failed)
+        yield problem_of(failed)
         return
     if not (late or unused or trials.diverged_at is not None):
         inputs = inputs_problem(trials)
@@ -147,9 +148,9 @@ def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem
         if is_readable and not (transposed or ahead or lost):
             yield from _covariance_problems(trials, gains, has_errors=inputs is not None)
     if trials.hidden.error is not None:
-        yield problem_of(estimator, trials.hidden)
+        yield problem_of(trials.hidden)
         return
-    yield from filter(None, (together_problem(estimator, trials.hidden, trials.turns),))
+    yield from filter(None, (together_problem(trials.hidden, trials.turns),))
     if trials.diverged_at is None:
         yield from _wrapping_problems(trials)
     yield from _unused_remarks(trials, is_free=dt is None)
@@ -172,10 +173,9 @@ def _covariance_problems(
 
 
 def _wrapping_problems(trials: Trials) -> Iterator[Problem]:
-    """Yield the problems when the heading crosses +-pi."""
     trial = trials.turned
     if trial.error is not None:
-        yield problem_of(trials.estimator, trial)
+        yield problem_of(trial)
         return
     # A filter that lags does so in every curve; one that does not wrap turns the wrong way at +-pi.
     angle = distances(trial)[1]
@@ -183,14 +183,13 @@ def _wrapping_problems(trials: Trials) -> Iterator[Problem]:
     is_off[: int(np.argmax(trials.turns.poses[:, 2] < 0))] = False
     if is_off.any():
         k = int(is_off.argmax())
-        yield Problem(
-            kind="heading not wrapped",
-            sentence=f"its heading is {np.degrees(angle[k]):.0f} degrees off once the robot has "
-            "turned past +-pi: wrap the innovation, robsim.wrap_angle(measured - predicted), and "
-            "average no angles",
-            situation=trials.turns.name,
-            k=k,
-            line=line_of_measurement(trials.estimator),
+        yield trial.problem(
+            "heading not wrapped",
+            f"its heading is {np.degrees(angle[k]):.0f} degrees off once the robot has turned past "
+            "+-pi: wrap the innovation, robsim.wrap_angle(measured - predicted), and average no "
+            "angles",
+            k,
+            line_of_measurement(trials.estimator),
         )
 
 
@@ -200,7 +199,7 @@ def _unused_remarks(trials: Trials, *, is_free: bool) -> Iterator[str]:
     A filter whose speeds and gains are per step, such as a line through the last measurements, is
     right without dt, and gives the same estimates as one with a constant dt.
     """
-    if is_free and trials.ignores_dt:
+    if is_free and trials.is_unchanged(replace(trials.blinks, dt=trials.blinks.dt / 2)):
         yield _NO_DT
     if trials.ignores_inputs:
         yield _NO_INPUT

@@ -25,15 +25,7 @@ _MAXIMUM_ERROR = (100.0, 1.2)  # px, rad: beyond it the estimate has diverged
 
 
 class Trials:
-    """Trials of one estimator at one sample time, each run when it is first looked at.
-
-    Parameters
-    ----------
-    estimator : EstimatorUnderTest
-        The estimator.
-    dt : float
-        Time between two steps (s).
-    """
+    """Trials of one estimator at one sample time (s), each run when it is first looked at."""
 
     def __init__(self, estimator: EstimatorUnderTest, dt: float) -> None:
         self.estimator = estimator
@@ -58,7 +50,6 @@ class Trials:
 
     @cached_property
     def turned(self) -> Trial:
-        """It turns beyond +-pi."""
         return self.estimator.try_in(self.turns)
 
     @cached_property
@@ -87,10 +78,6 @@ class Trials:
             for poses in (self.gap.outputs, self.weaves.poses)
         ]
         return float(lengths[0] / lengths[1])
-
-    @cached_property
-    def ignores_dt(self) -> bool:
-        return self.is_unchanged(replace(self.blinks, dt=self.blinks.dt / 2))
 
     @cached_property
     def ignores_inputs(self) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from robsim.base.check_report import CheckReport, Problem
 from robsim.simulation import Simulation
 from robsim.simulation.slots import WorldSlots
+from robsim.teach.doctor._trial import BadResult
 from robsim.teach.doctor.callbacks.pose_mistakes import are_right
 from robsim.teach.doctor.callbacks.scenes import AREA
 from robsim.teach.doctor.callbacks.single_calls import CallbackCalls, check_calls
@@ -45,11 +46,7 @@ def check_background(make: Callable[[], Any] | str | PathLike[str]) -> CheckRepo
 
 def _checks(calls: CallbackCalls) -> Iterator[Problem | str]:
     size = f"area of {AREA[0]} x {AREA[1]} px"
-    image = calls.call(size, _floor(AREA).copy())
-    fault = _fault(image)
-    if fault is not None:
-        yield calls.problem(*fault, size)
-        return
+    image = calls.call(size, _floor(AREA).copy(), read=_read_image)
     if not np.array_equal(image, calls.call(size, _floor(AREA).copy())):
         yield (
             "a second call gives another image: for random marks that repeat, use "
@@ -60,7 +57,6 @@ def _checks(calls: CallbackCalls) -> Iterator[Problem | str]:
 
 @cache
 def _floor(area: tuple[int, int]) -> Pixels:
-    """Return the floor as the callback gets it."""
     seen: list[Pixels] = []
 
     def keep(background: Pixels) -> Pixels:
@@ -71,26 +67,27 @@ def _floor(area: tuple[int, int]) -> Pixels:
     return seen[0]
 
 
-def _fault(image: Any) -> tuple[str, str] | None:
+def _read_image(image: Any) -> Pixels:
     if image is None:
-        return "output type", "it returns None: end with return background, the changed image"
+        raise BadResult("output type", "it returns None: end with return background, the image")
     if not isinstance(image, np.ndarray):
-        return "output type", f"it returns {type(image).__name__}, not the image, an array"
-    height, width = AREA[1], AREA[0]
-    if image.shape != (height, width, 3):
-        return (
+        raise BadResult(
+            "output type", f"it returns {type(image).__name__}, not the image, an array"
+        )
+    if image.shape != (shape := (AREA[1], AREA[0], 3)):
+        raise BadResult(
             "output shape",
-            f"it returns an array of shape {image.shape}, not {(height, width, 3)}: the image must "
-            "keep its size and its three colours",
+            f"it returns an array of shape {image.shape}, not {shape}: the image must keep its "
+            "size and its three colours",
         )
     if image.dtype != np.uint8:
         hint = ": multiply by 255 and round" if image.max() <= 1 else ""
-        return "output type", f"it returns {image.dtype}, not uint8{hint}; see .astype(numpy.uint8)"
-    return None
+        text = f"it returns {image.dtype}, not uint8{hint}; see .astype(numpy.uint8)"
+        raise BadResult("output type", text)
+    return image
 
 
 def _sight(image: Pixels) -> Iterator[str]:
-    """Yield where robsim's own measurement does not find the robot on the floor."""
     poses = np.array([(*place, 0.5 + k) for k, place in enumerate(_PLACES)])
     poses[:, 2] = np.angle(np.exp(1j * poses[:, 2]))
     simulation = Simulation(

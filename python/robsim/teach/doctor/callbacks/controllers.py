@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from os import PathLike
 from typing import Any
@@ -18,7 +18,7 @@ from robsim.simulation.slots import RobotSlots
 from robsim.teach.doctor._errors import problem_of
 from robsim.teach.doctor._run_checks import BUDGET, replay_problem, run_checks, together_problem
 from robsim.teach.doctor._situations import Situation
-from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial
+from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial, finite_numbers
 from robsim.teach.doctor.callbacks.scenes import (
     CENTRE,
     LastPose,
@@ -123,30 +123,17 @@ def _simulate(
 
 
 def read_input(result: Any, before: Floats | None) -> Floats:
-    """Return the voltages that a controller returned; raises BadResult."""
     if result is None:
         raise BadResult(
             "no input",
             "it returns None, not the two voltages: every way through it must end with "
             "return u1, u2",
         )
-    try:
-        u = np.array(result, dtype=float)
-    except (TypeError, ValueError):
-        u = np.empty(0)
-    if u.shape != (2,) or any(isinstance(one, (str, bytes)) for one in result):  # "0.5"
-        raise BadResult(
-            "output shape",
-            f"it returns {quoted(result)}, not (u1, u2), the voltages of the left and "
-            "the right motor",
-        )
-    if not np.isfinite(u).all():
-        raise BadResult(
-            "not finite",
-            f"it returns ({u[0]:g}, {u[1]:g}) V: look for a division by 0, or a square root or "
-            "arccos out of its range",
-        )
-    return u
+    if isinstance(result, Iterable) and any(isinstance(u, (str, bytes)) for u in result):
+        raise BadResult("output shape", f"it returns {quoted(result)}, texts, not numbers")
+    expected = "(u1, u2), the voltages of the left and the right motor"
+    hint = "look for a division by 0, or a square root or arccos out of its range"
+    return finite_numbers(result, (2,), expected, hint, " V")
 
 
 def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Problem | str]:
@@ -154,13 +141,13 @@ def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Proble
         setting.driven("robot starts in the middle, facing right", CENTRE, _LONG)
     )
     if not len(usual.outputs):
-        yield problem_of(controller, usual)
+        yield problem_of(usual)
         return
     trials = [usual, *(controller.try_in(scene) for scene in _short_scenes(setting))]
-    yield from _distinct(_fault(controller, trial) for trial in trials)
+    yield from _distinct(_fault(trial) for trial in trials)
     # What a controller does again says something only if it does it again.
     other = setting.driven("robot starts elsewhere", next(iter(_STARTS.values())), 60)
-    cause = replay_problem(controller, usual) or together_problem(controller, usual, other)
+    cause = replay_problem(usual) or together_problem(usual, other)
     if usual.error is not None:
         return
     if cause is not None:
@@ -170,7 +157,7 @@ def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Proble
     if all(_is_same(usual, trial) for trial in trials[1:]):
         yield "it is open loop: its voltages are the same wherever the robot is, seen or not"
     else:
-        yield from steering_findings(controller, usual, setting)
+        yield from steering_findings(usual, setting)
 
 
 def _short_scenes(setting: Setting) -> list[Scene]:
@@ -182,7 +169,6 @@ def _short_scenes(setting: Setting) -> list[Scene]:
 
 
 def _distinct(problems: Iterator[Problem | None]) -> Iterator[Problem]:
-    """Yield each fault once, the first time that it occurs."""
     known = set()
     for problem in problems:
         if problem is None:
@@ -193,20 +179,14 @@ def _distinct(problems: Iterator[Problem | None]) -> Iterator[Problem]:
             yield problem
 
 
-def _fault(controller: EstimatorUnderTest, trial: Trial) -> Problem | None:
-    """Return the error that ended a trial, or voltages that no robot has."""
+def _fault(trial: Trial) -> Problem | None:
     size = abs(trial.outputs).max(axis=1) if len(trial.outputs) else np.zeros(1)
     if size.max() > MAXIMUM_VOLTAGE:
         k = int((size > MAXIMUM_VOLTAGE).argmax())
-        return Problem(
-            kind="input too large",
-            sentence=f"it returns ({trial.outputs[k, 0]:g}, {trial.outputs[k, 1]:g}), which are "
-            f"volts: {_what_is_large(trial.outputs)}",
-            situation=trial.situation.name,
-            k=k,
-            line=controller.line,
-        )
-    return None if trial.error is None else problem_of(controller, trial)
+        u1, u2 = trial.outputs[k]
+        sentence = f"it returns ({u1:g}, {u2:g}), which are volts: {_what_is_large(trial.outputs)}"
+        return trial.problem("input too large", sentence, k)
+    return None if trial.error is None else problem_of(trial)
 
 
 def _what_is_large(u: Floats) -> str:
@@ -221,7 +201,6 @@ def _what_is_large(u: Floats) -> str:
 
 
 def _is_same(one: Trial, other: Trial) -> bool:
-    """Return whether the voltages of two trials are the same, as far as both go."""
     steps = min(len(one.outputs), len(other.outputs))
     return bool(steps) and np.array_equal(one.outputs[:steps], other.outputs[:steps])
 

@@ -81,36 +81,19 @@ def _verdict(check: CheckReport | str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Surroundings:
-    """What callbacks of a folder are checked in.
+    """The world in which callbacks of a folder are checked."""
 
-    Attributes
-    ----------
-    setting : Setting or None
-        The robot, the area and the camera; None = the usual ones.
-    slots : tuple of str
-        What the folder may fill.
-    on : frozenset of str or None
-        The slots that are filled; None = as the folder has it.
-    given : mapping of str to bytes
-        Modules that they can import, by name, before those of the folder.
-    dt : float or None
-        The time between two steps (s); None = any.
-    """
-
-    setting: Setting | None = None
-    slots: tuple[str, ...] = tuple(SLOTS)
-    on: frozenset[str] | None = None
-    given: Mapping[str, bytes] = field(default_factory=dict)
-    dt: float | None = None
+    setting: Setting = field(default_factory=Setting.usual)
+    slots: tuple[str, ...] = tuple(SLOTS)  # that the folder may fill
+    on: frozenset[str] | None = None  # the slots that are filled; None = as the folder has it
+    given: Mapping[str, bytes] = field(default_factory=dict)  # modules that come before its own
+    dt: float | None = None  # s; None = any
 
 
 def report_of(
-    path: str | PathLike[str],
-    slots: str | Iterable[str] | None,
-    surroundings: Surroundings | None = None,
+    path: str | PathLike[str], slots: str | Iterable[str] | None, around: Surroundings
 ) -> FolderReport:
     """Return the report on a folder or a file; other arguments are those of `check_folder`."""
-    around = surroundings or Surroundings()
     file = as_path(path)
     is_file = file.is_file()
     wanted = tuple(SLOTS) if slots is None else checked_slots(slots, tuple(SLOTS))
@@ -134,22 +117,18 @@ def report_of(
             *folder.remarks,
         ),
     )
-    rows = [Row(slot, (_verdict(check), _shown(slot, check))) for slot, check in checks.items()]
+    rows = [
+        Row(slot, (_verdict(check), f"{slot}.py" if slot in reports else ""))
+        for slot, check in checks.items()
+    ]
     columns = (Column("verdict", "verdict", ""), Column("file", "file", ""))
     table = Table(key="callbacks", columns=columns, rows=rows, row_title="slot")
-    return replace(report, tables=(table, *_named_tables(reports)))
-
-
-def _shown(slot: str, check: CheckReport | str) -> str:
-    return "" if isinstance(check, str) else f"{slot}.py"
-
-
-def _named_tables(reports: Mapping[str, CheckReport]) -> list[Table]:
-    return [
+    others = (
         replace(table, key=f"{slot}_{table.key}")
         for slot, one in reports.items()
         for table in one.tables
-    ]
+    )
+    return replace(report, tables=(table, *others))
 
 
 def _slot_of(file: Path, wanted: tuple[str, ...]) -> str:
@@ -165,12 +144,11 @@ def _slot_of(file: Path, wanted: tuple[str, ...]) -> str:
 
 
 class _Folder:
-    """A folder of callbacks under test: a method of the name of each slot checks its file."""
+    """A folder of callbacks under test."""
 
     def __init__(self, path: Path, surroundings: Surroundings, *, is_alone: bool) -> None:
         self._path = path
         self._around = surroundings
-        self._setting = surroundings.setting or Setting.usual()
         self._files = CallbackFolder(path).files
         self._is_alone = is_alone
         self._checked: dict[str, CheckReport | str] = {}
@@ -191,7 +169,30 @@ class _Folder:
             return CheckReport(name=f"{slot}.py", problems=(loaded,))
         if isinstance(loaded, bool):
             return "default" if loaded or not SLOTS[slot].is_optional else "off"
-        report: CheckReport = getattr(self, slot)(self._maker(slot))
+        how: dict[str, Any] = {}
+        if slot == RobotSlots.measure.name:
+            report = self.check(WorldSlots.adjust_background.name)
+            is_well = isinstance(report, CheckReport) and report.ok
+            background = self._own(WorldSlots.adjust_background.name)
+            how = {"background": background() if is_well and background is not None else None}
+        elif slot == RobotSlots.control.name:
+            how = {f"has_{name}": self._is_on(*fillers) for name, fillers in _FILLERS.items()}
+        makers = {name: self._own(name) for name in (slot, *_ALSO.get(slot, ()))}
+        report = check_slot(
+            slot,
+            lambda: {name: maker() for name, maker in makers.items() if maker},
+            self._around.setting,
+            self._around.dt,
+            **how,
+        )
+        if slot == RobotSlots.control.name and report.ok:
+            names = _names_in(fresh_callback(loaded, slot))
+            lacks = [
+                f"step.{name} is always None: {fillers[0]} is off"
+                for name, fillers in _FILLERS.items()
+                if name in names and not how[f"has_{name}"]
+            ]
+            report = replace(report, remarks=(*lacks, *report.remarks))
         return replace(report, name=f"{slot}.py")
 
     def _load(self, slot: str) -> CallbackFolder | Problem | bool:
@@ -215,75 +216,71 @@ class _Folder:
                 self.remarks |= dict.fromkeys(found)
         return callback if isinstance(callback, bool) else folder
 
-    def _maker(self, slot: str) -> Maker:
-        loaded = self._load(slot)
-        assert isinstance(loaded, CallbackFolder)
-        return lambda: fresh_callback(loaded, slot)
-
-    def _is_on(self, slot: str) -> bool:
-        """Return whether a stage is on; a file alone is not judged by what it lacks."""
-        if self._around.on is not None:
-            return slot in self._around.on
-        return self._is_alone or self._load(slot) is not False
+    def _is_on(self, *slots: str) -> bool:
+        """Return whether one of the stages is on; a file alone is not judged by others."""
+        if (on := self._around.on) is not None:
+            return not on.isdisjoint(slots)
+        return self._is_alone or any(self._load(slot) is not False for slot in slots)
 
     def _own(self, slot: str) -> Maker | None:
         """Return what makes the folder's own callback; None = the default."""
-        return self._maker(slot) if isinstance(self._load(slot), CallbackFolder) else None
-
-    def define_model(self, make: Maker) -> CheckReport:
-        return check_model(make)
-
-    def init_parameter_estimator(self, make: Maker) -> CheckReport:
-        return check_parameter_estimator(lambda: make()(RobotModel()))
-
-    def estimate_parameters(self, make: Maker) -> CheckReport:
-        make_estimator = self._own(RobotSlots.init_parameter_estimator.name)
-        if make_estimator is None:
-            return check_parameter_estimator(make)
-        return check_parameter_estimator(lambda: with_estimator(make(), make_estimator))
-
-    def measure(self, make: Maker) -> CheckReport:
-        background = WorldSlots.adjust_background.name
-        report = self.check(background)
-        is_well = isinstance(report, CheckReport) and report.ok
-        own = self._maker(background)() if is_well else None
-        return measurement_report(make, self._setting, background=own)
-
-    def estimate_state(self, make: Maker) -> CheckReport:
-        return check_estimator(make, dt=self._around.dt)
-
-    def control(self, make: Maker) -> CheckReport:
-        estimator, update = (
-            RobotSlots.estimate_state.name,
-            RobotSlots.estimate_parameters.name,
-        )
-        is_updated = self._is_on(update) or self._is_on(RobotSlots.init_parameter_estimator.name)
-        gets = {"estimate": (estimator, self._is_on(estimator)), "parameters": (update, is_updated)}
-        report = controller_report(
-            make,
-            self._setting,
-            has_estimate=gets["estimate"][1],
-            has_parameters=gets["parameters"][1],
-        )
-        if not report.ok:
-            return report
-        lacks = [
-            f"step.{name} is always None: {slot} is off"
-            for name, (slot, is_there) in gets.items()
-            if not is_there and name in _names_in(make())
-        ]
-        return replace(report, remarks=(*lacks, *report.remarks))
-
-    def adjust_background(self, make: Maker) -> CheckReport:
-        return check_background(make)
-
-    def evaluate_model(self, make: Maker) -> CheckReport:
-        return check_motion(make)
+        loaded = self._load(slot)
+        if not isinstance(loaded, CallbackFolder):
+            return None
+        return lambda: fresh_callback(loaded, slot)
 
 
-def with_estimator(callback: Callable[..., Any], make: Maker) -> Callable[[Step], Any]:
-    """Return an estimate_parameters whose steps have the folder's own estimator."""
-    estimator = make()(RobotModel())
+# The other slots that a check of a slot loads.
+_ALSO = {RobotSlots.estimate_parameters.name: (RobotSlots.init_parameter_estimator.name,)}
+# The slots that fill a part of a step, the one that a remark names first.
+_FILLERS = {
+    "estimate": (RobotSlots.estimate_state.name,),
+    "parameters": (RobotSlots.estimate_parameters.name, RobotSlots.init_parameter_estimator.name),
+}
+
+
+def check_slot(
+    slot: str,
+    load: Callable[[], Mapping[str, Any]],
+    setting: Setting,
+    dt: float | None = None,
+    *,
+    background: Callable[..., Any] | None = None,
+    has_estimate: bool = True,
+    has_parameters: bool = True,
+) -> CheckReport:
+    """Check the callback of a slot; `load` returns it fresh, with others if needed."""
+
+    def make() -> Any:
+        return load()[slot]
+
+    match slot:
+        case RobotSlots.define_model.name:
+            return check_model(make)
+        case RobotSlots.init_parameter_estimator.name:
+            return check_parameter_estimator(lambda: make()(RobotModel()))
+        case RobotSlots.estimate_parameters.name:
+            return check_parameter_estimator(lambda: _with_own_estimator(load()))
+        case RobotSlots.measure.name:
+            return measurement_report(make, setting, background=background)
+        case RobotSlots.estimate_state.name:
+            return check_estimator(make, dt=dt)
+        case RobotSlots.control.name:
+            has = {"has_estimate": has_estimate, "has_parameters": has_parameters}
+            return controller_report(make, setting, **has)
+        case WorldSlots.adjust_background.name:
+            return check_background(make)
+        case _:
+            return check_motion(make)
+
+
+def _with_own_estimator(callbacks: Mapping[str, Any]) -> Callable[[Step], Any]:
+    """Return an estimate_parameters whose steps have its own estimator, if there is one."""
+    callback: Callable[..., Any] = callbacks[RobotSlots.estimate_parameters.name]
+    make = callbacks.get(RobotSlots.init_parameter_estimator.name)
+    if not callable(make):
+        return callback
+    estimator = make(RobotModel())
 
     @wraps(callback)
     def estimate(step: Step) -> Any:
@@ -304,7 +301,6 @@ class _StepWithEstimator:
 
 
 def _load_problem(error: BaseException) -> Problem:
-    """Return why a file cannot be loaded."""
     line = line_of_error(error)
     sentence = str(error)
     if isinstance(error, SyntaxError) and error.filename:
@@ -318,7 +314,6 @@ def _load_problem(error: BaseException) -> Problem:
 
 
 def _names_in(callback: Callable[..., Any]) -> set[str]:
-    """Return the names of attributes and globals that the code of a callback uses."""
     function = unwrap(callback)
     code = getattr(function, "__code__", None) or getattr(type(function).__call__, "__code__", None)
     codes, names = [code], set()

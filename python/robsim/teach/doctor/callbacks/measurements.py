@@ -10,21 +10,21 @@ from typing import Any
 
 import numpy as np
 
-from robsim._core import Measurement, PlaneMap, Step
+from robsim._core import Measurement, PlaneMap
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.checks import Floats
 from robsim.base.report import Column, Row, Table
 from robsim.base.text import quoted
-from robsim.simulation import Simulation
 from robsim.simulation.slots import RobotSlots
 from robsim.teach.doctor._errors import problem_of
 from robsim.teach.doctor._run_checks import replay_problem, run_checks, together_problem
-from robsim.teach.doctor._situations import DT, Situation
-from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial
+from robsim.teach.doctor._situations import DT
+from robsim.teach.doctor._trial import EstimatorUnderTest, Trial, finite_numbers
 from robsim.teach.doctor.callbacks.own_covariance import covariance_findings
 from robsim.teach.doctor.callbacks.pose_mistakes import are_right, errors, mistakes
 from robsim.teach.doctor.callbacks.scenes import Scene, Setting, scripted, simulate
 from robsim.teach.doctor.callbacks.single_calls import under_test
+from robsim.trace.trace import Bools
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import GaussianNoise
 from robsim.vision.robots.definition import RobotDefinition
@@ -111,13 +111,10 @@ def measurement_report(
     budget: float = DT,
 ) -> CheckReport:
     """Check a measurement in a setting; the other arguments are those of `check_measurement`."""
-    slot = under_test(RobotSlots.measure, "measurement", read_pose, _simulate)
+    simulated = partial(simulate, slot=_SLOT)
+    slot = under_test(RobotSlots.measure, "measurement", read_pose, simulated)
     checks = partial(_checks, setting=setting, background=background)
     return run_checks(make, slot, budget, checks)
-
-
-def _simulate(scene: Situation, callback: Callable[[Step], Any]) -> Simulation:
-    return simulate(scene, callback, _SLOT)
 
 
 def read_pose(result: Any, before: Floats | None) -> Floats:
@@ -126,57 +123,33 @@ def read_pose(result: Any, before: Floats | None) -> Floats:
         return np.full(3, np.nan)
     if isinstance(result, Measurement):
         return np.array(result.pose)
-    try:
-        pose = np.array(result, dtype=float)
-    except (TypeError, ValueError):
-        pose = np.empty(0)
-    if pose.shape != (3,):
-        raise BadResult(
-            "output shape",
-            f"it returns {_described(result)}, not a pose: end with return "
-            "robsim.Measurement((x, y, heading)), or None where the robot is not seen",
-        )
-    if not np.isfinite(pose).all():
-        raise BadResult(
-            "not finite",
-            f"it returns ({', '.join(f'{value:g}' for value in pose)}): return None where the "
-            "robot is not seen",
-        )
-    return np.array(Measurement(pose).pose)
-
-
-def _described(result: Any) -> str:
-    if isinstance(result, np.ndarray):
-        return f"an array of shape {result.shape}"
-    text = repr(result)
-    return text if len(text) <= 40 else f"a {type(result).__name__}"
-
-
-def _plain(background: Pixels) -> Pixels:
-    return background
+    expected = (
+        "a pose: end with return robsim.Measurement((x, y, heading)), or None where the robot is "
+        "not seen"
+    )
+    hint = "return None where the robot is not seen"
+    return np.array(Measurement(finite_numbers(result, (3,), expected, hint)).pose)
 
 
 def _checks(
     measurement: EstimatorUnderTest, setting: Setting, background: Background | None
 ) -> Iterator[Problem | str | Table]:
-    floor: dict[str, Any] = {"background": background or _plain}
+    floor: dict[str, Any] = {"background": background or (lambda plain: plain)}
     tour = []
     for name, place in _PLACES.items():
         tour.append(measurement.try_in(setting.turned(name, place, _TURN, **floor)))
         if tour[-1].error is not None:
-            yield problem_of(measurement, tour[-1])
+            yield problem_of(tour[-1])
             return
     drive = scripted("robot drives through the area", _through(setting), **setting.options, **floor)
     alone = measurement.try_in(drive)
     cause = None
     if alone.error is None:
-        cause = replay_problem(measurement, alone) or together_problem(
-            measurement, alone, tour[0].situation
-        )
+        cause = replay_problem(alone) or together_problem(alone, tour[0].situation)
     if cause is not None:
         yield cause
         return
-    wrong = list(_pose_problems(measurement, [*tour, alone], setting))
+    wrong = list(_pose_problems([*tour, alone], setting))
     yield from wrong
     yield from _hidden_problems(measurement, drive, is_square=background is None)
     before_noise = _part(drive, "robot drives before a noisy camera", noise=setting.noise)
@@ -186,16 +159,22 @@ def _checks(
         red = _part(drive, "robot drives on a floor with a red square", background=None)
         trials["red square"] = [measurement.try_in(red)]
         if not wrong:
-            yield from _square_problems(measurement, trials["red square"][0])
+            yield from _unless_failed(_square_problems, trials["red square"][0])
     width, height = (round(_SMALL_CAMERA * side) for side in setting.resolution)
     small = _part(tour[0].situation, "camera has fewer pixels", resolution=(width, height))
     if not wrong:
-        yield from _noise_problems(measurement, noisy, setting.noise)
-        yield from _camera_problems(measurement, small)
+        yield from _unless_failed(_noise_problems, noisy, setting.noise)
+        yield from _unless_failed(_camera_problems, measurement.try_in(small), small)
         yield from _precision(tour)
         if noisy.error is None:
-            yield from covariance_findings(measurement, noisy)
+            yield from covariance_findings(noisy)
     yield _table(trials)
+
+
+def _unless_failed(
+    look: Callable[..., Iterator[Problem | str]], trial: Trial, *given: Any
+) -> Iterator[Problem | str]:
+    return iter([problem_of(trial)]) if trial.error is not None else look(trial, *given)
 
 
 def _through(setting: Setting) -> Floats:
@@ -207,8 +186,7 @@ def _through(setting: Setting) -> Floats:
 
 
 def _part(scene: Any, name: str, **changes: Any) -> Scene:
-    part: Scene = replace(scene.first(30), name=name, **changes)
-    return part
+    return replace(scene.first(30), name=name, **changes)  # type: ignore[no-any-return]
 
 
 def _poses(trials: list[Trial]) -> tuple[Floats, Floats]:
@@ -218,35 +196,24 @@ def _poses(trials: list[Trial]) -> tuple[Floats, Floats]:
     return measured, true
 
 
-def _pose_problems(
-    measurement: EstimatorUnderTest, trials: list[Trial], setting: Setting
-) -> Iterator[Problem | str]:
-    """Yield what is wrong with the poses in clean frames in which the robot is."""
+def _pose_problems(trials: list[Trial], setting: Setting) -> Iterator[Problem | str]:
     if trials[-1].error is not None:
-        yield problem_of(measurement, trials[-1])
+        yield problem_of(trials[-1])
     measured, true = _poses(trials)
     is_seen = np.isfinite(measured[:, 0])
     if is_seen.mean() < _MOSTLY_SEEN:
-        yield from _not_seen(measurement, trials, float(is_seen.mean()))
+        yield _not_seen(trials, float(is_seen.mean()))
     is_false = is_seen & ~are_right(measured, true)
     if is_false.sum() <= _FALSE * is_seen.sum():
         return
     markers = setting.robot.marker_layout()
     found = list(mistakes(measured[is_seen], true[is_seen], markers, setting.area))
-    worst = max(trials, key=lambda trial: _count_false(trial))
-    for kind, sentence in found or [("false poses", _how_wrong(trials))]:
-        yield Problem(
-            kind=kind,
-            sentence=sentence,
-            situation=worst.situation.name,
-            k=_first_false(worst),
-            line=measurement.line,
-        )
+    worst = max(trials, key=lambda trial: _are_false(trial).sum())
+    for kind, sentence in found or [("false poses", _how_wrong(measured, true))]:
+        yield worst.problem(kind, sentence, int(_are_false(worst).argmax()))
 
 
-def _not_seen(
-    measurement: EstimatorUnderTest, trials: list[Trial], share: float
-) -> Iterator[Problem | str]:
+def _not_seen(trials: list[Trial], share: float) -> Problem | str:
     missed = [int(np.isnan(trial.outputs[:, 0]).sum()) for trial in trials]
     most = trials[int(np.argmax(missed))]
     sentence = (
@@ -254,30 +221,16 @@ def _not_seen(
         f"in {max(missed)} of {len(most.outputs)} where the {most.situation.name}"
     )
     if share >= _SEEN:
-        yield sentence
-        return
-    k = int(np.isnan(most.outputs[:, 0]).argmax())
-    yield Problem(
-        kind="not seen",
-        sentence=sentence,
-        situation=most.situation.name,
-        k=k,
-        line=measurement.line,
-    )
+        return sentence
+    return most.problem("not seen", sentence, int(np.isnan(most.outputs[:, 0]).argmax()))
 
 
-def _count_false(trial: Trial) -> int:
+def _are_false(trial: Trial) -> Bools:
     measured, true = _poses([trial])
-    return int((np.isfinite(measured[:, 0]) & ~are_right(measured, true)).sum())
+    return np.isfinite(measured[:, 0]) & ~are_right(measured, true)
 
 
-def _first_false(trial: Trial) -> int:
-    measured, true = _poses([trial])
-    return int((np.isfinite(measured[:, 0]) & ~are_right(measured, true)).argmax())
-
-
-def _how_wrong(trials: list[Trial]) -> str:
-    measured, true = _poses(trials)
+def _how_wrong(measured: Floats, true: Floats) -> str:
     measured, true = measured[np.isfinite(measured[:, 0])], true[np.isfinite(measured[:, 0])]
     distance, angle = errors(measured, true)
     count = int((~are_right(measured, true)).sum())
@@ -290,7 +243,6 @@ def _how_wrong(trials: list[Trial]) -> str:
 def _hidden_problems(
     measurement: EstimatorUnderTest, drive: Scene, *, is_square: bool
 ) -> Iterator[Problem]:
-    """Yield what is wrong where the robot is not in the frame."""
     scenes: list[Any] = [
         drive.unseen("robot drives and is hidden now and then", _HIDDEN),
         drive.first(6).unseen("robot is not there", range(6)),
@@ -299,15 +251,15 @@ def _hidden_problems(
         empty = replace(scenes[-1], name="only a red square is there", background=None)
         scenes.append(empty)
     for scene in scenes:
-        problem = _hidden_problem(measurement, measurement.try_in(scene), scene)
+        problem = _hidden_problem(measurement.try_in(scene), scene)
         if problem is not None:
             yield problem
             return
 
 
-def _hidden_problem(measurement: EstimatorUnderTest, trial: Trial, scene: Any) -> Problem | None:
+def _hidden_problem(trial: Trial, scene: Any) -> Problem | None:
     if trial.error is not None:
-        problem = problem_of(measurement, trial)
+        problem = problem_of(trial)
         if not scene.is_hidden[trial.failed_at]:
             return problem
         # Not what the controller is told: no measurement is missing, this is it.
@@ -326,80 +278,62 @@ def _hidden_problem(measurement: EstimatorUnderTest, trial: Trial, scene: Any) -
     sentence = f"it returns ({pose[0]:.0f}, {pose[1]:.0f}) where the robot is not in the frame"
     if is_last:
         sentence = "it returns the last pose again where the robot is not in the frame"
-    return Problem(
+    return trial.problem(
         kind="last pose" if is_last else "sees what is not there",
         sentence=f"{sentence}: return None there; the state estimator bridges the gap",
-        situation=scene.name,
         k=k,
-        line=measurement.line,
     )
 
 
-def _noise_problems(
-    measurement: EstimatorUnderTest, trial: Trial, noise: GaussianNoise
-) -> Iterator[Problem | str]:
-    if trial.error is not None:
-        yield problem_of(measurement, trial)
-        return
+def _seen_in(trial: Trial, where: str) -> Iterator[str]:
+    seen = int(np.isfinite(trial.outputs[:, 0]).sum())
+    if seen < _SEEN * len(trial.outputs):
+        yield f"{where} it sees the robot in {seen} of {len(trial.outputs)} frames"
+
+
+def _noise_problems(trial: Trial, noise: GaussianNoise) -> Iterator[Problem | str]:
     camera = f"with a camera noise of {noise.percent:g} %"
-    seen = int(np.isfinite(trial.outputs[:, 0]).sum())
-    if seen < _SEEN * len(trial.outputs):
-        yield f"{camera} it sees the robot in {seen} of {len(trial.outputs)} frames"
-    if (count := _count_false(trial)) > _FALSE_IN_NOISE * seen:
-        yield f"{camera} {count} of its {seen} poses are false"
+    yield from _seen_in(trial, camera)
+    seen, false = np.isfinite(trial.outputs[:, 0]).sum(), _are_false(trial).sum()
+    if false > _FALSE_IN_NOISE * seen:
+        yield f"{camera} {false} of its {seen} poses are false"
 
 
-def _square_problems(measurement: EstimatorUnderTest, trial: Trial) -> Iterator[Problem | str]:
-    if trial.error is not None:
-        yield problem_of(measurement, trial)
-        return
-    seen = int(np.isfinite(trial.outputs[:, 0]).sum())
-    if seen < _SEEN * len(trial.outputs):
-        yield (
-            "on the default floor, with a red square, it sees the robot in "
-            f"{seen} of {len(trial.outputs)} frames"
-        )
-    if _count_false(trial) > _FALSE * len(trial.outputs):
-        yield Problem(
-            kind="red square",
-            sentence="it takes the red square on the default floor for the red marker: of all "
-            "pairs of blobs, take the one whose distance is step.markers.distance",
-            situation=trial.situation.name,
-            k=_first_false(trial),
-            line=measurement.line,
+def _square_problems(trial: Trial) -> Iterator[Problem | str]:
+    yield from _seen_in(trial, "on the default floor, with a red square,")
+    if (is_false := _are_false(trial)).sum() > _FALSE * len(trial.outputs):
+        yield trial.problem(
+            "red square",
+            "it takes the red square on the default floor for the red marker: of all pairs of "
+            "blobs, take the one whose distance is step.markers.distance",
+            int(is_false.argmax()),
         )
 
 
-def _camera_problems(measurement: EstimatorUnderTest, scene: Scene) -> Iterator[Problem | str]:
-    trial = measurement.try_in(scene)
+def _camera_problems(trial: Trial, scene: Scene) -> Iterator[Problem | str]:
     width, height = scene.resolution
-    if trial.error is not None:
-        yield problem_of(measurement, trial)
-        return
     measured, true = _poses([trial])
     is_seen = np.isfinite(measured[:, 0])
     if is_seen.mean() < _SEEN:
-        yield (
-            f"before a camera of {width} x {height} px it sees the robot in {is_seen.sum()} of "
-            f"{len(measured)} frames: are its sizes and distances in pixels of the frame? "
-            "robsim.locate without image=step.frame needs plane_map=step.frame.plane_map"
+        hint = (
+            "are its sizes and distances in pixels of the frame? robsim.locate without "
+            "image=step.frame needs plane_map=step.frame.plane_map"
         )
+        for seldom in _seen_in(trial, f"before a camera of {width} x {height} px"):
+            yield f"{seldom}: {hint}"
         return
     pixels = PlaneMap.scaled(scene.resolution, scene.area).to_pixel(true[:, :2])
     distance = np.linalg.norm(measured[:, :2] - pixels, axis=1)[is_seen]
     if np.median(distance) < 25 and np.median(errors(measured, true)[0][is_seen]) > 50:
-        yield Problem(
-            kind="pixels of the frame",
-            sentence=f"before a camera of {width} x {height} px it returns pixels of the frame, "
-            f"not px of the work area: convert them, step.frame.plane_map.to_world((u, v))",
-            situation=scene.name,
-            k=int(is_seen.argmax()),
-            line=measurement.line,
+        yield trial.problem(
+            "pixels of the frame",
+            f"before a camera of {width} x {height} px it returns pixels of the frame, not px of "
+            "the work area: convert them, step.frame.plane_map.to_world((u, v))",
+            int(is_seen.argmax()),
         )
 
 
 def _table(trials: dict[str, list[Trial]]) -> Table:
-    """Return the errors beside those of robsim's own measurement."""
     columns = (
         Column("frames", "frames", ""),
         Column("seen", "seen", ""),
@@ -408,14 +342,11 @@ def _table(trials: dict[str, list[Trial]]) -> Table:
         Column("own_distance", "robsim", "px", ".2f"),
         Column("own_angle", "robsim", "rad", ".2f"),
     )
-    rows = [
-        Row(
-            title,
-            (sum(len(trial.outputs) for trial in group), *_row(group), *_row(_own(group))[1:]),
-        )
-        for title, group in trials.items()
-        if all(len(trial.outputs) for trial in group)
-    ]
+    rows = []
+    for title, group in trials.items():
+        counts = [len(trial.outputs) for trial in group]
+        if all(counts):
+            rows.append(Row(title, (sum(counts), *_row(group), *_row(_own(group))[1:])))
     return Table(key="errors", columns=columns, rows=rows, row_title="robot")
 
 
@@ -430,7 +361,6 @@ def _row(trials: list[Trial]) -> tuple[int, float, float]:
 
 
 def _own(trials: list[Trial]) -> list[Trial]:
-    """Return what robsim's own measurement makes of the same frames."""
     own = []
     for trial in trials:
         scene: Any = trial.situation

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from robsim._core import RobotModel, WorldState, wrap_angle
+from robsim._core import RobotModel, RobotParameters, WorldState, wrap_angle
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.checks import Floats
 from robsim.base.text import quoted
 from robsim.simulation.slots import RobotSlots, WorldSlots
 from robsim.teach.doctor._run_checks import BUDGET
 from robsim.teach.doctor._situations import DT
+from robsim.teach.doctor._trial import BadResult, finite_numbers
 from robsim.teach.doctor.callbacks.scenes import CENTRE
 from robsim.teach.doctor.callbacks.single_calls import CallbackCalls, check_calls
 
@@ -55,22 +56,16 @@ def check_model(make: Callable[[], Any] | str | PathLike[str]) -> CheckReport:
 
 
 def _model_checks(calls: CallbackCalls) -> Iterator[Problem | str]:
-    model = calls.call("the start of a run")
-    if not isinstance(model, RobotModel):
-        hint = ""
-        if type(model).__name__ == "RobotParameters":
-            hint = ": write robsim.RobotModel(...) around it"
-        elif model is None:
-            hint = ": the return is missing"
-        yield calls.problem("output type", f"it returns {quoted(model)}, not a RobotModel{hint}")
-        return
+    model = calls.call("the start of a run", read=_read_model)
     if not np.array_equal(model.theta, calls.call("a second run").theta):
         yield calls.problem(
             "not reproducible",
             "a second call returns another model: random parameters of the world are "
             "robsim.Simulation(mismatch=...), and repeat with the seed",
         )
-    yield from _motion_problems(calls, lambda world: model.predict(*_past(world)), model)
+    yield from _motion_problems(
+        calls, lambda world: model.predict(world.pose_1, world.pose_2, world.last_u), model
+    )
     speed, turn = (_steady(model, u) for u in ((1.0, 1.0), (1.0, -1.0)))
     if not (_SPEEDS[0] <= abs(speed[0]) <= _SPEEDS[1] and _TURNS[0] <= abs(turn[1]) <= _TURNS[1]):
         yield (
@@ -79,12 +74,16 @@ def _model_checks(calls: CallbackCalls) -> Iterator[Problem | str]:
         )
 
 
-def _past(world: WorldState) -> tuple[Floats, Floats, Floats]:
-    return world.pose_1, world.pose_2, world.last_u
+def _read_model(model: Any) -> RobotModel:
+    if isinstance(model, RobotModel):
+        return model
+    is_inside = isinstance(model, RobotParameters)
+    hint = ": the return is missing" if model is None else ""
+    hint = ": write robsim.RobotModel(...) around it" if is_inside else hint
+    raise BadResult("output type", f"it returns {quoted(model)}, not a RobotModel{hint}")
 
 
 def _steady(model: RobotModel, u: tuple[float, float]) -> tuple[float, float]:
-    """Return the steady speed ahead (px/s) and the turn rate (rad/s) with constant voltages."""
     before = pose = np.zeros(3)
     for _ in range(_STEPS):
         before, pose = pose, np.asarray(model.predict(pose, before, u))
@@ -125,11 +124,7 @@ def check_motion(
 def _pose_checks(calls: CallbackCalls) -> Iterator[Problem | str]:
     model = RobotModel()
     for name, world in _worlds(model):
-        result = calls.call(name, world)
-        fault = _fault(result)
-        if fault is not None:
-            yield calls.problem(*fault, name)
-            return
+        calls.call(name, world, read=_read_pose)
     again = [[np.array(calls.call(n, w), float) for n, w in _worlds(model)] for _ in range(2)]
     if not np.array_equal(again[0], again[1]):
         yield (
@@ -140,21 +135,9 @@ def _pose_checks(calls: CallbackCalls) -> Iterator[Problem | str]:
     yield from _motion_problems(calls, lambda world: calls.call("", world), model)
 
 
-def _fault(result: Any) -> tuple[str, str] | None:
-    if result is None:
-        return "output shape", "it returns None, not the new pose: return (x, y, heading)"
-    try:
-        pose = np.array(result, dtype=float)
-    except (TypeError, ValueError):
-        pose = np.empty(0)
-    if pose.shape != (3,):
-        return "output shape", f"it returns {quoted(result)}, not a pose: return (x, y, heading)"
-    if not np.isfinite(pose).all():
-        return (
-            "not finite",
-            f"it returns {quoted(result)}: look for a division by 0, or an overflow",
-        )
-    return None
+def _read_pose(result: Any) -> Floats:
+    hint = "look for a division by 0, or an overflow"
+    return finite_numbers(result, (3,), "the new pose: return (x, y, heading)", hint)
 
 
 def _world(model: RobotModel, heading: float, u: tuple[float, float]) -> WorldState:
@@ -172,7 +155,6 @@ def _worlds(model: RobotModel) -> Iterator[tuple[str, WorldState]]:
 def _motion_problems(
     calls: CallbackCalls, move: Callable[[WorldState], Any], model: RobotModel
 ) -> Iterator[Problem | str]:
-    """Yield what is wrong with the directions in which the motors move the robot."""
     moved = {}
     for name, u in _INPUTS.items():
         ahead, turns = [], []

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from robsim.base.checks import Floats
 from robsim.base.report import Column, Row, Table
 from robsim.estimation.evaluation.consistency import nees
 from robsim.teach.doctor._run_checks import fault_of_covariance
-from robsim.teach.doctor._trial import EstimatorUnderTest, Trial
+from robsim.teach.doctor._trial import Trial
 from robsim.teach.doctor.callbacks.pose_mistakes import are_right
 
 _FEWEST = 12  # measurements
@@ -28,39 +27,7 @@ _ADVICE = (
 )
 
 
-@dataclass(frozen=True)
-class _Judged:
-    """The covariances of right poses before a noisy camera."""
-
-    count: int
-    mean: float  # NEES, 3 is expected
-
-    @property
-    def times(self) -> float:
-        """How many times as large as stated the errors are."""
-        return math.sqrt(self.mean / 3)
-
-    @property
-    def verdict(self) -> str:
-        """What to call that."""
-        low, high = _USUAL
-        if self.mean > 3 * high:
-            return "optimistic"
-        return "conservative" if self.mean < 3 * low else "consistent"
-
-
-def covariance_findings(
-    measurement: EstimatorUnderTest, trial: Trial
-) -> Iterator[Problem | str | Table]:
-    """Yield what is to be said of the covariances that a measurement gave in noisy frames.
-
-    Parameters
-    ----------
-    measurement : EstimatorUnderTest
-        The measurement.
-    trial : Trial
-        Its outcome before a camera with noise.
-    """
+def covariance_findings(trial: Trial) -> Iterator[Problem | str | Table]:
     seen = np.isfinite(trial.outputs[:, 0])
     covariances = trial.trace.covariance_measured[: len(seen)]
     given = seen & np.isfinite(covariances).all(axis=(1, 2))
@@ -79,54 +46,42 @@ def covariance_findings(
         )
     for k in np.flatnonzero(given):
         if (fault := fault_of_covariance(covariances[k])) is not None:
-            kind, sentence = fault
-            yield Problem(
-                kind=kind,
-                sentence=sentence,
-                situation=trial.situation.name,
-                k=int(k),
-                line=measurement.line,
-            )
+            yield trial.problem(*fault, int(k))
             return
     is_right = given & are_right(trial.outputs, trial.situation.poses[: len(seen)])
     if is_right.sum() < _FEWEST:
         return
     errors, stated = trial.trace.error[: len(seen)][is_right], covariances[is_right]
-    judged = _Judged(int(is_right.sum()), float(np.mean(nees(errors, stated))))
-    yield from _judgement(measurement, trial, judged)
-    if judged.verdict != "conservative":
-        yield from _large_variances(errors, stated)
-    yield _table(judged)
-
-
-def _judgement(
-    measurement: EstimatorUnderTest, trial: Trial, judged: _Judged
-) -> Iterator[Problem | str]:
-    if judged.verdict == "consistent":
-        return
-    if judged.verdict == "conservative":
+    mean = float(np.mean(nees(errors, stated)))
+    times = math.sqrt(mean / 3)  # how many times as large as stated the errors are
+    verdict = "consistent"
+    if mean < 3 * _USUAL[0]:
+        verdict = "conservative"
         yield (
-            f"its covariances are conservative: the errors are {judged.times:.2g} "
-            "times as large as they say, so a filter makes too little of the measurements"
+            f"its covariances are conservative: the errors are {times:.2g} times as large as they "
+            "say, so a filter makes too little of the measurements"
         )
-        return
-    sentence = (
-        f"its covariances are optimistic, too sure: before a noisy camera the errors are "
-        f"{judged.times:.2g} times as large as they say, so a filter follows noise"
+    elif mean > 3 * _USUAL[1]:
+        verdict = "optimistic"
+        sentence = (
+            f"its covariances are optimistic, too sure: before a noisy camera the errors are "
+            f"{times:.2g} times as large as they say, so a filter follows noise"
+        )
+        is_wrong = mean > 3 * _WRONG
+        yield trial.problem(verdict, f"{sentence}; {_ADVICE}") if is_wrong else sentence
+    if verdict != "conservative":
+        yield from _large_variances(errors, stated)
+    columns = (
+        Column("count", "measurements", ""),
+        Column("nees", "mean NEES (3 expected)", "", ".2f"),
+        Column("times", "error / stated", "", ".2f"),
+        Column("verdict", "verdict", ""),
     )
-    if judged.mean <= 3 * _WRONG:
-        yield sentence
-        return
-    yield Problem(
-        kind="optimistic",
-        sentence=f"{sentence}; {_ADVICE}",
-        situation=trial.situation.name,
-        line=measurement.line,
-    )
+    row = Row("noise", (int(is_right.sum()), mean, times, verdict))
+    yield Table(key="covariances", columns=columns, rows=[row], row_title="covariances")
 
 
 def _large_variances(errors: Floats, covariances: Floats) -> Iterator[str]:
-    """Yield which coordinates have far too large variances, for which the others make up."""
     variances = np.diagonal(covariances, axis1=1, axis2=2)
     # An exact measurement may have no error, and no variance.
     ratios = np.mean(np.square(errors) / np.maximum(variances, 1e-30), axis=0)
@@ -136,14 +91,3 @@ def _large_variances(errors: Floats, covariances: Floats) -> Iterator[str]:
                 f"its standard deviation of {name} is {1 / math.sqrt(max(ratio, 1e-12)):.2g} times "
                 "the errors, so a filter makes too little of that: variances are in px^2 and rad^2"
             )
-
-
-def _table(judged: _Judged) -> Table:
-    columns = (
-        Column("count", "measurements", ""),
-        Column("nees", "mean NEES (3 expected)", "", ".2f"),
-        Column("times", "error / stated", "", ".2f"),
-        Column("verdict", "verdict", ""),
-    )
-    row = Row("noise", (judged.count, judged.mean, judged.times, judged.verdict))
-    return Table(key="covariances", columns=columns, rows=[row], row_title="covariances")

@@ -36,54 +36,28 @@ class Scene(Situation):
 
     It is hidden where its measurement is None. The poses are those of the robot, or where it
     starts.
-
-    Attributes
-    ----------
-    is_driven : bool
-        Whether the inputs move the robot.
-    noise : Noise or None
-        Noise of the camera.
-    resolution : tuple of int
-        Size of the frames (px).
-    background : callable or None
-        ``adjust_background`` of the world; None = the default, with a red square.
-    robot : RobotDefinition
-        The robot.
-    area : tuple of int
-        Width and height of the work area (px).
     """
 
-    is_driven: bool = False
-    noise: Noise | None = None
-    resolution: tuple[int, int] = AREA
-    background: Callable[[Pixels], Pixels] | None = None
+    is_driven: bool = False  # whether the inputs move the robot
+    noise: Noise | None = None  # of the camera
+    resolution: tuple[int, int] = AREA  # of the frames (px)
+    background: Callable[[Pixels], Pixels] | None = None  # None = with a red square
     robot: RobotDefinition
-    area: tuple[int, int] = AREA
+    area: tuple[int, int] = AREA  # width, height (px)
 
     @property
     def is_hidden(self) -> list[bool]:
-        """Whether the robot is hidden, step by step."""
         return [measurement is None for measurement in self.measurements]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """The robot, the work area and the camera of scenes, whose places are told for `AREA`.
-
-    Attributes
-    ----------
-    robot : RobotDefinition
-        The robot.
-    area, resolution : tuple of int
-        The size of the work area (px), and that of the frames (px).
-    noise : GaussianNoise
-        That of the camera, in scenes with noise.
-    """
+    """The robot, the work area and the camera of scenes, whose places are in px of `AREA`."""
 
     robot: RobotDefinition
-    area: tuple[int, int] = AREA
-    resolution: tuple[int, int] = AREA
-    noise: GaussianNoise = _NOISE
+    area: tuple[int, int] = AREA  # px
+    resolution: tuple[int, int] = AREA  # of the frames (px)
+    noise: GaussianNoise = _NOISE  # of the camera, in scenes with noise
 
     @classmethod
     def usual(cls) -> Setting:
@@ -92,18 +66,15 @@ class Setting:
 
     @classmethod
     def of(cls, scenario: Scenario) -> Setting:
-        """Return that of a scenario."""
         noise = scenario.noise if isinstance(scenario.noise, GaussianNoise) else cls.noise
         robot, size = scenario._robot_definition, frame_size(scenario)
         return cls(robot=robot, area=scenario.area, resolution=size, noise=noise)
 
     @property
     def options(self) -> dict[str, Any]:
-        """The options of `scripted` that make a scene one of it."""
         return {"robot": self.robot, "area": self.area, "resolution": self.resolution}
 
     def place(self, place: Place) -> Place:
-        """Return where a place of `AREA` lies here."""
         x, y = self.places(np.array(place))
         return float(x), float(y)
 
@@ -119,12 +90,10 @@ class Setting:
         *,
         hidden: Collection[int] = (),
     ) -> Scene:
-        """Return a scene in which the inputs drive the robot from a pose of `AREA`."""
         poses = np.tile((*self.place(start[:2]), start[2]), (steps, 1))
         return scripted(name, poses, hidden=hidden, is_driven=True, **self.options)
 
     def turned(self, name: str, place: Place, headings: ArrayLike, **options: Any) -> Scene:
-        """Return a scene in which the robot is turned at a place of `AREA`."""
         turns = np.asarray(headings, dtype=float)
         poses = np.column_stack((np.tile(self.place(place), (len(turns), 1)), turns))
         return scripted(name, poses, **self.options, **options)
@@ -148,7 +117,6 @@ def scripted(name: str, poses: ArrayLike, *, hidden: Collection[int] = (), **opt
 def simulate(
     scene: Situation, callback: Callable[[Step], Any], slot: str, **slots: Any
 ) -> Simulation:
-    """Return the simulation of a scene, with the callback under test in its slot."""
     assert isinstance(scene, Scene)
     hidden = scene.is_hidden
 
@@ -164,21 +132,18 @@ def simulate(
         return result
 
     simulation = Simulation(
-        **{
-            "robot": scene.robot,
-            "area": scene.area,
-            "resolution": scene.resolution,
-            "headings": None,
-            "noise": scene.noise,
-            "dropout": _HIDDEN if hidden[0] else None,
-            "start": scene.poses[0],
-            "adjust_background": scene.background,
-            "evaluate_model": evaluate_model,
-            "seed": _SEED,
-            "time_limit": TIME_LIMIT,
-            **slots,
-            slot: call,
-        }
+        robot=scene.robot,
+        area=scene.area,
+        resolution=scene.resolution,
+        headings=None,
+        noise=scene.noise,
+        dropout=_HIDDEN if hidden[0] else None,
+        start=scene.poses[0],
+        adjust_background=scene.background,
+        evaluate_model=evaluate_model,
+        seed=_SEED,
+        time_limit=TIME_LIMIT,
+        **slots | {slot: call},
     )
     return simulation
 
@@ -190,12 +155,10 @@ class LastPose:
         self._pose: Floats = np.array(CENTRE)
 
     def __call__(self, step: Step) -> Estimate:
-        """Return the estimate of a step."""
         if step.measurement is not None:
             self._pose = step.measurement.pose
         return Estimate(self._pose, np.eye(3))
 
 
 def model_parameters(step: Step) -> Floats:
-    """Return the parameters of the default model: the estimate of them for a controller."""
     return RobotModel().theta

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from os import PathLike
 from typing import Any
 
 from robsim.base.check_report import CheckReport, Problem
@@ -14,7 +13,7 @@ from robsim.simulation.callbacks.checks import check_callback
 from robsim.simulation.callbacks.slot import Slot
 from robsim.simulation.time_limit import TimeLimit
 from robsim.teach.doctor._errors import explained
-from robsim.teach.doctor._run_checks import BUDGET, run_checks
+from robsim.teach.doctor._run_checks import BUDGET, Make, run_checks
 from robsim.teach.doctor._trial import TIME_LIMIT, BadResult, CallClock, EstimatorUnderTest
 from robsim.teach.doctor._trial import Slot as UnderTest
 
@@ -22,7 +21,6 @@ from robsim.teach.doctor._trial import Slot as UnderTest
 def under_test(
     slot: Slot[Any], noun: str, read: Callable[..., Any], simulate: Callable[..., Any]
 ) -> UnderTest:
-    """Return how the callback of a slot is checked; the arguments are as of `UnderTest`."""
     return UnderTest(
         entry=partial(_entry, slot),
         read=read,
@@ -34,27 +32,18 @@ def under_test(
 
 
 def _entry(slot: Slot[Any], callback: Any) -> Callable[..., Any]:
-    """Return a callback; raises BadResult if its slot would refuse it.
-
-    Parameters
-    ----------
-    slot : Slot
-        The slot.
-    callback : object
-        What is to fill it.
-    """
+    """Return a callback; raises BadResult if its slot would refuse it."""
     try:
         if not callable(callback):  # None would mean the default
             raise TypeError(f"{slot.name} must be callable, got {quoted(callback)}")
         check_callback(slot.name, callback)
     except TypeError as error:
         raise BadResult("wrong callback", str(error)) from None
-    entry: Callable[..., Any] = callback
-    return entry
+    return callback  # type: ignore[no-any-return]
 
 
-class _CallFailed(Exception):
-    """A call has failed; `problem` says how."""
+class Failed(Exception):
+    """A callback has failed; `problem` says how."""
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem.sentence)
@@ -62,30 +51,25 @@ class _CallFailed(Exception):
 
 
 class CallbackCalls:
-    """Calls of a callback, each of a fresh one.
-
-    Parameters
-    ----------
-    callback : EstimatorUnderTest
-        The callback.
-    """
+    """Calls of a callback, each of a fresh one."""
 
     def __init__(self, callback: EstimatorUnderTest) -> None:
         self._callback = callback
         self._clock = CallClock()
 
-    def call(self, situation: str, *arguments: Any) -> Any:
-        """Return what a fresh callback returns."""
+    def call(
+        self, situation: str, *arguments: Any, read: Callable[[Any], Any] = lambda result: result
+    ) -> Any:
+        """Return the result of a fresh callback, after `read`, which may raise BadResult."""
         function = self._callback.fresh()
         limit = TimeLimit(TIME_LIMIT)
         try:
             with self._callback.observed(), limit.watching(), self._clock.timed():
                 result = limit.limited(function)(*arguments)
+            return read(result)
         except (Exception, SystemExit) as error:
-            kind, sentence = explained(error)
-            line = line_of_error(error)
-            raise _CallFailed(self.problem(kind, sentence, situation, line)) from error
-        return result
+            problem = self.problem(*explained(error), situation, line_of_error(error))
+            raise Failed(problem) from error
 
     def problem(self, kind: str, sentence: str, situation: str = "", line: Any = None) -> Problem:
         return Problem(
@@ -100,30 +84,16 @@ class CallbackCalls:
 
 
 def check_calls(
-    make: Callable[[], Any] | str | PathLike[str],
+    make: Make,
     slot: Slot[Any],
     checks: Callable[[CallbackCalls], Iterable[Problem | str]],
     budget: float = BUDGET,
 ) -> CheckReport:
-    """Run the checks of a callback by single calls, and return their report.
-
-    Parameters
-    ----------
-    make : callable or path
-        Returns a fresh callback; or its file, or the folder of that.
-    slot : Slot
-        Its slot.
-    checks : callable
-        ``checks(calls)``: yields problems and remarks.
-    budget : float
-        Maximum of the median time per call (s).
-    """
-
     def run(callback: EstimatorUnderTest) -> Iterator[Problem | str]:
         calls = CallbackCalls(callback)
         try:
             yield from checks(calls)
-        except _CallFailed as failed:
+        except Failed as failed:
             yield failed.problem
         else:
             yield from calls.slowness()

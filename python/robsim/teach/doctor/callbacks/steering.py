@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -15,6 +15,7 @@ from robsim.base.checks import Floats
 from robsim.teach.doctor._errors import problem_of
 from robsim.teach.doctor._trial import EstimatorUnderTest, Trial
 from robsim.teach.doctor.callbacks.scenes import CENTRE, Place, Setting
+from robsim.teach.doctor.callbacks.single_calls import Failed
 
 # Without any symmetry: the directions to a point on a wall or in the middle must differ.
 _PLACES = ((250.0, 310.0), (930.0, 240.0), (880.0, 930.0), (330.0, 870.0), (590.0, 420.0))  # px
@@ -58,27 +59,11 @@ MISTAKES: tuple[tuple[Callable[[float], float], str, str], ...] = (
 
 @dataclass(frozen=True)
 class _Steering:
-    """The voltages of a controller for a robot that stands at a place, by its heading.
+    """Where a controller turns a robot that stands at a place, by its heading."""
 
-    Attributes
-    ----------
-    place : array (2,)
-        x, y (px).
-    headings : array (n,)
-        Headings within -pi..pi, increasing; the last one is next to the first.
-    turn : array (n,)
-        u1 - u2 (V); above 0 = it turns to the right, so that the heading increases.
-    aims : list of (heading, drive)
-        Where it turns from both sides, and u1 + u2 there.
-    turns_away_at : list of float
-        The headings from which it turns to both sides.
-    """
-
-    place: Floats
-    headings: Floats
-    turn: Floats
-    aims: list[tuple[float, float]]
-    turns_away_at: list[float]
+    place: Floats  # x, y (px)
+    aims: list[tuple[float, float]]  # the headings to which it turns from both sides, u1 + u2 there
+    turns_away_at: list[float]  # the headings from which it turns to both sides
 
     @property
     def direction(self) -> float | None:
@@ -89,81 +74,55 @@ class _Steering:
         return ways.get(False, ways.get(True))
 
 
-def steering_findings(
-    controller: EstimatorUnderTest, usual: Trial, setting: Setting
-) -> Iterator[Problem | str]:
+def steering_findings(usual: Trial, setting: Setting) -> Iterator[Problem | str]:
     """Yield what is wrong with the way in which a controller turns, and what cannot be told.
 
-    Parameters
-    ----------
-    controller : EstimatorUnderTest
-        The controller.
-    usual : Trial
-        A long trial of it.
-    setting : Setting
-        Where it is tried.
+    `usual` is a long trial of it.
     """
-    steerings = []
-    for place in _PLACES:
-        steering = _steering_at(controller, place, setting)
-        if isinstance(steering, Problem):
-            yield steering
-            return
-        steerings.append(steering)
+    controller = usual.estimator
+    try:
+        steerings = [_steering_at(controller, place, setting) for place in _PLACES]
+    except Failed as failed:
+        yield failed.problem
+        return
     wrong = _not_wrapped(controller, steerings)
     if wrong is not None:
         # Along a line it is u1 - u2 = -a y - b heading, which is right near the line.
         yield wrong if _has_goal(steerings) else _LONG_WAY
         return
     yield from _kicks(controller, setting)
-    yield from _goal_findings(controller, steerings, usual)
+    yield from _goal_findings(steerings, usual)
 
 
-def _steering_at(
-    controller: EstimatorUnderTest, place: Place, setting: Setting
-) -> _Steering | Problem:
+def _steering_at(controller: EstimatorUnderTest, place: Place, setting: Setting) -> _Steering:
     here = setting.place(place)
 
-    def voltages(heading: float) -> Floats:
-        scene = setting.turned(_standing(here), place, [heading] * _STEPS)
-        trial = controller.try_in(scene)
+    def steered(heading: float) -> tuple[float, float]:
+        """Return u1 - u2 and u1 + u2."""
+        trial = controller.try_in(setting.turned(_standing(here), place, [heading] * _STEPS))
         if trial.error is not None:
-            raise _Failed(problem_of(controller, trial))
-        return np.asarray(trial.outputs[-1])
-
-    def turn(heading: float) -> float:
-        u = voltages(heading)
-        return float(u[0] - u[1])
+            raise Failed(problem_of(trial))
+        left, right = trial.outputs[-1]
+        return float(left - right), float(left + right)
 
     headings = (np.arange(_HEADINGS) + 0.5) * 2 * np.pi / _HEADINGS - np.pi
     aims, away = [], []
-    try:
-        turns = np.array([turn(heading) for heading in headings])
-        for i, after in enumerate(np.roll(turns, -1)):
-            before = turns[i]
-            if min(abs(before), abs(after)) < _SMALL or before * after > 0:
-                continue
-            # the heading at which the robot turns neither way
-            low, high = headings[i], headings[i] + 2 * np.pi / _HEADINGS
-            for _ in range(_BISECTIONS):
-                middle = (low + high) / 2
-                low, high = (middle, high) if turn(middle) * before > 0 else (low, middle)
-            heading = wrap_angle((low + high) / 2)
-            if before > 0:
-                aims.append((heading, float(voltages(heading).sum())))
-            else:
-                away.append(heading)
-    except _Failed as failed:
-        return failed.problem
-    return _Steering(np.array(here), headings, turns, aims, away)
-
-
-class _Failed(Exception):
-    """A controller has failed where the robot stands; `problem` says how."""
-
-    def __init__(self, problem: Problem) -> None:
-        super().__init__(problem.sentence)
-        self.problem = problem
+    turns = np.array([steered(heading)[0] for heading in headings])
+    for i, after in enumerate(np.roll(turns, -1)):
+        before = turns[i]
+        if min(abs(before), abs(after)) < _SMALL or before * after > 0:
+            continue
+        # the heading at which the robot turns neither way
+        low, high = headings[i], headings[i] + 2 * np.pi / _HEADINGS
+        for _ in range(_BISECTIONS):
+            middle = (low + high) / 2
+            low, high = (middle, high) if steered(middle)[0] * before > 0 else (low, middle)
+        heading = wrap_angle((low + high) / 2)
+        if before > 0:
+            aims.append((heading, steered(heading)[1]))
+        else:
+            away.append(heading)
+    return _Steering(np.array(here), aims, away)
 
 
 def _standing(place: Place | Floats) -> str:
@@ -177,7 +136,8 @@ def _not_wrapped(controller: EstimatorUnderTest, steerings: list[_Steering]) -> 
     it is +-pi, wherever the aim is.
     """
     telling = [one for one in steerings if len(one.aims) == 1 and abs(one.aims[0][0]) > _NEAR]
-    wrong = [one for one in telling if _turns_away_at_the_jump(one)]
+    at_the_jump = np.pi - np.pi / _HEADINGS
+    wrong = [one for one in telling if [abs(h) > at_the_jump for h in one.turns_away_at] == [True]]
     if len(wrong) < 2 or len(wrong) < 0.8 * len(telling):
         return None
     one = max(wrong, key=lambda one: min(abs(one.aims[0][0]), 2.5))
@@ -197,11 +157,6 @@ def _not_wrapped(controller: EstimatorUnderTest, steerings: list[_Steering]) -> 
     )
 
 
-def _turns_away_at_the_jump(steering: _Steering) -> bool:
-    within = np.pi / _HEADINGS
-    return len(steering.turns_away_at) == 1 and np.pi - abs(steering.turns_away_at[0]) < within
-
-
 def _kicks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Problem]:
     """Yield whether the voltages jump for a step when a robot that is turned crosses +-pi."""
     headings = np.radians(np.arange(24) * 5.0 + 122.5)
@@ -210,7 +165,7 @@ def _kicks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Problem
         scene = setting.turned("robot turns past +-pi", place, way * headings)
         trial = controller.try_in(scene)
         if trial.error is not None:
-            yield problem_of(controller, trial)
+            yield problem_of(trial)
             return
         turn = trial.outputs[:, 0] - trial.outputs[:, 1]
         changes = abs(np.diff(turn[4:]))
@@ -220,54 +175,56 @@ def _kicks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Problem
         if changes[at] > max(_KICK, 5 * others) and returns:
             kicks.append(changes[at])
     if len(kicks) >= 2:
-        yield Problem(
-            kind="heading not wrapped",
-            sentence=f"u1 - u2 jumps by {max(kicks):.2g} V for a moment when the heading passes "
-            "+-pi: wrap the difference of two headings, robsim.wrap_angle(new - old)",
-            situation=scene.name,
-            k=crossing,
-            line=controller.line,
+        yield trial.problem(
+            "heading not wrapped",
+            f"u1 - u2 jumps by {max(kicks):.2g} V for a moment when the heading passes +-pi: wrap "
+            "the difference of two headings, robsim.wrap_angle(new - old)",
+            crossing,
         )
 
 
-def _goal_findings(
-    controller: EstimatorUnderTest, steerings: list[_Steering], usual: Trial
-) -> Iterator[Problem | str]:
+def _goal_findings(steerings: list[_Steering], usual: Trial) -> Iterator[Problem | str]:
     places, directions = _known(steerings)
     if len(places) < 4:
         yield _CANNOT_BE_TOLD
         return
     met = _meeting_point(places, np.array(directions))
-    if met is not None:
-        goal, way = met
-        if way > 0:
-            yield from _goal_not_reached(goal, usual)
-        else:
-            yield Problem(
-                kind="turns away",
-                sentence=f"from everywhere it turns its back on ({goal[0]:.0f}, {goal[1]:.0f}) and "
-                "drives away: left and right are exchanged, or a sign is wrong; u1 is the left "
-                "motor, and a faster left wheel turns the robot to the right, to larger headings",
-                situation=_standing(places[0]),
-                line=controller.line,
+    if met is not None and met[1] > 0:
+        (x, y), poses = met[0], usual.trace.pose_true
+        nearest = np.hypot(poses[:, 0] - x, poses[:, 1] - y).min()
+        if nearest > _COMES_NEAR:
+            yield (
+                f"it turns towards ({x:.0f}, {y:.0f}), but in {len(poses)} steps comes no nearer "
+                f"than {nearest:.0f} px"
             )
         return
+    found = _wrong_way(places, directions, None if met is None else met[0])
+    if found is None:
+        yield _CANNOT_BE_TOLD
+    else:
+        yield replace(usual.problem(*found), situation=_standing(places[0]))
+
+
+def _wrong_way(
+    places: Floats, directions: list[float], left: Floats | None
+) -> tuple[str, str] | None:
+    """Return kind and sentence of a wrong way of steering; `left`: the point that it leaves."""
+    if left is not None:
+        return (
+            "turns away",
+            f"from everywhere it turns its back on ({left[0]:.0f}, {left[1]:.0f}) and drives away: "
+            "left and right are exchanged, or a sign is wrong; u1 is the left motor, and a faster "
+            "left wheel turns the robot to the right, to larger headings",
+        )
     for undone, kind, sentence in MISTAKES:
         met = _meeting_point(places, np.array([undone(direction) for direction in directions]))
         if met is not None:
             x, y = met[0]
-            yield Problem(
-                kind=kind,
-                sentence=f"{sentence}; it seems to mean the point ({x:.0f}, {y:.0f})",
-                situation=_standing(places[0]),
-                line=controller.line,
-            )
-            return
-    yield _CANNOT_BE_TOLD
+            return kind, f"{sentence}; it seems to mean the point ({x:.0f}, {y:.0f})"
+    return None
 
 
 def _known(steerings: list[_Steering]) -> tuple[Floats, list[float]]:
-    """Return the places from which it drives to a single direction, and the directions."""
     known = [(one.place, one.direction) for one in steerings if one.direction is not None]
     return np.array([place for place, _ in known]), [d for _, d in known if d is not None]
 
@@ -299,12 +256,3 @@ def _meeting_point(places: Floats, directions: Floats) -> tuple[Floats, int] | N
     if is_far or np.sqrt(np.mean(distances**2)) > _MEETS or len(set(np.sign(along))) > 1:
         return None
     return goal, int(np.sign(along[0]))
-
-
-def _goal_not_reached(goal: Floats, usual: Trial) -> Iterator[str]:
-    distances = np.linalg.norm(usual.trace.pose_true[:, :2] - goal, axis=1)
-    if distances.min() > _COMES_NEAR:
-        yield (
-            f"it turns towards ({goal[0]:.0f}, {goal[1]:.0f}), but in {len(distances)} steps comes "
-            f"no nearer than {distances.min():.0f} px"
-        )

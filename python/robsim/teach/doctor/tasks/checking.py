@@ -21,13 +21,20 @@ from robsim.teach.doctor.tasks.estimates import (
     state_findings,
 )
 from robsim.teach.doctor.tasks.report import TaskReport
+from robsim.teach.doctor.tasks.seen_run import SeenRun
 from robsim.teach.tasks.by_name import task as named_task
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
 from robsim.teach.tasks.trial import TaskTrial, try_solution
 
+_LOOKS = {
+    RobotSlots.control.name: drive_findings,
+    RobotSlots.measure.name: measured_findings,
+    RobotSlots.estimate_state.name: state_findings,
+    RobotSlots.estimate_parameters.name: parameter_findings,
+}
 #: Kinds of problems of which no run goes wrong.
-_NO_CAUSE = ("prints", "too slow")
+_NO_CAUSE = {"prints", "too slow"}
 
 
 def check_for_task(
@@ -41,10 +48,14 @@ def check_for_task(
     report = report_of(path, slots, _surroundings(chosen))
     is_loaded = all(problem.kind != "not loaded" for problem in report.problems)
     trial = _trial(chosen, path) if is_loaded else None
-    is_known = any(problem.kind not in _NO_CAUSE for problem in report.problems)
-    findings = () if trial is None else tuple(_findings(trial, solution, is_known=is_known))
-    remarks = tuple(_remarks(report, chosen, solution))
-    return _joined(report, chosen, trial, findings, remarks)
+    kinds = {problem.kind for problem in report.problems}
+    found = () if trial is None else _findings(trial, solution, is_known=bool(kinds - _NO_CAUSE))
+    findings = tuple(one for one in found if one.kind not in kinds)
+    known = {field.name: getattr(report, field.name) for field in fields(report)}
+    known["problems"] = (*_once(report), *findings)
+    known["remarks"] = (*_remarks(report, chosen, solution), *report.remarks)
+    known["tables"] = (*(() if trial is None else trial.tables), *report.tables)
+    return TaskReport(**known, task=chosen, trial=trial, findings=findings)
 
 
 def _surroundings(task: Task) -> Surroundings:
@@ -82,14 +93,10 @@ def _findings(trial: TaskTrial, solution: Solution, *, is_known: bool) -> Iterat
         return
     with redirect_stdout(StdoutCapture()), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        if RobotSlots.control.name in trial.task.slots:
-            yield from drive_findings(trial, solution)
-        if RobotSlots.measure.name in trial.task.slots:
-            yield from measured_findings(trial)
-        if RobotSlots.estimate_state.name in trial.task.slots:
-            yield from state_findings(trial)
-        if RobotSlots.estimate_parameters.name in trial.task.slots:
-            yield from parameter_findings(trial)
+        seen = SeenRun.of(trial, solution)
+        for slot, findings in _LOOKS.items():
+            if seen is not None and slot in trial.task.slots:
+                yield from findings(seen)
 
 
 def _remarks(report: FolderReport, task: Task, solution: Solution) -> Iterator[str]:
@@ -109,7 +116,6 @@ def _remarks(report: FolderReport, task: Task, solution: Solution) -> Iterator[s
 
 
 def _once(report: FolderReport) -> Iterator[Problem]:
-    """Yield the problems of all files, each problem of an estimator for the first file only."""
     checks = [check for check in report.checks.values() if isinstance(check, CheckReport)]
     of_files = [problem for check in checks for problem in check.problems]
     known = set()
@@ -117,27 +123,3 @@ def _once(report: FolderReport) -> Iterator[Problem]:
         if (found := (of_file.kind, of_file.sentence)) not in known:
             known.add(found)
             yield problem
-
-
-def _joined(
-    report: FolderReport,
-    task: Task,
-    trial: TaskTrial | None,
-    findings: tuple[Problem, ...],
-    remarks: tuple[str, ...],
-) -> TaskReport:
-    """Return the report of the files with what comes of the task."""
-    known = {field.name: getattr(report, field.name) for field in fields(report)}
-    kinds = {problem.kind for problem in report.problems}
-    findings = tuple(one for one in findings if one.kind not in kinds)
-    return TaskReport(
-        **known
-        | {
-            "problems": (*_once(report), *findings),
-            "remarks": (*remarks, *report.remarks),
-            "tables": (*(() if trial is None else trial.tables), *report.tables),
-        },
-        task=task,
-        trial=trial,
-        findings=findings,
-    )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ _SLOT = RobotSlots.control.name
 _OWN = "robsim_own_control"  # the module of the controller
 _RUNS = 3
 _ARRIVES = 40.0  # px, from the goal
+_HEADINGS = ("-heading", f"{np.pi / 2} - heading")  # with which a mistake of MISTAKES is undone
 
 
 _EXCHANGED = f"""
@@ -62,56 +63,20 @@ def control(step):
 """
 
 
-@dataclass(frozen=True)
-class _Undone:
-    """A mistake, and the code that undoes it."""
-
-    kind: str
-    sentence: str
-    code: str
-
-
-_WAYS = (
-    _Undone(
+def _undone() -> Iterator[tuple[str, str, str]]:
+    yield (
         "motors exchanged",
         "left and right are exchanged: u1 is the left motor, and a faster left wheel turns the "
         "robot to the right, to larger headings. With its two voltages the other way round it "
         "comes to the goal",
         _EXCHANGED,
-    ),
-    *(
-        _Undone(
-            kind,
-            f"{sentence}. With that undone it comes to the goal",
-            _MIRRORED.format(heading=heading),
-        )
-        for (_, kind, sentence), heading in zip(
-            MISTAKES, ("-heading", f"{np.pi / 2} - heading"), strict=True
-        )
-    ),
-)
-
-
-def mistakes_undone(task: Task, solution: Solution, goal: Floats) -> Iterator[tuple[str, str]]:
-    """Yield kind and sentence of the first mistake without which the robot comes to the goal."""
-    for way in _WAYS:
-        trial = _trial(task, solution, way.code)
-        if trial.trace is not None and _comes_near(trial.trace.pose_true, goal):
-            yield way.kind, way.sentence
-            return
-
-
-def limited(task: Task, solution: Solution, limit: float) -> TaskTrial:
-    """Return the trial of a controller whose voltages are limited (V)."""
-    return _trial(task, solution, _LIMITED.format(limit=limit))
-
-
-def _comes_near(poses: Floats, goal: Floats) -> bool:
-    return bool(np.hypot(*(poses[-1, :2] - goal[:2])) < _ARRIVES)
+    )
+    for (_, kind, sentence), heading in zip(MISTAKES, _HEADINGS, strict=True):
+        code = _MIRRORED.format(heading=heading)
+        yield kind, f"{sentence}. With that undone it comes to the goal", code
 
 
 def _trial(task: Task, solution: Solution, code: str) -> TaskTrial:
-    """Return the trial of a controller that is called by other code."""
     files = {**solution.files, _OWN: solution.files[_SLOT], _SLOT: code.encode()}
     return try_solution(task, replace(solution, files=files), runs=_RUNS, progress=False)
 
@@ -126,24 +91,18 @@ _HELD = 0.8  # of the steps in which nobody sees it
 _NO_VOLTAGE = 1e-9  # V
 
 
-@dataclass(frozen=True)
-class _Drive:
-    """A drive to a goal, or along waypoints, beside that of the reference.
+class _Drive(SeenRun):
+    """A drive to a goal, or along waypoints, beside the reference."""
 
-    Attributes
-    ----------
-    run : SeenRun
-        The run.
-    goals : array (3,), (2,) or (N, 2)
-        The goal, or the waypoints.
-    """
-
-    run: SeenRun
-    goals: Floats
+    @property
+    def goals(self) -> Floats:
+        """The goal (3,) or (2,), or the waypoints (N, 2)."""
+        assert self.task.goals is not None
+        return self.task.goals
 
     @property
     def poses(self) -> Floats:
-        return self.run.trace.pose_true
+        return self.trace.pose_true
 
     @property
     def waypoints(self) -> Floats:
@@ -165,33 +124,20 @@ class _Drive:
         return float(np.mean(self.last_steps)) < _AT_REST
 
 
-def drive_findings(trial: TaskTrial, solution: Solution) -> Iterator[Problem]:
-    """Yield what the worst drive shows, the cause first.
-
-    Parameters
-    ----------
-    trial : TaskTrial
-        The trial of a controller.
-    solution : Solution
-        The controller.
-    """
-    run, goals = SeenRun.of(trial), trial.task.goals
-    if run is None or goals is None:
+def drive_findings(run: SeenRun) -> Iterator[Problem]:
+    if run.task.goals is None:
         return
-    if trial.rule is not None:
-        yield _against_the_rules(trial, solution)
+    if run.trial.rule is not None:
+        yield _against_the_rules(run.trial, run.solution)
         return
-    drive = _Drive(run, goals)
-    cause = next((found for look in _LOOKS if (found := look(drive, solution))), None)
-    if cause is not None:
-        yield cause
-    if (waits := _waits(drive)) is not None:
-        yield waits
+    drive = _Drive(run.trial, run.solution, run.trace, run.reference)
+    cause = next((found for look in _LOOKS if (found := look(drive))), None)
+    yield from filter(None, (cause, _waits(drive)))
 
 
 def _against_the_rules(trial: TaskTrial, solution: Solution) -> Problem:
     limit = float(trial.task.values.get("MAXIMUM_VOLTAGE", 1.0))
-    rest = limited(trial.task, solution, limit)
+    rest = _trial(trial.task, solution, _LIMITED.format(limit=limit))
     points = f": then it has {percent(rest.points)} of the points" if rest.limits else ""
     return Problem(
         kind="against the rules",
@@ -200,32 +146,31 @@ def _against_the_rules(trial: TaskTrial, solution: Solution) -> Problem:
     )
 
 
-def _lost(drive: _Drive, solution: Solution) -> Problem | None:
-    """Return why it does not come to its goal, if a mistake undone brings it there."""
+def _lost(drive: _Drive) -> Problem | None:
     goal = drive.waypoints[-1]
     if drive.distances[-1] < _LOST:
         return None
-    for kind, sentence in mistakes_undone(drive.run.task, solution, goal):
-        return drive.run.problem(kind, sentence)
+    for kind, sentence, code in _undone():
+        trace = _trial(drive.task, drive.solution, code).trace
+        if trace is not None and np.hypot(*(trace.pose_true[-1, :2] - goal)) < _ARRIVES:
+            return drive.problem(kind, sentence)
     return None
 
 
-def _stands(drive: _Drive, _: Solution) -> Problem | None:
-    """Return whether it never drives."""
-    if abs(drive.run.trace.u).max() > _NO_VOLTAGE:
+def _stands(drive: _Drive) -> Problem | None:
+    if abs(drive.trace.u).max() > _NO_VOLTAGE:
         return None
-    return drive.run.problem("never drives", "it never drives: its voltages are (0, 0)")
+    return drive.problem("never drives", "it never drives: its voltages are (0, 0)")
 
 
-def _swings(drive: _Drive, _: Solution) -> Problem | None:
-    """Return whether it drives past its goals, since it does not brake."""
+def _swings(drive: _Drive) -> Problem | None:
     own, others = (
-        float(_step_lengths(poses).sum()) for poses in (drive.poses, drive.run.reference.pose_true)
+        float(_step_lengths(poses).sum()) for poses in (drive.poses, drive.reference.pose_true)
     )
     is_near = drive.distances.min() < _LOST / 2
     if own < _FARTHER * others or drive.is_at_rest or not is_near:
         return None
-    return drive.run.problem(
+    return drive.problem(
         "does not brake",
         f"it drives {own:.0f} px where the reference drives {others:.0f} px, and at the end still "
         f"moves by {np.mean(drive.last_steps):.1f} px per step, {drive.distances[-1]:.0f} px from "
@@ -234,12 +179,11 @@ def _swings(drive: _Drive, _: Solution) -> Problem | None:
     )
 
 
-def _stops_short(drive: _Drive, _: Solution) -> Problem | None:
-    """Return whether it stands still where it is not parked yet."""
-    tolerance = drive.run.tolerance("POSITION_TOLERANCE", 20.0)
+def _stops_short(drive: _Drive) -> Problem | None:
+    tolerance = drive.tolerance("POSITION_TOLERANCE", 20.0)
     if drive.goals.ndim > 1 or not drive.is_at_rest or drive.distances[-1] <= tolerance:
         return None
-    return drive.run.problem(
+    return drive.problem(
         "stops short",
         f"it stands still {drive.distances[-1]:.0f} px from the goal, which is not parked yet: "
         f"that is within {tolerance:g} px. Does it stop too early, or does friction hold it, so "
@@ -248,16 +192,15 @@ def _stops_short(drive: _Drive, _: Solution) -> Problem | None:
     )
 
 
-def _faces_elsewhere(drive: _Drive, _: Solution) -> Problem | None:
-    """Return whether it comes to the position, and stays there in another heading."""
-    if drive.goals.shape != (3,) or drive.distances[-1] > drive.run.tolerance(
+def _faces_elsewhere(drive: _Drive) -> Problem | None:
+    if drive.goals.shape != (3,) or drive.distances[-1] > drive.tolerance(
         "POSITION_TOLERANCE", 20.0
     ):
         return None
     error = float(wrap_angle(drive.poses[-1, 2] - drive.goals[2]))
-    if abs(error) <= drive.run.tolerance("HEADING_TOLERANCE", 0.15):
+    if abs(error) <= drive.tolerance("HEADING_TOLERANCE", 0.15):
         return None
-    return drive.run.problem(
+    return drive.problem(
         "heading of the goal",
         f"it comes to the position, but faces {np.degrees(drive.poses[-1, 2]):.0f} degrees at the "
         f"end, and not {np.degrees(drive.goals[2]):.0f} as the goal: turn there on the spot, by "
@@ -265,9 +208,8 @@ def _faces_elsewhere(drive: _Drive, _: Solution) -> Problem | None:
     )
 
 
-def _skips(drive: _Drive, _: Solution) -> Problem | None:
-    """Return which waypoint it drives past, though it goes on."""
-    radius = drive.run.tolerance("WAYPOINT_RADIUS", 25.0)
+def _skips(drive: _Drive) -> Problem | None:
+    radius = drive.tolerance("WAYPOINT_RADIUS", 25.0)
     if drive.goals.ndim == 1:
         return None
     apart = np.hypot(*(drive.poses[:, None, :2] - drive.waypoints).T)  # (waypoints, steps)
@@ -276,7 +218,7 @@ def _skips(drive: _Drive, _: Solution) -> Problem | None:
     if not len(later) or apart[later[0] + 1 :].min() > radius:
         return None
     number = int(later[0])
-    return drive.run.problem(
+    return drive.problem(
         "cuts corners",
         f"it passes waypoint {number} of {len(apart)} at a distance of {apart[number].min():.0f} "
         f"px, and goes on to the next: a waypoint is reached within {radius:g} px",
@@ -284,28 +226,26 @@ def _skips(drive: _Drive, _: Solution) -> Problem | None:
     )
 
 
-def _slow(drive: _Drive, _: Solution) -> Problem | None:
-    """Return whether it drives more slowly than the reference."""
-    own, others = (_speed(poses) for poses in (drive.poses, drive.run.reference.pose_true))
+def _slow(drive: _Drive) -> Problem | None:
+    own, others = (_speed(poses) for poses in (drive.poses, drive.reference.pose_true))
     if not own < _SLOWER * others:
         return None
-    return drive.run.problem(
+    return drive.problem(
         "slow",
         f"while it drives it moves by {own:.1f} px per step, the reference by {others:.1f}: so it "
         "needs more time, or more than there is",
     )
 
 
-def _overshoots(drive: _Drive, _: Solution) -> Problem | None:
-    """Return whether it leaves its goal again."""
-    tolerance = drive.run.tolerance("POSITION_TOLERANCE", 20.0)
+def _overshoots(drive: _Drive) -> Problem | None:
+    tolerance = drive.tolerance("POSITION_TOLERANCE", 20.0)
     inside = np.flatnonzero(drive.distances <= tolerance)
     if drive.goals.ndim > 1 or not len(inside):
         return None
     after = drive.distances[inside[0] :]
     if after.max() <= 1.5 * tolerance:
         return None
-    return drive.run.problem(
+    return drive.problem(
         "overshoots",
         f"it comes to the goal, and then leaves it by {after.max():.0f} px: brake in time, the "
         "speed counts as well as the distance",
@@ -313,26 +253,16 @@ def _overshoots(drive: _Drive, _: Solution) -> Problem | None:
     )
 
 
-_LOOKS: tuple[Callable[[_Drive, Solution], Problem | None], ...] = (
-    _stands,
-    _lost,
-    _swings,
-    _stops_short,
-    _faces_elsewhere,
-    _skips,
-    _slow,
-    _overshoots,
-)
+_LOOKS = (_stands, _lost, _swings, _stops_short, _faces_elsewhere, _skips, _slow, _overshoots)
 
 
 def _waits(drive: _Drive) -> Problem | None:
-    """Return whether it gives no voltage wherever nobody sees the robot."""
-    trace = drive.run.trace
+    trace = drive.trace
     is_unseen = ~trace.seen
     stands = np.asarray((abs(trace.u) <= _NO_VOLTAGE).all(axis=1))
     if is_unseen.sum() < 5 or stands[is_unseen].mean() < _HELD or stands[~is_unseen].mean() > 0.5:
         return None
-    return drive.run.problem(
+    return drive.problem(
         "waits unseen",
         f"its voltages are 0 in {int(stands[is_unseen].sum())} of {int(is_unseen.sum())} steps in "
         "which the robot is not seen: drive on by the last pose and the model, which costs less "

@@ -12,8 +12,6 @@ from robsim.estimation.evaluation.errors import wrapped_error
 from robsim.simulation.world.world_of_scenario import frame_size
 from robsim.teach.doctor.callbacks.pose_mistakes import are_right, mistakes
 from robsim.teach.doctor.tasks.seen_run import SeenRun, rms
-from robsim.teach.tasks.trial import TaskTrial
-from robsim.trace import Trace
 from robsim.trace.trace import Bools
 
 _SETTLED = 10  # steps
@@ -25,19 +23,17 @@ _R = "R, the noise of the measurements, is too {}"
 _Q = "Q, that of the model, is too {}"
 
 
-def state_findings(trial: TaskTrial) -> Iterator[Problem]:
-    """Yield what the worst run of a state estimator shows."""
-    if (run := SeenRun.of(trial)) is None:
-        return
-    off, least = (_from_measurements(one) for one in (run.trace, run.reference))
+def state_findings(run: SeenRun) -> Iterator[Problem]:
+    both = (run.trace, run.reference)
+    off, least = (wrapped_error(one.pose_estimated, one.pose_measured)[_SETTLED:] for one in both)
     closeness = _ratio(off, least)
     is_seen = run.trace.seen[_SETTLED:]
-    own, others = (_pose_errors(one) for one in (run.trace, run.reference))
+    own, others = (wrapped_error(one.pose_estimated, one.pose_true)[_SETTLED:] for one in both)
     seen, unseen = (_ratio(own[there], others[there]) for there in (is_seen, ~is_seen))
     if unseen > _WORSE_UNSEEN * seen and closeness > _NEARER:
         yield _prediction(run, seen, unseen)
     elif not _NEARER < closeness < _FARTHER:
-        yield _gain(run, closeness, trial.statistics.get("consistency", np.nan))
+        yield _gain(run, closeness, run.trial.statistics.get("consistency", np.nan))
     elif unseen > _WORSE and unseen > seen:
         yield _prediction(run, seen, unseen)
 
@@ -73,14 +69,6 @@ def _gain(run: SeenRun, closeness: float, consistency: float) -> Problem:
     )
 
 
-def _pose_errors(trace: Trace) -> Floats:
-    return wrapped_error(trace.pose_estimated, trace.pose_true)[_SETTLED:]
-
-
-def _from_measurements(trace: Trace) -> Floats:
-    return wrapped_error(trace.pose_estimated, trace.pose_measured)[_SETTLED:]
-
-
 def _ratio(own: Floats, others: Floats) -> float:
     """Return how many times as large errors (N, 3) are, as the geometric mean over the axes."""
     ratios = [max(rms(own[:, i]), 1e-9) / rms(others[:, i]) for i in range(3)]
@@ -92,10 +80,7 @@ _EARLY, _LATE = 0.2, 0.6  # of a run: up to here it learns most, from here on it
 _UNREST = 0.2  # late beside early; right ones have up to 0.03
 
 
-def parameter_findings(trial: TaskTrial) -> Iterator[Problem]:
-    """Yield what the worst run of a parameter estimator shows."""
-    if (run := SeenRun.of(trial)) is None:
-        return
+def parameter_findings(run: SeenRun) -> Iterator[Problem]:
     own, others = (_changes(one.parameters) for one in (run.trace, run.reference))
     taken, offered = int((own > 0).sum()), int((others > 0).sum())
     if not taken:
@@ -129,7 +114,6 @@ def parameter_findings(trial: TaskTrial) -> Iterator[Problem]:
 
 
 def _unrest(moves: Floats) -> float:
-    """Return how far parameters move late in a run, relative to early."""
     n = len(moves)
     late, early = moves[round(_LATE * n) :].sum(), moves[: round(_EARLY * n)].sum()
     return float(late / early) if early else 0.0
@@ -147,11 +131,7 @@ _SEVERAL = 0.05  # of the frames
 _BIASED = 0.5  # of the error
 
 
-def measured_findings(trial: TaskTrial) -> Iterator[Problem]:
-    """Yield what the worst run of a measurement shows, the cause first."""
-    run = SeenRun.of(trial)
-    if run is None:
-        return
+def measured_findings(run: SeenRun) -> Iterator[Problem]:
     trace = run.trace
     measured, true = trace.pose_measured, trace.pose_true
     hidden = trace.hidden.astype(bool)
@@ -178,7 +158,6 @@ def measured_findings(trial: TaskTrial) -> Iterator[Problem]:
 
 
 def _false(run: SeenRun, is_visible: Bools) -> Iterator[Problem]:
-    """Yield how often it takes something else for the robot, or does not find it."""
     trace, other = run.trace, run.reference
     false = trace.is_false & is_visible
     there = ~trace.hidden.astype(bool)
@@ -201,7 +180,6 @@ def _false(run: SeenRun, is_visible: Bools) -> Iterator[Problem]:
 
 
 def _inexact(run: SeenRun, is_right: Bools) -> Iterator[Problem]:
-    """Yield why its poses are less exact than those of the reference."""
     measured, true = run.trace.pose_measured[is_right], run.trace.pose_true[is_right]
     off = measured[:, :2] - true[:, :2]
     others = run.reference.pose_measured - run.reference.pose_true

@@ -9,39 +9,33 @@ import numpy as np
 from robsim.base.check_report import Problem
 from robsim.base.checks import Floats
 from robsim.teach.tasks.definition import Task
+from robsim.teach.tasks.solutions import Solution
 from robsim.teach.tasks.trial import TaskTrial
 from robsim.trace import Trace
 
 
 @dataclass(frozen=True)
 class SeenRun:
-    """The worst run of a trial.
+    """The worst run of a trial."""
 
-    Attributes
-    ----------
-    task : Task
-        The task.
-    number : int
-        Its number.
-    trace, reference : Trace
-        The run, and the same of the reference.
-    """
-
-    task: Task
-    number: int
+    trial: TaskTrial
+    solution: Solution
     trace: Trace
-    reference: Trace
+    reference: Trace  # the same run of the reference
+
+    @property
+    def task(self) -> Task:
+        return self.trial.task
 
     @classmethod
-    def of(cls, trial: TaskTrial) -> SeenRun | None:
+    def of(cls, trial: TaskTrial, solution: Solution) -> SeenRun | None:
         """Return the worst run of a trial; None if all have failed."""
         if trial.worst is None or trial.trace is None or trial.reference_trace is None:
             return None
-        return cls(trial.task, trial.worst, trial.trace, trial.reference_trace)
+        return cls(trial, solution, trial.trace, trial.reference_trace)
 
     def problem(self, kind: str, sentence: str, k: int | None = None) -> Problem:
-        """Return what is wrong in it."""
-        situation = f"run {self.number} of the task"
+        situation = f"run {self.trial.worst} of the task"
         return Problem(kind=kind, sentence=sentence, situation=situation, k=k)
 
     def tolerance(self, name: str, default: float) -> float:
