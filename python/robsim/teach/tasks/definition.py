@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from os import PathLike
 from pathlib import Path
@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 from robsim.base.checks import Floats, check_int
 from robsim.base.files import write_new_files
 from robsim.base.seeds import Seed
-from robsim.base.text import quoted
+from robsim.base.text import listed, quoted
 from robsim.campaigns.choices import Folder
 from robsim.simulation import Scenario, Simulation
-from robsim.simulation.slots import AllCallbacks
-from robsim.teach.tasks._sheet import sheet_of
+from robsim.simulation.slots import ONCE, SLOTS, AllCallbacks
 from robsim.teach.tasks.score import Score
 from robsim.teach.tasks.solutions import (
     MODULE,
@@ -193,7 +192,7 @@ class Task(ABC):
     @property
     def sheet(self) -> str:
         """What students read, with these values, in Markdown."""
-        return sheet_of(self)
+        return _sheet_of(self)
 
     @property
     def solutions(self) -> tuple[Solution, ...]:
@@ -252,3 +251,63 @@ def solution_folder(task: Task, solution: Solution) -> Folder:
     path = solution.folder or Path(solution.name)
     sources = {**solution.files, MODULE: module_source(task)}
     return Folder(str(path), str(path.absolute()), sources, task.slots)
+
+
+_SHEETS = Path(__file__).parent / "sheets"
+
+_GIVEN = {
+    "frames": "The camera's frame, `step.frame`, and the coloured blobs found in it, `step.blobs`.",
+    "blobs": "The coloured blobs in the camera's frame, `step.blobs`, but not the frame itself.",
+    "pose": "The measured pose, `step.measurement`, or None where the robot was not seen.",
+}
+
+
+def _sheet_of(task: Task) -> str:
+    own = (_SHEETS / f"{task.name}.md").read_text(encoding="utf-8")
+    parts = [own.format_map(task.parameters).strip(), *_common(task)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _common(task: Task) -> Iterator[str]:
+    yield "## What you write"
+    yield "\n".join(_files(task))
+    yield "## What you are given"
+    example = f"`from task import {next(iter(task.values))}`"
+    yield f"{_GIVEN[task.given]} And from the module `task`, as {example}:"
+    rows = (f"| `{name}` | `{value!r}` |" for name, value in task.values.items())
+    yield "\n".join(["| name | value |", "| --- | --- |", *rows])
+    yield (
+        "A run is from a seed of its own, and so differs from others. You may import numpy, what "
+        f"Python brings along, files of your own, and robsim without {listed(_masked(task))}."
+    )
+    yield "## How it is scored"
+    rows = (f"| {one.title} | {one.unit} | {100 * one.share:.0f} % |" for one in task.scores)
+    yield "\n".join(["| score | unit | share of the points |", "| --- | --- | --- |", *rows])
+    yield (
+        f"Your code is run {task.runs} times for {task.steps} steps, and so is a reference in the "
+        "same runs. What counts is how many times the reference's your numbers are, as the "
+        "geometric mean over the runs: about as good as the reference gives all points, and what a "
+        "naive solution reaches gives none. A run that ends with an error has no points."
+    )
+    yield "## Try it"
+    yield "\n".join(
+        [
+            "```",
+            f"robsim tasks show {task.name} --to mine",
+            f"robsim tasks try {task.name} mine",
+            f"robsim check mine --task {task.name}  # which score is short, and why",
+            "```",
+        ]
+    )
+
+
+def _files(task: Task) -> Iterator[str]:
+    for slot in (SLOTS[name] for name in task.slots):
+        when = "once, at the start" if slot.when == ONCE else "at each step"
+        yield f"- `{slot.name}.py` with `{slot.signature}`, called {when}: {slot.result}."
+
+
+def _masked(task: Task) -> list[str]:
+    """Return what is masked, once: a name at the top is that of its room, too."""
+    names = {name.rpartition(".")[2]: name for name in sorted(task.masked, reverse=True)}
+    return [f"`{name}`" for name in sorted(names.values())]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -108,6 +109,12 @@ class Score:
         known = np.where(np.isnan(numbers), self.worst, numbers)
         logs: Floats = np.log(np.clip(known, self.floor, self.worst))
         return logs
+
+
+def scores_of(*rows: tuple[Any, ...]) -> tuple[Score, ...]:
+    """Return scores of rows: name, title, unit, share, floor, worst, and maybe their kind."""
+    names = ("name", "title", "unit", "share", "floor", "worst", "kind")
+    return tuple(Score(**dict(zip(names, row, strict=False))) for row in rows)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -115,14 +115,12 @@ def _what_is_missing(path: Path, files: Iterable[str], slots: tuple[str, ...]) -
 
 
 def module_source(task: Task) -> bytes:
-    """Return the module ``task`` of solutions: what they are told."""
     lines = [f'"""What is given: {task.title}."""', ""]
     lines += [f"{name} = {value!r}" for name, value in task.values.items()]
     return ("\n".join(lines) + "\n").encode()
 
 
 def starting_files(task: Task) -> dict[str, bytes]:
-    """Return what students begin with, by names of files: one for each slot, and ``task.py``."""
     files = {file.name: file.read_bytes() for file in (_START / task.name).glob("*.py")}
     return files | {f"{MODULE}.py": module_source(task)}
 
@@ -130,12 +128,7 @@ def starting_files(task: Task) -> dict[str, bytes]:
 def solutions_in(folder: str | PathLike[str], slots: tuple[str, ...]) -> tuple[Solution, ...]:
     """Return the solutions of a folder: those in ``right``, the reference first, and ``wrong``.
 
-    Raises
-    ------
-    OSError
-        If the folder cannot be read.
-    ValueError
-        If there is no reference, or a folder has none of the slots.
+    Raise OSError, or ValueError without a reference or without a slot.
     """
     found = tuple(with_shared(_found(as_folder(folder), slots)))
     if not any(one.is_right and one.name == REFERENCE for one in found):
@@ -145,7 +138,8 @@ def solutions_in(folder: str | PathLike[str], slots: tuple[str, ...]) -> tuple[S
 
 def _found(folder: Path, slots: tuple[str, ...]) -> Iterator[Solution]:
     for kind, first in (("right", REFERENCE), ("wrong", NAIVE)):
-        places = [one for one in (folder / kind).glob("*") if one.is_dir() and _is_named(one)]
+        named = (one for one in (folder / kind).glob("*") if not one.name.startswith((".", "__")))
+        places = [one for one in named if one.is_dir()]
         for place in sorted(places, key=lambda one: (one.name != first, one.name)):
             yield Solution.read(place, slots, is_right=kind == "right")
 
@@ -163,10 +157,6 @@ def helpers(solution: Solution) -> dict[str, bytes]:
     return {name: file for name, file in solution.files.items() if name not in SLOTS}
 
 
-def _is_named(folder: Path) -> bool:
-    return not folder.name.startswith((".", "__"))
-
-
 PACKED = Path(__file__).with_name("solutions.bin")
 _SAYS = "says"
 
@@ -177,7 +167,6 @@ def pack(sources: Mapping[str, str]) -> bytes:
 
 
 def unpack(packed: bytes) -> dict[str, str]:
-    """Return what was packed."""
     sources: dict[str, str] = json.loads(zlib.decompress(packed))
     return sources
 
@@ -212,7 +201,6 @@ def _solutions(tables: Mapping[str, Any], slots: tuple[str, ...]) -> Iterator[So
 def _changed(
     base: Mapping[str, str], changes: Mapping[str, str], slots: tuple[str, ...]
 ) -> dict[str, str]:
-    """Return the files of a solution by name."""
     own = {key: text for key, text in changes.items() if key.endswith(".py")}
     is_whole = all(f"{slot}.py" in own for slot in slots)
     files = {} if is_whole else {name: text for name, text in base.items() if name not in own}

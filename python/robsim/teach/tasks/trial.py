@@ -214,7 +214,6 @@ def _median(values: tuple[float, ...]) -> float:
 
 
 def _in_words(limit: ScoreLimit) -> tuple[str, str]:
-    """Return where a score has all points, and where none."""
     if limit.low is None or limit.low_zero is None:
         return f"up to {limit.full:.3g}", f"from {limit.zero:.3g}"
     full = f"{limit.low:.3g} to {limit.full:.3g}"
@@ -301,7 +300,7 @@ def try_solution(
     result = _runs_of(task, choices, runs, seed, time_limit=time_limit, progress=progress)
     reference = _reference(task, runs, seed)
     failed = {
-        run: _failure(error, line)
+        run: error if line is None else f"{error} ({line})"
         for run, (error, line) in enumerate(zip(result["error"], result["line"], strict=True))
         if error is not None
     }
@@ -329,7 +328,6 @@ def try_solution(
 def _choices(
     task: Task, solution: str | PathLike[str] | Solution | None, callbacks: Mapping[str, Any]
 ) -> tuple[str, dict[str, Choice]]:
-    """Return what is tried: its name, and what it fills slots with."""
     if (solution is None) == (not callbacks):
         example = f"{task.slots[0]}=my_{task.slots[0]}"
         raise TypeError(f"give a solution, a folder or a file, or callbacks by name: {example}")
@@ -397,10 +395,6 @@ def _column(result: CampaignResult, name: str, missing: list[float]) -> Any:
     return result[column] if column in result.columns else missing
 
 
-def _failure(error: str, line: str | None) -> str:
-    return error if line is None else f"{error} ({line})"
-
-
 def _broken(result: CampaignResult) -> tuple[int, ...]:
     is_broken = np.nan_to_num(_column(result, "broken", [0.0] * len(result["error"])))
     return tuple(int(run) for run in np.flatnonzero(is_broken))
@@ -417,7 +411,6 @@ def _worst(
     reference: Mapping[str, tuple[float, ...]],
     failed: Mapping[int, str],
 ) -> int | None:
-    """Return the run that loses most, of those that came through."""
     runs = [run for run in range(len(next(iter(values.values())))) if run not in failed]
 
     def loss(run: int) -> float:

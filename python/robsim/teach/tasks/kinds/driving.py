@@ -112,7 +112,6 @@ class DrivingTask(Task):
 
 
 def check_inside(name: str, positions: Iterable[Sequence[float]]) -> None:
-    """Raise ValueError unless a robot can drive to all positions in the work area."""
     for position in positions:
         if any(not _WALL <= x <= side - _WALL for x, side in zip(position, _AREA, strict=True)):
             raise ValueError(

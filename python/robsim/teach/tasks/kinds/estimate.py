@@ -16,7 +16,7 @@ from robsim.simulation import PoseNoise, Scenario
 from robsim.simulation.world.scene import HEADINGS
 from robsim.teach.tasks.definition import MOST_STEPS, Task
 from robsim.teach.tasks.kinds.driving import AREA, DT, RESOLUTION, rms_of_poses, small_world
-from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.score import Score, scores_of
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 
@@ -55,31 +55,10 @@ class EstimateTask(Task):
     slots: ClassVar[tuple[str, ...]] = ("estimate_state",)
     given: ClassVar[str] = "pose"
     unscored: ClassVar[int] = 10  # in which the robot is seen for the first time
-    scores: ClassVar[tuple[Score, ...]] = (
-        Score(
-            name="position",
-            title="rms error of the position",
-            unit="px",
-            share=0.35,
-            floor=0.01,
-            worst=1000.0,
-        ),
-        Score(
-            name="heading",
-            title="rms error of the heading",
-            unit="deg",
-            share=0.35,
-            floor=0.01,
-            worst=180.0,
-        ),
-        Score(
-            name="consistency",
-            title="mean NEES of the pose / 3",
-            kind="consistency",
-            share=0.3,
-            floor=1e-3,
-            worst=1e3,
-        ),
+    scores: ClassVar[tuple[Score, ...]] = scores_of(
+        ("position", "rms error of the position", "px", 0.35, 0.01, 1000.0),
+        ("heading", "rms error of the heading", "deg", 0.35, 0.01, 180.0),
+        ("consistency", "mean NEES of the pose / 3", "", 0.3, 1e-3, 1e3, "consistency"),
     )
 
     noise: float = 0.0

@@ -13,7 +13,7 @@ from robsim.control import score_path
 from robsim.control.path_following import as_waypoints
 from robsim.teach.tasks.definition import MASKED
 from robsim.teach.tasks.kinds.driving import DT, MAXIMUM_VOLTAGE, DrivingTask, check_inside
-from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.score import Score, scores_of
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 
@@ -47,21 +47,9 @@ class FollowTask(DrivingTask):
     name: ClassVar[str] = "follow"
     title: ClassVar[str] = "follow a path with the robot"
     scores: ClassVar[tuple[Score, ...]] = (
-        Score(
-            name="error",
-            title="distance from the path, rms",
-            unit="px",
-            share=0.4,
-            floor=1.0,
-            worst=200.0,
-        ),
-        Score(
-            name="time",
-            title="time until the last waypoint",
-            unit="s",
-            share=0.4,
-            floor=0.2,
-            worst=120.0,
+        *scores_of(
+            ("error", "distance from the path, rms", "px", 0.4, 1.0, 200.0),
+            ("time", "time until the last waypoint", "s", 0.4, 0.2, 120.0),
         ),
         Score(
             name="left",

@@ -9,12 +9,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from robsim._core import DriveAround, RobotModel
-from robsim.base.checks import Floats, check_float, check_int
+from robsim.base.checks import check_float, check_int
 from robsim.estimation.identification.regressions import regression_of
 from robsim.simulation import ParameterMismatch, PoseNoise, Scenario
 from robsim.teach.tasks.definition import MOST_STEPS, Task
 from robsim.teach.tasks.kinds.driving import DT, rms, rms_of_poses, small_world
-from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.score import Score, scores_of
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 
@@ -56,32 +56,14 @@ class IdentifyTask(Task):
     title: ClassVar[str] = "identify the robot's parameters while it drives"
     slots: ClassVar[tuple[str, ...]] = ("init_parameter_estimator", "estimate_parameters")
     given: ClassVar[str] = "pose"
-    scores: ClassVar[tuple[Score, ...]] = (
-        Score(
-            name="position",
-            title="rms error of the predicted position, by the last parameters",
-            unit="px",
-            share=0.4,
-            floor=1e-4,
-            worst=100.0,
-        ),
-        Score(
-            name="heading",
-            title="rms error of the predicted heading, by the last parameters",
-            unit="deg",
-            share=0.3,
-            floor=1e-4,
-            worst=100.0,
-        ),
-        Score(
-            name="early",
-            title="rms error of the predicted position, by the parameters at 40 % of the run",
-            unit="px",
-            share=0.3,
-            floor=1e-4,
-            worst=100.0,
-        ),
-    )
+    scores: ClassVar[tuple[Score, ...]] = scores_of(
+        ("position", "rms error of the predicted position, by the last parameters",
+         "px", 0.4, 1e-4, 100.0),
+        ("heading", "rms error of the predicted heading, by the last parameters",
+         "deg", 0.3, 1e-4, 100.0),
+        ("early", "rms error of the predicted position, by the parameters at 40 % of the run",
+         "px", 0.3, 1e-4, 100.0),
+    )  # fmt: skip
 
     steps: int = 150
     noise: float = 0.0
@@ -125,11 +107,7 @@ class IdentifyTask(Task):
         trace.require("pose_true")
         phi = regression_of(trace, identify_from="truth").phi
         error = trace.parameters - np.asarray(trace.info.theta_true, dtype=np.float64)
-        last, early = (_predicted(phi, error[k]) for k in (-1, round(_EARLY * len(trace))))
+        # e = sum(phi (theta - theta_true))
+        steps = (-1, round(_EARLY * len(trace)))
+        last, early = (np.sum(phi * error[k], axis=2) for k in steps)
         return {**rms_of_poses(last), "early": rms(early[:, :2])}
-
-
-def _predicted(phi: Floats, error: Floats) -> Floats:
-    """Return the errors of predicted poses, (N, 3), that an error of the parameters makes."""
-    # e = sum(phi (theta - theta_true))
-    return np.asarray(np.sum(phi * error, axis=2))

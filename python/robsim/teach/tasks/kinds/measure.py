@@ -13,7 +13,7 @@ from robsim.base.checks import check_float
 from robsim.simulation import Scenario
 from robsim.teach.tasks.definition import MASKED, Task
 from robsim.teach.tasks.kinds.driving import AREA, DT, rms_of_poses, small_world
-from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.score import Score, scores_of
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 from robsim.trace.tracking import FALSE_POSE_LIMITS
@@ -42,32 +42,13 @@ class MeasureTask(Task):
     title: ClassVar[str] = "measure the robot's pose in noisy frames"
     slots: ClassVar[tuple[str, ...]] = ("measure",)
     given: ClassVar[str] = "frames"
-    scores: ClassVar[tuple[Score, ...]] = (
-        Score(
-            name="position",
-            title="error of the position",
-            unit="px",
-            share=0.4,
-            floor=0.05,
-            worst=FALSE_POSE_LIMITS[0],
-        ),
-        Score(
-            name="heading",
-            title="error of the heading",
-            unit="deg",
-            share=0.3,
-            floor=0.1,
-            worst=float(np.rad2deg(FALSE_POSE_LIMITS[1])),
-        ),
-        Score(
-            name="lost",
-            title="frames with a false pose, or without one where the robot can be seen",
-            unit="%",
-            share=0.3,
-            floor=10.0,
-            worst=100.0,
-        ),
-    )
+    scores: ClassVar[tuple[Score, ...]] = scores_of(
+        ("position", "error of the position", "px", 0.4, 0.05, FALSE_POSE_LIMITS[0]),
+        ("heading", "error of the heading",
+         "deg", 0.3, 0.1, float(np.rad2deg(FALSE_POSE_LIMITS[1]))),
+        ("lost", "frames with a false pose, or without one where the robot can be seen",
+         "%", 0.3, 10.0, 100.0),
+    )  # fmt: skip
     masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.locate", "robsim.vision.locate")
 
     noise: float = 30.0
@@ -82,10 +63,7 @@ class MeasureTask(Task):
     def scenario(self) -> Scenario:
         """The world of its runs: a robot that drives around."""
         return small_world(
-            noise=self.noise,
-            headings=None,
-            dropout=self.dropout,
-            control=DriveAround(),
+            noise=self.noise, headings=None, dropout=self.dropout, control=DriveAround()
         )
 
     @property
@@ -106,7 +84,4 @@ class MeasureTask(Task):
         trace.require("pose_true")
         is_good = trace.seen & ~trace.is_false
         is_lost = trace.is_false | ~(trace.seen | trace.hidden.astype(bool))
-        return {
-            **rms_of_poses(trace.error[is_good]),
-            "lost": 100 * float(np.mean(is_lost)),
-        }
+        return {**rms_of_poses(trace.error[is_good]), "lost": 100 * float(np.mean(is_lost))}

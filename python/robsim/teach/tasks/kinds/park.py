@@ -12,7 +12,7 @@ from robsim.base.checks import Floats
 from robsim.control import score_pose
 from robsim.control.path_following import as_pose
 from robsim.teach.tasks.kinds.driving import DT, MAXIMUM_VOLTAGE, DrivingTask, check_inside
-from robsim.teach.tasks.score import Score
+from robsim.teach.tasks.score import Score, scores_of
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 
@@ -45,40 +45,13 @@ class ParkTask(DrivingTask):
 
     name: ClassVar[str] = "park"
     title: ClassVar[str] = "park the robot at a pose"
-    scores: ClassVar[tuple[Score, ...]] = (
-        Score(
-            name="settling",
-            title="time until it stays at the pose",
-            unit="s",
-            share=0.4,
-            floor=0.2,
-            worst=60.0,
-        ),
-        Score(
-            name="distance",
-            title="distance from the position at the end",
-            unit="px",
-            share=0.15,
-            floor=4.0,
-            worst=400.0,
-        ),
-        Score(
-            name="heading",
-            title="error of the heading at the end",
-            unit="deg",
-            share=0.25,
-            floor=2.0,
-            worst=90.0,
-        ),
-        Score(
-            name="overshoot",
-            title="how far it leaves the position after it has been there",
-            unit="px",
-            share=0.2,
-            floor=2.0,
-            worst=200.0,
-        ),
-    )
+    scores: ClassVar[tuple[Score, ...]] = scores_of(
+        ("settling", "time until it stays at the pose", "s", 0.4, 0.2, 60.0),
+        ("distance", "distance from the position at the end", "px", 0.15, 4.0, 400.0),
+        ("heading", "error of the heading at the end", "deg", 0.25, 2.0, 90.0),
+        ("overshoot", "how far it leaves the position after it has been there",
+         "px", 0.2, 2.0, 200.0),
+    )  # fmt: skip
 
     steps: int = 150
     goal: Sequence[float] = (380.0, 300.0, 3.14)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -89,7 +89,7 @@ def calibrate_task(
     They are tolerance bounds, which hold whatever the distribution of the scores is: `bound_rank`.
     """
     chosen = _chosen(task, solutions)
-    plan = _plan(task, chosen, false_fail, confidence, tests)
+    count, rank = _count_and_rank(false_fail, confidence, tests)
     check_int("seed", seed, minimum=0, maximum=2**128 - 1)
     check_bool("progress", progress)
     engine_value(executor)
@@ -97,40 +97,26 @@ def calibrate_task(
 
     right = [one for one in chosen if one.is_right]
     wrong = [one for one in chosen if not one.is_right]
-    runs = runs_of(
-        task,
-        right,
-        plan.pilot + plan.tests,
-        seed=seed,
-        executor=executor,
-        store=_file(folder, "right"),
-        progress=progress,
-    )
+    play = partial(runs_of, task, seed=seed, executor=executor, progress=progress)
+    runs = play(right, PILOT_TESTS + count, store=_file(folder, "right"))
     _check_right(runs)
-    runs |= runs_of(
-        task,
-        wrong,
-        plan.wrong,
-        seed=seed,
-        executor=executor,
-        store=_file(folder, "wrong"),
-        progress=progress,
-    )
+    runs |= play(wrong, WRONG_TESTS, store=_file(folder, "wrong"))
     reference = runs[REFERENCE]
-    known = reference.first(plan.wrong * task.runs)
+    known = reference.first(WRONG_TESTS * task.runs)
     sets = {one.name: sets_of(task, runs[one.name], reference) for one in right}
     wrong_sets = {one.name: sets_of(task, runs[one.name], known) for one in wrong}
-    limits = limits_from(task, list(sets.values()), wrong_sets[NAIVE], plan.pilot, plan.rank)
-    after = {name: _after(one, plan.pilot) for name, one in sets.items()}
+    limits = limits_from(task, list(sets.values()), wrong_sets[NAIVE], PILOT_TESTS, rank)
+    begin = PILOT_TESTS
+    after = {name: Sets(one.statistics[begin:], one.through[begin:]) for name, one in sets.items()}
     return TaskCalibration(
         task=task.name,
         parameters=_plain(task.parameters),
         limits=limits,
         false_fail=false_fail,
         confidence=confidence,
-        tests=plan.tests,
-        pilot_tests=plan.pilot,
-        rank=plan.rank,
+        tests=count,
+        pilot_tests=PILOT_TESTS,
+        rank=rank,
         seed=seed,
         task_digest=task_digest(task),
         solutions_digest=solutions_digest(chosen),
@@ -142,33 +128,13 @@ def calibrate_task(
     )
 
 
-@dataclass(frozen=True)
-class _Plan:
-    """How many tests of what."""
-
-    pilot: int
-    tests: int
-    wrong: int
-    rank: int
-
-
-def _plan(
-    task: Task,
-    solutions: Sequence[Solution],
-    false_fail: float,
-    confidence: float,
-    tests: int | None,
-) -> _Plan:
+def _count_and_rank(false_fail: float, confidence: float, tests: int | None) -> tuple[int, int]:
+    """Return the number of tests of each right solution, and the rank of the bound in them."""
     check_float("false_fail", false_fail, minimum=1e-4, maximum=0.5)
     check_float("confidence", confidence, minimum=0.5, maximum=0.9999)
     fewest = fewest_values(false_fail, confidence)
     count = fewest if tests is None else check_int("tests", tests, minimum=fewest, maximum=10**6)
-    return _Plan(
-        pilot=PILOT_TESTS,
-        tests=count,
-        wrong=WRONG_TESTS,
-        rank=bound_rank(count, false_fail, confidence),
-    )
+    return count, bound_rank(count, false_fail, confidence)
 
 
 def _chosen(task: Any, solutions: Any) -> tuple[Solution, ...]:
@@ -185,7 +151,6 @@ def _chosen(task: Any, solutions: Any) -> tuple[Solution, ...]:
 
 
 def check_solutions(chosen: Sequence[Solution]) -> None:
-    """Raise ValueError unless there are a reference, another right solution, and a naive one."""
     right = [one.name for one in chosen if one.is_right]
     if len(right) < 2 or right[0] != REFERENCE:
         raise ValueError(
@@ -215,10 +180,6 @@ def _check_right(runs: Mapping[str, Runs]) -> None:
             )
 
 
-def _after(sets: Sets, count: int) -> Sets:
-    return Sets(sets.statistics[count:], sets.through[count:])
-
-
 def _plain(parameters: dict[str, Any]) -> dict[str, Any]:
     return {
         name: list(value) if isinstance(value, (tuple, list)) else value
@@ -229,7 +190,6 @@ def _plain(parameters: dict[str, Any]) -> dict[str, Any]:
 def marks_of(
     task: Task, solution: Solution, sets: Sets, limits: dict[str, ScoreLimit]
 ) -> SolutionMarks:
-    """Return what a solution comes to in some tests, by limits."""
     points = sets.points(task.scores, limits)
     known = sets.through > 0
     medians = np.median(sets.statistics[known], axis=0) if known.any() else None
@@ -255,22 +215,14 @@ def calibration_seconds(
     tests: int | None = None,
     processes: int = 1,
 ) -> float:
-    """Return about how long `calibrate_task` will take (s), from a test of each solution.
-
-    Parameters
-    ----------
-    task, solutions, false_fail, confidence, tests
-        As for `calibrate_task`.
-    processes : int
-        How many will run at a time.
-    """
+    """Return the estimated duration of `calibrate_task` (s), from a test of each solution."""
     chosen = _chosen(task, solutions)
-    plan = _plan(task, chosen, false_fail, confidence, tests)
+    count, _ = _count_and_rank(false_fail, confidence, tests)
     check_int("processes", processes, minimum=1, maximum=10**4)
     seconds = 0.0
     for one in chosen:
         begin = time.perf_counter()
         runs_of(task, [one], 1, seed=0)
-        tests_of_it = plan.pilot + plan.tests if one.is_right else plan.wrong
+        tests_of_it = PILOT_TESTS + count if one.is_right else WRONG_TESTS
         seconds += tests_of_it * (time.perf_counter() - begin)
     return seconds / processes

@@ -24,30 +24,17 @@ _ROUNDED = 1 + 1e-9
 def limits_from(
     task: Task, right: Sequence[Sets], naive: Sets, pilot: int, rank: int
 ) -> dict[str, ScoreLimit]:
-    """Return the limits of a task's scores from the tests of right solutions.
+    """Return the limits of a task's scores from the tests of right solutions, and of the naive one.
 
-    Parameters
-    ----------
-    task : Task
-        The task.
-    right : sequence of Sets
-        Those of each right solution, `pilot` of them for the shape.
-    naive : Sets
-        Those of the naive solution.
-    pilot, rank : int
-        As of `TaskCalibration`.
-
-    Notes
-    -----
     Of each score a test has a statistic s, see `Score.statistic`. What can be too large is log s,
     and, where it is consistency, -log s, too; how much these differ among right solutions is not
     the same. So from the tests before, each gets a unit d: three standard deviations above its
     mean, for the solution for which that is largest, and log 1.1 at least.
 
-    In the others a test is as far off as its worst score, e = max(log s / d). The limits are
-    exp(c d), with one c for all: the r-th largest e of the tests of a solution, for the solution
-    for which that is largest. So the bound holds for all scores together, however they depend on
-    each other. No limit is below 1.01.
+    In the others a test is as far off as its worst score, e = max(log s / d). The limits are exp(c
+    d), with one c for all: the r-th largest e of the tests of a solution, for the solution for
+    which that is largest. So the bound holds for all scores together, however they depend on each
+    other. No limit is below 1.01.
 
     No points are given from the median of what the naive solution comes to, and nowhere before the
     square of the limit.
@@ -86,14 +73,10 @@ def _tails(task: Task, statistics: Floats) -> Floats:
 
 
 def fewest_values(exceeded: float, confidence: float) -> int:
-    """Return how many values it takes for a bound that few others exceed: then their largest.
+    """Return the number of values whose largest is a bound that few other values exceed.
 
-    Parameters
-    ----------
-    exceeded : float
-        The probability with which another value may exceed the bound, within 0..1.
-    confidence : float
-        The probability that the bound is that high, within 0..1.
+    Another value exceeds the bound with the probability `exceeded`, at the confidence level
+    `confidence`; both are within 0..1.
     """
     # P(the largest of n lies above the quantile) = 1 - (1 - p)^n
     return math.ceil(math.log1p(-confidence) / math.log1p(-exceeded))
@@ -102,23 +85,8 @@ def fewest_values(exceeded: float, confidence: float) -> int:
 def bound_rank(n: int, exceeded: float, confidence: float) -> int:
     """Return r: the r-th largest of n independent values is a bound that few others exceed.
 
-    A one-sided tolerance bound, whatever the distribution of the values is.
-
-    Parameters
-    ----------
-    n : int
-        How many values there are.
-    exceeded, confidence : float
-        As for `fewest_values`.
-
-    Raises
-    ------
-    ValueError
-        If there are too few values.
-
-    Notes
-    -----
-    The r-th largest lies above the quantile q(1 - p) if r values or more do, and their number is
+    A one-sided tolerance bound for any distribution; `fewest_values` explains the arguments. The
+    r-th largest lies above the quantile q(1 - p) if r values or more do, and their number is
     binomial: P(X >= r), X ~ B(n, p). Source: Wilks, Determination of Sample Sizes for Setting
     Tolerance Limits, Ann. Math. Statist. 12, 1941.
     """
@@ -135,17 +103,8 @@ def bound_rank(n: int, exceeded: float, confidence: float) -> int:
 
 
 def share_interval(count: int, n: int, level: float = 0.95) -> tuple[float, float]:
-    """Return the exact confidence interval of a probability, from how often it came true.
+    """Return the exact confidence interval of a probability, from its count in n trials.
 
-    Parameters
-    ----------
-    count, n : int
-        How often, of how many times.
-    level : float
-        Level of confidence.
-
-    Notes
-    -----
     Source: Clopper and Pearson, The Use of Confidence or Fiducial Limits Illustrated in the Case of
     the Binomial, Biometrika 26, 1934.
     """

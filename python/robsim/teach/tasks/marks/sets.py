@@ -23,21 +23,11 @@ _METRIC = "task"
 
 @dataclass(frozen=True)
 class Runs:
-    """The runs of a solution.
+    """The runs of a solution."""
 
-    Attributes
-    ----------
-    values : array (N, S)
-        The numbers of each run, by the scores of its task.
-    failed : array (N,) of bool
-        Which did not come through.
-    first_error : str
-        What was wrong with the first of them.
-    """
-
-    values: Floats
-    failed: NDArray[np.bool_]
-    first_error: str = ""
+    values: Floats  # (N, S): the numbers of each run, by the scores of its task
+    failed: NDArray[np.bool_]  # (N,): which did not come through
+    first_error: str = ""  # of the first failed run
 
     def first(self, count: int) -> Runs:
         return Runs(self.values[:count], self.failed[:count])
@@ -53,18 +43,9 @@ def runs_of(
     store: Path | None = None,
     progress: bool = False,
 ) -> dict[str, Runs]:
-    """Run solutions of a task, all in the same runs, and return those of each by its name.
+    """Run solutions of a task, all in the same runs, and return the runs of each by its name.
 
-    Parameters
-    ----------
-    task : Task
-        The task.
-    solutions : sequence of Solution
-        What is run.
-    tests : int
-        How many tests, each of as many runs as the task has.
-    seed, executor, store, progress
-        As for `robsim.campaign`.
+    Each test has as many runs as the task. The other arguments are those of `robsim.campaign`.
     """
     result = campaign(
         task.scenario,
@@ -96,21 +77,12 @@ def _runs_in(result: CampaignResult, task: Task, solution: str) -> Runs:
 
 @dataclass(frozen=True)
 class Sets:
-    """Tests, each of M runs.
+    """Tests, each of M runs."""
 
-    Attributes
-    ----------
-    statistics : array (N, S)
-        What the scores of a test come to; NaN where no run came through.
-    through : array (N,)
-        The share of its runs that came through.
-    """
-
-    statistics: Floats
-    through: Floats
+    statistics: Floats  # (N, S): of each score of a test; NaN = all runs failed
+    through: Floats  # (N,): the share of its runs that came through
 
     def points(self, scores: Sequence[Score], limits: Mapping[str, ScoreLimit]) -> Floats:
-        """Return what each test gives, (N,), as a part of its points."""
         return np.array(
             [
                 points_of(scores, limits, row, through)
@@ -125,18 +97,9 @@ def points_of(
     statistics: Sequence[float] | Floats,
     through: float,
 ) -> float:
-    """Return what a test gives, 0..1: for each score what its limit says; for failed runs nothing.
+    """Return the share of the points of a test, 0..1, from its statistics by score.
 
-    Parameters
-    ----------
-    scores : sequence of Score
-        Those of the task.
-    limits : mapping of str to ScoreLimit
-        Their limits, by name.
-    statistics : sequence of float
-        What the runs come to that came through, by score; NaN = none did.
-    through : float
-        The share of those, 0..1.
+    `through` is the share of completed runs.
     """
     parts = [
         0.0 if math.isnan(statistic) else score.share * limits[score.name].fraction(statistic)
@@ -146,7 +109,6 @@ def points_of(
 
 
 def sets_of(task: Task, own: Runs, reference: Runs) -> Sets:
-    """Return the runs of a solution as tests of as many runs as the task has."""
     size = task.runs
     places = [slice(i, i + size) for i in range(0, len(own.failed) - size + 1, size)]
     statistics = [_statistics(task, own, reference, place) for place in places]
