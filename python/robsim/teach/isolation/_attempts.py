@@ -21,7 +21,6 @@ def run(channel: socket.socket, memory: tuple[int, ...]) -> None:
 
 
 def _outcome(act: Callable[[dict[str, Any]], str], target: dict[str, Any]) -> list[Any]:
-    """Return whether it was refused, and in which words."""
     try:
         return [False, act(target)]
     except (OSError, AttributeError, RuntimeError) as error:
@@ -128,11 +127,7 @@ ATTEMPTS: dict[str, Callable[[dict[str, Any]], str]] = {
     "send a packet": _send,
 }
 if sys.platform != "win32":
-    ATTEMPTS |= {
-        "start a process": _fork,
-        "run a program": _execute,
-        "signal the grader": _signal,
-    }
+    ATTEMPTS |= {"start a process": _fork, "run a program": _execute, "signal the grader": _signal}
 if sys.platform == "linux":
     ATTEMPTS |= {
         "open the grader's memory": _read_memory,

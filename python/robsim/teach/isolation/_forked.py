@@ -30,13 +30,12 @@ def forked_worker(
     modules: Sequence[str],
     path: Sequence[str],
 ) -> WorkerProcess:
-    """Let a zygote fork a worker."""
     setup = ZygoteSetup(
         tuple(modules), tuple(path), shut=request.shut, network=NETWORK in request.without
     )
     descriptors = [channel.fileno(), *memory]
     if request.isolation != "none":
-        _close_own_memory()
+        calls.prctl(calls.PR_SET_DUMPABLE, 0)  # no other process of the user looks into this one
     for _ in range(_TRIES):
         try:
             return _asked(setup, request, descriptors)
@@ -78,8 +77,3 @@ def _give_back(user: int | None, ending: Ending) -> None:
         lose_user(user)  # it may have left something
     else:
         users.give_back(user)
-
-
-def _close_own_memory() -> None:
-    """Let no other process of the same user look into this one."""
-    calls.prctl(calls.PR_SET_DUMPABLE, 0)

@@ -29,14 +29,7 @@ class WorkerLost(Exception):
 class WorkerProcess:
     """A worker that runs, or has run. Its methods may be called from any thread.
 
-    A context manager, which ends it. Made by `start_worker`.
-
-    Attributes
-    ----------
-    layers : Layers
-        What shuts it in.
-    output : str
-        What it has printed, cut.
+    A context manager, which ends it. Made by `start_worker`. `layers` make its sandbox.
     """
 
     def __init__(
@@ -95,7 +88,6 @@ class WorkerProcess:
         return self.output.strip().rpartition("\n")[2] or "it ended by itself"
 
     def _watch(self) -> None:
-        """Read what it prints, until it has ended."""
         with selectors.DefaultSelector() as selector:
             selector.register(self._life, selectors.EVENT_READ)
             pipe = self._pipe

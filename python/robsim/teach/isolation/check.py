@@ -16,7 +16,6 @@ from typing import Any
 
 from robsim.base.report import Quantity, Report
 from robsim.teach.errors import GraderError
-from robsim.teach.isolation._layers.layer import Layers
 from robsim.teach.isolation.limits import Isolation
 from robsim.teach.isolation.start import start_worker
 
@@ -139,20 +138,15 @@ def check_isolation(*, isolation: Isolation = "auto") -> IsolationReport:
                 worker.kill()
                 said = worker.output.strip()[-500:]
                 raise GraderError(f"the trial worker gave no answer: {worker.wait().text} {said}")
-        return _report(isolation, worker.layers, attempts)
-
-
-def _report(
-    isolation: str, layers: Layers, attempts: dict[str, tuple[bool, str]]
-) -> IsolationReport:
-    return IsolationReport(
-        isolation=isolation,
-        layers=tuple((layer.name, layer.holds, layer.text) for layer in layers.layers),
-        attempts=attempts,
-        closed=dict(layers.closed),
-        isolation_line=layers.line,
-        certain_end=layers.certain_end,
-    )
+        layers = worker.layers
+        return IsolationReport(
+            isolation=isolation,
+            layers=tuple((layer.name, layer.holds, layer.text) for layer in layers.layers),
+            attempts=attempts,
+            closed=dict(layers.closed),
+            isolation_line=layers.line,
+            certain_end=layers.certain_end,
+        )
 
 
 def _answers(channel: socket.socket, target: dict[str, Any]) -> dict[str, tuple[bool, str]] | None:
@@ -170,6 +164,7 @@ def _answers(channel: socket.socket, target: dict[str, Any]) -> dict[str, tuple[
 def _targets() -> Iterator[dict[str, Any]]:
     """Give what the attempts are made on: a file, a folder, a server, memory; all of one's own."""
     secret = ctypes.create_string_buffer(b"robsim!")
+    package = Path(sys.modules["robsim"].__file__ or "").parent
     with tempfile.TemporaryDirectory() as folder, socket.create_server(("127.0.0.1", 0)) as server:
         os.chmod(folder, 0o777)
         file = Path(folder, "file")
@@ -178,14 +173,8 @@ def _targets() -> Iterator[dict[str, Any]]:
         yield {
             "file": str(file),
             "folder": folder,
-            "hidden": _hidden_file(),
+            "hidden": str(package / "estimation/reference/__init__.py"),  # the worker needs it not
             "process": os.getpid(),
             "address": ctypes.addressof(secret),
             "port": server.getsockname()[1],
         }
-
-
-def _hidden_file() -> str:
-    """Return a file of robsim's that is hidden from the worker, and that it does not need."""
-    package = Path(sys.modules["robsim"].__file__ or "")
-    return str(package.parent / "estimation/reference/__init__.py")

@@ -16,31 +16,14 @@ KILLED = -getattr(signal, "SIGKILL", 9)
 
 @dataclass(frozen=True)
 class Ending:
-    """How a worker ended.
+    """How a worker ended."""
 
-    Attributes
-    ----------
-    text : str
-        A sentence without its full stop: ``"its process ended by itself (exit code 0)"``.
-    cpu_seconds : float
-        Processor time of all its threads (s); NaN = not known.
-    max_rss : int
-        The most memory that it had in use at a time (bytes), with what it shares with the process
-        that it was forked from; 0 = not known.
-    over : bool
-        False = it still runs.
-    exited : bool
-        Whether it exited or a signal ended it, and no limit was exceeded.
-    left : tuple of str
-        What could not be removed after it; empty where its end is certain.
-    """
-
-    text: str
-    cpu_seconds: float = math.nan
-    max_rss: int = 0
-    over: bool = True
-    exited: bool = False
-    left: tuple[str, ...] = ()
+    text: str  # a sentence without its full stop
+    cpu_seconds: float = math.nan  # processor time of all its threads (s); NaN = not known
+    max_rss: int = 0  # its peak of memory (bytes), shared memory included; 0 = not known
+    over: bool = True  # False = it still runs.
+    exited: bool = False  # whether it exited, or a signal ended it, within all limits
+    left: tuple[str, ...] = ()  # things that could not be removed; empty if its end is certain
 
 
 STILL_RUNS = Ending("the worker still runs", over=False)

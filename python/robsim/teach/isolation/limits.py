@@ -100,30 +100,14 @@ LEVELS: tuple[Isolation, ...] = ("auto", "none", "process", "strict")
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """A worker that is asked for.
+    """The order for a worker."""
 
-    Attributes
-    ----------
-    entry : str
-        ``"module:function"``: trusted code, called as ``function(channel, memory)``.
-    limits : WorkerLimits
-        What it may take.
-    isolation : str
-        One of `LEVELS`.
-    hidden : tuple of str
-        Folders and files that it must not read.
-    user : int or None
-        The number of the user that it is to become.
-    without : tuple of str
-        Names of layers to leave out.
-    """
-
-    entry: str
+    entry: str  # ``"module:function"``: trusted code, called as ``function(channel, memory)``
     limits: WorkerLimits
-    isolation: Isolation
-    hidden: tuple[str, ...] = ()
-    user: int | None = None
-    without: tuple[str, ...] = ()
+    isolation: Isolation  # one of `LEVELS`
+    hidden: tuple[str, ...] = ()  # folders and files that it must not read
+    user: int | None = None  # the number of its user
+    without: tuple[str, ...] = ()  # names of layers to leave out
 
     @property
     def shut(self) -> bool:

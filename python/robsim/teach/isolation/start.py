@@ -32,39 +32,16 @@ def start_worker(
     path: Sequence[str] = (),
     without: Sequence[str] = (),
 ) -> WorkerProcess:
-    """Start a process that is shut in, and there calls trusted code, which runs a submission.
+    """Start a process in a sandbox, and there call trusted code, which runs a submission.
 
-    Parameters
-    ----------
-    entry : str
-        ``"module:function"``, called in the worker as ``function(channel, memory)`` with a socket
-        and a tuple of descriptors. What it returns is dropped.
-    channel : socket.socket
-        The worker's end; it gets a copy, and the caller closes this one.
-    memory : sequence of int
-        Descriptors that it gets copies of.
-    limits : WorkerLimits, optional
-        What it may take.
-    isolation : {"auto", "none", "process", "strict"}
-        ``"auto"``: all that works here; ``"none"``: a process, and nothing else; ``"process"``:
-        with limits; ``"strict"``: as ``"auto"``, and an error where files, processes, network or
-        the grader's memory stay open to it.
-    hidden : sequence of str
-        Folders and files of Python that it must not read.
-    modules : sequence of str
-        What is imported before it is shut in. Once for all workers, in a process that has never
-        seen a submission: what these modules do when imported, they do with the grader's rights.
-    path : sequence of str
-        Further folders in which modules are looked for.
-    without : sequence of str
-        Names of layers to leave out, as the report has them: to try what the others hold.
+    The entry ``"module:function"`` gets a copy of the channel's socket, and a tuple with copies of
+    the descriptors `memory`. The caller closes the channel. The worker cannot read hidden folders
+    and files of Python. Modules are imported with the grader's rights, once for all workers, before
+    any submission; `path` has further folders of modules. `without` names layers to omit.
 
-    Raises
-    ------
-    IsolationError
-        If ``"strict"`` cannot be had.
-    GraderError
-        If no worker can be started.
+    Isolation ``"none"`` gives only a process, ``"process"`` adds limits, ``"auto"`` adds all layers
+    that work here. ``"strict"`` does the same, but raises IsolationError if files, processes,
+    network or the grader's memory stay open. Raise GraderError if no worker starts.
     """
     check_choice("isolation", isolation, LEVELS)
     module, _, function = entry.partition(":")
@@ -89,7 +66,6 @@ def start_worker(
 
 
 def _refuse_open(worker: WorkerProcess) -> None:
-    """End a worker that is not shut in, and say why."""
     layers = worker.layers
     if missing := [what for what, closed in layers.closed.items() if not closed]:
         worker.kill()

@@ -49,12 +49,9 @@ def _handled(abi: int) -> tuple[int, int, int]:
 
 
 def restrict(grants: Iterable[Grant]) -> int:
-    """Shut this process, and all that it starts, into what is granted; return the version.
+    """Restrict this process and its children to grants; return the version of Landlock.
 
-    Raises
-    ------
-    OSError
-        If the kernel has no Landlock, or refuses.
+    Raise OSError if the kernel has no Landlock, or refuses.
     """
     abi = landlock_abi()
     if not abi:

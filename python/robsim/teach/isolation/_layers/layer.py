@@ -40,7 +40,6 @@ def attempt(name: str, act: Callable[[], str]) -> Layer:
 
 
 def missing_layers(system: str) -> list[Layer]:
-    """Return the layers that robsim knows no way to on a system."""
     reason = f"robsim knows no way on {system}"
     return [Layer(n, False, reason) for n in (USER, MEMORY, FILES, CALLS, PIDS, NETWORK)]
 

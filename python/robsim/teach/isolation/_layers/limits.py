@@ -6,8 +6,8 @@ import math
 import resource
 import sys
 
-from robsim.teach.isolation._layers.layer import LIMITS, Layer
-from robsim.teach.isolation.limits import WorkerLimits, as_size
+from robsim.teach.isolation._layers.layer import LIMITS, Layer, missing_layers
+from robsim.teach.isolation.limits import Request, WorkerLimits, as_size
 
 assert sys.platform != "win32"
 
@@ -42,3 +42,9 @@ def _set(name: str, value: int) -> bool:
     except (OSError, ValueError):
         return False
     return True
+
+
+def shut_in_elsewhere(request: Request) -> list[Layer]:
+    """Limit this process; say that the other layers are missing."""
+    missing = missing_layers(sys.platform) if request.shut else []
+    return [limit(request.limits, own_user=False), *missing]

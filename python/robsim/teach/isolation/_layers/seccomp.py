@@ -60,12 +60,9 @@ PROCESSORS = {
 
 
 def restrict() -> None:
-    """Let this process, and all its threads to come, make no call but those that it may need.
+    """Let this process, and all its later threads, make only the allowed calls.
 
-    Raises
-    ------
-    OSError
-        If there is no table for this processor, or the kernel refuses.
+    Raise OSError for an unknown processor, or if the kernel refuses.
     """
     machine = platform.machine()
     if machine not in PROCESSORS:

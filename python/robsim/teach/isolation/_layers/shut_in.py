@@ -63,7 +63,6 @@ def readable_trees(modules: Iterable[str]) -> list[Path]:
 
 
 def _keep_to(grants: Sequence[landlock.Grant]) -> int:
-    """Restrict this process to the grants, and its working folder to write in."""
     own = []
     try:
         for path, rights in ((".", landlock.SCRATCH), ("/dev/null", landlock.DEVICE)):
@@ -98,7 +97,6 @@ def way_to(user: int | None, request: Request) -> tuple[str, str]:
 
 
 def _change_user(request: Request) -> Layer:
-    """Become a user of one's own, and lose all rights of root."""
     way, reason = way_to(request.user, request)
     reader = calls.CAP_DAC_READ_SEARCH if way == "as a reader" else None
     try:
@@ -112,6 +110,5 @@ def _change_user(request: Request) -> Layer:
 
 
 def _close_memory() -> str:
-    """Let no other process look into this one, and this one into none of its user's."""
     calls.prctl(calls.PR_SET_DUMPABLE, 0)
     return "not dumpable"

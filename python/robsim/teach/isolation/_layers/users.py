@@ -55,7 +55,6 @@ def reason() -> str:
 
 
 def give_back(user: int) -> None:
-    """Say that a worker is gone, and all that it started."""
     with _lock:
         claim = _taken.pop(user, None)
     if claim is not None:

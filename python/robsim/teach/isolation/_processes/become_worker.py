@@ -32,22 +32,10 @@ def become_worker(
     alive: int | None = None,
     made: Sequence[Layer] = (),
 ) -> NoReturn:
-    """Turn this process into the worker that is asked for; never return.
+    """Turn this process into a worker, which reads `grants` in the folder `scratch`; never return.
 
-    Parameters
-    ----------
-    request : Request
-        What it is to be.
-    descriptors : sequence of int
-        Its channel, what it prints to, what it reports to, and its memory.
-    scratch : str
-        Its folder.
-    grants : sequence
-        What it may read.
-    alive : int, optional
-        A pipe that ends with the process that started this one.
-    made : sequence of Layer
-        Layers that are there already.
+    The descriptors are its channel, output, report and memory. The pipe `alive` ends with the
+    parent. The layers `made` exist already.
     """
     code = NOT_SHUT_IN
     try:
@@ -98,6 +86,6 @@ def _shut_in(request: Request, grants: Grants, alive: int | None) -> list[Layer]
         from robsim.teach.isolation._layers.shut_in import shut_in
 
         return shut_in(request, grants)
-    from robsim.teach.isolation._layers.elsewhere import shut_in_elsewhere
+    from robsim.teach.isolation._layers.limits import shut_in_elsewhere
 
     return shut_in_elsewhere(request)

@@ -60,7 +60,6 @@ def _strays(innocent: set[int]) -> list[int]:
 
 
 def _numbers(process: int) -> list[int]:
-    """Return the numbers of a process, from the namespace that /proc shows down to its own."""
     with suppress(OSError), open(f"/proc/{process}/status") as file:
         for line in file:
             if line.startswith("NSpid:"):

@@ -18,7 +18,6 @@ _SET = {
 
 
 def environment_for(home: str) -> dict[str, str]:
-    """Return the environment of a process with a home folder."""
     kept = {name: os.environ[name] for name in _KEPT if name in os.environ}
     if sys.platform == "win32":
         return {**_SET, **kept, **_of_windows(home)}

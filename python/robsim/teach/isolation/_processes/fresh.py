@@ -49,7 +49,6 @@ def fresh_worker(
     modules: Sequence[str],
     path: Sequence[str],
 ) -> WorkerProcess:
-    """Start a worker as a process of its own, which imports what it needs."""
     ours, theirs = socket.socketpair()
     try:
         keeper = _Keeper(request, theirs, [channel.fileno(), theirs.fileno(), *memory])
@@ -87,7 +86,6 @@ class _Keeper:
             raise
 
     def watch(self, message: Mapping[str, Any], channel: socket.socket) -> None:
-        """Start the threads, and tell it what to do."""
         self._reader = threading.Thread(target=self._read, name="robsim keeper", daemon=True)
         self._reader.start()
         for act in (self._wait, self._hear):
@@ -101,14 +99,12 @@ class _Keeper:
             stdin.write(json.dumps({**message, "given": given}).encode())
 
     def _read(self) -> None:
-        """Read what it prints."""
         assert self._process.stdout is not None
         with suppress(OSError), self._process.stdout as stdout:
             while part := os.read(stdout.fileno(), _AT_ONCE):
                 self.printed.add(part)
 
     def _hear(self) -> None:
-        """End the worker when the grader asks for it."""
         with suppress(OSError):
             self._life.recv(1)
         with self._lock:
@@ -175,7 +171,6 @@ def _started(folder: str, descriptors: Sequence[int]) -> subprocess.Popen[bytes]
 
 
 def main() -> NoReturn:
-    """Become the worker that standard input tells of."""
     message = json.loads(sys.stdin.buffer.read())
     sys.path.extend(message["path"])
     for module in message["modules"]:

@@ -38,13 +38,11 @@ class Base:
             return
 
     def let_go(self) -> None:
-        """Leave it to others, as a forked process does."""
         if self._lock is not None:
             os.close(self._lock)
         self._lock = None
 
     def remove(self) -> None:
-        """Remove it with all that is in it."""
         remove(self.path)
         self.let_go()
 
