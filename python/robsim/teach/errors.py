@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from robsim.simulation import FailedCallback
@@ -60,8 +60,12 @@ class GradingError(Exception):
         return str(self)
 
     def __reduce__(self) -> tuple[partial[GradingError], tuple[()]]:
+        return partial(type(self), str(self), **self._place), ()
+
+    @property
+    def _place(self) -> dict[str, Any]:
         names = ("slot", "step", "file", "line", "cause")
-        return partial(type(self), str(self), **{name: getattr(self, name) for name in names}), ()
+        return {name: getattr(self, name) for name in names}
 
     def _anew(self) -> GradingError:
         """Return the same without notes and traceback; `copy` keeps them where tblib is."""

@@ -67,7 +67,6 @@ def _cleaned(text: object, most: int = MOST_TEXT) -> str:
 
 
 def clean_line(text: object, most: int = MOST_LINE) -> str:
-    """Return the same in one line."""
     line = _cleaned(text, most).replace("\n", "\\n").replace("\t", " ")
     return line if len(line) <= most else line[: max(most - len(_CUT), 0)] + _CUT
 
@@ -98,30 +97,15 @@ def type_name(value: object) -> str:
 
 @dataclass(frozen=True)
 class ErrorText:
-    """What is told of an exception of a submission.
+    """The text of an exception of a submission."""
 
-    Attributes
-    ----------
-    type, message : str
-        Class and text of the exception; no class, where the text says all: of a `SubmissionError`.
-    lines : tuple of str
-        The lines of the submission that led to it, the innermost last.
-    slot : str or None
-        The slot.
-    step : int or None
-        The step; None = at the start, or before it.
-    file : str or None
-        File, or cell of a notebook, of the innermost line.
-    line : int or None
-        Its number.
-    """
-
+    #: Class and text of the exception; a `SubmissionError` has no class.
     type: str
     message: str
-    lines: tuple[str, ...] = ()
+    lines: tuple[str, ...] = ()  # the lines of the submission that led to it, the innermost last
     slot: str | None = None
-    step: int | None = None
-    file: str | None = None
+    step: int | None = None  # None = at the start, or earlier
+    file: str | None = None  # file, or cell of a notebook, of the innermost line
     line: int | None = None
 
     @property
@@ -143,7 +127,6 @@ class ErrorText:
         return f"{self.place}: {said}" if self.place else said
 
     def as_error(self) -> SubmissionError:
-        """Return the error that tells it."""
         places: dict[str, Any] = {"slot": self.slot, "step": self.step}
         return SubmissionError(str(self), **places, file=self.file, line=self.line)
 
@@ -157,13 +140,7 @@ class ErrorText:
 
     @classmethod
     def from_json(cls, data: bytes) -> ErrorText:
-        """Return what a worker tells; nothing of it is believed.
-
-        Raises
-        ------
-        ValueError
-            If it is not what `to_json` writes.
-        """
+        """Return the error of an untrusted worker; raise ValueError if it is invalid."""
         if len(data) > _MOST_JSON:
             raise ValueError(f"an error must have at most {_MOST_JSON} bytes, got {len(data)}")
         try:
@@ -195,14 +172,9 @@ def _number(value: object) -> int | None:
 def error_text(
     error: BaseException, *, slot: str | None = None, step: int | None = None
 ) -> ErrorText:
-    """Return what is told of an exception: nothing of the submission's is called for it.
+    """Return the text of an exception, without a call of the submission's code.
 
-    Parameters
-    ----------
-    error : BaseException
-        The exception.
-    slot, step
-        Where it came, where the exception itself does not say.
+    Slot and step are defaults for an exception without a place.
     """
     try:
         return _error_text(error, slot, step)
@@ -244,7 +216,6 @@ def _noted(error: BaseException) -> FailedCallback | None:
 
 
 def _lines(error: BaseException) -> list[SourceLine]:
-    """Return the submission's own lines in a traceback, the innermost last."""
     newest: deque[SourceLine] = deque(maxlen=_MOST_LINES)
     trace = BaseException.__dict__["__traceback__"].__get__(error)
     for frame, number in islice(traceback.walk_tb(trace), _MOST_DEPTH):

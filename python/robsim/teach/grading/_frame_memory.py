@@ -30,17 +30,10 @@ def has_frame_memory() -> bool:
 
 
 class FrameMemory:
-    """Room for some frames, drawn here, and seen by who has its descriptor.
+    """Room for some frames (H, W, 3), drawn here; a process with its descriptor can see them.
 
     It has no name, so that nothing of it is left when the last process that has it ends. On Linux
-    it is sealed: whoever has the descriptor can neither write to it nor change its size.
-
-    Attributes
-    ----------
-    images : list of array (H, W, 3)
-        The frames, writable.
-    descriptor : int
-        For `robsim._core.SharedFrames` in the other process.
+    it is sealed: its descriptor allows neither a write nor another size.
     """
 
     def __init__(self, resolution: tuple[int, int]) -> None:

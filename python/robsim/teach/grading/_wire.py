@@ -45,15 +45,10 @@ class WireError(Exception):
 
 
 class Channel:
-    """One end of the connection. Each side speaks in turn: there is one message at a time.
+    """One end of the connection. Each side speaks in turn, so there is one message at a time.
 
-    Parameters
-    ----------
-    connection : socket
-        A stream socket.
-    limits : dict of Kind to int, optional
-        The kinds that may come, and the most bytes of each; the others are refused. Default: all,
-        of any length: of a side that is trusted.
+    The limits have the most bytes of each kind, and other kinds are refused. Without limits the
+    other side is trusted.
     """
 
     def __init__(self, connection: socket.socket, limits: dict[Kind, int] | None = None) -> None:
@@ -69,14 +64,9 @@ class Channel:
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def send(self, kind: Kind, *parts: bytes | memoryview, patience: float | None = None) -> None:
-        """Send a message, in one call where it goes out at once.
+        """Send a message, in one call where possible.
 
-        Raises
-        ------
-        TimeoutError
-            If nobody reads it, for so long (s).
-        OSError
-            If it cannot be sent.
+        Raise TimeoutError after the patience (s), OSError if the connection fails.
         """
         self._wait_at_most(patience)
         views = [memoryview(part).cast("B") for part in parts]
@@ -92,21 +82,10 @@ class Channel:
             sent = max(0, sent - len(view))
 
     def receive(self, patience: float | None = None) -> tuple[Kind, bytes]:
-        """Wait for the next message.
+        """Return the next message.
 
-        Parameters
-        ----------
-        patience : float, optional
-            How long (s), for the whole message, and for the next one to be sent.
-
-        Raises
-        ------
-        TimeoutError
-            If it does not come.
-        OSError, EOFError
-            If the other side has closed the connection.
-        WireError
-            If it is of a kind that is not due, too long, or more than one.
+        Raise TimeoutError after the patience (s), OSError or EOFError for a closed connection, and
+        WireError for a wrong kind, a wrong length or two messages.
         """
         deadline = None if patience is None else time.monotonic() + patience
         self._wait_at_most(patience)
@@ -161,7 +140,6 @@ class Channel:
         return kind, length
 
     def _more(self, view: memoryview, deadline: float | None, have: int) -> int:
-        """Receive some bytes more, at least one."""
         if have == 0:
             raise EOFError("the other side has closed the connection")
         if deadline is not None:
@@ -175,36 +153,23 @@ class Channel:
         return count
 
     def close(self) -> None:
-        """Close the connection."""
         self._native = None
         self._socket.close()
 
 
 @dataclass(frozen=True)
 class Ready:
-    """What a worker says when the submission is loaded.
+    """The message of a worker that has loaded a submission."""
 
-    Attributes
-    ----------
-    filled : tuple of str
-        The slots that it fills with code.
-    switched_on : tuple of str
-        Those that it switches to the default stage.
-    has_standard_errors : bool
-        Whether its parameter estimator knows the standard errors of its estimates.
-    model : RobotModel
-        What it believes in.
-    """
-
-    filled: tuple[str, ...]
-    switched_on: tuple[str, ...]
+    filled: tuple[str, ...]  # the slots that it fills with code
+    switched_on: tuple[str, ...]  # to the default stage
+    #: Whether its parameter estimator knows the standard errors of its estimates.
     has_standard_errors: bool
-    model: RobotModel
+    model: RobotModel  # of the robot half
 
     _STRUCT = struct.Struct("<III16d")
 
     def to_bytes(self, slots: tuple[str, ...]) -> bytes:
-        """Return it as a body; a bit for each of these slots."""
         theta = self.model.theta.ravel().tolist()
         masks = (_mask(self.filled, slots), _mask(self.switched_on, slots))
         return self._STRUCT.pack(*masks, self.has_standard_errors, self.model.dt, *theta)

@@ -13,7 +13,6 @@ from typing import NoReturn, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim._core import RobotModel
 from robsim.teach.errors import ERROR, EXIT, TIMEOUT, GraderError, SubmissionError
 from robsim.teach.grading._frame_memory import FrameMemory
 from robsim.teach.grading._wire import LIMITS, Channel, Kind, Ready, WireError
@@ -40,22 +39,9 @@ _DYING = 1.0  # s after its connection is closed, until it is known how it ended
 
 
 class Worker:
-    """The process that has the robot half of one run.
+    """The process with the robot half of one run.
 
     Subclasses have other code in it, and another conversation.
-
-    Parameters
-    ----------
-    setup : Setup or CallSetup
-        What it is told.
-    memory : FrameMemory, optional
-        Where it sees frames.
-    limits : WorkerLimits
-        What it may take.
-    isolation : str
-        How it is shut in.
-    hidden : sequence of str
-        Files that it must not read.
     """
 
     _ENTRY = "robsim.teach.grading.robot_half:work"
@@ -93,13 +79,7 @@ class Worker:
         self._channel = Channel(ours, self._LIMITS)
 
     def ready(self) -> Ready:
-        """Send the submission, wait until it is loaded, and return what it fills.
-
-        Raises
-        ------
-        SubmissionError
-            If it cannot be loaded, or not in time.
-        """
+        """Send the submission, and return its slots; raise SubmissionError if it fails."""
         setup = self._setup
         assert isinstance(setup, Setup)
         body = self._hello()
@@ -114,14 +94,15 @@ class Worker:
             allowed.add("estimate_parameters")
         if foreign := {*ready.filled, *ready.switched_on} - allowed:
             self.refuse(min(foreign), None, "the submission must not fill this slot")
-        if "define_model" not in ready.filled and not _same(ready.model, setup.model):
+        own, ours = ready.model, setup.model
+        is_same = own.dt == ours.dt and np.array_equal(own.theta, ours.theta)
+        if "define_model" not in ready.filled and not is_same:
             self.refuse("define_model", None, "the submission must not change the model")
         groups = groups_of(ready.filled, setup.on)
         self._groups = {group[0]: group for group in groups}
         return ready
 
     def _hello(self) -> bytes:
-        """Send the submission; return what is said when it is loaded."""
         message = [pickle.dumps(self._setup)]
         kind, body = self._asked(Kind.HELLO, message, self._limits.first_call, (), None)
         if kind != Kind.READY:
@@ -168,7 +149,6 @@ class Worker:
             self._refuse_death(slot, k)
 
     def _refuse_death(self, slot: str | None, k: int | None) -> NoReturn:
-        """Raise what ended the worker: what it has said, or how it ended."""
         ending = self.process.wait(_DYING)
         if ending is GRADER_LOST_IT:
             raise GraderError(ending.text, slot=slot, step=k)
@@ -176,7 +156,6 @@ class Worker:
         self.refuse(slot, k, text, EXIT if ending.exited or not ending.over else ERROR)
 
     def _refuse_kind(self, kind: Kind, body: bytes, slot: str | None, k: int | None) -> NoReturn:
-        """Raise what a message says went wrong, or that another one was due."""
         if kind != Kind.ERROR:
             self.refuse(slot, k, "the worker has sent a message that is not due")
         try:
@@ -193,20 +172,17 @@ class Worker:
         raise replace(told, slot=named, step=step).as_error() from None
 
     def refuse(self, slot: str | None, k: int | None, what: str, cause: str = ERROR) -> NoReturn:
-        """Raise SubmissionError for a slot and a step."""
         step = None if k is None or k < 0 else k
         when = "at the start" if step is None else f"at step {step}"
         where = f"{slot} {when}" if slot else when
         raise SubmissionError(f"{where}: {what}", slot=slot, step=step, cause=cause)
 
     def end(self) -> None:
-        """Say that the run is over, and leave a moment for what is still to be printed."""
         with suppress(OSError):
             self._channel.send(Kind.END, patience=_ENDING)
             self.process.wait(_ENDING)
 
     def close(self) -> None:
-        """End the process, whatever it does."""
         self._channel.close()
         self.process.kill()
 
@@ -218,12 +194,9 @@ class Worker:
 
 
 def done(worker: Worker, act: Callable[[], R]) -> Done[R]:
-    """Return what comes of using a worker, and what it has printed until its end.
+    """Return the result of an act with a worker, and all that the worker has printed.
 
-    Raises
-    ------
-    SubmissionError
-        If it fails; the attribute ``output`` has what it had printed.
+    A SubmissionError has the printed text in its attribute ``output``.
     """
     try:
         result = act()
@@ -236,10 +209,5 @@ def done(worker: Worker, act: Callable[[], R]) -> Done[R]:
 
 
 def _printed_by(worker: Worker) -> str:
-    """Return what a submission has printed, as text that is harmless."""
     text = worker.process.output
     return clean_text(text, 2 * len(text) + 100)
-
-
-def _same(one: RobotModel, other: RobotModel) -> bool:
-    return one.dt == other.dt and np.array_equal(one.theta, other.theta)

@@ -29,22 +29,14 @@ NUMBER = struct.Struct("<I")
 
 @dataclass(frozen=True)
 class CallSetup:
-    """What a worker is told that answers calls.
+    """The setup of a worker that answers calls."""
 
-    Attributes
-    ----------
-    submission : SubmissionFiles
-        What was read of it; its slots are what may be called, in the order of their numbers.
-    rules : Rules
-        What it may have and import.
-    """
-
+    #: Its slots can be called, in the order of their numbers.
     submission: SubmissionFiles
     rules: Rules
 
 
 def work(connection: socket.socket, memory: Sequence[int]) -> None:
-    """Do what a worker is for: take a submission, call its functions, say what went wrong."""
     channel = Channel(connection)
     kind, body = channel.receive()
     if kind != Kind.HELLO:
@@ -79,10 +71,6 @@ def _plain(arrays: list[NDArray[Any]]) -> list[Any]:
     return [array[()] for array in arrays]  # those without axes are numbers
 
 
-def _background(arrays: list[NDArray[Any]]) -> list[Any]:
-    return arrays
-
-
 def _world(arrays: list[NDArray[Any]]) -> list[Any]:
     """Return the record that `evaluate_model` gets, made of what `world_arrays` sends."""
     pose_1, pose_2, last_u, theta, times, k = arrays
@@ -92,7 +80,6 @@ def _world(arrays: list[NDArray[Any]]) -> list[Any]:
 
 
 def world_arrays(world: WorldState) -> list[NDArray[Any]]:
-    """Return the record that `evaluate_model` gets as arrays."""
     model = world.model
     times = np.array([world.t, world.dt, model.dt])
     return [world.pose_1, world.pose_2, world.last_u, model.theta, times, np.array(world.k)]
@@ -100,5 +87,5 @@ def world_arrays(world: WorldState) -> list[NDArray[Any]]:
 
 _ARGUMENTS: dict[str, Callable[[list[NDArray[Any]]], list[Any]]] = {
     "evaluate_model": _world,
-    "adjust_background": _background,
+    "adjust_background": lambda arrays: arrays,
 }

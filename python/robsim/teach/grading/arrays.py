@@ -25,10 +25,7 @@ MOST_MESSAGE = MOST_BYTES + _COUNT.size + MOST_ARRAYS * _ENTRY.size
 def as_array(what: str, value: Any) -> NDArray[Any]:
     """Return a value as an array that can be sent: float64, int64 or uint8, of 3 axes at most.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If it is none; the message calls it `what`.
+    Raise TypeError or ValueError with the name `what`.
     """
     try:
         array = np.asarray(value)
@@ -68,7 +65,6 @@ def as_arrays(what: str, values: Sequence[Any]) -> list[NDArray[Any]]:
 
 
 def to_parts(arrays: Iterable[NDArray[Any]]) -> list[bytes | memoryview]:
-    """Return arrays of `as_array` as parts of a message."""
     arrays = list(arrays)
     heads = [_COUNT.pack(len(arrays))]
     for array in arrays:
@@ -78,13 +74,7 @@ def to_parts(arrays: Iterable[NDArray[Any]]) -> list[bytes | memoryview]:
 
 
 def from_message(message: bytes | memoryview) -> list[NDArray[Any]]:
-    """Return the arrays of a message, of which nothing is believed; they are copies.
-
-    Raises
-    ------
-    ValueError
-        If the bytes are no such message.
-    """
+    """Return copies of the arrays of an untrusted message; raise ValueError if it is invalid."""
     count = _COUNT.unpack_from(message)[0] if len(message) >= _COUNT.size else -1
     place = _COUNT.size + max(count, 0) * _ENTRY.size
     if not 0 <= count <= MOST_ARRAYS or len(message) < place:

@@ -24,13 +24,7 @@ from robsim.teach.errors import ERROR, SubmissionError
 from robsim.teach.grading._wire import LIMITS, Channel, Kind
 from robsim.teach.grading._worker import Worker, done
 from robsim.teach.grading.answering import NUMBER, CallSetup, world_arrays
-from robsim.teach.grading.arrays import (
-    MOST_MESSAGE,
-    as_array,
-    as_arrays,
-    from_message,
-    to_parts,
-)
+from robsim.teach.grading.arrays import MOST_MESSAGE, as_array, as_arrays, from_message, to_parts
 from robsim.teach.grading.task import Done, Task, hidden_files
 from robsim.teach.submissions import load_slots
 from robsim.teach.texts import clean_text, error_text
@@ -43,21 +37,12 @@ Shape = tuple[int | None, ...]
 
 @dataclass(frozen=True)
 class Wanted:
-    """What the results of a call must be.
+    """The conditions for the results of a call."""
 
-    Attributes
-    ----------
-    shapes : list of tuple, or None
-        A shape for each of the results; None = any.
-    finite : bool
-        Whether all numbers must be finite.
-    """
-
-    shapes: list[Shape] | None = None
-    finite: bool = True
+    shapes: list[Shape] | None = None  # a shape for each of the results; None = any
+    finite: bool = True  # whether all numbers must be finite
 
     def why_not(self, results: Sequence[NDArray[Any]]) -> str | None:
-        """Return what is wrong with results; None = nothing."""
         if self.shapes is not None:
             if len(results) != len(self.shapes):
                 wanted = "one array" if len(self.shapes) == 1 else f"{len(self.shapes)} arrays"
@@ -80,7 +65,6 @@ def _fits(shape: tuple[int, ...], wanted: Shape) -> bool:
 
 
 def wanted(shape: Any, finite: bool) -> Wanted:
-    """Return what a caller wants; raise TypeError or ValueError."""
     if shape is None:
         return Wanted(None, finite)
     shapes = shape if isinstance(shape, list) else [shape]
@@ -100,19 +84,12 @@ class CallWorker(Worker):
     _LIMITS = _LIMITS
 
     def refuse(self, slot: str | None, k: int | None, what: str, cause: str = ERROR) -> NoReturn:
-        """Raise SubmissionError for a function, or for a slot and a step."""
         if slot in self._setup.rules.functions:
             raise SubmissionError(f"{slot}: {what}", slot=slot, cause=cause)
         super().refuse(slot, k, what, cause)
 
     def loaded(self) -> frozenset[str]:
-        """Send the submission, wait until it is loaded, and return what of it can be called.
-
-        Raises
-        ------
-        SubmissionError
-            If it cannot be loaded, or not in time.
-        """
+        """Send the submission, and return the callable names; raise SubmissionError if it fails."""
         self._names = self._setup.submission.slots
         self._called = False
         body = self._hello()
@@ -121,13 +98,8 @@ class CallWorker(Worker):
         return frozenset(name for name, there in zip(self._names, body, strict=True) if there)
 
     def call(
-        self,
-        name: str,
-        arguments: Sequence[NDArray[Any]],
-        result: Wanted,
-        k: int | None = None,
+        self, name: str, arguments: Sequence[NDArray[Any]], result: Wanted, k: int | None = None
     ) -> list[NDArray[Any]]:
-        """Call a function with arrays of `as_array`; `k`: the step, for messages."""
         seconds = self._limits.call if self._called else self._limits.first_call
         self._called = True
         parts = [NUMBER.pack(self._names.index(name)), *to_parts(arguments)]
@@ -159,12 +131,9 @@ def calling(task: Task) -> Iterator[CallWorker]:
 def called(
     task: Task, name: str, calls: Sequence[Sequence[NDArray[Any]]], result: Wanted
 ) -> Done[list[Any]]:
-    """Call a function with each of some lists of arrays; return what each call gives.
+    """Call a function with each of some lists of arrays; return the results.
 
-    Raises
-    ------
-    SubmissionError
-        If one fails; of several calls the message says which.
+    Raise SubmissionError with the number of the failed call.
     """
     with calling(task) as worker:
         return done(worker, lambda: _called(worker, name, calls, result))
@@ -182,9 +151,7 @@ def _called(
             if len(calls) == 1:
                 raise
             message = f"{error} (in call {number} of {len(calls)})"
-            raise SubmissionError(
-                message, slot=error.slot, file=error.file, line=error.line, cause=error.cause
-            ) from None
+            raise SubmissionError(message, **error._place) from None
         values = [array[()] for array in arrays]  # those without axes are numbers
         results.append(values[0] if len(values) == 1 else tuple(values))
     return results
@@ -219,20 +186,14 @@ _MOST_SAID = 1 << 14  # bytes
 
 @dataclass(frozen=True)
 class JudgeSetup(CallSetup):
-    """What a worker is told that has a judge.
+    """The setup of a worker with a judge."""
 
-    Attributes
-    ----------
-    judge : str
-        ``"module:function"``: it is called with what makes the callbacks anew, by slot, and with
-        the names of the slots, and returns a text.
-    """
-
+    #: ``"module:function"``. The function gets a maker of fresh callbacks by slot, and the names
+    #: of the slots. It returns a text.
     judge: str
 
 
 def work(connection: socket.socket, memory: Sequence[int]) -> None:
-    """Do what a worker is for: take a submission, let the judge look at it, send what that says."""
     channel = Channel(connection)
     kind, body = channel.receive()
     if kind != Kind.HELLO:
@@ -276,21 +237,10 @@ class JudgeWorker(Worker):
 
 
 def judged(task: Task, judge: str, seconds: float) -> Done[str]:
-    """Let a judge look at a submission; return what it says, which the submission may have said.
+    """Return the text of a judge, which the submission may have written.
 
-    Parameters
-    ----------
-    task : Task
-        What is looked at.
-    judge : str
-        ``"module:function"`` of robsim's own.
-    seconds : float
-        How long it may take.
-
-    Raises
-    ------
-    SubmissionError
-        If nothing is said in time, or the submission fails.
+    The judge is ``"module:function"`` of robsim. Raise SubmissionError if the submission fails, or
+    after so many seconds.
     """
     limits = replace(task.limits_of_worker, run=seconds)
     with JudgeWorker(

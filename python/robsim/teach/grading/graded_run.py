@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import pickle
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from robsim import _core
 from robsim._core import RobotModel
-from robsim.base.seeds import stream_number
-from robsim.simulation import Scenario, Simulation
+from robsim.base.checks import check_int
+from robsim.base.seeds import Seed, stream_number
+from robsim.base.source_line import SourceLine
+from robsim.campaigns.choices import WholeRun
+from robsim.simulation import FailedCallback, Scenario, Simulation
 from robsim.simulation.callbacks.errors import callback_of
 from robsim.simulation.slots import SLOTS, are_samples_given
 from robsim.simulation.slotted import is_code
@@ -20,7 +27,7 @@ from robsim.teach.grading._frame_memory import FrameMemory, has_frame_memory
 from robsim.teach.grading._wire import Ready
 from robsim.teach.grading._worker import Worker, done
 from robsim.teach.grading.calling import CallWorker, calling, world_slots
-from robsim.teach.grading.keys import RunSeeds
+from robsim.teach.grading.keys import Key, RunSeeds
 from robsim.teach.grading.robot_half import STAGES, Setup
 from robsim.teach.grading.task import WORLD_SLOTS, Done, Frames, Task, given_to, hidden_files
 from robsim.teach.submissions import loaded_slots
@@ -51,7 +58,6 @@ class GradedSimulation(Simulation):
     def _ask(
         self, worker: Worker, filled: tuple[str, ...], ready: Ready, *, frames: Frames
     ) -> None:
-        """Fill the slots that the worker fills."""
         sends_frames = given_to(filled, frames) != "pose"
         if worker.memory is not None and sends_frames:
             self._world.set_frame_memory(worker.memory.images)
@@ -83,13 +89,8 @@ class GradedSimulation(Simulation):
 def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> Done[Trace]:
     """Run a submission; return its trace, with the truth.
 
-    Raises
-    ------
-    SubmissionError
-        If the submission fails, with slot, step and line; the attribute ``output`` has what it
-        had printed, ``trace`` the steps until then.
-    AssignmentError
-        If a callback of the teacher's fails.
+    A SubmissionError has slot, step and line, and in its attributes the printed text (``output``)
+    and the steps so far (``trace``). A teacher's callback raises AssignmentError.
     """
     if task.rules.slots[0] in WORLD_SLOTS:
         with calling(task) as answering:
@@ -128,7 +129,6 @@ def asking(worker: Worker, task: Task, scenario: Scenario, seeds: RunSeeds) -> G
 
 
 def _world_of(worker: CallWorker, task: Task, scenario: Scenario, seeds: RunSeeds) -> Simulation:
-    """Return the simulation whose world a worker fills slots of."""
     callbacks: dict[str, Any] = {**task.callbacks, **world_slots(worker)}
     simulation = Simulation(_with_model(scenario), seed=seeds.world, **callbacks)
     set_noise_keys(simulation, seeds)
@@ -166,7 +166,6 @@ def set_noise_keys(simulation: Simulation, seeds: RunSeeds) -> None:
 
 
 def _with_model(scenario: Scenario) -> Scenario:
-    """Return a scenario whose world follows no model of a submission."""
     return scenario if scenario.model is not None else scenario.replace(model=RobotModel())
 
 
@@ -222,3 +221,41 @@ def all_here(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Simula
         if is_code(simulation._callbacks["control"]):
             simulation._core.set_controller_seed(stream_number(seeds.robot, "controller"))
         yield simulation
+
+
+@dataclass(frozen=True)
+class GradedRuns(WholeRun):
+    """Graded runs as those of a campaign."""
+
+    task: Task
+    key: Key | None
+    student: str
+    test: str
+
+    def trace(
+        self, scenario: Scenario, steps: int, *, seed: np.random.SeedSequence, run: int
+    ) -> Trace:
+        given = seed if self.key is None else None
+        seeds = seeds_of(self.key, self.student, self.test, run, steps, given)
+        try:
+            return graded_run(self.task, scenario, steps, seeds).result
+        except SubmissionError as error:  # a row has the line of a callback
+            if error.slot is not None and error.file is not None:
+                line = SourceLine(error.file, error.line or 1, "")
+                error.callback = FailedCallback(error.slot, error.step, line)
+            raise
+
+    @property
+    def content(self) -> bytes:
+        rules, files = self.task.rules.to_dict(), self.task.submission.to_message()
+        return pickle.dumps((rules, self.task.frames, self.student, self.test)) + files
+
+
+def seeds_of(
+    key: Key | None, student: str, test: str, run: int, steps: int, seed: Seed
+) -> RunSeeds:
+    """Return those that are given; else those of the key, or of a new one."""
+    if seed is not None:
+        return RunSeeds.of(seed)
+    check_int("number", run, minimum=0, maximum=2**62)
+    return RunSeeds.of_key(key or Key.new(), student, test, run, steps)

@@ -183,7 +183,6 @@ def _frame_key(secret: bytes, index: int) -> int:
 
 
 def _name(argument: str, name: str) -> bytes:
-    """Return a name as bytes, the same on each file system."""
     if not isinstance(name, str):
         raise TypeError(f"{argument} must be a name, got {quoted(name)}")
     return unicodedata.normalize("NFC", name).encode("utf-8", "surrogatepass")
@@ -213,20 +212,11 @@ def _private_text(file: Path) -> str:
 
 @dataclass(frozen=True)
 class RunSeeds:
-    """What is random in a graded run.
+    """The random streams of a graded run."""
 
-    Attributes
-    ----------
-    world : SeedSequence
-        Of the scenario.
-    robot : SeedSequence
-        Of the robot half, from which nobody finds that of the world.
-    noise_keys : array (steps,) of uint64, or None
-        Of the camera noise of each frame; None = from the seed of the world.
-    """
-
-    world: np.random.SeedSequence
-    robot: np.random.SeedSequence
+    world: np.random.SeedSequence  # of the scenario
+    robot: np.random.SeedSequence  # of the robot half; it reveals no other seed
+    #: (steps,), of the camera noise of each frame; None = from the seed of the world.
     noise_keys: NDArray[np.uint64] | None = None
 
     @classmethod

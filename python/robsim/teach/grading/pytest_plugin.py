@@ -35,18 +35,7 @@ _NOT_THEIRS = (
 
 
 class Grading:
-    """A run of pytest in which a submission is graded.
-
-    Parameters
-    ----------
-    config : pytest.Config
-        What the command line says.
-
-    Raises
-    ------
-    pytest.UsageError
-        If it makes no sense.
-    """
+    """A run of pytest that grades a submission; pytest.UsageError names a wrong option."""
 
     def __init__(self, config: pytest.Config) -> None:
         options = config.known_args_namespace

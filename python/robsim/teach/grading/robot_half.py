@@ -40,37 +40,21 @@ STAGES = names(half=ROBOT, when=STEP)
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """What the robot half may know before the first step, and what it runs.
-
-    Attributes
-    ----------
-    submission : SubmissionFiles
-        What was read of it.
-    rules : Rules
-        What it may fill and import.
-    on : tuple of str
-        The stages that are on in the grader.
-    model : RobotModel
-        What the robot half believes in, unless the submission says otherwise.
-    controller_seed : int
-        Of ``step.controller_seed``.
-    frames : bool, "blobs" or None
-        What it sees of the frames, as of `Task`.
-    """
+    """The knowledge of the robot half before the first step, and its submission."""
 
     submission: SubmissionFiles
     rules: Rules
-    on: tuple[str, ...]
+    on: tuple[str, ...]  # the stages that are on in the grader
     robot: RobotDefinition
     area: tuple[int, int]
     resolution: tuple[int, int]
     colors: tuple[ColorClass, ...]
     markers: MarkerLayout
     smoothing: int | None
-    model: RobotModel
+    model: RobotModel  # of the robot half, unless the submission defines another
     estimates_parameters: bool
-    controller_seed: int
-    frames: Frames
+    controller_seed: int  # of ``step.controller_seed``
+    frames: Frames  # as of `Task`
 
 
 def filled_stages(callbacks: Mapping[str, Any]) -> tuple[str, ...]:
@@ -79,22 +63,14 @@ def filled_stages(callbacks: Mapping[str, Any]) -> tuple[str, ...]:
     has_estimator = callable(callbacks.get("init_parameter_estimator"))
     if has_estimator and callbacks.get("estimate_parameters") is not False:
         filled.add("estimate_parameters")
-    return tuple(slot for slot in STAGES if slot in filled or _is_native(slot, callbacks))
-
-
-def _is_native(slot: str, callbacks: Mapping[str, Any]) -> bool:
-    return type(callbacks.get(slot)) in SLOTS[slot].native
+    filled |= {slot for slot in STAGES if type(callbacks.get(slot)) in SLOTS[slot].native}
+    return tuple(slot for slot in STAGES if slot in filled)
 
 
 def groups_of(filled: Sequence[str], on: Sequence[str]) -> list[tuple[str, ...]]:
-    """Return the stages of a submission in groups that follow each other without the grader's.
+    """Return groups of the submission's stages without a stage of the grader between them.
 
-    Parameters
-    ----------
-    filled : sequence of str
-        The stages of the submission.
-    on : sequence of str
-        The stages that the grader does, and has not done before the first of these.
+    `on` has the stages that the grader still does.
     """
     groups: list[list[str]] = []
     follows = False
@@ -150,7 +126,6 @@ class RobotHalf(Runner):
         self._ready = self._readiness(callbacks, filled)
 
     def _fill(self, callbacks: Mapping[str, Any]) -> None:
-        """Fill the slots as a folder would fill those of a simulation."""
         for slot in SLOTS:
             if slot in callbacks and slot in self.SLOTS:
                 callback = callbacks[slot]
@@ -178,7 +153,6 @@ class RobotHalf(Runner):
         )
 
     def _next_message(self, answer: bytes) -> bytes | None:
-        """Send an answer, if there is one; return the next step."""
         channel = self._channel
         kind, body = channel.exchange(Kind.ANSWER, answer) if answer else channel.receive()
         return body if kind == Kind.STEP else None
@@ -190,7 +164,6 @@ class RobotHalf(Runner):
         return slot in self._is_on_there or super()._is_on(slot)
 
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
-        """Run until the grader ends it."""
         self._run(UNLIMITED, False, None)
         return self.trace
 
@@ -202,7 +175,6 @@ class RobotHalf(Runner):
 
 
 def work(connection: socket.socket, memory: Sequence[int]) -> None:
-    """Do what a worker is for: take a submission, run it, say what went wrong."""
     channel = Channel(connection)
     kind, body = channel.receive()
     if kind != Kind.HELLO:
@@ -220,7 +192,6 @@ def work(connection: socket.socket, memory: Sequence[int]) -> None:
 
 
 def _told(error: BaseException) -> ErrorText:
-    """Return what is told of an exception: of a result that a slot cannot use, why, and no more."""
     told = error_text(error)
     for kind, name in ((CallbackTypeError, "TypeError"), (CallbackValueError, "ValueError")):
         if type(error) is kind:

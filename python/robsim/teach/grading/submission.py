@@ -25,9 +25,8 @@ from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
 from robsim.teach.grading.arrays import as_arrays
 from robsim.teach.grading.calling import Shape, called, wanted
-from robsim.teach.grading.graded_run import graded_run
+from robsim.teach.grading.graded_run import GradedRuns, graded_run, seeds_of
 from robsim.teach.grading.keys import Key
-from robsim.teach.grading.many_runs import GradedRuns, seeds_of
 from robsim.teach.grading.robot_half import ROBOT_SLOTS
 from robsim.teach.grading.task import Done, Task, check_samples, rules_of
 from robsim.teach.isolation import Isolation, WorkerLimits
@@ -147,11 +146,7 @@ class Submission:
         self._key = key
         self._student = files.name if given_student is None else given_student
         self._task = Task(
-            submission=files,
-            rules=rules,
-            frames=frames,
-            limits=limits,
-            isolation=isolation,
+            submission=files, rules=rules, frames=frames, limits=limits, isolation=isolation
         )
 
     @property
@@ -398,7 +393,6 @@ class Submission:
         return "" if test is None else _name("test", test)
 
     def _task_with(self, callbacks: Mapping[str, Any], scenario: Scenario) -> Task:
-        """Return what is run, with callbacks of the teacher's."""
         slots = self._task.rules.slots
         if not slots:
             raise ValueError("slots must have what it may fill in a run: this one has functions")
@@ -419,7 +413,6 @@ class Submission:
 
 
 def _listed(arguments: Any) -> list[Sequence[Any]]:
-    """Return the arguments of calls; raise TypeError if they are none."""
     listed: list[Any] = list(arguments) if isinstance(arguments, Iterable) else [None]
     for each in listed:
         if not isinstance(each, (tuple, list)):
@@ -428,7 +421,6 @@ def _listed(arguments: Any) -> list[Sequence[Any]]:
 
 
 def _check_given(given: Mapping[str, bytes] | None) -> None:
-    """Raise TypeError unless files are contents by name."""
     if given is None:
         return
     if not isinstance(given, Mapping) or not all(

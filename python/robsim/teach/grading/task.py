@@ -59,7 +59,6 @@ def rules_of(
 
 
 def check_samples(slots: Sequence[str], scenario: Scenario) -> None:
-    """Raise ValueError where what has samples of the truth may act on them."""
     stages = {*names(half=ROBOT, when=STEP)} - ESTIMATORS
     others = [slot for slot in slots if slot in stages]
     estimators = [slot for slot in slots if slot in ESTIMATORS]
@@ -76,50 +75,23 @@ R = TypeVar("R")
 
 @dataclass(frozen=True)
 class Done(Generic[R]):
-    """What came of a run, or of calls.
-
-    Attributes
-    ----------
-    result : object
-        What it gave.
-    output : str
-        What the submission has printed, cut; what cannot be seen stands as escapes.
-    layers : str
-        What has shut it in, in a line.
-    """
+    """The result of a run, or of calls."""
 
     result: R
-    output: str
-    layers: str
+    output: str  # printed by the submission, cut, with escapes
+    layers: str  # of its sandbox, in a line
 
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """What is the same in all graded runs of a submission.
-
-    Attributes
-    ----------
-    submission : SubmissionFiles
-        What was read of it.
-    rules : Rules
-        What it may fill and import.
-    frames : bool, "blobs" or None
-        Whether it sees the frames, or the blobs in them alone; None = the frames, if it fills
-        `measure`.
-    limits : WorkerLimits
-        What a run may take.
-    isolation : str
-        How its process is shut in.
-    callbacks : mapping of str to callback
-        What the teacher fills other slots with.
-    """
+    """The common data of all graded runs of a submission."""
 
     submission: SubmissionFiles
     rules: Rules
     frames: Frames = None
     limits: WorkerLimits = field(default_factory=WorkerLimits)
     isolation: Isolation = "auto"
-    callbacks: Mapping[str, Any] = field(default_factory=dict)
+    callbacks: Mapping[str, Any] = field(default_factory=dict)  # of the teacher
 
     def only(self, names: Iterable[str]) -> Task:
         """Return the same for some of its slots and functions, so that no others are loaded."""
@@ -150,7 +122,6 @@ class Task:
 
 
 def hidden_files(rules: Rules) -> list[str]:
-    """Return the files and folders of the modules that a submission must not have."""
     hidden = []
     for name in rules.masked:
         with suppress(ImportError, ValueError):

@@ -38,7 +38,6 @@ class Reward(ABC):
         """Return what is left to do from a pose on, 0 at the goal."""
 
     def step(self, pose: Floats) -> float:
-        """Return the reward of a step that ends at a pose."""
         before, self._left = self._left, self.left(pose)
         # reward = left(k) - left(k + 1): the sum over a run is what was done of it
         return before - self._left
@@ -71,16 +70,15 @@ class FollowReward(Reward):
     def left(self, pose: Floats) -> float:
         """Return (way left along the path + distance from it) / 100 px."""
         points, position = self._points, pose[:2]
-        while self._next < len(points) - 1 and self._is_at(position):
+        while self._next < len(points) - 1:
+            if math.dist(position, points[self._next]) > self._radius:
+                break
             self._next += 1
         start, end = points[self._next - 1 : self._next + 1]
         nearest = nearest_on_segment(position, start, end)
         rest = points[self._next :]
         way = math.dist(nearest, end) + sum(map(math.dist, rest, rest[1:]))
         return (way + math.dist(position, nearest)) / _LENGTH
-
-    def _is_at(self, position: Floats) -> bool:
-        return math.dist(position, self._points[self._next]) <= self._radius
 
 
 #: By the kind of task: what makes the reward of a run from the task and the first pose.
@@ -216,7 +214,6 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         return self._input
 
     def _next_step(self) -> Step:
-        """Run up to the controller."""
         simulation = self._running()
         simulation.step_stage()
         while simulation.stage != "control":
@@ -238,7 +235,6 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
 
 
 def _task(task: str | Task, parameters: dict[str, Any]) -> Task:
-    """Return a task that a controller solves; else raise TypeError or ValueError."""
     if isinstance(task, str):
         task = task_by_name(task, **parameters)
     elif not isinstance(task, Task):

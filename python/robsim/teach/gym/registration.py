@@ -8,7 +8,6 @@ from robsim.teach.gym.environment import REWARDS
 
 
 def register() -> None:
-    """Register each task that a controller solves, once."""
     for kind in REWARDS:
         name = f"robsim/{kind.name.capitalize()}-v0"
         if name not in gymnasium.registry:

@@ -25,12 +25,10 @@ _BROKEN = (
 
 
 def most_of_archive(rules: Rules) -> int:
-    """Return how many bytes a zip may have."""
     return rules.size + _OVERHEAD
 
 
 def read_archive(content: bytes, whole: str, rules: Rules, intake: Intake) -> None:
-    """Take in the files of a zip; raise SubmissionError."""
     # Python reads the whole list of contents before it tells anything of it.
     if content.count(_ENTRY) > _MOST_PER_FILE * rules.files:
         raise SubmissionError(f"{whole} has too many files: hand in what counts")

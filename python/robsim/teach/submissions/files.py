@@ -24,30 +24,14 @@ _MOST_CONTENTS = 2**28
 
 @dataclass(frozen=True)
 class SubmissionFiles:
-    """What was read of a submission; nothing of it has been run.
+    """A submission that was read, and not run."""
 
-    Attributes
-    ----------
-    name : str
-        The name of its folder or file.
-    kind : str
-        ``"folder"``: a file for each slot; ``"file"``: one file that defines them; ``"notebook"``.
-    main : str
-        The file that defines the slots; empty for a folder.
-    sources : mapping of str to bytes
-        The files by their paths in the submission, with ``/``. Of a notebook, code and tags.
-    slots : tuple of str
-        The slots and functions for which it has something, out of those that it may have.
-    notes : tuple of str
-        What was left out, as sentences.
-    """
-
-    name: str
-    kind: str
-    main: str
-    sources: Mapping[str, bytes]
-    slots: tuple[str, ...]
-    notes: tuple[str, ...] = ()
+    name: str  # of its folder or file
+    kind: str  # `FOLDER`, `FILE` or `NOTEBOOK`
+    main: str  # the file that defines the slots; empty for a folder
+    sources: Mapping[str, bytes]  # by path, with ``/``; of a notebook only code and tags
+    slots: tuple[str, ...]  # its slots and functions, without forbidden ones
+    notes: tuple[str, ...] = ()  # sentences on omitted files
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "sources", MappingProxyType(dict(self.sources)))
@@ -64,13 +48,7 @@ class SubmissionFiles:
         }
 
     def write_to(self, folder: str | PathLike[str]) -> None:
-        """Write the files into an empty folder, such as the scratch folder of a worker.
-
-        Raises
-        ------
-        SubmissionError
-            If a path leads out of it.
-        """
+        """Write the files into an empty folder; raise SubmissionError if a path leads out of it."""
         for path, content in self.sources.items():
             if (counted := checked_path(path, self.name)) is not None:
                 file = Path(folder, counted)
@@ -93,13 +71,7 @@ class SubmissionFiles:
 
     @classmethod
     def from_message(cls, message: bytes) -> SubmissionFiles:
-        """Return the submission of `to_message`.
-
-        Raises
-        ------
-        ValueError
-            If the bytes are no such message.
-        """
+        """Return the submission of `to_message`; raise ValueError for other bytes."""
         start = len(_MAGIC) + _LENGTHS.size
         if len(message) < start or not message.startswith(_MAGIC):
             raise ValueError("a submission's message must start with its mark")
@@ -125,7 +97,6 @@ def _text(value: object) -> str:
 
 
 def _taken_apart(files: Iterable[tuple[str, int]], contents: memoryview) -> dict[str, bytes]:
-    """Return the contents by path; raise ValueError if their sizes do not add up."""
     sources: dict[str, bytes] = {}
     for path, size in files:
         if type(size) is not int or not 0 <= size <= len(contents):

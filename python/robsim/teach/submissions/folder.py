@@ -19,7 +19,6 @@ _ARCHIVES = (".zip", ".7z", ".rar", ".tar", ".tgz", ".gz", ".bz2", ".xz")
 
 
 def size_text(size: int) -> str:
-    """Return a number of bytes for a message."""
     if size >= 2**20:
         return f"{size / 2**20:.3g} MiB"
     return f"{size / 2**10:.3g} KiB" if size >= 2**10 else f"{size} bytes"
@@ -37,7 +36,6 @@ class Intake:
         self._size = 0
 
     def count_entry(self) -> None:
-        """Count an entry of a folder or an archive, whatever it is."""
         self._entries += 1
         most = _MOST_LEFTOVERS * self._rules.files
         if self._entries > most:
@@ -46,16 +44,13 @@ class Intake:
             )
 
     def wants(self, path: str) -> bool:
-        """Return whether a file or folder counts; raise SubmissionError for a bad name."""
         return checked_path(path, self._whole) is not None
 
     def most_of(self, path: str) -> int:
-        """Return how many bytes a file may have."""
         # Outputs of a notebook do not count: pictures, mostly.
         return self._rules.size if path.endswith(".ipynb") else self._rules.file_size
 
     def check_size(self, path: str, size: int) -> None:
-        """Raise SubmissionError for a file that is too large."""
         most = self.most_of(path)
         if size > most:
             remedy = "clear its outputs" if path.endswith(".ipynb") else "make it smaller"
@@ -71,7 +66,6 @@ class Intake:
             )
 
     def add(self, path: str, content: bytes) -> None:
-        """Take a file; raise SubmissionError if it may not be there, or is too much."""
         counted = checked_path(path, self._whole)
         if counted is None:
             return
@@ -135,19 +129,16 @@ def _opened_folder(path: str, above: _Folder | None = None) -> Iterator[_Folder]
 
 
 def kind_of(path: str, whole: str) -> int:
-    """Return ``stat.S_IFREG`` or ``stat.S_IFDIR``; raise SubmissionError for all else."""
     with _told(whole, whole):
         return _kind(os.lstat(path), whole, whole)
 
 
 def read_file(path: str, whole: str, most: int) -> bytes:
-    """Return the first `most` bytes of a file that is no link; raise SubmissionError."""
     with _told(whole, whole):
         return _content((path, None), whole, whole, most)
 
 
 def read_folder(path: str, whole: str, intake: Intake) -> None:
-    """Take in all files of a folder, and of those in it; raise SubmissionError."""
     with _told(whole, whole), _opened_folder(path) as folder:
         _read(folder, "", whole, intake)
 

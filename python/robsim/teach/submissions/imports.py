@@ -29,7 +29,6 @@ class _Masked(MetaPathFinder):
 
 
 def _above(name: str, masked: Sequence[str]) -> str | None:
-    """Return the masked module or name that a module or name is, or lies in."""
     return next((mask for mask in masked if f"{name}.".startswith(f"{mask}.")), None)
 
 
@@ -99,14 +98,9 @@ def _is_late(module: ModuleType, name: str) -> bool:
 
 
 def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
-    """Return the built-in names for a submission's modules, with an ``import`` that keeps to rules.
+    """Return the built-in names of a submission, with an ``import`` that follows the rules.
 
-    Parameters
-    ----------
-    rules : Rules
-        The rules.
-    own : sequence of str
-        Modules of the submission's own, which may always be imported.
+    The submission may always import its own modules.
     """
     plain_import = builtins.__import__
     allowed = None if rules.imports is None else {*rules.imports, *own, "__future__"}

@@ -37,25 +37,9 @@ def load_slots(
 ) -> Callbacks:
     """Load a submission for the rest of the process: what a worker does, once.
 
-    Parameters
-    ----------
-    files : SubmissionFiles
-        The submission.
-    rules : Rules
-        What it may fill and import.
-    folder : path, optional
-        Where its data files are, for its ``__file__``; None = nowhere.
-
-    Returns
-    -------
-    dict of str to callable or bool
-        The callbacks by slot, and the functions by name. False = switched off, True = the default
-        stage.
-
-    Raises
-    ------
-    SubmissionError
-        If its code fails, or does not define its callbacks, with slot and line.
+    Return its callbacks by slot, and its functions by name. False is a switched off slot, True the
+    default stage. The folder has its data files, for its ``__file__``. A SubmissionError has slot
+    and line of faulty code.
     """
     context = loaded_slots(files, rules, folder)
     callbacks = context.__enter__()
@@ -101,7 +85,6 @@ def _folder(
 def _module(
     files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]
 ) -> Iterator[Callbacks]:
-    """Load one file that defines the slots, with the modules beside it."""
     main = PurePosixPath(files.main)
     helpers = {name: source for name, source in files.modules.items() if name not in SLOTS}
     modules = FolderModules(Path(), where, helpers, own)
@@ -122,7 +105,6 @@ def _module(
 
 
 def _function(module: ModuleType, name: str, file: str) -> Callable[..., Any]:
-    """Return a function of a module; raise ValueError or TypeError if it is none."""
     if name not in vars(module):
         raise ValueError(f"{one_line(file)} must define {name}(...)")
     function: Callable[..., Any] = vars(module)[name]
@@ -140,7 +122,6 @@ def _removed(name: str) -> Iterator[None]:
 
 
 def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]) -> ModuleType:
-    """Run what counts of a notebook as one module."""
     notebook = chosen(files.sources[files.main], files.main, rules.names)
     module = ModuleType(module_name(_NOTEBOOK))
     module.__file__ = str(where / files.main)

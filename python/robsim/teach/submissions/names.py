@@ -19,19 +19,9 @@ RENAME = "rename it with plain letters, digits and _"
 
 
 def checked_path(name: str, whole: str) -> str | None:
-    """Return the path of a file as it counts, or None for what tools have left there.
+    """Return the path of a file in a submission, or None for a file of tools.
 
-    Parameters
-    ----------
-    name : str
-        The path in the submission, with ``/`` between its parts.
-    whole : str
-        What messages call the submission.
-
-    Raises
-    ------
-    SubmissionError
-        If the path leads out of the submission, or some system cannot have such a file.
+    Raise SubmissionError if the path leads out of the submission, or if a system forbids it.
     """
     if "\0" in name:
         raise _refused(whole, name, "has a null character in its name", RENAME)
@@ -54,7 +44,6 @@ def checked_path(name: str, whole: str) -> str | None:
 
 
 def _problem(part: str) -> str | None:
-    """Return what is wrong with a part of a path; None = nothing."""
     if len(part) > _LONGEST_PART:
         return "has too long a name"
     if not part.isprintable():
@@ -77,7 +66,6 @@ class Paths:
         self._folders: dict[str, str] = {}
 
     def add(self, path: str) -> None:
-        """Add the path of a file; raise SubmissionError if it is that of another."""
         parts = path.split("/")
         for end in range(1, len(parts)):
             folder = "/".join(parts[:end])

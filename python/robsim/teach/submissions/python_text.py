@@ -31,20 +31,7 @@ def quiet() -> Iterator[None]:
 
 
 def decoded(content: bytes, place: str) -> str:
-    """Return the text of a Python file.
-
-    Parameters
-    ----------
-    content : bytes
-        The file.
-    place : str
-        What messages call it.
-
-    Raises
-    ------
-    SubmissionError
-        If it is not UTF-8 text, or says that it is not.
-    """
+    """Return the text of a Python file; raise SubmissionError unless it is UTF-8."""
     offset, problem = content.find(b"\0"), "a null character"
     if offset < 0:
         try:
@@ -76,7 +63,6 @@ def _check_coding(content: bytes, place: str) -> None:
 
 
 def check_extent(text: str, place: str) -> None:
-    """Raise SubmissionError for a text that would keep Python's parser for long."""
     words = sum(1 for _ in _WORD.finditer(text))
     if words > _MOST_WORDS:
         raise SubmissionError(
@@ -94,7 +80,6 @@ def check_extent(text: str, place: str) -> None:
 
 
 def check_source(content: bytes, place: str) -> None:
-    """Raise SubmissionError, with the line, for a file that is no Python."""
     text = decoded(content, place)
     check_extent(text, place)
     try:
@@ -105,7 +90,6 @@ def check_source(content: bytes, place: str) -> None:
 
 
 def not_python(error: BaseException, text: str, place: str) -> SubmissionError:
-    """Return the error for a text that Python does not compile."""
     if not isinstance(error, SyntaxError):
         return SubmissionError(
             f"{place} is nested too deeply for Python: split its long expressions", file=place
@@ -122,7 +106,6 @@ def not_python(error: BaseException, text: str, place: str) -> SubmissionError:
 
 
 def imported_words(content: bytes) -> set[str]:
-    """Return all words of the lines of a file that import: the names of modules among others."""
     lines = content.decode("utf-8", "replace").replace("\\\n", " ").splitlines()
     return {
         word
@@ -133,13 +116,7 @@ def imported_words(content: bytes) -> set[str]:
 
 
 def slots_of_module(text: str, file: str, slots: tuple[str, ...]) -> tuple[str, ...]:
-    """Return those of some slots and functions that a file defines at its top level.
-
-    Raises
-    ------
-    SubmissionError
-        If there is none, with what may be meant.
-    """
+    """Return the slots and functions of a file; raise SubmissionError if it has no slot."""
     with quiet():
         table = symtable.symtable(text, file, "exec")
     defined = {s.get_name() for s in table.get_symbols() if s.is_assigned() or s.is_imported()}
@@ -149,13 +126,11 @@ def slots_of_module(text: str, file: str, slots: tuple[str, ...]) -> tuple[str, 
     return found
 
 
-def _call_of(name: str) -> str:
-    return f"{name}({SLOTS[name].argument if name in SLOTS else '...'})"
-
-
 def no_slot(place: str, defined: set[str], slots: tuple[str, ...]) -> SubmissionError:
     """Return the error for a file or notebook that has nothing of what it may."""
-    wanted = " or ".join(map(_call_of, slots))
+    wanted = " or ".join(
+        f"{name}({SLOTS[name].argument if name in SLOTS else '...'})" for name in slots
+    )
     hints = [
         f"; is {one_line(name)} meant to be {slot}?"
         for name, slot in sorted(misspelled(defined).items())

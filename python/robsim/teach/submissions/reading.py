@@ -41,52 +41,26 @@ _TAKEN = "hand in a folder, a Python file (.py), a notebook (.ipynb) or a zip of
 def read_submission(
     path: str | PathLike[str], rules: Rules, given: Mapping[str, bytes] | None = None
 ) -> SubmissionFiles:
-    """Read a submission.
+    """Return a submission, without a run of it.
 
-    Parameters
-    ----------
-    path : path
-        A folder with a file for each slot, such as ``control.py``, and helper modules; one Python
-        file or a notebook that defines them; a zip of any of these, or a folder with such a zip.
-    rules : Rules
-        What it may fill and weigh.
-    given : mapping of str to bytes, optional
-        Files by name that all submissions have at their top, in place of copies of theirs.
+    The path is a folder with a file for each slot, such as ``control.py``, and helper modules; or a
+    Python file or notebook that defines them; or a zip of these, or a folder with such a zip. Given
+    files, by name, replace copies at the top of the submission.
 
-    Returns
-    -------
-    SubmissionFiles
-
-    Raises
-    ------
-    SubmissionError
-        If it cannot be read, has what it may not have, or fills no slot; the message says what to
-        do.
-    TypeError, ValueError
-        If `path` is not a path.
+    A SubmissionError has the remedy. A wrong path raises TypeError or ValueError.
     """
     return arranged(open_submission(path, rules), rules, given or {})
 
 
 @dataclass(frozen=True)
 class Contents:
-    """The files of a submission by their paths in it; which of them count is not known yet.
+    """The files of a submission by their paths in it; which of them count is not known yet."""
 
-    Attributes
-    ----------
-    name : str
-        The name of its folder or file.
-    files : dict of str to bytes
-        The files.
-    is_one_file : bool
-        Whether a Python file or a notebook was handed in, and no folder or zip.
-    found : dict
-        A cache: the files that count, by rules and by copies of given files in the submission.
-    """
-
-    name: str
+    name: str  # the name of its folder or file
     files: dict[str, bytes]
+    #: Whether a Python file or a notebook was handed in, and no folder or zip.
     is_one_file: bool = False
+    #: A cache: the files that count, by rules and by copies of given files in the submission.
     found: dict[tuple[Rules, frozenset[str]], SubmissionFiles] = field(
         default_factory=dict, repr=False, compare=False
     )
@@ -176,7 +150,6 @@ def _below_the_top(files: dict[str, bytes]) -> dict[str, bytes]:
 
 
 def _slot_of(path: str, rules: Rules) -> str | None:
-    """Return the slot, or the function of the assignment, that a file is named after."""
     stem = PurePosixPath(path).stem
     is_one = stem in SLOTS or stem in rules.functions
     return stem if is_one and path == f"{stem}.py" else None
@@ -215,7 +188,6 @@ def _modules(files: dict[str, bytes]) -> dict[str, bytes]:
 
 
 def _imported_files(files: dict[str, bytes], rules: Rules) -> set[str]:
-    """Return the Python files that others seem to import."""
     words = {path: imported_words(content) for path, content in _modules(files).items()}
     return {
         path

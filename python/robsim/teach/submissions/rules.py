@@ -23,38 +23,18 @@ _MODULE = re.compile(r"[A-Za-z_]\w{0,60}(\.[A-Za-z_]\w{0,60}){0,9}")
 class Rules:
     """What a submission may fill, import and weigh; plain values, which go to the worker, too.
 
-    Parameters
-    ----------
-    slots : sequence of str
-        The slots that it may fill.
-    functions : sequence of str
-        The functions that it may define beside them. One slot or function it must have.
-    imports : sequence of str or None
-        Top-level modules that it may import beside its own; None = all that the worker has.
-    masked : sequence of str
-        Modules, with all that is in them, and names of modules that it cannot have, such as
-        ``"robsim.estimation.reference"`` and ``"robsim.locate"``.
-    files : int
-        Most files.
-    size, file_size : int
-        Most bytes of all files, and of one.
-    ratio : int
-        How many times smaller a file may be in a zip.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If a value cannot be used; the message names it.
+    A wrong value raises TypeError or ValueError with its name.
     """
 
     slots: tuple[str, ...] = tuple(SLOTS)
-    functions: tuple[str, ...] = ()
-    imports: tuple[str, ...] | None = None
+    functions: tuple[str, ...] = ()  # in addition; a slot or function is required
+    imports: tuple[str, ...] | None = None  # top-level modules beside its own; None = all
+    #: Modules, or names in them, such as ``"robsim.estimation.reference"``, ``"robsim.locate"``.
     masked: tuple[str, ...] = ()
-    files: int = 100
-    size: int = 5 * 2**20
-    file_size: int = 2**20
-    ratio: int = 100
+    files: int = 100  # at most
+    size: int = 5 * 2**20  # bytes of all files
+    file_size: int = 2**20  # bytes of one
+    ratio: int = 100  # of the sizes of a file, unpacked and in a zip
 
     def __post_init__(self) -> None:
         own = object.__setattr__

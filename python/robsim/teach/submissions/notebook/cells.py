@@ -23,47 +23,22 @@ _MARK = re.compile(r"#\s*(robsim-skip\b|robsim\s*:)", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Cell:
-    """A code cell.
+    """A code cell."""
 
-    Attributes
-    ----------
-    place : str
-        What messages and tracebacks call it: ``"s003.ipynb, cell 5"``; all cells count, from 1.
-    number : int
-        The number.
-    source : str
-        Its code.
-    tag : str
-        `WHOLE`, `SKIP` or empty.
-    """
-
+    #: What messages and tracebacks call it: ``"s003.ipynb, cell 5"``; all cells count, from 1.
     place: str
     number: int
-    source: str
-    tag: str
+    source: str  # its code
+    tag: str  # `WHOLE`, `SKIP` or empty
 
     @property
     def title(self) -> str:
-        """Number and first line, for messages."""
         first = next((line for line in self.source.split("\n") if line.strip()), "")
         return f"cell {self.number} ({one_line(first.strip()[:40])})"
 
 
 def cells_of(content: bytes, file: str) -> list[Cell]:
-    """Return the code cells of a notebook.
-
-    Parameters
-    ----------
-    content : bytes
-        The file.
-    file : str
-        Its name.
-
-    Raises
-    ------
-    SubmissionError
-        If it is no notebook of format 4, or too involved.
-    """
+    """Return the code cells of a notebook; raise SubmissionError for another format."""
     notebook = _parsed(content, file)
     _check_format(notebook, file)
     cells = notebook.get("cells")
@@ -75,19 +50,9 @@ def cells_of(content: bytes, file: str) -> list[Cell]:
 
 
 def reduced(content: bytes, file: str, most: int) -> bytes:
-    """Return a notebook with the code and the tags of its cells, and nothing else.
+    """Return a notebook with only the code and the tags of its cells.
 
-    Parameters
-    ----------
-    content, file
-        As for `cells_of`.
-    most : int
-        How many bytes it may have then.
-
-    Raises
-    ------
-    SubmissionError
-        As `cells_of`, or if it is too large.
+    Raise SubmissionError as `cells_of`, or for more than `most` bytes.
     """
     cells: list[dict[str, Any]] = []
     for cell in cells_of(content, file):
@@ -189,10 +154,7 @@ AWAIT = ast.PyCF_ALLOW_TOP_LEVEL_AWAIT
 def parsed(cells: Sequence[Cell], file: str) -> list[tuple[Cell, ast.stmt]]:
     """Return the statements of cells without commands, such as ``%matplotlib`` and ``!ls``.
 
-    Raises
-    ------
-    SubmissionError
-        If a cell is no Python, or all of them are too much.
+    Raise SubmissionError for invalid Python, or for too much of it.
     """
     check_extent("\n".join(cell.source for cell in cells), file)
     statements: list[tuple[Cell, ast.stmt]] = []
@@ -214,7 +176,6 @@ def parsed(cells: Sequence[Cell], file: str) -> list[tuple[Cell, ast.stmt]]:
 
 
 def is_command(cell: Cell) -> bool:
-    """Return whether a whole cell is a command, such as ``%%bash``."""
     first = _first_line(cell.source.split("\n"))
     return first.startswith("%%") and not _TRANSPARENT.match(first)
 

@@ -24,12 +24,9 @@ _MOST_TOLD = 4  # names of a chain
 
 
 def needed(statements: list[Statement], values: Iterable[Value], file: str) -> list[Statement]:
-    """Return the statements that define what the values of slots need, in their order.
+    """Return the statements that the values of slots need, in their order.
 
-    Raises
-    ------
-    SubmissionError
-        If one of the names gets its value by something that is not kept, such as a run.
+    Raise SubmissionError if a name gets its value by a dropped statement, such as a run.
     """
     touching: dict[str, list[Statement]] = {}
     for each in statements:
@@ -51,7 +48,8 @@ def _needed_by(
     while waiting:
         name = waiting.pop()
         for each in touching.get(name, ()):
-            if (each is not value.statement or value.is_last) and not _is_kept(each, runs):
+            is_kept = each.defines and (each.is_harmless or not each.mentions & runs)
+            if (each is not value.statement or value.is_last) and not is_kept:
                 raise _by_running(each, _chain(name, needed_by, value.slot), touching, file)
             if id(each) not in kept:
                 kept.add(id(each))
@@ -62,21 +60,15 @@ def _needed_by(
 
 
 def _chain(name: str, needed_by: Mapping[str, str], slot: str) -> list[str]:
-    """Return the slot and the names that lead from it to a name."""
     chain = [name]
     while (by := needed_by[chain[0]]) != slot:
         chain.insert(0, by)
     return [slot, *chain]
 
 
-def _is_kept(each: Statement, runs: frozenset[str]) -> bool:
-    return each.defines and (each.is_harmless or not each.mentions & runs)
-
-
 def _by_running(
     each: Statement, chain: list[str], touching: Mapping[str, list[Statement]], file: str
 ) -> SubmissionError:
-    """Return the error for a name that has its value by a statement that is not kept."""
     slot, *names = chain
     way = f"{slot} needs {names[0]}"
     if len(names) > 1:
@@ -94,7 +86,6 @@ def _by_running(
 
 
 def _is_value(name: str, touching: Mapping[str, list[Statement]]) -> bool:
-    """Return whether a name is that of a value, and not of a function, a class, or a module."""
     return not all(each.is_harmless for each in touching.get(name, ()))
 
 
@@ -130,21 +121,11 @@ class Part:
 
 @dataclass(frozen=True)
 class Notebook:
-    """What counts of a notebook.
+    """The parts of a notebook that count."""
 
-    Attributes
-    ----------
-    parts : tuple of Part
-        What to run, in this order, in one module.
-    variables : dict of str to str
-        The name in that module of what fills each slot.
-    notes : tuple of str
-        What was left out, as sentences.
-    """
-
-    parts: tuple[Part, ...]
-    variables: dict[str, str]
-    notes: tuple[str, ...]
+    parts: tuple[Part, ...]  # run in this order, in one module
+    variables: dict[str, str]  # the name in that module of what fills each slot
+    notes: tuple[str, ...]  # sentences on the omitted parts
 
     @property
     def slots(self) -> tuple[str, ...]:
@@ -152,22 +133,10 @@ class Notebook:
 
 
 def chosen(content: bytes, file: str, slots: tuple[str, ...]) -> Notebook:
-    """Choose what counts of a notebook; nothing of it is run.
+    """Choose the parts of a notebook that count, without a run of them.
 
-    Parameters
-    ----------
-    content : bytes
-        The notebook.
-    file : str
-        Its name.
-    slots : tuple of str
-        The slots that it may fill.
-
-    Raises
-    ------
-    SubmissionError
-        If it is no notebook, if a cell is no Python, if a slot has two values or none is filled, or
-        if something exists only by running a cell.
+    Raise SubmissionError for an invalid notebook or cell, a slot with two values, no filled slot,
+    or a value that exists only after a run.
     """
     cells = [cell for cell in cells_of(content, file) if cell.tag != SKIP]
     try:
@@ -225,7 +194,6 @@ def _one_each(
 def _no_slot(
     cells: list[Cell], statements: list[Statement], file: str, slots: tuple[str, ...]
 ) -> SubmissionError:
-    """Return the error for a notebook that fills no slot, with what may be meant."""
     defined = {name for each in statements if each.is_definition for name in each.binds}
     unread = [cell.title for cell in cells if is_command(cell)]
     hint = f"; {unread[0]} is a command of the notebook, and does not count" if unread else ""

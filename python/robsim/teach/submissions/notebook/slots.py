@@ -18,32 +18,16 @@ _TAKEN = "_robsim_slots"
 
 @dataclass(frozen=True)
 class Value:
-    """A value for a slot.
-
-    Attributes
-    ----------
-    slot : str
-        The slot.
-    statement : Statement
-        The statement that gives it.
-    expression : ast.expr
-        The value, at this place.
-    way : str
-        How it is given, for messages.
-    identity : object
-        Two values with the same one are the same.
-    replaces : bool
-        Whether its statement sets an attribute, which becomes a variable: ``sim.control = f``.
-    is_last : bool
-        Whether it is evaluated after all cells, as it stands within a statement that is not run.
-    """
+    """A value for a slot."""
 
     slot: str
     statement: Statement
     expression: ast.expr
-    way: str
-    identity: object
+    way: str  # how it is given, for messages
+    identity: object  # two values with the same one are the same
+    #: Whether its statement sets an attribute, which becomes a variable.
     replaces: bool = False
+    #: Whether it is evaluated after all cells, because its statement is not run.
     is_last: bool = False
 
     @property
@@ -68,7 +52,6 @@ def freed(node: ast.stmt) -> ast.stmt:
 
 
 def with_variable(node: ast.stmt, slot: str, variable: str) -> ast.stmt:
-    """Return ``sim.SLOT = value`` as an assignment to a variable."""
     assert isinstance(node, (ast.Assign, ast.AnnAssign))
     value = node.value
     assert value is not None

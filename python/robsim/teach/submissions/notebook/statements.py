@@ -51,31 +51,18 @@ _FUTURES = {name: getattr(__future__, name).compiler_flag for name in __future__
 
 @dataclass(eq=False)
 class Statement:
-    """A statement at the top of a cell.
-
-    Attributes
-    ----------
-    cell : Cell
-        The cell.
-    node : ast.stmt
-        The statement.
-    binds, changes : set of str
-        The names that it gives a value, and those whose value it changes.
-    needs : set of str
-        The global names that it, or a function in it, looks up.
-    mentions : set of str
-        All names in it, of attributes, too, that count for `RUNS`.
-    defines : bool
-        Whether it only defines, whatever it mentions.
-    """
+    """A statement at the top of a cell."""
 
     cell: Cell
     node: ast.stmt
+    #: The names that it gives a value, and those whose value it changes.
     binds: set[str] = field(default_factory=set)
     changes: set[str] = field(default_factory=set)
+    #: The global names that it, or a function in it, looks up.
     needs: set[str] = field(default_factory=set)
+    #: All names in it, of attributes, too, that count for `RUNS`.
     mentions: set[str] = field(default_factory=set)
-    defines: bool = False
+    defines: bool = False  # whether it only defines
 
     @property
     def touches(self) -> set[str]:
@@ -88,7 +75,6 @@ class Statement:
 
     @property
     def is_harmless(self) -> bool:
-        """Whether it runs nothing, whatever it mentions."""
         return self.is_definition or isinstance(self.node, (ast.Import, ast.ImportFrom))
 
     @property
@@ -97,7 +83,6 @@ class Statement:
 
     @property
     def text(self) -> str:
-        """Its first line, cut, for messages."""
         line = self.cell.source.split("\n")[self.node.lineno - 1].strip()
         return one_line(line if len(line) <= _LONGEST_LINE else f"{line[:_LONGEST_LINE]}...")
 
@@ -113,7 +98,6 @@ def flags_of(nodes: Iterable[ast.stmt]) -> int:
 
 
 def is_future(node: ast.stmt) -> bool:
-    """Return whether a statement is ``from __future__ import ...``, which counts for all cells."""
     return isinstance(node, ast.ImportFrom) and node.module == "__future__"
 
 
@@ -132,7 +116,6 @@ def statement(cell: Cell, node: ast.stmt, flags: int) -> Statement:
 
 
 def compiled(nodes: list[ast.stmt], place: str, flags: int) -> CodeType:
-    """Return the code of statements of one cell."""
     module = ast.Module(body=nodes, type_ignores=[])
     with quiet():
         code = compile(module, place, "exec", flags, dont_inherit=True)
@@ -163,7 +146,6 @@ def _names(code: CodeType, kinds: frozenset[str]) -> set[str]:
 
 
 def _inner(code: CodeType) -> Iterator[CodeType]:
-    """Yield the code of all functions and classes in a code, and itself."""
     waiting = [code]
     while waiting:
         each = waiting.pop()
