@@ -147,17 +147,10 @@ class Assignment:
 
     @property
     def _frames(self) -> Frames:
-        """What a submission may see of the frames."""
         return "blobs" if self.given == "blobs" else self.given == "frames"
 
     def _rules(self, slots: tuple[str, ...] | None = None) -> Rules:
-        """Return what a submission may fill, which is all or some slots alone, import and weigh.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If there are no such slots, functions or modules.
-        """
+        """Return the rules of a submission for all or some slots; raise TypeError or ValueError."""
         functions = self.functions if slots is None else ()
         wanted = self.slots if slots is None else slots
         return rules_of(wanted, functions, self.imports, self.masked, self.limits)

@@ -20,11 +20,7 @@ from robsim.teach.assignments.assignment_file import SOLUTIONS, load_assignment,
 from robsim.teach.assignments.grading.references import key_for
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.marks.calibrate import (
-    calibrate_task,
-    calibration_seconds,
-    check_solutions,
-)
+from robsim.teach.tasks.marks.calibrate import calibrate_task, calibration_seconds, check_solutions
 from robsim.teach.tasks.marks.calibration import TaskCalibration, solutions_digest, task_digest
 from robsim.teach.tasks.solutions import Solution
 
@@ -97,7 +93,6 @@ def calibrate_assignment(
 
 
 def _seconds(assignment: Assignment, **options: Any) -> float:
-    """Return about how long `calibrate_assignment` will take (s)."""
     return sum(
         calibration_seconds(test.task, _usable(assignment, test.task), **options)
         for test, _ in _by_task(assignment)
@@ -105,7 +100,6 @@ def _seconds(assignment: Assignment, **options: Any) -> float:
 
 
 def _usable(assignment: Assignment, task: Task) -> tuple[Solution, ...]:
-    """Return the solutions; raise AssignmentError if they are not such as calibration takes."""
     place = f"{SOLUTIONS}/{task.name}"
     found = solutions_for(assignment.folder, task)
     try:
@@ -116,7 +110,6 @@ def _usable(assignment: Assignment, task: Task) -> tuple[Solution, ...]:
 
 
 def _by_task(assignment: Assignment) -> Iterator[tuple[TaskTest, list[str]]]:
-    """Yield the first test of each task, and the names of all that have it."""
     if not assignment.tests:
         raise AssignmentError(f"{one_line(assignment.folder)} has no test by a task")
     tests: dict[str, list[TaskTest]] = {}

@@ -89,22 +89,14 @@ def check_assignment(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Finding:
-    """Something that was checked.
-
-    Attributes
-    ----------
-    what, expected, got : str
-        What it is, how it should be, how it is.
-    wrong : str
-        What is wrong, and what to do; "" = nothing.
-    """
+    """Something that was checked."""
 
     what: str
     expected: str
     got: str
-    wrong: str = ""
+    wrong: str = ""  # the fault and its remedy; "" = no fault
 
     @property
     def verdict(self) -> str:
@@ -121,7 +113,7 @@ def _still(assignment: Assignment) -> Iterator[Finding]:
     key = assignment.key
     got = "there is none" if key is None else "public" if key.is_public else "secret"
     wrong = "" if got == "secret" or not is_needed else "hidden tests need a key: Key.new().write"
-    yield Finding(what="key", expected="secret", got=got, wrong=wrong)
+    yield Finding("key", "secret", got, wrong)
     recorded = read_limits(assignment.folder)
     for test in assignment.tests:
         yield _limits(test, recorded.get(test.name, RecordedTest()).calibration)
@@ -133,11 +125,10 @@ def _limits(test: TaskTest, made: TaskCalibration | None) -> Finding:
     what, expected = f"limits of {test.name}", "calibrated for it"
     if made is None:
         wrong = f"{what}: they were not calibrated: robsim assignment calibrate"
-        return Finding(what=what, expected=expected, got="written by hand", wrong=wrong)
+        return Finding(what, expected, "written by hand", wrong)
     if test.stale:
-        return Finding(what=what, expected=expected, got="of others", wrong=f"{what}: {test.stale}")
-    got = f"right ones fail in {100 * made.false_fail:g} % at most"
-    return Finding(what=what, expected=expected, got=got)
+        return Finding(what, expected, "of others", f"{what}: {test.stale}")
+    return Finding(what, expected, f"right ones fail in {100 * made.false_fail:g} % at most")
 
 
 def _sheet(assignment: Assignment) -> Finding:
@@ -146,7 +137,7 @@ def _sheet(assignment: Assignment) -> Finding:
     expected = "names slots and points"
     if missing := listed(slot for slot in assignment.slots if slot not in text):
         wrong = f"{SHEET} does not say what {missing} is to do"
-        return Finding(what=SHEET, expected=expected, got=f"not {missing}", wrong=wrong)
+        return Finding(SHEET, expected, f"not {missing}", wrong)
     lines = [re.split(r"\s*\|\s*", line) for line in text.splitlines()]
     for test in assignment.tests:
         # A row of the table that a new sheet has; one without it says it in words.
@@ -154,22 +145,19 @@ def _sheet(assignment: Assignment) -> Finding:
         if told not in ("", number(test.points)):
             got = f"{told} points for {test.name}"
             wrong = f"{SHEET} says {got}, and assignment.toml {number(test.points)}"
-            return Finding(what=SHEET, expected=expected, got=got, wrong=wrong)
-    return Finding(what=SHEET, expected=expected, got="names them")
+            return Finding(SHEET, expected, got, wrong)
+    return Finding(SHEET, expected, "names them")
 
 
 def _public(assignment: Assignment) -> Finding:
     try:
-        files = public_part(assignment)
+        got, wrong = f"{len(public_part(assignment))} files", ""
     except AssignmentError as error:
-        return Finding(
-            what="for students", expected="nothing hidden", got="refused", wrong=str(error)
-        )
-    return Finding(what="for students", expected="nothing hidden", got=f"{len(files)} files")
+        got, wrong = "refused", str(error)
+    return Finding("for students", "nothing hidden", got, wrong)
 
 
 def _rehearsed(plan: Plan, scratch: Path, executor: Engine, progress: bool) -> Iterator[Finding]:
-    """Yield what came of a class."""
     parts = cast_of(plan.assignment)
     bar = progress_bar(total=len(parts), unit="submission") if progress else None
     tries: dict[str, list[SubmissionResult]] = {part.name: [] for part in parts}
@@ -234,15 +222,13 @@ def _finding(part: Part, results: list[SubmissionResult]) -> Finding:
     got = f"{number(points)} of {number(most)}"
     if len(results) > 1:
         got += f", in {len(bad)} of {len(results)} gradings"
-    is_wrong = 2 * len(bad) > len(results)
     wrong = ""
-    if is_wrong:
+    if 2 * len(bad) > len(results):
         wrong = f"{part.name} {_REMEDIES[part.expected]}; it got {got}{_lost(part, bad[0])}"
-    return Finding(what=part.name, expected=part.expected, got=got, wrong=wrong)
+    return Finding(part.name, part.expected, got, wrong)
 
 
 def _lost(part: Part, result: SubmissionResult) -> str:
-    """Say what was told of the first test that did not give all points."""
     if part.expected != FULL:
         return ""
     lost = [test for test in _counted(part, result) if test.points < _ALL * test.most]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim.base.report import Column, Quantity, Report, Row, Table
-from robsim.teach.assignments.results import ERROR, NOT_RUN, SubmissionResult, TestResult
+from robsim.teach.assignments.results import ERROR, NOT_RUN, SubmissionResult
 
 _MOST_LISTED = 5
 _WIDEST = 24  # characters of the heading of a column
@@ -93,13 +93,9 @@ def _heading(name: str) -> str:
 
 
 def _row(result: SubmissionResult, names: Sequence[str]) -> list[float | None]:
-    points = {test.name: test.points for test in result.tests if _has_points(test)}
+    graded = (one for one in result.tests if one.status != ERROR)
+    points = {one.name: one.points for one in graded if one.status != NOT_RUN or one.digest}
     return [result.points, *(points.get(name) for name in names)]
-
-
-def _has_points(test: TestResult) -> bool:
-    is_asked_for = test.status != NOT_RUN or bool(test.digest)
-    return test.status != ERROR and is_asked_for
 
 
 def _listed(students: Sequence[str]) -> str:

@@ -26,33 +26,21 @@ _LIMIT = ("full", "zero", "low", "low_zero")
 
 @dataclass(frozen=True, kw_only=True)
 class RecordedTest:
-    """What `limits.json` has of a test.
+    """The record of a test in `limits.json`."""
 
-    Attributes
-    ----------
-    limits : mapping of str to ScoreLimit
-        By score.
-    reference : mapping of str to tuple of float
-        The numbers of the reference in each run, by score; for those who do not have it.
-    calibration : TaskCalibration or None
-        What the limits rest on; None = they were written by hand, or it is not known here.
-    """
-
-    limits: Mapping[str, ScoreLimit] = field(default_factory=dict)
+    limits: Mapping[str, ScoreLimit] = field(default_factory=dict)  # by score
+    #: The numbers of the reference in each run, by score; for those who do not have it.
     reference: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    #: The source of the limits; None = written by hand, or unknown here.
     calibration: TaskCalibration | None = None
 
 
 def read_limits(folder: Path) -> dict[str, RecordedTest]:
-    """Return what the file of a folder has, by test; nothing, where there is none.
+    """Return the records in the file of a folder, by test; nothing without a file.
 
     The file is JSON: ``{"format": 1, "tests": {TEST: {"limits": {SCORE: {"full": ..., "zero": ...,
-    "low": ..., "low_zero": ...}}, "reference": {SCORE: [...]}, "calibration": {...}}}}``.
-
-    Raises
-    ------
-    AssignmentError
-        If it is something else.
+    "low": ..., "low_zero": ...}}, "reference": {SCORE: [...]}, "calibration": {...}}}}``. Other
+    content raises AssignmentError.
     """
     try:
         content = (folder / FILE).read_bytes()

@@ -74,44 +74,34 @@ def _rows(assignment: Assignment) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Range:
-    """Where a number is drawn from: evenly, and rounded.
-
-    Attributes
-    ----------
-    least, most : float
-        Its limits.
-    digits : int
-        Decimal places.
-    """
+    """Where a number is drawn from: evenly, and rounded."""
 
     least: float
     most: float
-    digits: int = 0
+    digits: int = 0  # decimal places
 
     def draw(self, rng: np.random.Generator) -> float:
         return round(float(rng.uniform(self.least, self.most)), self.digits)
 
 
 _HEADING = Range(-3.1, 3.1, 2)  # rad
+_DRIVING = {
+    "noise": Range(8, 12, 1),
+    "dropout": Range(0.12, 0.18, 2),
+    "mismatch": Range(0.08, 0.12, 2),
+}
 #: What is drawn for each task, and where its parameters stay fair: the shipped solutions are told
 #: apart anywhere in there.
 TEMPLATES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
-        "park": {
-            "goal": (Range(250, 550), Range(250, 550), _HEADING),
-            "noise": Range(8, 12, 1),
-            "dropout": Range(0.12, 0.18, 2),
-            "mismatch": Range(0.08, 0.12, 2),
-        },
+        "park": {"goal": (Range(250, 550), Range(250, 550), _HEADING), **_DRIVING},
         "follow": {
             "waypoints": (
                 (Range(400, 460), Range(190, 250)),
                 (Range(190, 240), Range(190, 250)),
                 (Range(190, 240), Range(370, 430)),
             ),
-            "noise": Range(8, 12, 1),
-            "dropout": Range(0.12, 0.18, 2),
-            "mismatch": Range(0.08, 0.12, 2),
+            **_DRIVING,
         },
         "identify": {
             "mismatch": Range(0.2, 0.3, 2),
@@ -129,7 +119,6 @@ TEMPLATES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
 
 
 def draw(name: str, rng: np.random.Generator) -> Task:
-    """Return a task with numbers that no other course has."""
     return task(name, **{key: _drawn(one, rng) for key, one in TEMPLATES[name].items()})
 
 
@@ -145,11 +134,7 @@ _MOST_SEED = 2**63 - 1
 
 
 def new_assignment(
-    template: str,
-    folder: str | PathLike[str],
-    *,
-    name: str | None = None,
-    seed: int | None = None,
+    template: str, folder: str | PathLike[str], *, name: str | None = None, seed: int | None = None
 ) -> Assignment:
     """Make the folder of an assignment, with a new key and numbers of its own.
 
@@ -199,7 +184,6 @@ def new_assignment(
 
 
 def _fill(folder: Path, task: Task, name: str) -> None:
-    """Write the files; the sheet last, which is of what is read then."""
     values = {
         "name": _toml(name),
         "title": _title(task),
@@ -209,7 +193,7 @@ def _fill(folder: Path, task: Task, name: str) -> None:
     Key.new().write(folder / KEY)
     _write(folder / FILE, _filled("assignment.toml", values | _rules(task)))
     _write(folder / "README.md", _filled("README.md", values))
-    _write(folder / OWN_TESTS, (_FILES / f"tests/{task.name}.py").read_text(encoding="utf-8"))
+    _write(folder / OWN_TESTS, (_FILES / f"tests/{task.slots[-1]}.py").read_text(encoding="utf-8"))
     (folder / START).mkdir()
     for path, content in starting_files(task).items():
         write_whole(folder / START / path, content)
@@ -218,7 +202,6 @@ def _fill(folder: Path, task: Task, name: str) -> None:
 
 
 def _write_solutions(folder: Path, solutions: Sequence[Solution]) -> None:
-    """Write solutions; all can import the helpers of the reference, the first, without a copy."""
     shared: dict[str, bytes] = {}
     for one in solutions:
         place = folder / ("right" if one.is_right else "wrong") / one.name
@@ -230,6 +213,7 @@ def _write_solutions(folder: Path, solutions: Sequence[Solution]) -> None:
 
 def _rules(task: Task) -> dict[str, str]:
     kind = type(task)
+    set_values = [(key, value) for key, value in task.parameters.items() if value is not None]
     return {
         "title": _toml(_title(task)),
         "slots": _toml(list(kind.slots)),
@@ -239,16 +223,12 @@ def _rules(task: Task) -> dict[str, str]:
         "class": f"robsim.teach.{kind.__name__}",
         "public_title": _toml(f"{kind.title[0].upper()}{kind.title[1:]}"),
         "hidden_title": _toml(f"{kind.title[0].upper()}{kind.title[1:]}, in other worlds"),
-        "parameters": "\n".join(_parameters(task.parameters)),
+        "parameters": "\n".join(f"{key} = {_toml(value)}" for key, value in set_values),
     }
 
 
 def _title(task: Task) -> str:
     return task.sheet.splitlines()[0].removeprefix("# ")
-
-
-def _parameters(values: Mapping[str, Any]) -> list[str]:
-    return [f"{key} = {_toml(value)}" for key, value in values.items() if value is not None]
 
 
 def _toml(value: Any) -> str:

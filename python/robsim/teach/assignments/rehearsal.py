@@ -42,34 +42,19 @@ FULL, LESS, NOTHING = "all points", "fewer points", "no points"
 
 @dataclass(frozen=True)
 class Part:
-    """Somebody in the class.
+    """A submission of the class."""
 
-    Attributes
-    ----------
-    name : str
-        Whose it is.
-    files : mapping of str to bytes
-        What is handed in, by name.
-    expected : str
-        What should come of it.
-    tests : tuple of str
-        The names of the tests in which it should.
-    is_free : bool
-        Whether it may have what is masked.
-    """
-
-    name: str
-    files: Mapping[str, bytes]
-    expected: str
-    tests: tuple[str, ...]
-    is_free: bool = False
+    name: str  # whose it is
+    files: Mapping[str, bytes]  # by name
+    expected: str  # the right result
+    tests: tuple[str, ...]  # the names of the tests in which it should
+    is_free: bool = False  # may use masked modules
 
 
 def cast_of(assignment: Assignment) -> list[Part]:
-    """Return all who are in the class of an assignment."""
     parts: list[Part] = []
     tests = tuple(test.name for test in assignment.tests)
-    for task in _kinds(assignment):
+    for task in {test.task.name: test.task for test in assignment.tests}.values():
         own = tuple(one.name for one in assignment.tests if one.task.name == task.name)
         solutions = solutions_for(assignment.folder, task)
         ruled = _ruled(solutions, assignment.masked)
@@ -82,12 +67,7 @@ def cast_of(assignment: Assignment) -> list[Part]:
     return parts
 
 
-def _kinds(assignment: Assignment) -> Iterator[Task]:
-    yield from {test.task.name: test.task for test in assignment.tests}.values()
-
-
 def _ruled(solutions: Sequence[Solution], masked: tuple[str, ...]) -> Solution:
-    """Return the first right solution that does without what is masked, else the reference."""
     right = [one for one in solutions if one.is_right]
     for one in right:
         text = b"\n".join(one.files.values()).decode(errors="replace")
@@ -107,7 +87,6 @@ def _sources(files: Mapping[str, bytes]) -> dict[str, bytes]:
 
 
 def _as_notebook(solution: Solution, task: Task, tests: tuple[str, ...]) -> Part:
-    """Return a solution as a notebook that defines its slots, beside its modules."""
     slots = [slot for slot in task.slots if slot in solution.files]
     modules = {name: code for name, code in solution.files.items() if name not in slots}
     cells = [_cell(solution.files[slot].decode()) for slot in slots]
@@ -135,22 +114,9 @@ def graded(
     tell: Callable[[], None],
     again: int = 0,
 ) -> dict[str, SubmissionResult]:
-    """Grade some of a class, and return their results by name.
+    """Grade parts of a class in an empty folder, and return their results by name.
 
-    Parameters
-    ----------
-    plan : Plan
-        What is graded.
-    parts : list of Part
-        Who.
-    folder : Path
-        An empty folder, to write in.
-    executor : engine
-        Who grades.
-    tell : callable
-        Is called after each that is done.
-    again : int
-        How often they have been graded before: each time with other seeds.
+    The number of the repetition, `again`, changes the seeds. `tell` is called after each part.
     """
     if not parts:
         return {}

@@ -261,12 +261,11 @@ def _test(data: Mapping[str, Any]) -> TestResult:
 
 def _score(data: Mapping[str, Any]) -> ScoreResult:
     statistic = math.nan if data["statistic"] is None else data["statistic"]
-    runs = {name: tuple(_number(x) for x in data[name]) for name in ("values", "reference")}
+    runs = {
+        name: tuple(math.nan if value is None else value for value in data[name])
+        for name in ("values", "reference")
+    }
     return ScoreResult(**{**data, **runs, "statistic": statistic})
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else value
 
 
 def _finite(value: Any) -> Any:
@@ -297,7 +296,6 @@ class SubmissionReport(Report):
 
     @property
     def tables(self) -> Sequence[Table]:
-        """The tests."""
         columns = (
             Column("points", "points", "", ".2f"),
             Column("most", "of", "", "g"),
@@ -312,5 +310,4 @@ class SubmissionReport(Report):
 
     @property
     def remarks(self) -> Sequence[str]:
-        """What was left out when it was read."""
         return self.of.notes

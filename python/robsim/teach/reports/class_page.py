@@ -16,7 +16,7 @@ from robsim.teach.assignments.results import (
 )
 from robsim.teach.reports import words
 from robsim.teach.reports.drawings import histogram
-from robsim.teach.reports.markup import Html, escaped, joined, page, tag
+from robsim.teach.reports.markup import Html, page, preformatted, tag
 from robsim.teach.reports.similarity import Passage, SimilarPair
 
 
@@ -29,26 +29,19 @@ def class_page(
 ) -> str:
     """Return the page as HTML.
 
-    Parameters
-    ----------
-    results : sequence of SubmissionResult
-        Those of all submissions, at least one.
-    floors : sequence of Html
-        The best paths of tests, as `floor_of` draws them.
-    pairs : sequence of SimilarPair, optional
-        Programs that resemble each other; None = they were not compared.
-    links : mapping of str to str, optional
-        The page of each student, relative to this one.
+    `floors` have the best paths, `links` the pages of students, relative to this page. Without a
+    comparison of programs `pairs` is None.
     """
     tests = tests_of(results)
     title = results[0].title
+    signs = "; ".join(f"{sign} {word}" for word, sign in words.STATUS.values())
     parts = [
         _head(results),
         tag("h2", "Points", id="points"),
         tag("div", *_histograms(results, tests), class_="charts"),
         tag("h2", "Who has what", id="students"),
         tag("div", _table(results, tests, links or {}), class_="scroll"),
-        tag("p", _key(), class_="quiet"),
+        tag("p", f"{signs}.", class_="quiet"),
         tag("h2", "Which tests were hard", id="tests"),
         tag("div", _hardest(results, tests), class_="scroll"),
     ]
@@ -61,7 +54,6 @@ def class_page(
 
 
 def tests_of(results: Sequence[SubmissionResult]) -> list[TestResult]:
-    """Return one of each test, in the order of the assignment."""
     tests: dict[str, TestResult] = {}
     for result in results:
         for test in result.tests:
@@ -95,14 +87,10 @@ def _histograms(results: Sequence[SubmissionResult], tests: Sequence[TestResult]
     most = max(result.most for result in results)
     drawn = [histogram("In all", [result.points for result in results], most)]
     for test in tests:
-        graded = [each for each in _all_of(results, test) if each.status not in (ERROR, NOT_RUN)]
-        points = [each.points for each in graded]
+        graded = (each for _, each in _of_students(results, test))
+        points = [each.points for each in graded if each.status not in (ERROR, NOT_RUN)]
         drawn.append(histogram(words.heading(test), points, test.most))
     return drawn
-
-
-def _all_of(results: Sequence[SubmissionResult], test: TestResult) -> list[TestResult]:
-    return [each for result in results for each in result.tests if each.name == test.name]
 
 
 def _table(
@@ -143,10 +131,6 @@ def _cell(test: TestResult | None) -> Html:
     kind = "all" if share == 1 else "some" if share > 0 else "none"
     look = {"class_": f"cell {kind}", "title": test.sentence or None}
     return tag("td", f"{sign} {number(points)}", data_value=f"{points:.4f}", **look)
-
-
-def _key() -> str:
-    return "; ".join(f"{sign} {word}" for word, sign in words.STATUS.values()) + "."
 
 
 def _hardest(results: Sequence[SubmissionResult], tests: Sequence[TestResult]) -> Html:
@@ -204,5 +188,4 @@ def _pair(pair: SimilarPair) -> Html:
 
 def _passage(student: str, passage: Passage) -> Html:
     place = f"{student}, {passage.file}, lines {passage.first_line} to {passage.last_line}"
-    text = Html(f"<pre>\n{escaped(passage.text)}</pre>")
-    return tag("div", joined(tag("p", place, class_="quiet"), text))
+    return tag("div", tag("p", place, class_="quiet"), preformatted(passage.text))

@@ -26,19 +26,7 @@ class DrawnPath:
 def floor_of(
     title: str, paths: Sequence[DrawnPath], area: tuple[float, float], most: float
 ) -> Html:
-    """Return the floor with the paths: those with all points on top.
-
-    Parameters
-    ----------
-    title : str
-        Title of the test.
-    paths : sequence of DrawnPath
-        The paths.
-    area : tuple of float
-        Width and height of the work area, in the unit of the positions.
-    most : float
-        Points of the test.
-    """
+    """Return the floor with the paths, those with all points on top."""
     left, top, side = _view(paths, area)
     ordered = sorted(paths, key=lambda path: path.points)
     lines = [line for path in ordered if (line := _line(path, most, side / 160))]
@@ -86,17 +74,7 @@ _GAP = 2
 
 
 def histogram(title: str, points: Sequence[float], most: float) -> Html:
-    """Return the histogram of points: none, ten parts, all.
-
-    Parameters
-    ----------
-    title : str
-        What they are of.
-    points : sequence of float
-        The points of each submission.
-    most : float
-        How many there are.
-    """
+    """Return the histogram of points: none, ten parts, all."""
     counts = _counts(points, most)
     step = _WIDTH / len(counts)
     tall = (_HEIGHT - _TOP - _BOTTOM) / max(*counts, 1)

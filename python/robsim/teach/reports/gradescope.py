@@ -11,7 +11,7 @@ from robsim.base.checks import check_choice
 from robsim.base.files import as_path, write_whole
 from robsim.teach.assignments.results import ERROR, PASSED, SubmissionResult, TestResult, of_most
 from robsim.teach.reports import words
-from robsim.teach.reports.markup import Html, data_uri, escaped, joined, tag
+from robsim.teach.reports.markup import Html, data_uri, joined, preformatted, tag
 from robsim.teach.reports.student_text import for_student
 from robsim.teach.texts import clean_line, clean_text
 
@@ -29,30 +29,9 @@ def gradescope(
 ) -> dict[str, Any]:
     """Return a result as the content of Gradescope's ``results.json``.
 
-    Parameters
-    ----------
-    result : SubmissionResult
-        The result, complete or not.
-    pictures : mapping of str to bytes, optional
-        PNG files by the names of their tests; of public tests they are shown, where they are small
-        enough.
-    hidden : {"after_published", "after_due_date", "visible"}
-        When hidden tests are shown: their points and sentences, and nothing else ever. Until then
-        Gradescope shows no total either.
-
-    Returns
-    -------
-    dict
-        What JSON has: finite numbers, text, lists.
-
-    Raises
-    ------
-    ValueError
-        If `hidden` is none of these.
-
-    References
-    ----------
-    https://gradescope-autograders.readthedocs.io/en/latest/specs/
+    Pictures are PNG files by test; small ones of public tests are shown. `hidden`, one of
+    `VISIBILITIES`, is when points and sentences of hidden tests are shown. Until then Gradescope
+    shows no total. Source: https://gradescope-autograders.readthedocs.io/en/latest/specs/
     """
     check_choice("hidden", hidden, VISIBILITIES)
     theirs = for_student(result)
@@ -79,17 +58,6 @@ def gradescope(
     }
 
 
-def gradescope_json(
-    result: SubmissionResult,
-    *,
-    pictures: Mapping[str, bytes] | None = None,
-    hidden: str = "after_published",
-) -> str:
-    """Return `gradescope` as the text of a file, in ASCII."""
-    content = gradescope(result, pictures=pictures, hidden=hidden)
-    return json.dumps(content, indent=1, allow_nan=False) + "\n"
-
-
 def write_gradescope(
     path: str | PathLike[str],
     result: SubmissionResult,
@@ -97,22 +65,10 @@ def write_gradescope(
     pictures: Mapping[str, bytes] | None = None,
     hidden: str = "after_published",
 ) -> None:
-    """Write `gradescope` to a file, whole: whatever happens, there is the old or the new one.
-
-    Parameters
-    ----------
-    path : path
-        The file; on Gradescope ``/autograder/results/results.json``.
-    result, pictures, hidden
-        As for `gradescope`.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
-    """
-    text = gradescope_json(result, pictures=pictures, hidden=hidden)
-    write_whole(as_path(path), text.encode("ascii"))
+    """Write `gradescope` to a file, whole or not at all; raise OSError if that fails."""
+    content = gradescope(result, pictures=pictures, hidden=hidden)
+    text = json.dumps(content, indent=1, allow_nan=False)
+    write_whole(as_path(path), f"{text}\n".encode("ascii"))
 
 
 class _Room:
@@ -122,7 +78,6 @@ class _Room:
         self._left = most
 
     def taken(self, test: TestResult, pictures: Mapping[str, bytes]) -> str | None:
-        """Return the picture of a test as an address, if it is small enough; else None."""
         png = pictures.get(test.name) if test.picture is not None else None
         if png is None:
             return None
@@ -134,7 +89,6 @@ class _Room:
 
 
 def _output(result: SubmissionResult) -> str:
-    """Return what is said above all tests: nothing of hidden ones."""
     public = [test for test in result.tests if test.public]
     points = of_most(
         round(sum(test.points for test in public), 2), round(sum(test.most for test in public), 2)
@@ -178,33 +132,27 @@ def _details(result: SubmissionResult, test: TestResult, picture: str | None) ->
         if test.status in words.STATUS
         else "",
         *(tag("p", text) for text in (test.sentence, words.blame(test)) if text),
-        _listed(_score(score, test) for score in test.scores if words.has_numbers(test)),
+        _listed(
+            words.score_line(score, test.most) for score in test.scores if words.has_numbers(test)
+        ),
     ]
     if picture is not None:
         parts.append(tag("p", tag("img", src=picture, alt="A run")))
     if caption := words.caption_text(test):
         parts.append(tag("p", caption))
     if test.finding:
-        parts += [tag("p", tag("b", words.FINDING)), _preformatted(test.finding)]
+        parts += [tag("p", tag("b", words.FINDING)), preformatted(test.finding)]
     if test.failed:
         parts.append(tag("p", tag("b", words.failed_head(test))))
         parts.append(_listed(words.failed_texts(test)))
     if output := test.output.rstrip():
-        parts += [tag("p", tag("b", "What the submission printed")), _preformatted(output)]
+        parts += [tag("p", tag("b", "The submission printed")), preformatted(output)]
     if test.public:
         command = tag("code", words.repeat_command(test))
         parts.append(tag("p", f"{words.REPEAT}: ", command))
     return str(joined(*parts))
 
 
-def _score(score: Any, test: TestResult) -> str:
-    return f"{score.title}: {words.score_text(score)}: {words.points_text(score, test.most)}"
-
-
 def _listed(texts: Any) -> Html:
     items = [tag("li", text) for text in texts]
     return tag("ul", *items) if items else Html("")
-
-
-def _preformatted(text: str) -> Html:
-    return Html(f"<pre>\n{escaped(text)}</pre>")

@@ -28,21 +28,13 @@ def escaped(text: object) -> Html:
 
 
 def joined(*parts: object) -> Html:
-    """Return parts as one piece of markup; those that are text are escaped."""
     return Html("".join(map(escaped, parts)))
 
 
 def tag(name: str, /, *content: object, **attributes: Any) -> Html:
-    """Return an element.
+    """Return an element; texts in its content are escaped.
 
-    Parameters
-    ----------
-    name : str
-        Its name.
-    *content : object
-        What stands in it: markup, or texts, which are escaped.
-    **attributes
-        Its attributes: ``class_`` for class, and ``_`` for ``-``; None and False leave one out.
+    Attributes are written with ``_`` for ``-``, ``class_`` for class. None and False omit one.
     """
     given = "".join(
         f" {key.rstrip('_').replace('_', '-')}" + ("" if value is True else f'="{escaped(value)}"')
@@ -54,22 +46,17 @@ def tag(name: str, /, *content: object, **attributes: Any) -> Html:
     return Html(f"<{name}{given}>{joined(*content)}</{name}>")
 
 
+def preformatted(text: str) -> Html:
+    # The first line break after <pre> is no part of the text.
+    return Html(f"<pre>\n{escaped(text)}</pre>")
+
+
 def data_uri(png: bytes) -> Html:
     return Html("data:image/png;base64," + base64.b64encode(png).decode("ascii"))
 
 
 def page(title: str, *body: object, script: str | None = None) -> str:
-    """Return a page that needs no other file, and can load none.
-
-    Parameters
-    ----------
-    title : str
-        Its title.
-    *body : object
-        What stands in it.
-    script : str, optional
-        The file of its script, beside this package's pages; nothing else on it is run.
-    """
+    """Return a page that needs no other file, and loads only its script of this package."""
     style = (_FILES / "style.css").read_text("utf-8")
     code = (_FILES / script).read_text("utf-8") if script else ""
     head = joined(

@@ -136,20 +136,9 @@ def _pieces(file: str, content: bytes) -> list[Piece]:
 def winnowed(tokens: Sequence[Token], piece: int) -> list[Print]:
     """Return the smallest hash in each window of hashes, the last one of equals, each once.
 
-    Whatever two texts have in common that is at least `RUN` + `WINDOW` - 1 tokens long, they have
-    a fingerprint of in common; nothing shorter than `RUN` is found.
-
-    Parameters
-    ----------
-    tokens : sequence of Token
-        The text.
-    piece : int
-        Its number in the program.
-
-    References
-    ----------
-    Schleimer, Wilkerson, Aiken: Winnowing: Local Algorithms for Document Fingerprinting.
-    SIGMOD 2003.
+    Two texts with `RUN` + `WINDOW` - 1 equal tokens have a fingerprint in common. Parts shorter
+    than `RUN` are not found. `piece` is the number of the text in the program. Source: Schleimer,
+    Wilkerson, Aiken: Winnowing: Local Algorithms for Document Fingerprinting. SIGMOD 2003.
     """
     kinds = [token.kind for token in tokens]
     hashes = [_hash(kinds[i : i + RUN]) for i in range(len(kinds) - RUN + 1)]
@@ -187,40 +176,22 @@ class Passage:
 
 @dataclass(frozen=True)
 class SimilarPair:
-    """Two submissions that resemble each other.
-
-    Attributes
-    ----------
-    first, second : str
-        Their names.
-    share_of_first, share_of_second : float
-        The part of each program that the other has, too, 0 to 1.
-    lines : int
-        How many lines of the first that is.
-    passages : tuple of (Passage, Passage)
-        The longest parts in common, of the first and of the second.
-    """
+    """Two submissions that resemble each other."""
 
     first: str
     second: str
+    #: The part of each program that the other has, too, 0 to 1.
     share_of_first: float
     share_of_second: float
-    lines: int
+    lines: int  # how many lines of the first that is
+    #: The longest parts in common, of the first and of the second.
     passages: tuple[tuple[Passage, Passage], ...]
 
 
 def similar_pairs(
     programs: Mapping[str, Program], given: Iterable[Program] = ()
 ) -> list[SimilarPair]:
-    """Return the pairs that have most in common, the most similar first.
-
-    Parameters
-    ----------
-    programs : mapping of str to Program
-        The submissions by name.
-    given : iterable of Program
-        What all were given: it does not count.
-    """
+    """Return the pairs that have most in common, the most similar first, without given text."""
     known = {each.hash for program in given for each in program.prints}
     own = {
         name: [each for each in program.prints if each.hash not in known]
@@ -246,7 +217,6 @@ def similar_pairs(
 
 
 def _owners(own: Mapping[str, Sequence[Print]]) -> dict[bytes, set[str]]:
-    """Return who has each fingerprint, of those that several have, but not many."""
     owners: defaultdict[bytes, set[str]] = defaultdict(set)
     for name, prints in own.items():
         for each in prints:
@@ -287,7 +257,6 @@ def _pair(
 
 
 def _joined(matches: Sequence[tuple[Print, Print]]) -> list[tuple[Print, Print]]:
-    """Return matches that follow each other in both programs as one."""
     joined: list[tuple[Print, Print]] = []
     for left, right in matches:
         if joined and _follows(joined[-1][0], left) and _follows(joined[-1][1], right):

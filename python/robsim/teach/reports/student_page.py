@@ -15,7 +15,7 @@ from robsim.teach.assignments.results import (
 )
 from robsim.teach.reports import words
 from robsim.teach.reports.drawings import scale_of
-from robsim.teach.reports.markup import Html, data_uri, escaped, joined, page, tag
+from robsim.teach.reports.markup import Html, data_uri, joined, page, preformatted, tag
 
 _HIDDEN = (
     "This test is hidden: its worlds are not given out before or after. To see a run of it, ask "
@@ -27,27 +27,12 @@ _SCALE = "Bars: green = all points, red = none; the line is the result, dots are
 def student_page(
     result: SubmissionResult, pictures: Mapping[str, bytes], *, for_teacher: bool = False
 ) -> str:
-    """Return the page as HTML.
-
-    Parameters
-    ----------
-    result : SubmissionResult
-        The result: what is in it is on the page. For students: `for_student`.
-    pictures : mapping of str to bytes
-        PNG files by the names of their tests.
-    for_teacher : bool
-        Whether it is the one that students don't get.
-    """
+    """Return the page as HTML, with PNG files by test; `for_student` makes a student's result."""
     cards = [
-        _card(result, test, index, _picture(test, pictures), for_teacher)
+        _card(result, test, index, pictures.get(test.name) if test.picture else None, for_teacher)
         for index, test in enumerate(result.tests, 1)
     ]
-    body = [
-        _head(result, for_teacher),
-        _overview(result),
-        tag("main", *cards),
-        _foot(result),
-    ]
+    body = [_head(result, for_teacher), _overview(result), tag("main", *cards), _foot(result)]
     return page(f"{words.person(result.student)}: {result.title}", tag("div", *body, class_="page"))
 
 
@@ -95,11 +80,7 @@ def _pill(test: TestResult) -> Html:
 
 
 def _card(
-    result: SubmissionResult,
-    test: TestResult,
-    index: int,
-    picture: bytes | None,
-    for_teacher: bool,
+    result: SubmissionResult, test: TestResult, index: int, picture: bytes | None, for_teacher: bool
 ) -> Html:
     points = tag("span", words.result_text(test), class_="points")
     kind = "public" if test.public else "hidden"
@@ -131,10 +112,6 @@ def _score(score: ScoreResult, test: TestResult) -> Html:
     return tag("div", title, tag("p", words.score_text(score)), scale_of(score), class_="score")
 
 
-def _picture(test: TestResult, pictures: Mapping[str, bytes]) -> bytes | None:
-    return None if test.picture is None else pictures.get(test.name)
-
-
 def _figure(test: TestResult, picture: bytes | None) -> Html:
     caption = words.caption_text(test)
     if picture is None:
@@ -146,7 +123,7 @@ def _figure(test: TestResult, picture: bytes | None) -> Html:
 def _finding(test: TestResult) -> Html:
     if not test.finding:
         return Html("")
-    return tag("div", tag("h3", words.FINDING), _preformatted(test.finding), class_="box")
+    return tag("div", tag("h3", words.FINDING), preformatted(test.finding), class_="box")
 
 
 def _failed(test: TestResult) -> Html:
@@ -160,7 +137,7 @@ def _output(test: TestResult) -> Html:
     if not test.output.strip():
         return Html("")
     summary = tag("summary", "What the submission printed")
-    return tag("details", summary, _preformatted(test.output.rstrip()))
+    return tag("details", summary, preformatted(test.output.rstrip()))
 
 
 def _repeat(result: SubmissionResult, test: TestResult, for_teacher: bool) -> Html:
@@ -171,11 +148,6 @@ def _repeat(result: SubmissionResult, test: TestResult, for_teacher: bool) -> Ht
         return tag("p", _HIDDEN, class_="quiet")
     command = tag("code", words.repeat_command(test))
     return tag("p", f"{words.REPEAT}: ", command, class_="quiet")
-
-
-def _preformatted(text: str) -> Html:
-    # The first line break after <pre> is no part of the text.
-    return Html(f"<pre>\n{escaped(text)}</pre>")
 
 
 def _foot(result: SubmissionResult) -> Html:

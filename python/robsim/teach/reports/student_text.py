@@ -39,8 +39,7 @@ def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
     for text in (words.sentence(result, test), words.blame(test)):
         yield from _wrapped(text, "  ", "  ")
     for score in test.scores if words.has_numbers(test) else ():
-        gives = words.points_text(score, test.most)
-        yield from _wrapped(f"{score.title}: {words.score_text(score)}: {gives}", "  - ", "    ")
+        yield from _wrapped(words.score_line(score, test.most), "  - ", "    ")
     yield from _wrapped(words.caption_text(test), "  ", "  ")
     if test.finding:
         yield f"  {words.FINDING}:"
@@ -58,7 +57,6 @@ def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
 
 
 def _cut(text: str) -> str:
-    """Return the beginning of what was printed: all of it is on the page."""
     lines = text.split("\n")
     left = len(lines) - _MOST_LINES
     cut = [line if len(line) <= _LONGEST else f"{line[:_LONGEST]} ..." for line in lines]
@@ -109,15 +107,7 @@ def _hidden(test: TestResult) -> TestResult:
 def pseudonymous(
     results: Iterable[SubmissionResult], pseudonym: Callable[[str], str]
 ) -> list[SubmissionResult]:
-    """Return results by pseudonyms, without any text or file in which a name may stand.
-
-    Parameters
-    ----------
-    results : iterable of SubmissionResult
-        The results.
-    pseudonym : callable
-        What gives a name for a student, such as ``key.pseudonym``.
-    """
+    """Return results by pseudonyms, without any text or file that may contain a name."""
     return [
         replace(
             result,

@@ -31,39 +31,21 @@ _OF_BLACKBOARD = re.compile(r".+_(?P<name>[^_]+)_attempt_\d{4}(-\d\d){5}(_.*)?")
 def marks_table(
     results: Sequence[SubmissionResult], *, columns: str = "robsim", title: str | None = None
 ) -> str:
-    """Return the points of a class as CSV.
+    """Return the points of a class as CSV, all of it quoted, without formulas.
 
-    Parameters
-    ----------
-    results : sequence of SubmissionResult
-        Those of all submissions.
-    columns : {"robsim", "moodle", "canvas", "blackboard"}
-        Which columns, in which order:
+    The columns are one of these, else ValueError:
 
-        - ``"robsim"``: student, points, most, percent, the points of each test, notes.
-        - ``"moodle"``: those of a grading worksheet of an assignment (offline grading), which the
-          import of grades takes, too: Identifier, Full name, Grade, Maximum grade, Last modified
-          (grade), Feedback comments, for a site in English. In the dialog, allow updating records
-          that have been modified.
-        - ``"canvas"``: Student, ID, SIS User ID, SIS Login ID, Section, and the points.
-        - ``"blackboard"``: Username, and the points.
+    - ``"robsim"``: student, points, most, percent, the points of each test, notes.
+    - ``"moodle"``: those of a grading worksheet of an assignment (offline grading), which the
+      import of grades takes, too: Identifier, Full name, Grade, Maximum grade, Last modified
+      (grade), Feedback comments, for a site in English. In the dialog, allow updating records
+      that have been modified.
+    - ``"canvas"``: Student, ID, SIS User ID, SIS Login ID, Section, and the points.
+    - ``"blackboard"``: Username, and the points.
 
-        Folders and files that were downloaded from these platforms have names that say who it is:
-        these go into the right columns. Other names are taken for names to log in with.
-    title : str, optional
-        Heading of the column of points, for Canvas and Blackboard: for an assignment that is there
-        as the platform exports it, such as ``"Homework 3 (1234)"``. Default: the title of the
-        assignment.
-
-    Returns
-    -------
-    str
-        The table. All of it is quoted, and no text in it is taken for a formula.
-
-    Raises
-    ------
-    ValueError
-        If there are no such columns.
+    Folders and files from these platforms have names and numbers of students, which go into the
+    right columns. Other names count as login names. `title` is the heading of the points for Canvas
+    and Blackboard, such as ``"Homework 3 (1234)"``. Its default is the title of the assignment.
     """
     check_choice("columns", columns, COLUMNS)
     heading = clean_line(title if title is not None else results[0].title if results else "")
@@ -88,15 +70,12 @@ def _for_robsim(results: Sequence[SubmissionResult], _: str) -> _Rows:
 
 def _row(result: SubmissionResult, names: Sequence[str]) -> list[Any]:
     points, most = result.points, result.most
-    tests = {test.name: test for test in result.tests}
-    each = [_points(tests.get(name)) for name in names]
+    graded = (test for test in result.tests if test.status not in (ERROR, NOT_RUN))
+    tests = {test.name: test.points for test in graded}
+    each = [tests.get(name) for name in names]
     share = round(100 * fraction_of(points, most), 2)
     done = "yes" if result.is_done else "no"
     return [result.student, points, most, share, *each, done, " ".join(result.notes)]
-
-
-def _points(test: TestResult | None) -> float | None:
-    return None if test is None or test.status in (ERROR, NOT_RUN) else test.points
 
 
 def _for_moodle(results: Sequence[SubmissionResult], _: str) -> _Rows:
@@ -106,7 +85,7 @@ def _for_moodle(results: Sequence[SubmissionResult], _: str) -> _Rows:
         match = words.OF_MOODLE.fullmatch(result.student)
         who = [f"Participant {match['number']}", match["name"]] if match else [result.student] * 2
         points = result.points, result.most
-        rows.append([*who, *points, None, _feedback(result)])
+        rows.append([*who, *points, None, " ".join(_feedback(result.tests))])
     return rows
 
 
@@ -130,12 +109,7 @@ def _for_blackboard(results: Sequence[SubmissionResult], title: str) -> _Rows:
     return rows
 
 
-def _feedback(result: SubmissionResult) -> str:
-    """Return the points of each test, and the sentences of those without all points."""
-    return " ".join(_parts(result.tests))
-
-
-def _parts(tests: Iterable[TestResult]) -> Iterable[str]:
+def _feedback(tests: Iterable[TestResult]) -> Iterable[str]:
     told = set()  # of a submission that cannot be read all tests say the same
     for test in tests:
         yield f"{words.heading(test)}: {words.result_text(test)}."

@@ -50,7 +50,6 @@ HINT = (
 
 
 def person(student: str) -> str:
-    """Return the name of a student, without what Moodle adds to it."""
     match = OF_MOODLE.fullmatch(student)
     return match["name"] if match else student
 
@@ -88,8 +87,11 @@ def score_text(score: ScoreResult) -> str:
     return f"{_came_to(score)} ({_limits(score)})"
 
 
+def score_line(score: ScoreResult, most: float) -> str:
+    return f"{score.title}: {score_text(score)}: {points_text(score, most)}"
+
+
 def points_text(score: ScoreResult, most: float) -> str:
-    """Return what a score gives of the points of its test."""
     full = most * score.share
     return f"{percent(score.fraction, 0)} of {number(full)} {'point' if full == 1 else 'points'}"
 
@@ -116,15 +118,13 @@ def _ratio(value: float) -> str:
 
 
 def failed_texts(test: TestResult) -> list[str]:
-    """Return which runs failed, where, and what came; those that failed alike together."""
     alike: dict[str, list[int]] = {}
     for run in test.failed:
         alike.setdefault(_reason(run), []).append(run.run)
-    return [f"{_runs(numbers)}: {reason}" for reason, numbers in alike.items()]
-
-
-def _runs(numbers: list[int]) -> str:
-    return f"run{'' if len(numbers) == 1 else 's'} {', '.join(map(str, numbers))}"
+    return [
+        f"run{'' if len(numbers) == 1 else 's'} {', '.join(map(str, numbers))}: {reason}"
+        for reason, numbers in alike.items()
+    ]
 
 
 def _reason(run: FailedRun) -> str:
@@ -141,13 +141,11 @@ def _reason(run: FailedRun) -> str:
 
 
 def failed_head(test: TestResult) -> str:
-    """Return how many runs failed, and what that costs."""
     failed = f"{len(test.failed)} of {test.runs} runs did not come through"
     return f"{failed}: each takes its part of the points"
 
 
 def caption_text(test: TestResult) -> str:
-    """Return what the picture shows, with the number of its run, or why there is none."""
     if test.picture is None and test.failed:
         if test.worst is None:
             return "There is no picture: no run began."
@@ -159,17 +157,14 @@ def caption_text(test: TestResult) -> str:
 
 
 def has_numbers(test: TestResult) -> bool:
-    """Return whether a run came through, so that there is something to say of its scores."""
     return any(not math.isnan(score.statistic) for score in test.scores)
 
 
 def repeat_command(test: TestResult) -> str:
-    """Return the command with which students repeat a public test, in the folder that they got."""
     return f"robsim grade . mine --public --only {shlex.quote(test.name)}"
 
 
 def play_command(result: SubmissionResult, test: TestResult) -> str:
-    """Return the command with which a teacher does a run of a test again."""
     names = map(shlex.quote, (result.assignment, f"submissions/{result.student}", test.name))
     run = "" if test.worst is None else f" --run {test.worst}"
     return "robsim grade {} {} --play {}".format(*names) + run

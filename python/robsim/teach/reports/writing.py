@@ -38,20 +38,7 @@ def write_student(
     sentence. ``teacher.html`` and ``result.json`` have all, and pictures lie beside them by the
     names of their tests.
 
-    Parameters
-    ----------
-    folder : path
-        The folder of this submission; made if there is none.
-    result : SubmissionResult
-        What came of it so far.
-    pictures : mapping of str to bytes, optional
-        New pictures as PNG by the names of their tests, which `result` has the files of. Others
-        are read from the folder.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be written.
+    New pictures are PNG files by test; others are read from the folder.
     """
     folder = as_folder(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -79,34 +66,12 @@ def write_class(
     columns: str = "robsim",
     title: str | None = None,
 ) -> None:
-    """Write the reports of a class: ``class.html``, ``class.csv``.
+    """Write the reports of a class, ``class.html`` and ``class.csv``, beside its submissions.
 
-    Parameters
-    ----------
-    folder : path
-        The folder in which those of the submissions lie, by the names of the students.
-    results : iterable of SubmissionResult
-        The results.
-    paths : mapping of str to mapping of str to array (N, 2), optional
-        By the names of tests and students: the path of the best run, in the unit of `area`.
-    area : tuple of float
-        Width and height of the work area.
-    programs : mapping of str to Program, optional
-        What was handed in, by the names of the students, to be compared; see `program_of`.
-    given : iterable of Program
-        What all students were given: it does not count.
-    pseudonym : callable, optional
-        What gives another name for a student, such as ``key.pseudonym``. Then no text is shown in
-        which a name may stand, nor any program.
-    columns, title : str
-        Of the table, as for `marks_table`.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be written.
-    ValueError
-        If there is no result, or if there are no such columns.
+    The paths of the best runs are in the unit of `area`, by test and student. The page compares the
+    programs by student (`program_of`), without given ones. With pseudonyms no text and no program
+    is shown. Columns and title are those of `marks_table`. Raise OSError, or ValueError for no
+    result and for unknown columns.
     """
     folder = as_folder(folder)
     shown = sorted(results, key=lambda result: result.student)

@@ -23,31 +23,16 @@ from robsim.teach.texts import clean_text
 
 @dataclass(frozen=True, kw_only=True)
 class OwnTest:
-    """A function of a file for pytest that is a test of an assignment.
+    """A function of a file for pytest that is a test of an assignment."""
 
-    Attributes
-    ----------
-    name : str
-        Its name, for pytest.
-    title : str
-        What it is for people: the first line of its docstring, else its name.
-    points : float
-        How many it gives.
-    public : bool
-        Whether students get it.
-    success, failure : str
-        What to tell the student; "" = what comes.
-    """
-
-    name: str
-    title: str
-    points: float
-    public: bool
-    success: str = ""
+    name: str  # its name, for pytest
+    title: str  # the first line of its docstring, else its name
+    points: float  # how many it gives
+    public: bool  # whether students get it
+    success: str = ""  # the sentence for the student; "" = the default
     failure: str = ""
 
     def result(self, **told: Any) -> TestResult:
-        """Return a result with what came of it."""
         told.setdefault("points", 0.0)
         told |= {"title": self.title, "public": self.public, "most": self.points}
         return TestResult(name=self.name, **told)
@@ -60,12 +45,9 @@ _SAID = 600  # characters of what a child that failed said last
 
 
 def list_own_tests(assignment: Assignment, test: FileTests) -> tuple[OwnTest, ...]:
-    """Return the tests in a file; none of them is run, but the file is.
+    """Return the tests in a file, without a run of them.
 
-    Raises
-    ------
-    AssignmentError
-        If pytest cannot load it, or points make no sense.
+    Raise AssignmentError if pytest cannot load the file, or if points make no sense.
     """
     with _child(assignment, test, None, "", _LISTING) as (lines, status, said):
         found = tuple(OwnTest(**data) for kind, data in lines if kind == "test")
@@ -129,7 +111,8 @@ def _run(request: dict[str, Any], folder: Path, seconds: float) -> tuple[int | N
     )
     try:
         said, _ = child.communicate(json.dumps(request).encode() + b"\n", timeout=seconds)
-        return child.returncode, _last_words(said)
+        text = said[-8 * _SAID :].decode("utf-8", "replace").strip()
+        return child.returncode, clean_text(text[-_SAID:]) or "it said nothing"
     except subprocess.TimeoutExpired:
         return None, ""
     finally:
@@ -137,7 +120,6 @@ def _run(request: dict[str, Any], folder: Path, seconds: float) -> tuple[int | N
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:
-    """End a child that has not ended, with all that it has started."""
     if child.poll() is None:
         with suppress(OSError):
             if sys.platform == "win32":
@@ -147,13 +129,7 @@ def _end(child: subprocess.Popen[bytes]) -> None:
     child.communicate()
 
 
-def _last_words(said: bytes) -> str:
-    text = said[-8 * _SAID :].decode("utf-8", "replace").strip()
-    return clean_text(text[-_SAID:]) or "it said nothing"
-
-
 def _told(out: Path) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the lines that are whole."""
     try:
         text = out.read_text(encoding="utf-8")
     except FileNotFoundError:

@@ -20,8 +20,7 @@ from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.assignments.assignment import Assignment, check_is_assignment
 from robsim.teach.assignments.class_result import ClassResult
 from robsim.teach.assignments.classes.plan import Plan, plan_of
-from robsim.teach.assignments.classes.progress import again
-from robsim.teach.assignments.classes.schedule import Schedule, Tell
+from robsim.teach.assignments.classes.progress import Schedule, Tell, again
 from robsim.teach.assignments.classes.store import ResultFolder, write_class_files
 from robsim.teach.assignments.classes.submissions import (
     Handed,
@@ -242,7 +241,6 @@ def grade_all(
 
 
 def _check_apart(out: Path, handed: list[Handed]) -> None:
-    """Raise ValueError where results would lie among submissions."""
     place = Path(os.path.abspath(out))
     folders = {Path(one.path).parent for one in handed} if len(handed) > 1 else set()
     inside = {Path(one.path) for one in handed} | folders

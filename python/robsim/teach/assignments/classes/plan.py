@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from robsim.base.checks import check_bool
 from robsim.base.spelling import check_names
 from robsim.base.text import quoted
-from robsim.teach.assignments._own_tests.listing import OwnTest, list_own_tests
-from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
+from robsim.teach.assignments._own_tests.listing import list_own_tests
+from robsim.teach.assignments.assignment import Assignment, TaskTest
 from robsim.teach.assignments.grading import references as digests
 from robsim.teach.assignments.grading.marking import limit_of
 from robsim.teach.assignments.grading.references import References, key_for
@@ -22,21 +22,11 @@ from robsim.teach.isolation.start import IsolationError
 
 @dataclass(frozen=True)
 class Plan:
-    """What is graded.
+    """The tests of a grading."""
 
-    Attributes
-    ----------
-    work : GradingWork
-        The assignment with all tests that there are results of.
-    wanted : frozenset of str
-        The names of those that are run.
-    digest : str
-        Of what the points rest on.
-    """
-
-    work: GradingWork
-    wanted: frozenset[str]
-    digest: str
+    work: GradingWork  # the assignment with all tests that there are results of
+    wanted: frozenset[str]  # the names of those that are run
+    digest: str  # of all inputs of the points
 
     @property
     def assignment(self) -> Assignment:
@@ -46,23 +36,10 @@ class Plan:
 def plan_of(
     assignment: Assignment, *, only: Iterable[str] | None = None, public: bool = False
 ) -> Plan:
-    """Return what is to be graded.
+    """Return the plan of a grading, for the tests with the names `only`, or for public tests.
 
-    Parameters
-    ----------
-    assignment : Assignment
-        The assignment.
-    only : sequence of str, optional
-        The names of the tests that are to be run. Default: all.
-    public : bool
-        Only those that students have, too.
-
-    Raises
-    ------
-    AssignmentError
-        If a limit, the key, a reference or a file of tests is missing, or broken.
-    ValueError
-        If there is no test of a name, or none at all.
+    Raise AssignmentError if a limit, the key, a reference or a file of tests is missing or broken,
+    and ValueError if a test is unknown.
     """
     check_bool("public", public)
     asked = None if only is None else _names(only)
@@ -79,15 +56,16 @@ def plan_of(
         key_for(assignment, public=test.public)
         if isinstance(test, TaskTest):
             _check_usable(test, references)
-    units = tuple(
-        Unit(test, _own(assignment, test), digests.of_test(assignment, test)) for test in tests
-    )
+    units = []
+    for test in tests:
+        own = () if isinstance(test, TaskTest) else list_own_tests(assignment, test)
+        units.append(Unit(test, own, digests.of_test(assignment, test)))
     names = [name for unit in units for name in unit.names]
     if twice := [name for name in names if names.count(name) > 1]:
         raise AssignmentError(f"two tests have the name {quoted(twice[0])}: rename one")
     wanted = names if asked is None else asked
     check_names(f"{assignment.name} has no test", wanted, names, ValueError)
-    work = GradingWork(assignment, units)
+    work = GradingWork(assignment, tuple(units))
     return Plan(work, frozenset(wanted), digests.of_assignment(assignment))
 
 
@@ -112,7 +90,3 @@ def _check_usable(test: TaskTest, references: References) -> None:
                 file=LIMITS,
             )
     references.numbers(test, "", 0)
-
-
-def _own(assignment: Assignment, test: TaskTest | FileTests) -> tuple[OwnTest, ...]:
-    return () if isinstance(test, TaskTest) else list_own_tests(assignment, test)

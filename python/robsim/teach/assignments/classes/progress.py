@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 import robsim
 from robsim.teach.assignments.assignment import TaskTest
 from robsim.teach.assignments.classes.plan import Plan
+from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import Handed
 from robsim.teach.assignments.grading import references as digests
 from robsim.teach.assignments.grading.marking import labels_of, marked_anew
@@ -18,6 +21,7 @@ from robsim.teach.assignments.grading.task_runs import files_for
 from robsim.teach.assignments.grading.work import Job, Row, Unit
 from robsim.teach.assignments.results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult
 from robsim.teach.errors import SubmissionError
+from robsim.teach.reports.similarity import Program, program_of
 from robsim.teach.submissions import SubmissionFiles
 from robsim.teach.submissions.reading import Contents, arranged, open_submission
 from robsim.teach.texts import clean_text
@@ -28,19 +32,7 @@ _LEAST = 1.0  # s that a test must have left
 
 
 class Progress:
-    """A submission that is graded.
-
-    Parameters
-    ----------
-    index : int
-        Its number in the class.
-    handed : Handed
-        The submission.
-    plan : Plan
-        What is graded.
-    old : SubmissionResult or None
-        What came of it before.
-    """
+    """A submission, by its number in the class, with its results so far."""
 
     def __init__(
         self, index: int, handed: Handed, plan: Plan, old: SubmissionResult | None
@@ -58,7 +50,6 @@ class Progress:
             self._begin(number, unit, kept, not plan.wanted.isdisjoint(unit.names))
 
     def _read(self) -> None:
-        """Read the submission; note why it cannot be."""
         self._refused, self._digest = "", ""
         self._notes: tuple[str, ...] = ()
         self.contents: Contents | None = None
@@ -104,7 +95,6 @@ class Progress:
         self._results |= {one.name: one for one in results}
 
     def _end(self, unit: Unit, status: str, sentence: str) -> None:
-        """Give no points for tests that the submission keeps from being run."""
         whose = SubmissionError.whose
         self._take(unit.unmarked(status=status, sentence=sentence, whose=whose))
 
@@ -130,7 +120,6 @@ class Progress:
         return files_for(self._assignment, unit.test, self.contents)
 
     def take(self, row: Row) -> None:
-        """Take what came of a test."""
         self._take(row.results)
         self._isolation = row.isolation or self._isolation
         self._left.remove(row.unit)
@@ -141,7 +130,6 @@ class Progress:
 
     @property
     def result(self) -> SubmissionResult:
-        """What came of it so far."""
         tests = tuple(self._results.values())
         return SubmissionResult(
             assignment=self._assignment.name,
@@ -176,3 +164,67 @@ def versions() -> dict[str, str]:
         "numpy": np.__version__,
         "python": platform.python_version(),
     }
+
+
+Tell = Callable[[SubmissionResult, str], Any]
+
+
+class Schedule:
+    """Hands out the tests of submissions, each submission's tests one after the other.
+
+    So the time of a submission is known, and there are no more open submissions than workers.
+    `tell` gets each finished result, and the reason of a repeated grading.
+    """
+
+    def __init__(
+        self, plan: Plan, handed: Sequence[Handed], folder: ResultFolder, tell: Tell | None
+    ) -> None:
+        self._plan, self._folder, self._tell = plan, folder, tell
+        self._waiting = enumerate(handed)
+        self._is_class = len(handed) > 1
+        self._open: dict[int, Progress] = {}
+        self._busy: set[int] = set()
+        self.results: list[SubmissionResult] = []
+        self.programs: dict[str, Program] = {}
+
+    def take(self, whole: float = 0.0, room: int = 1) -> list[Job]:
+        """Return the next test, as a list; an empty one where there is none just now."""
+        for index in sorted(self._open.keys() - self._busy):
+            if job := self._next(index):
+                return [job]
+        for index, handed in self._waiting:
+            old = self._folder.read(handed.student)
+            self._open[index] = progress = Progress(index, handed, self._plan, old)
+            self._note_program(handed.student, progress.contents)
+            if job := self._next(index):
+                return [job]
+        return []
+
+    def _note_program(self, student: str, contents: Contents | None) -> None:
+        with suppress(SubmissionError):
+            if self._is_class and contents is not None:
+                files = arranged(contents, self._plan.assignment._rules(), {})
+                self.programs[student] = program_of(files.sources)
+
+    def note(self, rows: Sequence[Any], /) -> None:
+        """Do nothing: all tests are handed out one by one, however long they take."""
+
+    def done(self, row: Row) -> None:
+        progress = self._open[row.submission]
+        progress.take(row)
+        self._busy.discard(row.submission)
+        self._folder.write(progress.result, row.pictures, row.paths)
+
+    def _next(self, index: int) -> Job | None:
+        """Return the next test of a submission; where there is none left, end it."""
+        progress = self._open[index]
+        if job := progress.next():
+            self._busy.add(index)
+            return job
+        del self._open[index]
+        result = progress.result
+        self._folder.write_whole(result)
+        self.results.append(result)
+        if self._tell is not None:
+            self._tell(result, progress.changed)
+        return None

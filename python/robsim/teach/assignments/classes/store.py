@@ -26,22 +26,13 @@ _MOST = 2**26  # bytes
 
 
 class ResultFolder:
-    """Where the results of submissions lie, each in a folder of its own.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-    gradescope : Path, optional
-        Where each result is written as Gradescope reads it, too.
-    """
+    """The folders of results, and optionally the file that Gradescope reads."""
 
     def __init__(self, folder: Path, gradescope: Path | None = None) -> None:
         self.folder = folder
         self._gradescope = gradescope
 
     def of(self, student: str) -> Path:
-        """Return the folder of a submission."""
         if student in _TAKEN or "/" in student or "\\" in student:
             raise AssignmentError(f"no submission can have the name {quoted(student)}: rename it")
         return self.folder / student
@@ -63,7 +54,6 @@ class ResultFolder:
         pictures: Mapping[str, bytes],
         paths: Mapping[str, list[list[float]]],
     ) -> None:
-        """Write what came of a test: its picture and path, then the result so far."""
         place = self.of(result.student)
         place.mkdir(parents=True, exist_ok=True)
         for test in result.tests:
@@ -76,7 +66,6 @@ class ResultFolder:
         self._tell_gradescope(result)
 
     def write_whole(self, result: SubmissionResult) -> None:
-        """Write all files of a submission that is done."""
         write_student(self.of(result.student), result)
         self._tell_gradescope(result)
 
@@ -89,7 +78,6 @@ class ResultFolder:
         write_gradescope(self._gradescope, result, pictures=pictures)
 
     def paths(self, student: str) -> dict[str, Floats]:
-        """Return the path of the best run of each test, (N, 2)."""
         return {name: np.asarray(path, float) for name, path in self._paths(student).items()}
 
     def _paths(self, student: str) -> dict[str, list[list[float]]]:
@@ -137,7 +125,6 @@ def _paths(
     results: Sequence[SubmissionResult],
     area: tuple[float, float],
 ) -> dict[str, dict[str, Floats]]:
-    """Return the best paths by test and student, of the tests on the same floor."""
     of_students = {result.student: folder.paths(result.student) for result in results}
     return {
         test.name: {
@@ -151,7 +138,6 @@ def _paths(
 
 
 def _given(assignment: Assignment) -> Iterator[Program]:
-    """Yield what all have got."""
     yield program_of(assignment.files_of_all)
     for test in assignment.tests:
         yield program_of({f"{MODULE}.py": module_source(test.task)})

@@ -28,14 +28,9 @@ class Handed:
 
 
 def one_submission(path: str | PathLike[str], name: str = "submission") -> Handed:
-    """Return a submission by its path, which may end in the student's name in place of a file's.
+    """Return a submission by its path, which may end in the student's name without a file's suffix.
 
-    Messages call the argument `name`.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is none.
+    Messages call the argument `name`. Raise FileNotFoundError if it is missing.
     """
     place = Path(os.path.abspath(as_path(path, name)))
     if not os.path.lexists(place):
@@ -72,35 +67,22 @@ def _can_be_read(handed: Handed, assignment: Assignment) -> bool:
 
 
 def submissions_in(path: str | PathLike[str], assignment: Assignment) -> list[Handed]:
-    """Return all submissions of a folder by name; of a path that is one submission, that one.
+    """Return all submissions of a folder by name, or the only one of a path.
 
-    A folder is one submission if there is a file of a slot in it, or one that is given to all.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is nothing.
-    AssignmentError
-        If two are of one student.
+    A folder is one submission if it has a file of a slot, or a given file. Raise FileNotFoundError
+    for an empty folder, AssignmentError for two submissions of one student.
     """
     first = one_submission(path, "submissions")
     place = Path(first.path)
-    if not place.is_dir() or _is_one(place, assignment):
+    given = {*assignment.given_files, f"{MODULE}.py", *(f"{slot}.py" for slot in SLOTS)}
+    if not place.is_dir() or any((place / name).is_file() for name in given):
         return [first]
     # Hidden files are those of tools.
     names = [name for name in sorted(os.listdir(place)) if not name.startswith((".", "__"))]
     if not names:
         raise FileNotFoundError(2, "there are no submissions in this folder", str(path))
-    return sorted(_each_once(_handed(place / name) for name in names), key=lambda h: h.student)
-
-
-def _is_one(folder: Path, assignment: Assignment) -> bool:
-    given = {*assignment.given_files, f"{MODULE}.py", *(f"{slot}.py" for slot in SLOTS)}
-    return any((folder / name).is_file() for name in given)
-
-
-def _handed(path: Path) -> Handed:
-    return Handed(_student_of(path), str(path))
+    found = (Handed(_student_of(place / name), str(place / name)) for name in names)
+    return sorted(_each_once(found), key=lambda handed: handed.student)
 
 
 def _student_of(path: Path) -> str:

@@ -22,16 +22,10 @@ class Doctor:
         self._kept: dict[tuple[str, tuple[str, ...]], str] = {}
 
     def finding(self, run: RunTest, left: float) -> str:
-        """Return what is wrong first with what was graded; "" = nothing, or nobody knows.
-
-        Parameters
-        ----------
-        run : RunTest
-            What came of its test.
-        left : float
-            s that are left for it.
-        """
-        if run.mark.status == PASSED or _is_never_loaded(run):
+        """Return the first finding within the time that is left (s); "" = no finding."""
+        mark = run.mark
+        is_loaded = len(mark.failed) < mark.runs or any(one.step is not None for one in mark.failed)
+        if mark.status == PASSED or not is_loaded:
             return ""
         place = (of_submission(run.task.submission), run.task.rules.slots)
         if place not in self._kept:
@@ -42,8 +36,3 @@ class Doctor:
                 with suppress(SubmissionError):  # that it fails is known
                     self._kept[place] = judged(run.task, _DOCTOR, min(_SECONDS, left)).result
         return self._kept[place]
-
-
-def _is_never_loaded(run: RunTest) -> bool:
-    failed = run.mark.failed
-    return len(failed) == run.mark.runs and all(one.step is None for one in failed)

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from robsim.teach.assignments.assignment import TaskTest
-from robsim.teach.assignments.grading import sentences
 from robsim.teach.assignments.results import (
     FAILED,
     PARTIAL,
@@ -17,8 +16,9 @@ from robsim.teach.assignments.results import (
     ScoreResult,
     TestResult,
 )
-from robsim.teach.errors import AssignmentError
+from robsim.teach.errors import EXIT, TIMEOUT, AssignmentError
 from robsim.teach.tasks.score import Score, ScoreLimit
+from robsim.teach.texts import clean_line
 
 _ALL = 1 - 1e-9
 
@@ -44,14 +44,7 @@ def mark_of(
 ) -> Mark:
     """Return the mark of a test; raise AssignmentError if a score has no limit.
 
-    Parameters
-    ----------
-    test : TaskTest
-        The test, with its points and limits.
-    failed : sequence of FailedRun
-        The runs that did not come through.
-    numbers, reference : mapping of str to sequence of float
-        By score: the numbers of the other runs, and the reference's numbers in the same runs.
+    `numbers` and `reference` are of the same runs, without the failed ones.
     """
     scores = tuple(
         _scored(test, score, tuple(numbers[score.name]), tuple(reference[score.name]))
@@ -67,14 +60,13 @@ def mark_of(
         scores=scores,
         points=points,
         status=status,
-        sentence=sentences.of(
+        sentence=_sentence(
             failed, scores, runs=runs, public=test.public, is_passed=status == PASSED
         ),
     )
 
 
 def marked_anew(test: TaskTest, result: TestResult) -> TestResult:
-    """Return a result with the points and sentences recomputed for the test."""
     numbers = {score.name: score.values for score in result.scores}
     reference = {score.name: score.reference for score in result.scores}
     mark = mark_of(test, result.failed, numbers, reference)
@@ -83,12 +75,10 @@ def marked_anew(test: TaskTest, result: TestResult) -> TestResult:
 
 def labels_of(test: TaskTest) -> dict[str, Any]:
     """Return the attributes that a result has from its test, except the name."""
-    labels = {"title": test.title, "number": test.number, "public": test.public}
-    return labels | {"most": test.points}
+    return {"title": test.title, "number": test.number, "public": test.public, "most": test.points}
 
 
 def status_of(points: float, most: float) -> str:
-    """Return what so many points of so many are called."""
     if points >= most:
         return PASSED
     return PARTIAL if points > 0 else FAILED
@@ -152,3 +142,79 @@ def run_to_show(mark: Mark | TestResult, through: list[int]) -> int | None:
         # One with steps before that, which can be drawn.
         return next((run.run for run in sorted(begun, key=lambda run: not run.step)), None)
     return through[-1] if through else None
+
+
+_MOST_REASON = 300  # characters
+
+#: How a run was ended, in words that tell nothing of it.
+_HOW = {TIMEOUT: "took too long", EXIT: "ended its process"}
+
+
+def _sentence(
+    failed: Sequence[FailedRun],
+    scores: Sequence[ScoreResult],
+    *,
+    runs: int,
+    public: bool,
+    is_passed: bool,
+) -> str:
+    """Return what to say of a test: of one that is not public no number of its runs."""
+    parts = []
+    if failed:
+        parts.append(_of_failed(failed, runs, public=public))
+    if len(failed) < runs:
+        parts.append(_of_scores(scores, runs - len(failed), public=public, is_passed=is_passed))
+    return " ".join(parts)
+
+
+def _of_failed(failed: Sequence[FailedRun], runs: int, *, public: bool) -> str:
+    first = failed[0]
+    if not public:  # an error's text may reveal the hidden run
+        by = first.slot if first.slot is not None else "the submission"
+        which = "All" if len(failed) == runs else "Some"
+        return f"{which} runs ended early: {by} {_HOW.get(first.cause, 'failed')}."
+    reason = clean_line(first.reason.rstrip("."), _MOST_REASON)
+    if len(failed) == runs:
+        return f"No run came through. Run {first.run}: {reason}."
+    return f"{len(failed)} of {runs} runs ended early. Run {first.run}: {reason}."
+
+
+def _of_scores(
+    scores: Sequence[ScoreResult], through: int, *, public: bool, is_passed: bool
+) -> str:
+    if all(score.fraction >= 1 for score in scores):
+        if is_passed:
+            return "All is as good as it must be."
+        return "The others were as good as they must be."
+    lost = [score for score in scores if score.fraction < 1]
+    lost.sort(key=lambda score: (1 - score.fraction) * score.share, reverse=True)
+    if public:
+        return _told(lost[0], through)
+    told: dict[str, list[str]] = {}
+    for score in lost:
+        told.setdefault(_direction(score), []).append(f"the {score.title}")
+    return " ".join(_are(titles, direction) for direction, titles in told.items())
+
+
+def _are(titles: list[str], direction: str) -> str:
+    *others, last = titles
+    text = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+    return f"{text[0].upper()}{text[1:]} {direction}."
+
+
+def _direction(score: ScoreResult) -> str:
+    return "too small" if score.low is not None and score.statistic < score.low else "too large"
+
+
+def _told(score: ScoreResult, runs: int) -> str:
+    over = f"in the geometric mean of {runs} runs" if runs > 1 else "in the only run"
+    if score.low is not None:
+        return (
+            f"The {score.title} is {_direction(score)}: {score.statistic:.3g} {over}, where 1 is "
+            f"right and {score.low:.3g} to {score.limit:.3g} has all points."
+        )
+    return (
+        f"The {score.title} is too large: {score.statistic:.3g} times that of the reference "
+        f"{over}, where up to {score.limit:.3g} times has all points and {score.zero:.3g} times "
+        "none."
+    )

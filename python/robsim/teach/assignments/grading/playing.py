@@ -35,7 +35,6 @@ def picture_of(test: TaskTest, trace: Trace, reference: Trace | None) -> tuple[b
 
 
 def path_of(trace: Trace) -> list[list[float]]:
-    """Return the path of a run, (N, 2), to a tenth of a pixel of the work area."""
     path: Floats = trace.pose_true[:, :2]
     rounded: list[list[float]] = path.round(1).tolist()
     return rounded
@@ -163,7 +162,9 @@ def play_run(
         run = 0
         remarks.append("it is run 0, as there are no results that tell the worst one")
     check_int("run", run, minimum=0, maximum=one.task.runs - 1)
-    files = () if folder is None else _files(folder.of(name), f"{test}-run{run}")
+    files: tuple[Path, ...] = ()
+    if folder is not None:
+        files = tuple(folder.of(name) / f"{test}-run{run}{kind}" for kind in (".npz", ".png"))
     contents = open_submission(handed.path, assignment._rules())
     task = graded_task(assignment, one, files_for(assignment, one, contents))
     seeds = seeds_of(assignment, one, name, run)
@@ -200,11 +201,6 @@ def play_run(
 
 
 def _worst(folder: ResultFolder | None, student: str, test: str) -> int | None:
-    """Return the number of the worst run of a test, as the result of a submission says."""
     result = None if folder is None else folder.read(student)
     tests = () if result is None else result.tests
     return next((one.worst for one in tests if one.name == test), None)
-
-
-def _files(folder: Path, name: str) -> tuple[Path, Path]:
-    return folder / f"{name}.npz", folder / f"{name}.png"

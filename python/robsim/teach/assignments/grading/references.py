@@ -51,26 +51,14 @@ _MOST_KEPT = 10_000  # runs
 
 
 class References:
-    """Numbers of the references of an assignment, each computed once.
-
-    Parameters
-    ----------
-    assignment : Assignment
-        The assignment.
-    """
+    """Numbers of the references of an assignment, each computed once."""
 
     def __init__(self, assignment: Assignment) -> None:
         self._assignment = assignment
         self._kept: dict[tuple[str, str, int], Mapping[str, float]] = {}
 
     def numbers(self, test: TaskTest, student: str, run: int) -> Mapping[str, float]:
-        """Return the numbers of a run of the reference, by score.
-
-        Raises
-        ------
-        AssignmentError
-            If it fails, or there is none.
-        """
+        """Return the reference's numbers in a run, by score; raise AssignmentError if it fails."""
         if test.public and test.reference_values:
             return {name: values[run] for name, values in test.reference_values.items()}
         known = student_for(self._assignment, student, public=test.public)
@@ -136,13 +124,15 @@ def of_test(assignment: Assignment, test: TaskTest | FileTests) -> str:
         "limits": asdict(assignment.limits),
         "seconds": assignment.seconds,
     }
-    own = _of_task(test) if isinstance(test, TaskTest) else _of_file(test)
+    if isinstance(test, TaskTest):
+        own = _of_task(test)
+    else:
+        own = [test.path.name, hashlib.sha256(test.path.read_bytes()).hexdigest()]
     key = None if test.public or assignment.key is None else assignment.key.pseudonym("its digest")
     return _of([_FORMAT, rules, own, test.public, key])
 
 
 def of_assignment(assignment: Assignment) -> str:
-    """Return the digest of what all its points rest on."""
     marks = [
         [test.name, test.points, {name: asdict(limit) for name, limit in test.limits.items()}]
         for test in assignment.tests
@@ -156,10 +146,6 @@ def _of_task(test: TaskTest) -> list[Any]:
     known = {name: list(values) for name, values in test.reference_values.items()}
     task = test.task
     return [test.name, repr(task), module_source(task).hex(), reference, known]
-
-
-def _of_file(test: FileTests) -> list[Any]:
-    return [test.path.name, hashlib.sha256(test.path.read_bytes()).hexdigest()]
 
 
 def _of_files(files: Mapping[str, bytes]) -> dict[str, str]:

@@ -26,28 +26,16 @@ _LEAST = 0.5  # s that a run must have left, else it is not begun
 
 @dataclass
 class Runs:
-    """The runs of a test so far.
+    """The runs of a test so far."""
 
-    Attributes
-    ----------
-    numbers, reference : dict of str to list
-        By score: the numbers of the runs that came through, and of the reference in the same runs.
-    failed : list of FailedRun
-        Those that did not.
-    traces : dict of int to Trace
-        The runs, by number; of those that failed the steps until then, if there were any.
-    output : str
-        What the submission printed in the first that failed, else in the last.
-    isolation : str
-        What has shut it in.
-    """
-
+    #: By score: the numbers of the runs that came through, and of the reference in these.
     numbers: dict[str, list[float]]
     reference: dict[str, list[float]]
     failed: list[FailedRun] = field(default_factory=list)
+    #: The runs, by number; of those that failed the steps until then, if there were any.
     traces: dict[int, Trace] = field(default_factory=dict)
-    output: str = ""
-    isolation: str = ""
+    output: str = ""  # printed in the first failed run, else in the last
+    isolation: str = ""  # the layers of its sandbox
 
     @property
     def cannot_be_loaded(self) -> bool:
@@ -58,25 +46,12 @@ class Runs:
 
 @dataclass(frozen=True)
 class RunTest:
-    """A test that was run.
-
-    Attributes
-    ----------
-    task : GradedTask
-        The task of the runs.
-    runs : Runs
-        The runs.
-    mark : Mark
-        The mark of the runs.
-    shown, best : int or None
-        The number of the run to show, and of the best run; None = no such run.
-    seconds : float
-        How long it took.
-    """
+    """A test that was run."""
 
     task: GradedTask
     runs: Runs
     mark: Mark
+    #: Numbers of the run to show, and of the best run; None = no such run.
     shown: int | None
     best: int | None
     seconds: float
@@ -92,12 +67,7 @@ def run_task_test(
 ) -> RunTest:
     """Run a test of a submission, within so many seconds; its files are as `files_for` the test.
 
-    Raises
-    ------
-    AssignmentError
-        If the reference fails, or a run cannot be scored.
-    GraderError
-        If no process can be started.
+    Raise AssignmentError if the reference or a score fails, GraderError without a process.
     """
     begin = time.monotonic()
     task = graded_task(assignment, test, files)
@@ -145,14 +115,14 @@ def _run(
     references: References,
     runs: Runs,
 ) -> None:
-    """Run once, and note what came of it."""
     seeds = seeds_of(assignment, test, student, run)
     try:
         graded = graded_run(task, test.task.scenario, test.task.steps, seeds)
     except SubmissionError as error:
         if not runs.failed:
             runs.output = error.output
-        runs.failed.append(failed_run(run, error))
+        reason = clean_text(str(error))
+        runs.failed.append(FailedRun(run=run, reason=reason, **error._place))
         if error.trace is not None:
             runs.traces[run] = error.trace
         return
@@ -164,15 +134,3 @@ def _run(
         runs.numbers[name].append(number)
         runs.reference[name].append(others[name])
     runs.traces[run] = graded.result
-
-
-def failed_run(run: int, error: SubmissionError) -> FailedRun:
-    return FailedRun(
-        run=run,
-        reason=clean_text(str(error)),
-        slot=error.slot,
-        step=error.step,
-        file=error.file,
-        line=error.line,
-        cause=error.cause,
-    )

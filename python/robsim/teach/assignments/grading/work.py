@@ -24,25 +24,14 @@ _DIED = "the grader's own process ended in this test, whenever it was tried: tel
 
 @dataclass(frozen=True)
 class Unit:
-    """What is run in one go: a test by a task, or a file with tests of the teacher's own.
-
-    Attributes
-    ----------
-    test : TaskTest or FileTests
-        The test.
-    own : tuple of OwnTest
-        The tests of the file.
-    digest : str
-        Of what its numbers rest on.
-    """
+    """A test by a task, or a file with tests of the teacher."""
 
     test: TaskTest | FileTests
-    own: tuple[OwnTest, ...]
-    digest: str
+    own: tuple[OwnTest, ...]  # the tests of the file
+    digest: str  # of what its numbers rest on
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of its tests."""
         if isinstance(self.test, TaskTest):
             return (self.test.name,)
         return tuple(one.name for one in self.own)
@@ -78,28 +67,14 @@ class Job(NamedTuple):
 
 
 class Row(NamedTuple):
-    """What came of a job.
-
-    Attributes
-    ----------
-    submission, unit : int
-        The job's submission and unit.
-    results : tuple of TestResult
-        A result for each test.
-    isolation : str
-        What has shut the submission in.
-    pictures : dict of str to bytes
-        PNG pictures by test.
-    paths : dict of str to list
-        The path of the best run, (N, 2), by test.
-    """
+    """The result of a job."""
 
     submission: int
     unit: int
-    results: tuple[TestResult, ...]
-    isolation: str = ""
-    pictures: Mapping[str, bytes] = {}
-    paths: Mapping[str, list[list[float]]] = {}
+    results: tuple[TestResult, ...]  # of each test
+    isolation: str = ""  # the layers of the sandbox
+    pictures: Mapping[str, bytes] = {}  # PNG, by test
+    paths: Mapping[str, list[list[float]]] = {}  # of the best runs, (N, 2), by test
 
 
 @dataclass(frozen=True)
@@ -142,12 +117,10 @@ class Grader:
             return Row(job.submission, job.unit, unit.failed_by(error))
 
     def _own(self, job: Job, unit: Unit, test: FileTests) -> Row:
-        """Do the tests of a file."""
         given = (unit.own, job.path, job.student, job.seconds, unit.digest)
         return Row(job.submission, job.unit, run_own_tests(self._work.assignment, test, *given))
 
     def _by_task(self, job: Job, test: TaskTest, digest: str) -> Row:
-        """Do a test by a task, with the picture of a run that went wrong."""
         assert job.files is not None
         given = (job.files, job.student, self._references, job.seconds)
         run = run_task_test(self._work.assignment, test, *given)
@@ -170,7 +143,6 @@ class Grader:
         return Row(job.submission, job.unit, (result,), run.runs.isolation, pictures, paths)
 
     def _drawn(self, job: Job, test: TaskTest, run: RunTest) -> tuple[dict[str, bytes], str]:
-        """Return the picture of the run to show by test, if there is one, and its caption."""
         if run.shown is None or (trace := run.runs.traces.get(run.shown)) is None:
             return {}, ""
         reference = None

@@ -27,7 +27,6 @@ _FAILED = "The grader failed, which is no fault of your submission: tell your te
 
 
 def main(root: Path) -> int:
-    """Grade what is in ``submission``, and return the exit status."""
     results = root / "results/results.json"
     _write(results, _ENDED)
     with tempfile.TemporaryDirectory(prefix="robsim-graded-") as out:
@@ -40,7 +39,8 @@ def main(root: Path) -> int:
             ],
             check=False,
         ).returncode
-    if status not in _GRADED and _is_first(results):
+    told = json.loads(results.read_text(encoding="utf-8"))
+    if status not in _GRADED and told.get("output") == _ENDED:
         _write(results, _FAILED)
     return 0 if status in _GRADED else status
 
@@ -62,11 +62,6 @@ def _write(results: Path, sentence: str) -> None:
     results.parent.mkdir(parents=True, exist_ok=True)
     content = {"score": 0, "output": sentence, "stdout_visibility": "hidden"}
     write_whole(results, json.dumps(content).encode())
-
-
-def _is_first(results: Path) -> bool:
-    """Whether nothing was written but what is there at first."""
-    return bool(json.loads(results.read_text(encoding="utf-8")).get("output") == _ENDED)
 
 
 if __name__ == "__main__":

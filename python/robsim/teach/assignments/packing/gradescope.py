@@ -24,17 +24,7 @@ _REGULAR = 0o100000
 def write_zip(
     path: Path, files: Mapping[str, bytes], *, modes: Mapping[str, int] | None = None
 ) -> None:
-    """Write files by their paths to a zip, whole or not at all.
-
-    Parameters
-    ----------
-    path : Path
-        The zip; an old one is replaced.
-    files : mapping of str to bytes
-        The files.
-    modes : mapping of str to int, optional
-        Who may do what with some of them. Default: all may read.
-    """
+    """Write files to a zip, whole or not at all; without its mode, every user may read a file."""
     import zipfile
 
     content = io.BytesIO()
@@ -55,10 +45,7 @@ _MODES = {"run_autograder": 0o755, "setup.sh": 0o755, f"{ASSIGNMENT}/{KEY}": 0o6
 
 
 def pack_gradescope(
-    assignment: Assignment,
-    path: str | PathLike[str],
-    *,
-    install: str | PathLike[str] | None = None,
+    assignment: Assignment, path: str | PathLike[str], *, install: str | PathLike[str] | None = None
 ) -> Path:
     """Write the autograder of an assignment for Gradescope, with its key and hidden tests.
 
@@ -109,7 +96,6 @@ def pack_gradescope(
 
 
 def _assignment_files(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
-    """Yield what grading needs, and no more."""
     folder = assignment.folder
     yield f"{ASSIGNMENT}/{limits_file.FILE}", limits_alone(assignment).encode()
     needed = [folder / FILE, folder / KEY]

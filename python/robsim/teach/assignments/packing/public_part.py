@@ -25,13 +25,10 @@ _SHORTEST = 12  # bytes of a solution; fewer may stand anywhere
 
 
 def public_part(assignment: Assignment) -> dict[str, bytes]:
-    """Return the files that students get, by their paths in the folder.
+    """Return the files for students, by their paths in the folder.
 
-    Raises
-    ------
-    AssignmentError
-        If there is no public test, its limits are not calibrated, there is no sheet, or something
-        hidden would be among them.
+    Raise AssignmentError if a public test, its limits or the sheet is missing, or if a hidden thing
+    would be public.
     """
     files = dict(_files(assignment))
     if found := leaks(assignment, files):
@@ -66,7 +63,6 @@ def _public_toml(assignment: Assignment) -> str:
 
 
 def _all_points(assignment: Assignment) -> float:
-    """Return how many points there are, hidden tests counted."""
     own = (list_own_tests(assignment, file) for file in assignment.files)
     points = [test.points for test in assignment.tests]
     return sum(points) + sum(one.points for tests in own for one in tests)
@@ -89,7 +85,6 @@ def _public_limits(assignment: Assignment) -> str:
 
 
 def limits_alone(assignment: Assignment) -> str:
-    """Return the limits without what they rest on: not all solutions go along."""
     tests = {test.name: _limits(test) for test in assignment.tests}
     return json.dumps({"format": limits_file.FORMAT, "tests": tests}, indent=1)
 
@@ -113,7 +108,6 @@ def _below(folder: Path, name: str) -> Iterator[tuple[str, bytes]]:
 
 
 def leaks(assignment: Assignment, files: dict[str, bytes]) -> list[str]:
-    """Return what of the hidden part is in files, a sentence each."""
     everything = b"\n".join(files.values())
     return [
         f"{name} has {what}"
@@ -125,7 +119,6 @@ def leaks(assignment: Assignment, files: dict[str, bytes]) -> list[str]:
 
 
 def _secrets(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
-    """Yield what must not be there, with its name."""
     key = assignment.folder / KEY
     if key.is_file():
         yield "the key", key.read_bytes().split()[-1]
