@@ -396,3 +396,14 @@ def test_ranges_by_hand_and_a_whole_file():
     assert len(training.drift("red")) == 1  # what it was made from is still known
     training.remove("green")
     assert training.value == (ColorClass("red", u=(1, 2)),)
+
+
+def test_a_picture_for_which_memory_is_lacking_is_refused(view, monkeypatch):
+    def fail(*_):
+        raise MemoryError
+
+    monkeypatch.setattr("robsim.gui.tools.tool.over_floor", fail)
+    before = view.picture
+    with pytest.raises(ValueError, match="not enough memory"):
+        view.load_picture(np.zeros((8, 8, 4), np.uint8))
+    assert view.picture is before

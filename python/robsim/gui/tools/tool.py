@@ -192,7 +192,14 @@ class ToolView(View):
 
     def load_picture(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
         """Take a picture as if it were loaded in a browser; any thread may call this."""
-        self.ask(self.loading(*given_picture(picture)))
+        self.ask(self.prepared(*given_picture(picture)))
+
+    def prepared(self, pixels: Pixels, name: str) -> Callable[[], object]:
+        """Prepare a picture as `loading` does; ValueError where memory is lacking, too."""
+        try:
+            return self.loading(pixels, name)
+        except MemoryError as error:
+            raise ValueError(f"{name} cannot be taken: there is not enough memory") from error
 
     def replace(self, source: Pictures) -> None:
         """Show a picture in place of those that it began with, until `go_back`."""

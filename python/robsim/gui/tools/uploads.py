@@ -163,7 +163,7 @@ class Uploads:
                 return ""
             try:
                 pixels = decoded(io.BytesIO(upload.content), upload.name)
-                return self._tool.loading(pixels, upload.name)
+                return self._tool.prepared(pixels, upload.name)
             except ValueError as error:
                 return str(error)
 
