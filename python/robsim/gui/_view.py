@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 from robsim.base.text import said_by
 from robsim.gui._link import Buffers, Link, Messages, Refused, checked_message
-from robsim.gui._worker import Worker
+from robsim.gui._worker import Beside, Worker
 
 _MOST_WAITING = 500  # messages of a line; whoever sends more is not listened to, others are
 _MOST_BYTES_WAITING = 1 << 22  # of a line's buffers; what comes beyond that is thrown away
@@ -37,6 +37,7 @@ class View(Worker):
     def __init__(self) -> None:
         super().__init__()
         self.links: list[Link] = []
+        self._besides: list[Beside] = []
         self._next_look = math.inf  # when there is something to do without a job
         self._in_a_row = 0
 
@@ -69,6 +70,17 @@ class View(Worker):
     def is_urgent(self, message: Any) -> bool:
         """Return whether a message, which may be anything, comes before all that waits."""
         return False
+
+    def close(self, timeout: float = 5.0) -> bool:
+        has_ended = super().close(timeout)
+        for beside in self._besides:
+            beside.wait(timeout)
+        return has_ended
+
+    def beside(self, name: str) -> Beside:
+        """Return what computes in a thread of this name; `close` waits for it."""
+        self._besides.append(Beside(self, name))
+        return self._besides[-1]
 
     # In the thread.
 

@@ -201,15 +201,7 @@ T = TypeVar("T")
 
 
 class Beside:
-    """Computes one thing at a time, in a thread that ends with it.
-
-    Parameters
-    ----------
-    worker : Worker
-        In its thread the results are taken.
-    name : str
-        That of the thread.
-    """
+    """Computes one thing at a time, in a thread that ends with it."""
 
     def __init__(self, worker: Worker, name: str) -> None:
         self._worker, self._name = worker, name

@@ -22,15 +22,7 @@ _GOODBYE = 0.5  # s for pages to take leave when the server ends
 
 
 class Page:
-    """Serves a view on 127.0.0.1, to whoever has the secret address.
-
-    Parameters
-    ----------
-    view : View
-        What is shown.
-    port : int
-        Where; 0 = any that is free.
-    """
+    """Serves a view on 127.0.0.1, to whoever has the secret address."""
 
     def __init__(self, view: View, *, port: int = 0) -> None:
         self.view = view

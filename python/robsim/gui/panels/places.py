@@ -21,18 +21,10 @@ _MOST_TEXT = 200_000  # characters that a browser is sent
 
 @dataclass(frozen=True)
 class Place:
-    """Where the user's code of a slot stands.
+    """Where the user's code of a slot stands."""
 
-    Attributes
-    ----------
-    file : Path or None
-        The file; None = it stands in none, as in a cell.
-    line : int or None
-        Number of its first line.
-    """
-
-    file: Path | None
-    line: int | None
+    file: Path | None  # None = it stands in none, as in a cell
+    line: int | None  # number of its first line
 
 
 def name_in(runner: Simulation | Experiment, slot: str) -> str | None:

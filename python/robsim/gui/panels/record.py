@@ -37,21 +37,11 @@ _REOPEN = 1.0  # s, after which a session is looked at again for what has been w
 
 
 class Record(ABC):
-    """The steps that the panel shows.
+    """The steps that the panel shows."""
 
-    Attributes
-    ----------
-    source : str
-        ``"simulation"``, ``"experiment"`` or ``"trace"``.
-    reads_in_run : bool
-        Whether `frame` may be called in the thread of the run alone.
-    remarks : tuple of str
-        What the user should know of it.
-    """
-
-    source: ClassVar[str]
-    reads_in_run: ClassVar[bool] = True
-    remarks: tuple[str, ...] = ()
+    source: ClassVar[str]  # "simulation", "experiment" or "trace"
+    reads_in_run: ClassVar[bool] = True  # whether `frame` is for the thread of the run alone
+    remarks: tuple[str, ...] = ()  # what the user should know of it
     area: tuple[int, int]
     colors: tuple[ColorClass, ...]
     markers: MarkerLayout
@@ -258,18 +248,7 @@ class ExperimentRecord(RunRecord):
 
 
 class SavedRecord(Record):
-    """The steps of a trace or a session.
-
-    Parameters
-    ----------
-    saved : Trace or Session
-        It must have a step, and begin with step 0.
-
-    Raises
-    ------
-    ValueError
-        If it does not.
-    """
+    """The steps of a trace or a session; ValueError unless it begins with step 0."""
 
     source = "trace"
 

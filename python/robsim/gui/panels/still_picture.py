@@ -36,19 +36,7 @@ _UNITS = ("px", "px", "deg")
 def still_picture(
     record: Record, shot: Shot | None, state: str, goals: Floats | None = None
 ) -> bytes:
-    """Return a picture of the newest step, the traces and the histograms (PNG).
-
-    Parameters
-    ----------
-    record : Record
-        The steps by now.
-    shot : Shot or None
-        The newest step; None = nothing is known of it yet.
-    state : str
-        The state of the run, a word.
-    goals : array (2,), (3,) or (N, 2), optional
-        Where the robot is to go.
-    """
+    """Return a picture of the newest step, the traces and the histograms (PNG)."""
     with drawing:
         figure = _figure(record, shot, state, goals)
         canvas = io.BytesIO()

@@ -39,22 +39,7 @@ Shown = Simulation | Experiment | Recording | Trace | Session
 
 
 class PanelView(View):
-    """Camera view, controls, traces and callbacks of a run, or a saved one that is played back.
-
-    Parameters
-    ----------
-    shown : Simulation, Experiment, Recording, Trace or Session
-        What it shows. A recording becomes an experiment that measures the robot in its frames.
-    speed : float
-        That of the `Driver`.
-    goals : array (2,), (3,) or (N, 2), optional
-        Where the robot is to go, which is drawn.
-
-    Attributes
-    ----------
-    runner : Simulation, Experiment or Playback
-        What the driver drives; a `Playback` if nothing runs.
-    """
+    """Camera view, controls, traces and callbacks of a run, or a saved one that is played back."""
 
     kind: ClassVar[str] = "panel"
     messages: ClassVar[Messages] = MESSAGES

@@ -10,13 +10,7 @@ _MOST_CHANGES = 500  # that can be undone
 
 
 class History(Generic[T]):
-    """What there is now, and what there was before; none of it is ever changed itself.
-
-    Parameters
-    ----------
-    now : T
-        What there is already.
-    """
+    """What there is now, and what there was before; none of it is ever changed itself."""
 
     def __init__(self, now: T) -> None:
         self.begin(now)

@@ -28,21 +28,11 @@ _PATIENCE = 0.5  # s for a frame, before it is looked whether all is over
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture of a source.
-
-    Attributes
-    ----------
-    frame : Frame
-        Its pixels.
-    name : str
-        What people call it.
-    k : int or None
-        Its number in the source; None = it has none.
-    """
+    """A picture of a source."""
 
     frame: Frame
-    name: str
-    k: int | None = None
+    name: str  # what people call it
+    k: int | None = None  # its number in the source; None = it has none
 
 
 class Pictures:

@@ -29,13 +29,7 @@ _FONTS = {"regular": "DejaVuSans", "bold": "DejaVuSans-Bold", "mono": "DejaVuSan
 
 
 class Sheet:
-    """A white sheet; lengths and places are in its pixels.
-
-    Parameters
-    ----------
-    width, height : int
-        Its size.
-    """
+    """A white sheet; lengths and places are in its pixels."""
 
     def __init__(self, width: int, height: int) -> None:
         self._image = Image.new("RGB", (_TIMES * width, _TIMES * height), "white")
@@ -107,15 +101,7 @@ class Sheet:
 
 
 class Shown:
-    """A frame that fits into a square, to be drawn on in the frame's pixels.
-
-    Parameters
-    ----------
-    frame : Frame or None
-        What it shows; None = there is none yet.
-    side : int
-        Of the square (px of the sheet).
-    """
+    """A frame that fits into a square, to be drawn on in the frame's pixels."""
 
     def __init__(self, frame: Frame | None, side: int) -> None:
         pixels = np.full((1, 1, 3), 255, np.uint8) if frame is None else frame.image

@@ -27,7 +27,6 @@ from robsim.gui._link import (
     whole,
 )
 from robsim.gui._view import View
-from robsim.gui._worker import Beside
 from robsim.gui.tools.history import History
 from robsim.gui.tools.pictures import OnePicture, Picture, Pictures, given_picture
 from robsim.gui.tools.uploads import UPLOAD_MESSAGES, Uploads
@@ -56,22 +55,7 @@ TOOL_MESSAGES: Messages = {
 
 
 class ToolView(View):
-    """Shows the pictures of a source, live ones as they come, until they are frozen.
-
-    Parameters
-    ----------
-    source : Pictures
-        Where they come from.
-
-    Attributes
-    ----------
-    picture : Picture or None
-        What is shown; None until the first one has come.
-    is_frozen : bool
-        Whether it stays though newer ones come.
-    is_replaced : bool
-        Whether other pictures are shown than those that it began with.
-    """
+    """Shows the pictures of a source, live ones as they come, until they are frozen."""
 
     def __init__(self, source: Pictures) -> None:
         super().__init__()
@@ -81,13 +65,16 @@ class ToolView(View):
         self._taken: Picture | None = None  # in any thread
         self._is_told = False
         self._clock = FrameClock()
-        self._stills = Beside(self, "robsim still")
+        self._stills = self.beside("robsim still")
         self._still_due = math.inf
         self._over = ""  # why no more pictures come
         self._own = source  # that it began with; what follows is of that one
         self._left: tuple[Picture | None, bool] = (None, False)  # when it was replaced
         self._uploads = Uploads(self)
-        source.begin(self._take, self._note_end)
+
+    def begin(self) -> None:
+        """Take the pictures of the source from now on."""
+        self.source.begin(self._take, self._note_end)
 
     def handlers(self) -> Mapping[str, Handler]:
         return {
@@ -108,10 +95,7 @@ class ToolView(View):
     def close(self, timeout: float = 5.0) -> bool:
         """End it; the source, which is the user's, stays open."""
         self._own.close()
-        has_ended = super().close(timeout)
-        self._uploads.wait(timeout)
-        self._stills.wait(timeout)
-        return has_ended
+        return super().close(timeout)
 
     # What a tool adds.
 

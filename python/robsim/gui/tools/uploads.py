@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from robsim.base.text import one_line
 from robsim.gui._link import Link, Messages, Refused, one_buffer, text, whole
-from robsim.gui._worker import Beside
 from robsim.vision.imaging.images import decoded
 
 if TYPE_CHECKING:
@@ -39,36 +38,16 @@ UPLOAD_MESSAGES: Messages = {
 
 @dataclass(eq=False)
 class Upload:
-    """A file that comes.
-
-    Attributes
-    ----------
-    link : Link
-        Where it comes from.
-    view : str
-        The view there that sends it.
-    key : str
-        What that calls it.
-    name : str
-        The file's name, for people.
-    size : int
-        How many bytes it has.
-    content : bytearray
-        What has come.
-    heard : float
-        When that was, by the monotonic clock (s).
-    is_wanted : bool
-        False once it was given up.
-    """
+    """A file that comes."""
 
     link: Link
-    view: str
-    key: str
-    name: str
-    size: int
+    view: str  # there, that sends it
+    key: str  # what that calls it
+    name: str  # for people
+    size: int  # bytes
     content: bytearray = field(default_factory=bytearray)
-    heard: float = 0.0
-    is_wanted: bool = True
+    heard: float = 0.0  # when the newest part came, by the monotonic clock (s)
+    is_wanted: bool = True  # False once it was given up
 
     @property
     def is_complete(self) -> bool:
@@ -91,18 +70,13 @@ class Uploads:
 
     A part is answered before the browser sends the next one; what stalls, is given up, or whose
     line goes is forgotten. One after another is decoded beside the thread.
-
-    Parameters
-    ----------
-    tool : ToolView
-        It takes them.
     """
 
     def __init__(self, tool: ToolView) -> None:
         self._tool = tool
         self._coming: dict[tuple[Link, str], Upload] = {}
         self._complete: deque[Upload] = deque()  # the first one is being decoded
-        self._beside = Beside(tool, "robsim upload")
+        self._beside = tool.beside("robsim upload")
 
     def take(self, link: Link, message: dict[str, Any]) -> None:
         """Take a part, and answer it."""
@@ -134,10 +108,6 @@ class Uploads:
         """Forget what has stalled; return when to look again."""
         self.drop(lambda upload: not upload.is_complete and upload.heard <= now - PATIENCE)
         return min((one.heard + PATIENCE for one in self._coming.values()), default=math.inf)
-
-    def wait(self, timeout: float) -> None:
-        """Wait until nothing is decoded; any thread may call this."""
-        self._beside.wait(timeout)
 
     def _begun(self, link: Link, message: dict[str, Any]) -> Upload:
         key, name, size = message["key"], _name_in(message), message["size"]

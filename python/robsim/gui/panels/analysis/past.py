@@ -140,13 +140,7 @@ def _result(done: Future[Frame | None]) -> tuple[Frame | None, str | None]:
 
 
 class KeptPictures:
-    """The newest pictures, as many as there is room for.
-
-    Parameters
-    ----------
-    room : int
-        For the pictures (bytes).
-    """
+    """The newest pictures, as many as there is room for."""
 
     def __init__(self, room: int) -> None:
         self._room = room

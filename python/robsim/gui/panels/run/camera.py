@@ -20,35 +20,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Shot:
-    """What is shown of a step; taken in the thread of the run, used in that of the view.
-
-    Attributes
-    ----------
-    frame : Frame or None
-        The camera's picture; None = no frame came.
-    measured, held, truth : sequence of float or None
-        Poses.
-    boxes : list
-        ``[colour, left, top, right, bottom]`` of each blob.
-    missed : str or None
-        Why the robot was not found.
-    past : bool
-        Whether it is not the newest.
-    n_resets : int
-        That of the record, when it was taken.
-    """
+    """What is shown of a step; taken in the thread of the run, used in that of the view."""
 
     k: int
     t: float
-    frame: Frame | None
-    measured: list[float] | None = None
+    frame: Frame | None  # None = none came
+    measured: list[float] | None = None  # a pose, as the next two
     held: list[float] | None = None
     truth: list[float] | None = None
     estimate: dict[str, Any] | None = None
-    boxes: Sequence[Sequence[Any]] = ()
-    missed: str | None = None
-    past: bool = False
-    n_resets: int = 0
+    boxes: Sequence[Sequence[Any]] = ()  # [colour, left, top, right, bottom] of each blob
+    missed: str | None = None  # why the robot was not found
+    past: bool = False  # whether it is not the newest
+    n_resets: int = 0  # of the record, when it was taken
 
     def head(self, area: tuple[int, int]) -> dict[str, Any]:
         """Return the message about it; without a picture it shows the bare work area."""

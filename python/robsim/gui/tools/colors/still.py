@@ -31,21 +31,7 @@ def colors_still(
     colors: Sequence[ColorClass],
     markers: MarkerLayout,
 ) -> bytes:
-    """Return a picture of what is trained, and what it finds (PNG).
-
-    Parameters
-    ----------
-    picture : Picture or None
-        What is shown.
-    title : str
-        Whose pictures they are.
-    state : dict
-        The fields of the message ``state``.
-    colors : sequence of ColorClass
-        The classes.
-    markers : MarkerLayout
-        Those of the robot that is looked for.
-    """
+    """Return a picture of what is trained, and what it finds (PNG)."""
     sheet = Sheet(_WIDTH, _HEIGHT)
     frame = None if picture is None else picture.frame
     end = sheet.title("colors", title)

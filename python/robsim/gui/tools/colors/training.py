@@ -29,20 +29,10 @@ _ONE_PIXEL = np.eye(1, 256, 128, dtype=np.int64).repeat(3, axis=0)
 
 @dataclass(frozen=True, eq=False)
 class TrainedClass:
-    """A class, and how it came about.
-
-    Attributes
-    ----------
-    color : ColorClass
-        The class as it is now.
-    samples : tuple of Sample
-        The regions that it was made from; none if it was given, or its ranges were set by hand.
-    percentile, margin, limit_y
-        As for `ColorClass.from_region`.
-    """
+    """A class, and how it came about."""
 
     color: ColorClass
-    samples: tuple[Sample, ...] = ()
+    samples: tuple[Sample, ...] = ()  # none if its ranges were given, or set by hand
     percentile: float = 33.0
     margin: int = 52
     limit_y: bool = False
@@ -78,13 +68,7 @@ class TrainedClass:
 
 
 class ColorTraining(History[Mapping[str, TrainedClass]]):
-    """Several colour classes while they are trained.
-
-    Parameters
-    ----------
-    colors : iterable of ColorClass
-        What is there already.
-    """
+    """Several colour classes while they are trained."""
 
     def __init__(self, colors: Iterable[ColorClass] = ()) -> None:
         super().__init__({color.name: TrainedClass(color) for color in colors})

@@ -28,7 +28,6 @@ from robsim.gui._link import (
     text,
     whole,
 )
-from robsim.gui._worker import Beside
 from robsim.gui.tools.colors.training import (
     OPTIONS,
     ColorTraining,
@@ -80,19 +79,7 @@ _ALPHA = 200  # of what a class takes, on the picture
 
 
 class ColorsView(ToolView):
-    """Trains colour classes on pictures.
-
-    Parameters
-    ----------
-    source : Pictures
-        The pictures.
-    colors : iterable of ColorClass
-        What is there already.
-    robot : RobotDefinition
-        The robot that is looked for.
-    file : path
-        The colour file that is written, unless another one is named.
-    """
+    """Trains colour classes on pictures."""
 
     kind: ClassVar[str] = "colors"
     messages: ClassVar[Messages] = MESSAGES
@@ -100,6 +87,7 @@ class ColorsView(ToolView):
     def __init__(
         self, source: Pictures, colors: Iterable[ColorClass], robot: RobotDefinition, file: Path
     ) -> None:
+        super().__init__(source)
         self.training = ColorTraining(colors)
         self.file = file
         self._known = set(self.training.classes)  # that the file may have
@@ -107,8 +95,8 @@ class ColorsView(ToolView):
         self._chosen = next(iter(self.training.classes), "red")
         self._region: Region | None = None
         self._tests = True
-        self._beside = Beside(self, "robsim colour score")
-        super().__init__(source)
+        self._beside = self.beside("robsim colour score")
+        self.begin()
 
     def acts(self) -> Acts:
         return {
@@ -167,11 +155,6 @@ class ColorsView(ToolView):
 
     def changed_source(self) -> None:
         self._region = None  # which was of the pictures before
-
-    def close(self, timeout: float = 5.0) -> bool:
-        has_ended = super().close(timeout)
-        self._beside.wait(timeout)
-        return has_ended
 
     def _class_of(self, name: str) -> dict[str, Any]:
         one = self.training.classes[name]

@@ -24,22 +24,7 @@ _LUMA = np.array((0.299, 0.587, 0.114))
 
 
 def snapped(image: Pixels, at: tuple[float, float], reach: float) -> tuple[float, float] | None:
-    """Return where the nearest corner or dot of a picture is, to a tenth of a pixel.
-
-    Parameters
-    ----------
-    image : array (H, W, 3) of uint8
-        RGB.
-    at : tuple of float
-        About where it is: (u, v).
-    reach : float
-        Up to how far off (px).
-
-    Returns
-    -------
-    tuple of float or None
-        None if there is none.
-    """
+    """Return where the nearest corner or dot of a picture is, to a tenth of a pixel."""
     reach = min(max(reach, 1.0), _MOST_REACH)
     sigma = min(max(_SIGMA * reach, _LEAST_SIGMA), _MOST_SIGMA)
     half = math.ceil(reach + 4 * sigma)

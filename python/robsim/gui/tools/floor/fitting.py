@@ -24,24 +24,7 @@ Size = tuple[int, int]
 def fitted(
     draft: FloorDraft, lens: Calibration | None, size: Size, picture: Pixels | None = None
 ) -> FloorCalibration:
-    """Return the calibration by the points whose place is given.
-
-    Parameters
-    ----------
-    draft : FloorDraft
-        The points, and the work area.
-    lens : Calibration or None
-        The lens, if it is known.
-    size : tuple of int
-        Width and height of the picture (px).
-    picture : array (H, W, 3) of uint8, optional
-        The picture, if floor sheets in it are to be kept in mind; that takes longer.
-
-    Raises
-    ------
-    ImportError, TypeError, ValueError
-        As from `calibrate_floor`.
-    """
+    """Return the calibration by the points whose place is given."""
     if len(draft.complete) < FEWEST:
         raise ValueError("; ".join(draft.problems()))
     return calibrate_floor(
@@ -137,22 +120,7 @@ def refuse_device(file: Path) -> None:
 
 
 def replaced(file: Path, calibration: Calibration, *, is_known: bool) -> Calibration | None:
-    """Return what a file has that is to be written; None if there is none.
-
-    Parameters
-    ----------
-    file : Path
-        The file.
-    calibration : Calibration
-        What is to be written.
-    is_known : bool
-        Whether the panel has read or written it.
-
-    Raises
-    ------
-    ValueError
-        If it is not to be overwritten.
-    """
+    """Return what a file has that is to be written; None if there is none."""
     refuse_device(file)
     if not file.exists():
         return None

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from robsim.base.checks import check_bool, check_int
 from robsim.base.text import quoted
-from robsim.gui._worker import Beside
 from robsim.gui.tools.pictures import Picture, Pictures
 from robsim.gui.tools.tool import Acts
 from robsim.lab.calibration.lens_report import LensCalibration
@@ -33,11 +32,6 @@ class LensPictures:
     """Takes pictures of a board out of those of a view, and calibrates the lens by them.
 
     All but what takes long happens in the thread of the view.
-
-    Parameters
-    ----------
-    view : FloorView
-        Has the pictures, and is told of what has changed.
     """
 
     def __init__(self, view: FloorView) -> None:
@@ -51,8 +45,8 @@ class LensPictures:
         self._waiting: list[int] = []  # its pictures that are still to be looked at
         self._fitted = self.taken
         self._wrong = ""
-        self._finding = Beside(view, "robsim board")
-        self._fitting = Beside(view, "robsim lens")
+        self._finding = view.beside("robsim board")
+        self._fitting = view.beside("robsim lens")
 
     def acts(self) -> Acts:
         """Return what is done with messages."""
@@ -98,11 +92,6 @@ class LensPictures:
     @property
     def is_busy(self) -> bool:
         return self._finding.is_busy or self._fitting.is_busy or bool(self._waiting)
-
-    def wait(self, timeout: float) -> None:
-        """Wait until nothing is computed."""
-        self._finding.wait(timeout)
-        self._fitting.wait(timeout)
 
     @property
     def board(self) -> Board:

@@ -25,21 +25,10 @@ Place = tuple[float | None, float | None]
 
 @dataclass(frozen=True)
 class PlacedPoint:
-    """A point of the picture, and where it is on the floor.
+    """A point of the picture, and where it is on the floor."""
 
-    Attributes
-    ----------
-    number : int
-        What it is called.
-    pixel : tuple of float
-        Where it is in the picture: (u, v).
-    place : tuple of float or None
-        x and y on the floor from the top left corner of the work area (mm), as far as they are
-        given.
-    """
-
-    number: int
-    pixel: tuple[float, float]
+    number: int  # what it is called
+    pixel: tuple[float, float]  # (u, v)
     place: Place = (None, None)
 
     @property
@@ -49,23 +38,11 @@ class PlacedPoint:
 
 @dataclass(frozen=True)
 class FloorDraft:
-    """What is known of a floor that is calibrated by points.
+    """What is known of a floor that is calibrated by points."""
 
-    Attributes
-    ----------
-    area : tuple of int
-        Width and height of the work area (px).
-    mm_per_px : float
-        A px of the work area on the floor (mm).
-    marker_height : float
-        How high above the floor the robot's markers are (mm).
-    points : tuple of PlacedPoint
-        The points.
-    """
-
-    area: tuple[int, int]
-    mm_per_px: float
-    marker_height: float = 0.0
+    area: tuple[int, int]  # width and height (px)
+    mm_per_px: float  # of the work area, on the floor
+    marker_height: float = 0.0  # of the robot, above the floor (mm)
     points: tuple[PlacedPoint, ...] = field(default=(), repr=False)
 
     @property
@@ -114,13 +91,7 @@ def _near(points: Sequence[PlacedPoint], at: Floats, limit: float) -> list[tuple
 
 
 class FloorPoints(History[FloorDraft]):
-    """A floor while its points are placed.
-
-    Parameters
-    ----------
-    draft : FloorDraft
-        What there is already.
-    """
+    """A floor while its points are placed."""
 
     @property
     def draft(self) -> FloorDraft:

@@ -26,19 +26,7 @@ def floor_still(
     state: Mapping[str, Any],
     calibration: Calibration | None,
 ) -> bytes:
-    """Return a picture of the points, how well they fit, and the grid (PNG).
-
-    Parameters
-    ----------
-    picture : Picture or None
-        What is shown.
-    title : str
-        Whose pictures they are.
-    state : dict
-        The fields of the message ``state``.
-    calibration : Calibration or None
-        That of the grid.
-    """
+    """Return a picture of the points, how well they fit, and the grid (PNG)."""
     sheet = Sheet(_WIDTH, _HEIGHT)
     sheet.title("floor", title)
     shown = Shown(_with_grid(picture, state, calibration), _SIDE)

@@ -14,7 +14,6 @@ from robsim.base.checks import check_float
 from robsim.base.files import as_path
 from robsim.base.text import one_line
 from robsim.gui._link import Link, Messages, maybe, number, point, switch, text, whole
-from robsim.gui._worker import Beside
 from robsim.gui.tools.floor.corners import FloorSheets, snapped
 from robsim.gui.tools.floor.fitting import (
     fit_of,
@@ -70,21 +69,7 @@ Pixel = tuple[float, float]
 
 
 class FloorView(ToolView):
-    """Calibrates a floor, by points that are placed on its picture, or by sheets in it.
-
-    Parameters
-    ----------
-    source : Pictures
-        The pictures.
-    base : Calibration or None
-        What is known already: a lens, or a floor, too.
-    draft : FloorDraft
-        The work area, without points.
-    file : path
-        What is written, unless another file is named.
-    is_read : bool
-        Whether `base` is what that file has.
-    """
+    """Calibrates a floor, by points that are placed on its picture, or by sheets in it."""
 
     kind: ClassVar[str] = "floor"
     messages: ClassVar[Messages] = MESSAGES
@@ -96,8 +81,9 @@ class FloorView(ToolView):
         draft: FloorDraft,
         file: Path,
         *,
-        is_read: bool,
+        is_read: bool,  # whether `base` is what the file has
     ) -> None:
+        super().__init__(source)
         self.points = FloorPoints(draft)
         self.sheets = FloorSheets()
         self.base = base
@@ -110,9 +96,9 @@ class FloorView(ToolView):
         self._wrong = ""  # why nothing could be fitted
         self._fitted: object = None  # what that was
         self.lens = LensPictures(self)
-        self._fitting = Beside(self, "robsim floor fit")
-        self._finding = Beside(self, "robsim floor sheets")
-        super().__init__(source)
+        self._fitting = self.beside("robsim floor fit")
+        self._finding = self.beside("robsim floor sheets")
+        self.begin()
 
     def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
         return {**super().handlers(), "magnify": self._magnify}
@@ -194,13 +180,6 @@ class FloorView(ToolView):
     def changed_picture(self) -> None:
         self._frames = frame_size(self.shown.frame.image)
         self.lens.changed_picture()
-
-    def close(self, timeout: float = 5.0) -> bool:
-        has_ended = super().close(timeout)
-        self._fitting.wait(timeout)
-        self._finding.wait(timeout)
-        self.lens.wait(timeout)
-        return has_ended
 
     # What changes it; TypeError, ValueError or OSError: nothing was changed.
 

@@ -15,13 +15,7 @@ from robsim.vision.robots.sketch import Sketch
 
 
 class RobotDrawing(History[Sketch]):
-    """A robot while it is drawn.
-
-    Parameters
-    ----------
-    sketch : Sketch
-        What there is already.
-    """
+    """A robot while it is drawn."""
 
     @property
     def sketch(self) -> Sketch:

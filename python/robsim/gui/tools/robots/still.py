@@ -19,17 +19,7 @@ _SQUARE, _ARROW = "#ffd500", 44.0
 
 
 def robots_still(picture: Picture | None, title: str, state: Mapping[str, Any]) -> bytes:
-    """Return a picture of what is drawn, or captured (PNG).
-
-    Parameters
-    ----------
-    picture : Picture or None
-        What is shown.
-    title : str
-        Whose pictures they are.
-    state : dict
-        The fields of the message ``state``.
-    """
+    """Return a picture of what is drawn, or captured (PNG)."""
     sheet = Sheet(_WIDTH, _HEIGHT)
     draws = state["mode"] == "draw"
     sheet.title("robots", state["name"] if draws else title)

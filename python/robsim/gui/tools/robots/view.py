@@ -60,19 +60,7 @@ _OTHER_INK = "#d6409f"  # of a marker whose colour is not known
 
 
 class RobotsView(ToolView):
-    """Defines a robot, of a picture that is captured, or of a robot that there is.
-
-    Parameters
-    ----------
-    source : Pictures or None
-        Where a picture is captured from; None = nowhere.
-    robot : RobotDefinition
-        What is drawn at first.
-    colors : iterable of ColorClass
-        Those of the markers, for first guesses.
-    begins_live : bool
-        Whether the pictures of the source are shown at first, not the robot.
-    """
+    """Defines a robot, of a picture that is captured, or of a robot that there is."""
 
     kind: ClassVar[str] = "robots"
     messages: ClassVar[Messages] = MESSAGES
@@ -83,8 +71,10 @@ class RobotsView(ToolView):
         robot: RobotDefinition,
         colors: Iterable[ColorClass],
         *,
-        begins_live: bool = True,
+        begins_live: bool = True,  # with the pictures of the source, not the robot
     ) -> None:
+        drawn = OnePicture(over_floor(robot.image), robot.name)
+        super().__init__(drawn if source is None else source)
         self._as_loaded = Sketch.of(robot)
         self._begun = self._as_loaded  # where Reset goes back to
         self.drawing = RobotDrawing(self._as_loaded)
@@ -95,9 +85,8 @@ class RobotsView(ToolView):
         self._part = OUTLINE
         self._square: tuple[float, float, float] | None = None  # centre and side (px)
         self._has_pictures = source is not None
-        drawn = OnePicture(over_floor(robot.image), robot.name)
-        super().__init__(drawn if source is None else source)
         self.is_frozen = not begins_live or source is None  # the drawing is shown, nothing newer
+        self.begin()
         if self.is_frozen:
             self.post(self._show_drawing)
 
