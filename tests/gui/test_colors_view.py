@@ -407,3 +407,12 @@ def test_a_picture_for_which_memory_is_lacking_is_refused(view, monkeypatch):
     with pytest.raises(ValueError, match="not enough memory"):
         view.load_picture(np.zeros((8, 8, 4), np.uint8))
     assert view.picture is before
+
+
+def test_the_mouse_s_undo_and_redo_are_methods(tmp_path):
+    with robsim.gui.color_panel(picture(), robot="lab", file=tmp_path / "colors.toml") as tool:
+        red = tool.train("red", (20, 20, 29, 29))
+        tool.undo()
+        assert tool.value == ()
+        tool.redo()
+        assert tool.value == (red,)

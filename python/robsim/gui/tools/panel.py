@@ -90,6 +90,14 @@ class ToolPanel(HostedPanel):
         k = check_int("k", k, minimum=0, maximum=count - 1)
         self._view.ask(lambda: self._view.look_at(k))
 
+    def undo(self) -> None:
+        """Undo the last change; nothing if there is none."""
+        self._view.ask(lambda: self._view.travel(self._view.history.undo))
+
+    def redo(self) -> None:
+        """Do again what was undone last; nothing if there is nothing."""
+        self._view.ask(lambda: self._view.travel(self._view.history.redo))
+
     def _change(self, change: Callable[[], T]) -> T:
         return self._view.ask(lambda: self._view.change(change))
 

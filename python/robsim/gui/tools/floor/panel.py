@@ -227,14 +227,6 @@ class FloorPanel(ToolPanel):
         adjust = self._view.points.adjust
         self._change(lambda: adjust(area=area, mm_per_px=mm_per_px, marker_height=marker_height))
 
-    def undo(self) -> None:
-        """Undo the last change of the points or the work area; nothing if there is none."""
-        self._change(self._view.points.undo)
-
-    def redo(self) -> None:
-        """Do again what was undone last; nothing if there is nothing."""
-        self._change(self._view.points.redo)
-
     # Sheets.
 
     def find_sheets(

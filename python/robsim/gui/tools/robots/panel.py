@@ -109,10 +109,6 @@ class RobotPanel(ToolPanel):
         """
         self._change(lambda: self._view.drawing.turn(degrees))
 
-    def undo(self) -> None:
-        """Undo the last change; nothing if there is none."""
-        self._change(self._view.drawing.undo)
-
     def save(self, name: str, *, overwrite: bool = False) -> RobotDefinition:
         """Add the robot to your own, where it survives a restart.
 
