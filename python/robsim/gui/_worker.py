@@ -43,13 +43,7 @@ class Worker(ABC):
         self._reported: set[tuple[str, int]] = set()
 
     def post(self, job: Callable[[], object], *, first: bool = False) -> bool:
-        """Have something done in the thread, before all else if it is to be first.
-
-        Returns
-        -------
-        bool
-            False if it takes no more jobs.
-        """
+        """Do a job in the thread, before all others if `first`; False if none is taken any more."""
         if self._is_elsewhere:
             return False
         with self._wake:
@@ -65,17 +59,10 @@ class Worker(ABC):
         return True
 
     def close(self, timeout: float = 5.0) -> bool:
-        """End the thread, after the job under way.
+        """End the thread, after the job under way; wait for that so long (s).
 
-        Parameters
-        ----------
-        timeout : float
-            How long to wait for that (s). What hangs is left behind, and ends with Python.
-
-        Returns
-        -------
-        bool
-            Whether it has ended. It cannot while this is called in the thread itself.
+        What hangs is left behind, and ends with Python. Return whether it has ended: it cannot
+        while this is called in the thread itself.
         """
         if self._is_elsewhere:
             return True
@@ -101,10 +88,7 @@ class Worker(ABC):
     def report(self, error: BaseException) -> bool:
         """Tell of an exception that nobody waits for, as Python does of one that ends a thread.
 
-        Returns
-        -------
-        bool
-            False if one from the same place in the code was told before.
+        False if one from the same place in the code was told before.
         """
         frames = traceback.extract_tb(error.__traceback__, -1)
         place = (frames[0].filename, frames[0].lineno or 0) if frames else ("", 0)

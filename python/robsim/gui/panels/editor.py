@@ -9,40 +9,22 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import quote
 
 from robsim.gui._link import Refused
 
-
-def _plus(file: str, line: int) -> list[str]:
-    return [f"+{line}", file]
-
-
-def _colon(file: str, line: int) -> list[str]:
-    return [f"{file}:{line}"]
-
-
-def _goto(file: str, line: int) -> list[str]:
-    return ["--goto", f"{file}:{line}"]
-
-
-def _named(file: str, line: int) -> list[str]:
-    return ["--line", str(line), file]
-
-
-def _alone(file: str, line: int) -> list[str]:
-    return [file]
-
-
+_PLUS, _ALONE = ("+{line}", "{file}"), ("{file}",)
+_NAMED = ("--line", "{line}", "{file}")
 #: Editors with a window of their own, and how they are told the line.
-_EDITORS: dict[str, Callable[[str, int], list[str]]] = {
-    **dict.fromkeys(("code", "code-insiders", "codium", "cursor", "windsurf"), _goto),
-    **dict.fromkeys(("subl", "sublime_text", "zed", "zeditor", "mate"), _colon),
-    **dict.fromkeys(("gedit", "gnome-text-editor", "xed", "pluma", "geany", "gvim"), _plus),
-    **dict.fromkeys(("emacs", "emacsclient"), _plus),
-    **dict.fromkeys(("kate", "kwrite", "pycharm", "charm", "mousepad"), _named),
+_EDITORS: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(
+        ("code", "code-insiders", "codium", "cursor", "windsurf"), ("--goto", "{file}:{line}")
+    ),
+    **dict.fromkeys(("subl", "sublime_text", "zed", "zeditor", "mate"), ("{file}:{line}",)),
+    **dict.fromkeys(("gedit", "gnome-text-editor", "xed", "pluma", "geany", "gvim"), _PLUS),
+    **dict.fromkeys(("emacs", "emacsclient"), _PLUS),
+    **dict.fromkeys(("kate", "kwrite", "pycharm", "charm", "mousepad"), _NAMED),
 }
 #: Editors that need a terminal, which a panel does not have.
 _IN_TERMINAL = {
@@ -57,22 +39,7 @@ _started: list[subprocess.Popen[bytes]] = []  # they outlive a panel
 def open_in_editor(file: Path, line: int) -> subprocess.Popen[bytes] | None:
     """Open a file in ``$VISUAL`` or ``$EDITOR``, or the system's editor, none in a terminal.
 
-    Parameters
-    ----------
-    file : Path
-        The file, an absolute path.
-    line : int
-        The line to show, where the editor can.
-
-    Returns
-    -------
-    Popen or None
-        What was started; None = nothing that can be watched.
-
-    Raises
-    ------
-    Refused
-        If there is no editor.
+    Return what was started; None = nothing that can be watched. `Refused` if there is no editor.
     """
     command = _users_editor(file, line) or _systems_editor(file)
     if command is None and sys.platform == "win32":
@@ -110,7 +77,8 @@ def _users_editor(file: Path, line: int) -> list[str] | None:
             continue
         name = Path(words[0]).stem.lower()
         if not _needs_terminal(name, program, words[1:]):
-            return [program, *words[1:], *_EDITORS.get(name, _alone)(str(file), line)]
+            where = _EDITORS.get(name, _ALONE)
+            return [program, *words[1:], *(one.format(file=file, line=line) for one in where)]
     return None
 
 

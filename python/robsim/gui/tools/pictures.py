@@ -126,14 +126,7 @@ class CameraPictures(Pictures):
 class RunPictures(Pictures):
     """What the camera of a run sees, while a panel drives it.
 
-    Parameters
-    ----------
-    driver : Driver
-        That of the panel.
-    title : str
-        What people call the run.
-    mine : HostedPanel or None
-        The panel, if it was opened for this: it is closed with it.
+    `mine` is the panel, if it was opened for this: it is closed with it.
     """
 
     is_live = True

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
 
 
+_TOLD = ("k", "t", "measured", "held", "truth", "estimate", "boxes", "missed", "past")
+
+
 @dataclass(frozen=True)
 class Shot:
     """What is shown of a step; taken in the thread of the run, used in that of the view."""
@@ -40,21 +43,9 @@ class Shot:
         if self.frame is not None:
             height, width = self.frame.image.shape[:2]
             size, plane_map = [width, height], self.frame.plane_map
-        return {
-            "type": "frame",
-            "k": self.k,
-            "t": self.t,
-            "size": size,
-            "map": plane_map.matrix.ravel().tolist(),
-            "intrinsics": lens_of(plane_map),
-            "measured": self.measured,
-            "held": self.held,
-            "truth": self.truth,
-            "estimate": self.estimate,
-            "boxes": self.boxes,
-            "missed": self.missed,
-            "past": self.past,
-        }
+        fields = {name: getattr(self, name) for name in _TOLD}
+        seen = {"map": plane_map.matrix.ravel().tolist(), "intrinsics": lens_of(plane_map)}
+        return {"type": "frame", "size": size, **seen, **fields}
 
 
 def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_tracked: bool) -> Shot:
