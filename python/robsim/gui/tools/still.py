@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
@@ -168,5 +167,7 @@ def _moved(point: Sequence[float], angle: float, by: float) -> tuple[float, floa
 
 @functools.cache
 def _font(kind: str, size: float) -> ImageFont.FreeTypeFont:
-    folder = Path(matplotlib.get_data_path(), "fonts", "ttf")
+    from matplotlib import get_data_path  # it takes its time to load
+
+    folder = Path(get_data_path(), "fonts", "ttf")
     return ImageFont.truetype(str(folder / f"{_FONTS[kind]}.ttf"), _TIMES * size)

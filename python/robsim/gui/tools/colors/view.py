@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
@@ -28,6 +29,7 @@ from robsim.gui._link import (
     text,
     whole,
 )
+from robsim.gui.tools.colors.still import colors_still
 from robsim.gui.tools.colors.training import (
     OPTIONS,
     ColorTraining,
@@ -139,15 +141,8 @@ class ColorsView(ToolView):
         return found, [_mask(picture.frame, colors, self._markers)]
 
     def still(self) -> Callable[[], bytes]:
-        picture, title, state = self.picture, self.source.title, self._state()
-        colors, markers = self.training.value, self._markers
-
-        def draw() -> bytes:
-            from robsim.gui.tools.colors.still import colors_still  # matplotlib's fonts
-
-            return colors_still(picture, title, state, colors, markers)
-
-        return draw
+        about = (self.picture, self.source.title, self._state())
+        return partial(colors_still, *about, self.training.value, self._markers)
 
     def changed_picture(self) -> None:
         if self.is_frozen or not self.source.is_live:

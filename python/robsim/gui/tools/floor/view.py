@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
@@ -25,6 +26,7 @@ from robsim.gui.tools.floor.fitting import (
 )
 from robsim.gui.tools.floor.lens import LensPictures
 from robsim.gui.tools.floor.points import MOST, FloorDraft, FloorPoints, checked_pixel
+from robsim.gui.tools.floor.still import floor_still
 from robsim.gui.tools.pictures import Pictures
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView
 from robsim.lab.calibration.floor_report import FloorCalibration
@@ -167,15 +169,8 @@ class FloorView(ToolView):
         }
 
     def still(self) -> Callable[[], bytes]:
-        picture, title, state = self.picture, self.source.title, self._state()
-        shown = self._shown_calibration()
-
-        def draw() -> bytes:
-            from robsim.gui.tools.floor.still import floor_still  # matplotlib's fonts
-
-            return floor_still(picture, title, state, shown)
-
-        return draw
+        about = (self.picture, self.source.title, self._state())
+        return partial(floor_still, *about, self._shown_calibration())
 
     def changed_picture(self) -> None:
         self._frames = frame_size(self.shown.frame.image)

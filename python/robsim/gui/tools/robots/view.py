@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import PurePath
 from typing import Any, ClassVar
 
@@ -16,6 +17,7 @@ from robsim.gui._css_colors import css_color
 from robsim.gui._link import Messages, number, point, switch, text, whole
 from robsim.gui.tools.pictures import OnePicture, Picture, Pictures
 from robsim.gui.tools.robots.drawing import RobotDrawing, cut_out
+from robsim.gui.tools.robots.still import robots_still
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, ToolView
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.robots.definition import RobotDefinition
@@ -140,14 +142,7 @@ class RobotsView(ToolView):
         }
 
     def still(self) -> Callable[[], bytes]:
-        picture, title, state = self.picture, self.source.title, self._state()
-
-        def draw() -> bytes:
-            from robsim.gui.tools.robots.still import robots_still  # matplotlib's fonts
-
-            return robots_still(picture, title, state)
-
-        return draw
+        return partial(robots_still, self.picture, self.source.title, self._state())
 
     def changed_source(self) -> None:
         self._square = None  # which was of the pictures before
