@@ -43,7 +43,7 @@ class Worker(ABC):
         self._reported: set[tuple[str, int]] = set()
 
     def post(self, job: Callable[[], object], *, first: bool = False) -> bool:
-        """Do a job in the thread, before all others if `first`; False if none is taken any more."""
+        """Do a job in the thread, before all others if `first`; False if the thread has ended."""
         if self._is_elsewhere:
             return False
         with self._wake:
@@ -61,8 +61,8 @@ class Worker(ABC):
     def close(self, timeout: float = 5.0) -> bool:
         """End the thread, after the job under way; wait for that so long (s).
 
-        What hangs is left behind, and ends with Python. Return whether it has ended: it cannot
-        while this is called in the thread itself.
+        A thread that hangs is left behind, and ends with Python. Return whether it has ended; it
+        cannot if this is called in the thread itself.
         """
         if self._is_elsewhere:
             return True
@@ -185,7 +185,7 @@ T = TypeVar("T")
 
 
 class Beside:
-    """Computes one thing at a time, in a thread that ends with it."""
+    """Computes one thing at a time, in a new thread each time."""
 
     def __init__(self, worker: Worker, name: str) -> None:
         self._worker, self._name = worker, name

@@ -22,7 +22,7 @@ _GOODBYE = 0.5  # s for pages to take leave when the server ends
 
 
 class Page:
-    """Serves a view on 127.0.0.1, to whoever has the secret address."""
+    """Serves a view on 127.0.0.1, at a secret address."""
 
     def __init__(self, view: View, *, port: int = 0) -> None:
         self.view = view

@@ -39,7 +39,7 @@ _started: list[subprocess.Popen[bytes]] = []  # they outlive a panel
 def open_in_editor(file: Path, line: int) -> subprocess.Popen[bytes] | None:
     """Open a file in ``$VISUAL`` or ``$EDITOR``, or the system's editor, none in a terminal.
 
-    Return what was started; None = nothing that can be watched. `Refused` if there is no editor.
+    Return the process; None = it cannot be watched. `Refused` if there is no editor.
     """
     command = _users_editor(file, line) or _systems_editor(file)
     if command is None and sys.platform == "win32":

@@ -41,7 +41,7 @@ class Record(ABC):
 
     source: ClassVar[str]  # "simulation", "experiment" or "trace"
     reads_in_run: ClassVar[bool] = True  # whether `frame` is for the thread of the run alone
-    remarks: tuple[str, ...] = ()  # what the user should know of it
+    remarks: tuple[str, ...] = ()  # for the user
     area: tuple[int, int]
     colors: tuple[ColorClass, ...]
     markers: MarkerLayout

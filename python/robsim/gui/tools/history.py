@@ -10,7 +10,7 @@ _MOST_CHANGES = 500  # that can be undone
 
 
 class History(Generic[T]):
-    """What there is now, and what there was before; none of it is ever changed itself."""
+    """The newest value, and earlier and later ones; the values themselves never change."""
 
     def __init__(self, now: T) -> None:
         self.begin(now)

@@ -31,8 +31,8 @@ class Picture:
     """A picture of a source."""
 
     frame: Frame
-    name: str  # what people call it
-    k: int | None = None  # its number in the source; None = it has none
+    name: str  # for people
+    k: int | None = None  # its number in the source; None = no number
 
 
 class Pictures:
@@ -126,7 +126,7 @@ class CameraPictures(Pictures):
 class RunPictures(Pictures):
     """What the camera of a run sees, while a panel drives it.
 
-    `mine` is the panel, if it was opened for this: it is closed with it.
+    `mine` is the panel, if it was opened for this; `close` closes it, too.
     """
 
     is_live = True

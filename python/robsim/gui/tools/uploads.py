@@ -42,7 +42,7 @@ class Upload:
 
     link: Link
     view: str  # there, that sends it
-    key: str  # what that calls it
+    key: str  # its name there
     name: str  # for people
     size: int  # bytes
     content: bytearray = field(default_factory=bytearray)

@@ -34,8 +34,8 @@ _MODULES = (
     *("robsim.simulation", "robsim.trace", "robsim.vision.markers"),
     *("robsim.teach.grading.robot_half", "robsim.teach.grading.answering"),
 )
-_ENDING = 2.0  # s, at most, that a worker whose run is over has to end by itself
-_DYING = 5.0  # s, at most, after its connection is closed, until it is known how it ended
+_ENDING = 2.0  # s: the most that a worker has to end after its run
+_DYING = 5.0  # s: the most between the end of its connection and its own end
 
 
 class Worker:

@@ -23,7 +23,7 @@ _TOLD = ("k", "t", "measured", "held", "truth", "estimate", "boxes", "missed", "
 
 @dataclass(frozen=True)
 class Shot:
-    """What is shown of a step; taken in the thread of the run, used in that of the view."""
+    """A step as it is shown: taken in the thread of the run, used in the view's thread."""
 
     k: int
     t: float
@@ -33,9 +33,9 @@ class Shot:
     truth: list[float] | None = None
     estimate: dict[str, Any] | None = None
     boxes: Sequence[Sequence[Any]] = ()  # [colour, left, top, right, bottom] of each blob
-    missed: str | None = None  # why the robot was not found
-    past: bool = False  # whether it is not the newest
-    n_resets: int = 0  # of the record, when it was taken
+    missed: str | None = None
+    past: bool = False  # an older step
+    n_resets: int = 0  # of the record
 
     def head(self, area: tuple[int, int]) -> dict[str, Any]:
         """Return the message about it; without a picture it shows the bare work area."""

@@ -31,7 +31,7 @@ def colors_still(
     colors: Sequence[ColorClass],
     markers: MarkerLayout,
 ) -> bytes:
-    """Return a picture of what is trained, and what it finds (PNG)."""
+    """Return a picture of the classes and their finds (PNG)."""
     sheet = Sheet(_WIDTH, _HEIGHT)
     frame = None if picture is None else picture.frame
     end = sheet.title("colors", title)

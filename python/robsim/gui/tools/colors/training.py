@@ -32,7 +32,7 @@ class TrainedClass:
     """A class, and how it came about."""
 
     color: ColorClass
-    samples: tuple[Sample, ...] = ()  # none if its ranges were given, or set by hand
+    samples: tuple[Sample, ...] = ()  # empty if the ranges were given, or set by hand
     percentile: float = 33.0
     margin: int = 52
     limit_y: bool = False

@@ -120,7 +120,7 @@ def refuse_device(file: Path) -> None:
 
 
 def replaced(file: Path, calibration: Calibration, *, is_known: bool) -> Calibration | None:
-    """Return what a file has that is to be written; None if there is none."""
+    """Return the calibration in a file that is to be written; None = no file is there."""
     refuse_device(file)
     if not file.exists():
         return None

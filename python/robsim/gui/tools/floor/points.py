@@ -27,7 +27,7 @@ Place = tuple[float | None, float | None]
 class PlacedPoint:
     """A point of the picture, and where it is on the floor."""
 
-    number: int  # what it is called
+    number: int  # its name
     pixel: tuple[float, float]  # (u, v)
     place: Place = (None, None)
 
@@ -38,7 +38,7 @@ class PlacedPoint:
 
 @dataclass(frozen=True)
 class FloorDraft:
-    """What is known of a floor that is calibrated by points."""
+    """A floor that is calibrated by points, as far as it is known."""
 
     area: tuple[int, int]  # width and height (px)
     mm_per_px: float  # of the work area, on the floor

@@ -83,7 +83,7 @@ class FloorView(ToolView):
         draft: FloorDraft,
         file: Path,
         *,
-        is_read: bool,  # whether `base` is what the file has
+        is_read: bool,  # whether `base` is from the file
     ) -> None:
         super().__init__(source)
         self.points = FloorPoints(draft)

@@ -19,7 +19,7 @@ _SQUARE, _ARROW = "#ffd500", 44.0
 
 
 def robots_still(picture: Picture | None, title: str, state: Mapping[str, Any]) -> bytes:
-    """Return a picture of what is drawn, or captured (PNG)."""
+    """Return a picture of the drawing, or of the square to capture (PNG)."""
     sheet = Sheet(_WIDTH, _HEIGHT)
     draws = state["mode"] == "draw"
     sheet.title("robots", state["name"] if draws else title)
