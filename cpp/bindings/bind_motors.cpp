@@ -75,7 +75,7 @@ void bind_event(py::module_& module) {
       Field(
           "kind", [](const MotorEvent& self) { return std::string(text_of(self.kind)); },
           "str: \"input\", a new one; \"repeat\", the same again; \"stop\"; \"failure\", a line "
-          "that could not be written; \"timeout\", the robot stopped by itself."));
+          "that could not be written; \"timeout\", the robot stopped without a line."));
   define_record(event, fields);
   define_repr(event, fields);
 }

@@ -1691,7 +1691,7 @@ class MotorEvent:
     @property
     def kind(self) -> str:
         """
-        str: "input", a new one; "repeat", the same again; "stop"; "failure", a line that could not be written; "timeout", the robot stopped by itself.
+        str: "input", a new one; "repeat", the same again; "stop"; "failure", a line that could not be written; "timeout", the robot stopped without a line.
         """
     @property
     def t(self) -> float:

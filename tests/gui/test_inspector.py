@@ -33,7 +33,7 @@ def test_the_newest_step_is_shown_level_by_level(simulation):
         browser.take("frame")
         k, step = tree(browser)
         assert k == 7
-        assert list(step)[:5] == ["k", "t", "dt", "last_u", "u"]
+        assert list(step)[:4] == ["k", "t", "dt", "last_u"]
         assert step["k"] == {"name": "k", "text": "7", "kind": "number", "more": False}
         assert step["parameters"]["text"].startswith("3 x 5 values: ")
         assert step["estimate"]["kind"] == "none"

@@ -64,7 +64,7 @@ constexpr bool is_array_of_python =
 template <typename T>
 constexpr bool is_array_of_python<std::optional<T>> = is_array_of_python<T>;
 
-/// What Python sees of a field: a read-only array of a pose, a point, an input, a matrix.
+/// The value of a field in Python: a read-only array of a pose, a point, an input, a matrix.
 template <typename Get, typename T>
 decltype(auto) shown(const Get& get, const T& value) {
   using Value = std::decay_t<std::invoke_result_t<const Get&, const T&>>;
@@ -75,7 +75,7 @@ decltype(auto) shown(const Get& get, const T& value) {
   }
 }
 
-/// The constructor and what it takes.
+/// The constructor and its arguments.
 template <typename Class, typename Make, typename... F>
 void define_constructor(Class& cls, const Fields<Make, F...>& fields) {
   const auto argument = [](const auto& field) {
@@ -122,8 +122,8 @@ py::tuple values_of(const T& value, const Fields<F...>& fields) {
   return values;
 }
 
-/// Field values as a key: tuples in place of lists and of arrays of numbers, shape and bytes in
-/// place of an image, None in place of NaN, which equals nothing.
+/// Field values as a key: tuples instead of lists and of arrays of numbers, shape and bytes
+/// instead of an image, None instead of NaN.
 inline py::object key_of(py::handle value) {
   if (py::isinstance<py::array_t<double>>(value)) return key_of(value.attr("tolist")());
   if (py::isinstance<py::array>(value)) {

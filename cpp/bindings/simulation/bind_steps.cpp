@@ -90,7 +90,7 @@ std::optional<Vision> vision_of(const Step& step) {
   return Vision{vision.colors(), vision.markers(), vision.smoothing()};
 }
 
-// What its properties show of a step, frames and vision apart.
+// The fields of a step, but its frame and its vision.
 template <typename Make, typename... More>
 auto fields_of_step(const Make& make, const More&... more) {
   const auto read = [](auto Step::* member) {
@@ -120,10 +120,10 @@ auto fields_of_step(const Make& make, const More&... more) {
       Field("measurement", read(&Step::measurement),
             "Measurement or None: where the robot was seen. None before that stage."),
       Field("detection", detection,
-            "Detection or None: what the default measurement found, and why there is no "
-            "measurement.\nNone before that stage, for a callback, and without a frame."),
+            "Detection or None: the result of the default measurement, with its reason if there is "
+            "none.\nNone before that stage, for a callback, and without a frame."),
       Field("estimate", read(&Step::estimate),
-            "Estimate or None: what the state estimator returned."),
+            "Estimate or None: the result of the state estimator."),
       more...);
 }
 
@@ -192,6 +192,8 @@ Examples
 >>> GoToPoint(900, 300)(step)
 )");
   const RobotParameters defaults;
+  const auto numbers = fields_of_step([] { return std::shared_ptr<Step>(); });
+  define_properties(step, numbers);
   step.def(py::init(&make_step), py::kw_only(), py::arg("k") = 0, py::arg("t") = py::none(),
            py::arg("dt") = defaults.dt, py::arg("last_u") = std::make_tuple(0.0, 0.0),
            py::arg("frame") = py::none(), py::arg("measurement") = py::none(),
@@ -224,8 +226,6 @@ Examples
         return py::str("<Step {}: t = {:g} s>").format(self.k, self.t).cast<std::string>();
       });
   // Equal are steps with the same numbers. It fills up during the step: there is no hash.
-  const auto numbers = fields_of_step([] { return std::shared_ptr<Step>(); });
-  define_properties(step, numbers);
   define_equality(step, numbers);
   define_pickle(step,
                 fields_of_step(&step_from, Field("frame", &frame_of), Field("vision", &vision_of)));

@@ -100,7 +100,7 @@ class Loop {
   SampleHistory samples_;
   Recorder recorder_;
   Observer observer_;
-  bool has_witness_ = true;      // somebody may look at a step before the run pauses
+  bool has_witness_ = true;      // a callback may look at each step
   bool is_interrupted_ = false;  // the robot was stopped since the newest step began
   Observation observation_;      // of the newest step
   bool follows_stop_ = false;    // the newest step began after that

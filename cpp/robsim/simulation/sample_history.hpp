@@ -26,7 +26,7 @@ class SampleHistory {
              bool is_interrupted, bool is_live);
 
   /// Gives the newest step, before or after its end, the newest complete sample, unless it has one:
-  /// that of this step from truth, that of the step before otherwise.
+  /// from truth of this step, otherwise of the previous one.
   void write_newest(Step& step, const Truth* truth) const;
 
   /// Throws std::invalid_argument if the steps are not those of the model: live, if that goes on.

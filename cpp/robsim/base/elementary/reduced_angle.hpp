@@ -57,8 +57,8 @@ struct ReducedAngle {
 /// Below it the multiples of pi/2 have less than 20 bits.
 constexpr double largest_by_parts = 1e6;
 
-/// Cody and Waite: no double is nearer than 2^-62 to a multiple of pi/2 but 0, and what is
-/// subtracted is exact, or rounded at 2^-132.
+/// Cody and Waite: no double is nearer than 2^-62 to a multiple of pi/2 but 0. Each difference is
+/// exact, or rounded at 2^-132.
 inline ReducedAngle reduced_by_parts(double angle) {
   const double n = nearest_integer(angle * two_over_pi);
   const double first = angle - n * pi_2_parts[0];

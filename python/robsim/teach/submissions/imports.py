@@ -66,14 +66,14 @@ def masked(rules: Rules) -> Iterator[None]:
 
 
 def _packages_of(mask: str) -> tuple[str, ...]:
-    """Return the modules that have a name: what is at the top of robsim lies in a wing, too."""
+    """Return the modules that have a name: each name at the top of robsim lies in a wing, too."""
     package, _, name = mask.rpartition(".")
     both = ("robsim", f"robsim.{vars(sys.modules['robsim'])['_HOMES'].get(name)}")
     return both if package in both and both[1] in sys.modules else (package,)
 
 
 def _take_attribute(package: str, mask: str, restored: ExitStack) -> None:
-    """Take a name away from a module that has the name: a module is imported anew, which fails."""
+    """Take a name away from a module; the import of a masked module then fails."""
     name = mask.rpartition(".")[2]
     module = sys.modules.get(package)
     if module is None:
