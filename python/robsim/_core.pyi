@@ -1599,7 +1599,7 @@ class Step:
     @property
     def detection(self) -> Detection | None:
         """
-        Detection or None: what the default measurement found, and why there is no measurement.
+        Detection or None: the result of the default measurement, with its reason if there is none.
         None before that stage, for a callback, and without a frame.
         """
     @property
@@ -1611,7 +1611,7 @@ class Step:
     @property
     def estimate(self) -> Estimate | None:
         """
-        Estimate or None: what the state estimator returned.
+        Estimate or None: the result of the state estimator.
         """
     @property
     def estimator(self) -> typing.Any:
