@@ -114,18 +114,21 @@ class Equality : public py::object {
   explicit Equality(py::handle value) : py::object(py::reinterpret_borrow<py::object>(value)) {}
 };
 
-/// The fields of a value in Python, in their order.
+/// The fields of a value in Python, in their order: lists instead of arrays of numbers.
 template <typename T, typename... F>
 py::tuple values_of(const T& value, const Fields<F...>& fields) {
   py::list values;
-  fields.for_each([&](const auto& field) { values.append(shown(field.get, value)); });
+  fields.for_each([&](const auto& field) {
+    values.append(shown(field.get, value));
+    const py::object last = values[values.size() - 1];
+    if (py::isinstance<py::array_t<double>>(last))
+      values[values.size() - 1] = last.attr("tolist")();
+  });
   return values;
 }
 
-/// Field values as a key: tuples instead of lists and of arrays of numbers, shape and bytes
-/// instead of an image, None instead of NaN.
+/// Field values as a key: tuples for lists, shape and bytes for an image, None for NaN.
 inline py::object key_of(py::handle value) {
-  if (py::isinstance<py::array_t<double>>(value)) return key_of(value.attr("tolist")());
   if (py::isinstance<py::array>(value)) {
     return py::make_tuple(value.attr("shape"), value.attr("tobytes")());
   }
