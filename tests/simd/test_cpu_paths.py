@@ -142,7 +142,7 @@ def test_every_window_on_odd_widths(window, rng):
     seed=st.integers(0, 2**64 - 1),
     index=st.integers(0, 2**40),
     kind=st.sampled_from([robsim.UniformNoise, robsim.GaussianNoise]),
-    percent=st.one_of(st.floats(0.01, 100), st.floats(0.01, 1e6)),
+    percent=st.floats(0.01, 100),
 )
 def test_noise(width, height, seed, index, kind, percent):
     clean = np.random.default_rng(seed).integers(0, 256, (height, width, 3), dtype=np.uint8)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from robsim.base.files import as_path, codec
-from robsim.base.files.codec import Key, Table, anything
+from robsim.base.files.codec import Entry, Table, anything
 from robsim.base.text import quoted
 from robsim.campaigns._metrics import score_value
 from robsim.campaigns.choices import FOLDER
@@ -87,14 +87,14 @@ def _table(folder: Path) -> Table:
     return Table(
         CampaignSpec,
         {
-            "runs": Key(anything, is_needed=True),
-            "steps": Key(anything, is_needed=True),
-            "seed": Key(anything),
-            "metrics": Key(metrics, is_needed=True),
-            "time_limit": Key(anything),
-            "keep": Key(anything),
-            "scenario": Key(partial(_scenario, folder)),
-            "vary": Key(partial(codec.by_name, read=partial(_values, folder))),
+            "runs": Entry(anything, is_needed=True),
+            "steps": Entry(anything, is_needed=True),
+            "seed": Entry(anything),
+            "metrics": Entry(metrics, is_needed=True),
+            "time_limit": Entry(anything),
+            "keep": Entry(anything),
+            "scenario": Entry(partial(_scenario, folder)),
+            "vary": Entry(partial(codec.by_name, read=partial(_values, folder))),
         },
     )
 

@@ -252,7 +252,7 @@ class Options:
     )  # fmt: skip
     noise: Noise | None = value(
         WORLD, None, "Camera noise.",
-        types=(GaussianNoise, UniformNoise), example="robsim.GaussianNoise(40)",
+        types=(UniformNoise, GaussianNoise), example="robsim.GaussianNoise(40)",
     )  # fmt: skip
     dropout: Dropout | None = value(
         ROBOT, None, "Random occlusion: the probability that the robot is hidden from the camera.",

@@ -21,7 +21,7 @@ from robsim._core import (
 )
 from robsim.base.checks import check_choice
 from robsim.base.files import codec, parse_toml
-from robsim.base.files.codec import Key, Table, count, number, numbers
+from robsim.base.files.codec import Entry, Table, count, number, numbers
 from robsim.base.seeds import SeedRecord
 from robsim.base.text import cut, quoted
 from robsim.simulation.options import OPTIONS, background_value
@@ -67,40 +67,40 @@ def _png(pixels: Pixels) -> bytes:
     return png_bytes(pixels)
 
 
-_IMAGE = Key(_image, "PNG in base64", _png, is_needed=True)
-_ENTROPY = Key(_numbers_tuple)
+_IMAGE = Entry(_image, "PNG in base64", _png, is_needed=True)
+_ENTROPY = Entry(_numbers_tuple)
 
 #: The values that are tables, by their kinds.
 TABLES: dict[type, Table] = {
     kind: Table(kind, keys)
     for kind, keys in {
-        GaussianNoise: {"percent": Key(number, "%")},
-        UniformNoise: {"percent": Key(number, "%")},
-        Dropout: {"probability": Key(number), "steps": Key(count)},
-        PoseNoise: {"covariance": Key(numbers, "px^2, px rad, rad^2, a step")},
-        WheelNoise: {"sigma": Key(numbers, "V")},
-        ParameterMismatch: {"sigma": Key(number, "relative")},
+        GaussianNoise: {"percent": Entry(number, "%")},
+        UniformNoise: {"percent": Entry(number, "%")},
+        Dropout: {"probability": Entry(number), "steps": Entry(count)},
+        PoseNoise: {"covariance": Entry(numbers, "px^2, px rad, rad^2, a step")},
+        WheelNoise: {"sigma": Entry(numbers, "V")},
+        ParameterMismatch: {"sigma": Entry(number, "relative")},
         SeedRecord: {"entropy": _ENTROPY, "spawn_key": _ENTROPY},
         RobotParameters: {
-            "mass": Key(number, "kg"),
-            "inertia": Key(number, "kg m^2"),
-            "linear_friction": Key(number, "N s/m"),
-            "angular_friction": Key(number, "N m s/rad"),
-            "wheel_radius": Key(number, "m"),
-            "wheel_base": Key(number, "m"),
-            "motor_gain": Key(numbers, "N m/V"),
-            "motor_offset": Key(numbers, "N m"),
-            "dt": Key(number, "s"),
+            "mass": Entry(number, "kg"),
+            "inertia": Entry(number, "kg m^2"),
+            "linear_friction": Entry(number, "N s/m"),
+            "angular_friction": Entry(number, "N m s/rad"),
+            "wheel_radius": Entry(number, "m"),
+            "wheel_base": Entry(number, "m"),
+            "motor_gain": Entry(numbers, "N m/V"),
+            "motor_offset": Entry(numbers, "N m"),
+            "dt": Entry(number, "s"),
         },
         Unicycle: {},
-        Spin: {"voltage": Key(number, "V")},
+        Spin: {"voltage": Entry(number, "V")},
         DriveAround: {
-            "low": Key(number, "V"),
-            "high": Key(number, "V"),
-            "hold": Key(count, "steps"),
+            "low": Entry(number, "V"),
+            "high": Entry(number, "V"),
+            "hold": Entry(count, "steps"),
         },
         Replay: {
-            "u": Key(codec.base64_pairs, "V, float64 in base64", codec.pairs_base64, True),
+            "u": Entry(codec.base64_pairs, "V, float64 in base64", codec.pairs_base64, True),
         },
         RobotDefinition: ROBOT_KEYS | {"image": _IMAGE, "markers": MARKERS},
     }.items()
@@ -108,8 +108,8 @@ TABLES: dict[type, Table] = {
     RobotModel: Table(
         RobotModel.from_theta,
         {
-            "theta": Key(numbers, "rows X, Y, P; columns a1, a2, b1, b2, d1", is_needed=True),
-            "dt": Key(number, "s"),
+            "theta": Entry(numbers, "rows X, Y, P; columns a1, a2, b1, b2, d1", is_needed=True),
+            "dt": Entry(number, "s"),
         },
     ),
     Floor: Table(lambda pixels: background_value(pixels), {"pixels": _IMAGE}),

@@ -115,7 +115,7 @@ def plain(value: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Key:
+class Entry:
     """A key of a table: how its value is read and written."""
 
     read: Read  # takes the name, for messages, and the value in the file
@@ -129,7 +129,7 @@ class Table:
     """A table of a file, for a value."""
 
     make: Callable[..., Any]  # takes the values of the keys, by their names
-    keys: dict[str, Key]  # in the order of the file
+    keys: dict[str, Entry]  # in the order of the file
     said: str = ""  # the comment above the keys
     ignores_others: bool = False
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from robsim.base.checks import check_choice, check_name
 from robsim.base.files import as_folder, codec, parse_toml, read_text
-from robsim.base.files.codec import Key, Table, WrongTable, choice, names, text, up_to
+from robsim.base.files.codec import Entry, Table, WrongTable, choice, names, text, up_to
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line, quoted
 from robsim.teach.assignments.assignment import SECONDS, SEEDS, Assignment, FileTests, TaskTest
@@ -64,42 +64,42 @@ def _slots(name: str, value: Any) -> tuple[str, ...]:
     return slots
 
 
-_POINTS = Key(up_to(_MOST_POINTS))
-_PUBLIC = Key(codec.flag, is_needed=True)
+_POINTS = Entry(up_to(_MOST_POINTS))
+_PUBLIC = Entry(codec.flag, is_needed=True)
 _LIMITS = Table(
     _limits,
-    {name: Key(codec.anything) for name in WorkerLimits.__dataclass_fields__}
-    | {"submission": Key(up_to(_MOST_SECONDS))},
+    {name: Entry(codec.anything) for name in WorkerLimits.__dataclass_fields__}
+    | {"submission": Entry(up_to(_MOST_SECONDS))},
 )
 _TEST = Table(
     dict,
     {
-        "name": Key(_test_name, is_needed=True),
-        "title": Key(_title),
-        "number": Key(_title),
-        "task": Key(choice(*TASKS), is_needed=True),
+        "name": Entry(_test_name, is_needed=True),
+        "title": Entry(_title),
+        "number": Entry(_title),
+        "task": Entry(choice(*TASKS), is_needed=True),
         "points": replace(_POINTS, is_needed=True),
         "public": _PUBLIC,
-        "parameters": Key(codec.as_table),
+        "parameters": Entry(codec.as_table),
     },
 )
-_FILE_TESTS = Table(dict, {"path": Key(_path, is_needed=True), "public": _PUBLIC})
+_FILE_TESTS = Table(dict, {"path": Entry(_path, is_needed=True), "public": _PUBLIC})
 _ASSIGNMENT = Table(
     dict,
     {
-        "name": Key(check_name, is_needed=True),
-        "title": Key(_title, is_needed=True),
-        "slots": Key(_slots),
-        "functions": Key(names),
-        "given": Key(choice(*_GIVEN)),
-        "imports": Key(names),
-        "masked": Key(names),
-        "seeds": Key(choice(*SEEDS)),
-        "isolation": Key(choice(*LEVELS)),
+        "name": Entry(check_name, is_needed=True),
+        "title": Entry(_title, is_needed=True),
+        "slots": Entry(_slots),
+        "functions": Entry(names),
+        "given": Entry(choice(*_GIVEN)),
+        "imports": Entry(names),
+        "masked": Entry(names),
+        "seeds": Entry(choice(*SEEDS)),
+        "isolation": Entry(choice(*LEVELS)),
         "points": _POINTS,
-        "limits": Key(_LIMITS.read),
-        "tests": Key(partial(codec.listed_tables, read=_TEST.read)),
-        "files": Key(partial(codec.listed_tables, read=_FILE_TESTS.read)),
+        "limits": Entry(_LIMITS.read),
+        "tests": Entry(partial(codec.listed_tables, read=_TEST.read)),
+        "files": Entry(partial(codec.listed_tables, read=_FILE_TESTS.read)),
     },
 )
 
@@ -166,7 +166,7 @@ def _assignment(values: dict[str, Any], folder: Path, isolation: Isolation | Non
         given=_given(values, tests),
         given_files=_given_files(folder),
         own_seeds=values.get("seeds", SEEDS[0]) == SEEDS[0],
-        key=keys.Key.read(folder / KEY) if (folder / KEY).exists() else None,
+        key=keys.Entry.read(folder / KEY) if (folder / KEY).exists() else None,
         isolation=isolation or values.get("isolation", "auto"),
         limits=limits,
         points=values.get("points"),

@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 
 from robsim.base.checks import check_float
 from robsim.base.files import codec
-from robsim.base.files.codec import Key, Table
+from robsim.base.files.codec import Entry, Table
 from robsim.base.text import quoted
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.marks.calibration import TaskCalibration
@@ -80,14 +80,14 @@ def _numbers(name: str, value: Any) -> tuple[float, ...]:
 
 _SCORE = Table(
     _score_limit,
-    {key: Key(_limit, is_needed=key in ("full", "zero")) for key in _LIMIT},
+    {key: Entry(_limit, is_needed=key in ("full", "zero")) for key in _LIMIT},
 )
 _TEST = Table(
     RecordedTest,
     {
-        "limits": Key(partial(codec.by_name, read=_SCORE.read)),
-        "reference": Key(partial(codec.by_name, read=_numbers)),
-        "calibration": Key(_calibration),
+        "limits": Entry(partial(codec.by_name, read=_SCORE.read)),
+        "reference": Entry(partial(codec.by_name, read=_numbers)),
+        "calibration": Entry(_calibration),
     },
     ignores_others=True,
 )

@@ -15,7 +15,7 @@ import numpy as np
 from robsim._core import ColorClass, MarkerLayout, PlaneMap, RobotModel, fitting_roles
 from robsim.base.checks import check_float, check_mm_per_px, check_size
 from robsim.base.files import codec, parse_toml
-from robsim.base.files.codec import Key, Table, array
+from robsim.base.files.codec import Entry, Table, array
 from robsim.base.text import quoted
 from robsim.vision.imaging.calibration_file import PLANE_MAP
 from robsim.vision.markers.color_files import COLOR
@@ -177,11 +177,11 @@ _TABLES: dict[type, Table] = {
     MarkerLayout: LAYOUT,
     RobotModel: Table(
         RobotModel.from_theta,
-        {"dt": Key(_dt, is_needed=True), "theta": Key(array(3, 5), is_needed=True)},
+        {"dt": Entry(_dt, is_needed=True), "theta": Entry(array(3, 5), is_needed=True)},
     ),
     ColorClass: Table(
         ColorClass,
-        {"name": Key(codec.text, is_needed=True)}
+        {"name": Entry(codec.text, is_needed=True)}
         | {channel: replace(key, is_needed=True) for channel, key in COLOR.keys.items()},
     ),
 }

@@ -12,7 +12,7 @@ import numpy as np
 from robsim._core import Intrinsics, PlaneMap
 from robsim.base.checks import check_mm_per_px, check_size
 from robsim.base.files import as_path, codec, write_whole
-from robsim.base.files.codec import Key, Table, anything, array
+from robsim.base.files.codec import Entry, Table, anything, array
 from robsim.base.text import one_line, quoted
 from robsim.vision.imaging.calibration import Calibration, Residuals, check_region
 
@@ -32,22 +32,22 @@ def _rows(array: Any) -> Any:
     return tomlkit.item(np.asarray(array).tolist()).multiline(True)
 
 
-_MATRIX = Key(array(3, 3), "", _rows, is_needed=True)
-_DISTORTION = Key(array(5), "k1, k2, p1, p2, k3", is_needed=True)
+_MATRIX = Entry(array(3, 3), "", _rows, is_needed=True)
+_DISTORTION = Entry(array(5), "k1, k2, p1, p2, k3", is_needed=True)
 #: A lens, and the map of a plane with one, as files have them.
 INTRINSICS = Table(Intrinsics, {"matrix": _MATRIX, "distortion": _DISTORTION})
-_CAMERA = Key(INTRINSICS.read, "", INTRINSICS.write, is_needed=True)
+_CAMERA = Entry(INTRINSICS.read, "", INTRINSICS.write, is_needed=True)
 PLANE_MAP = Table(PlaneMap, {"matrix": _MATRIX, "intrinsics": _CAMERA})
 _RESIDUALS = {
-    "rms": Key(anything, "how well it fits: root mean square (px of the frame)"),
-    "worst": Key(anything, "the largest (px of the frame)"),
-} | dict.fromkeys(("points", "pictures"), Key(anything))
+    "rms": Entry(anything, "how well it fits: root mean square (px of the frame)"),
+    "worst": Entry(anything, "the largest (px of the frame)"),
+} | dict.fromkeys(("points", "pictures"), Entry(anything))
 _MARKS = "Where the frames showed the floor sheets' marks, by their numbers: u, v (px)."
 _FRAMES = Table(
     dict,
     {
-        "size": Key(check_size, "width and height (px)", is_needed=True),
-        "region": Key(check_region, "of the sensor: left, top, width, height (px)"),
+        "size": Entry(check_size, "width and height (px)", is_needed=True),
+        "region": Entry(check_region, "of the sensor: left, top, width, height (px)"),
     },
     "What" + " it is a calibration of.",  # kept files have these words
 )
@@ -78,11 +78,11 @@ _LENS = Table(
 _FLOOR = Table(
     _floor,
     {
-        "area": Key(check_size, "the work area: width and height (px)", is_needed=True),
-        "mm_per_px": Key(
+        "area": Entry(check_size, "the work area: width and height (px)", is_needed=True),
+        "mm_per_px": Entry(
             lambda _, value: check_mm_per_px(value), "a px of the work area on the floor (mm)"
         ),
-        "marker_height": Key(codec.number, "of the robot's markers above the floor (mm)"),
+        "marker_height": Entry(codec.number, "of the robot's markers above the floor (mm)"),
         "matrix": _MATRIX,
         **_RESIDUALS,
     },
@@ -105,19 +105,19 @@ def _marks(name: str, value: Any) -> dict[Any, Any]:
 
 
 def _any_keys(said: str, values: dict[str, Any]) -> Any:
-    return Table(dict, dict.fromkeys(values, Key(anything)), said).write(values)
+    return Table(dict, dict.fromkeys(values, Entry(anything)), said).write(values)
 
 
 _FILE = Table(
     _calibration,
     {
-        "format": Key(anything),
-        "date": Key(codec.date),
-        "frames": Key(_FRAMES.read, "", _FRAMES.write, is_needed=True),
-        "lens": Key(_LENS.read, "", _LENS.write),
-        "floor": Key(_FLOOR.read, "", _FLOOR.write),
-        "features": Key(anything, "", partial(_any_keys, "Settings of the camera.")),
-        "marks": Key(_marks, "", partial(_any_keys, _MARKS)),
+        "format": Entry(anything),
+        "date": Entry(codec.date),
+        "frames": Entry(_FRAMES.read, "", _FRAMES.write, is_needed=True),
+        "lens": Entry(_LENS.read, "", _LENS.write),
+        "floor": Entry(_FLOOR.read, "", _FLOOR.write),
+        "features": Entry(anything, "", partial(_any_keys, "Settings of the camera.")),
+        "marks": Entry(_marks, "", partial(_any_keys, _MARKS)),
     },
 )
 

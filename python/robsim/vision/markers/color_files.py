@@ -15,7 +15,7 @@ from PIL import ImageColor
 from robsim._core import ColorClass, Frame, rgb_to_yuv
 from robsim.base.checks import check_int, check_text
 from robsim.base.files import as_path, parse_toml, read_text, write_whole
-from robsim.base.files.codec import Key, Table, as_table, by_name, in_words, load_table
+from robsim.base.files.codec import Entry, Table, as_table, by_name, in_words, load_table
 from robsim.base.shipped import ASSETS
 from robsim.base.text import listed, quoted
 from robsim.base.values import FileVersion
@@ -40,7 +40,7 @@ def _range(name: str, value: Any) -> tuple[int, int]:
 
 
 #: A colour class without its name.
-COLOR = Table(dict, {channel: Key(_range) for channel in "yuv"})
+COLOR = Table(dict, {channel: Entry(_range) for channel in "yuv"})
 
 
 def color_of(name: str, table: Any) -> ColorClass:

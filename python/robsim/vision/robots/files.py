@@ -17,7 +17,7 @@ from PIL import Image
 from robsim._core import MarkerLayout
 from robsim.base.checks import Floats
 from robsim.base.files import as_path, codec, naming, write_whole
-from robsim.base.files.codec import Key, Table, count, load_table, number, numbers, text
+from robsim.base.files.codec import Entry, Table, count, load_table, number, numbers, text
 from robsim.base.text import one_line, quoted
 from robsim.base.values import FileVersion
 from robsim.vision.imaging.images import load_image
@@ -32,7 +32,7 @@ _OTHER_IMAGE = "robot-2.png"  # while a definition that uses the first one is re
 
 _MARKER = Table(
     BlobMarker,
-    {"color": Key(text), "polygon": Key(numbers, "px of the image", is_needed=True)},
+    {"color": Entry(text), "polygon": Entry(numbers, "px of the image", is_needed=True)},
 )
 _MARKER_KINDS = ("blob",)
 
@@ -58,14 +58,14 @@ def _markers_table(markers: Mapping[str, BlobMarker]) -> Any:
 
 #: The keys of a robot, but for its image.
 ROBOT_KEYS = {
-    "name": Key(text, is_needed=True),
-    "size": Key(number, "px", is_needed=True),
-    "alignment": Key(number, "degrees", is_needed=True),
-    "centre": Key(numbers, "px of the image"),
-    "outline": Key(numbers, is_needed=True),
-    "maximum_blobs": Key(count),
+    "name": Entry(text, is_needed=True),
+    "size": Entry(number, "px", is_needed=True),
+    "alignment": Entry(number, "degrees", is_needed=True),
+    "centre": Entry(numbers, "px of the image"),
+    "outline": Entry(numbers, is_needed=True),
+    "maximum_blobs": Entry(count),
 }
-MARKERS = Key(_markers, "", _markers_table, is_needed=True)
+MARKERS = Entry(_markers, "", _markers_table, is_needed=True)
 
 
 class _LayoutTable(Table):
@@ -77,10 +77,10 @@ class _LayoutTable(Table):
     _ROLE = Table(
         dict,
         {
-            "color": Key(text),
-            "position": Key(numbers, "px, forward and right of the centre", is_needed=True),
-            "area": Key(number, "px^2"),
-            "polygon": Key(numbers, "px, its corners"),
+            "color": Entry(text),
+            "position": Entry(numbers, "px, forward and right of the centre", is_needed=True),
+            "area": Entry(number, "px^2"),
+            "polygon": Entry(numbers, "px, its corners"),
         },
     )
 
@@ -105,9 +105,9 @@ class _LayoutTable(Table):
 LAYOUT = _LayoutTable(
     MarkerLayout.from_positions,
     {
-        "distance_tolerance": Key(number, "fraction"),
-        "area_tolerance": Key(number, "ratio"),
-        "maximum_blobs": Key(count),
+        "distance_tolerance": Entry(number, "fraction"),
+        "area_tolerance": Entry(number, "ratio"),
+        "maximum_blobs": Entry(count),
     },
 )
 
@@ -227,7 +227,7 @@ def _image_file(name: str, value: Any) -> str:
     return file
 
 
-_ROBOT = Table(dict, ROBOT_KEYS | {"image": Key(_image_file, is_needed=True), "markers": MARKERS})
+_ROBOT = Table(dict, ROBOT_KEYS | {"image": Entry(_image_file, is_needed=True), "markers": MARKERS})
 
 
 @lru_cache(maxsize=16)
