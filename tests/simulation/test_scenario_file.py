@@ -131,7 +131,7 @@ REFUSED = {
     "[markers]\nright.position = [1, 2]\nleft.position = [1, 2]": r"\[markers\] distance",
     "[markers]\nright.position = [1, 2]\nleft.position = [1, 3]": "right marker",
     f"[markers]\nleft.position = [1, 2]\nright.position = [{'1, ' * 10_001}]": r"right\] position",
-    "[noise]\npercent = 1": r"\[noise\] kind .*'GaussianNoise', 'UniformNoise'",
+    "[noise]\npercent = 1": r"\[noise\] kind .*'UniformNoise', 'GaussianNoise'",
     "[noise]\nkind = 'os.system'\npercent = 1": r"\[noise\] kind",
     "[noise]\nkind = 'UniformNoise'\npercnt = 1": "'percnt'.*'percent'",
     "[noise]\nkind = 'UniformNoise'": r"\[noise\].*percent",
