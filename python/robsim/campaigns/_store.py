@@ -36,24 +36,12 @@ _TABLES = ("campaign", "cases", "columns", "runs")  # whose content is read at o
 
 
 class Store:
-    """The rows of a campaign.
+    """The rows of a campaign, in a file or in memory (None). Only one process writes.
 
-    Table ``cases`` has the labels of each case, ``runs`` a row for each run, with a column for
-    each number of a metric, ``campaign`` what it is a campaign of, ``columns`` the metrics' columns
-    in their order; the view ``results`` joins cases and runs. Where traces are kept, table
-    ``traces`` has them as bytes of the file that `Trace.save` writes. Only one process writes.
-
-    Parameters
-    ----------
-    path : path or None
-        The file; None = in memory.
-    spec : CampaignSpec
-        The campaign; a file of another one is refused.
-
-    Attributes
-    ----------
-    path : Path or None
-        The file; None = in memory.
+    Table ``cases`` has the labels of each case. Table ``runs`` has a row for each run, with a
+    column for each number of a metric. Table ``campaign`` identifies the campaign. Table
+    ``columns`` has the metrics' columns in their order. The view ``results`` joins cases and runs.
+    If traces are kept, table ``traces`` has them as bytes of the file that `Trace.save` writes.
     """
 
     def __init__(self, path: str | PathLike[str] | None, spec: CampaignSpec) -> None:

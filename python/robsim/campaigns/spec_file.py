@@ -54,21 +54,10 @@ _NONE = "none"  # TOML has no None
 
 
 def load_spec(path: str | PathLike[str], *, runs: int | None = None) -> CampaignSpec:
-    """Read a campaign from a file; paths in it are relative to its folder.
+    """Read a campaign from a TOML file (see `EXAMPLE`); paths in it are relative to its folder.
 
-    Parameters
-    ----------
-    path : path
-        A TOML file, see `EXAMPLE`. Functions and folders that it names are Python code, and run.
-    runs : int, optional
-        Number of runs, in place of that in the file.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If it is not TOML, or something in it is missing, unknown or wrong.
+    Functions and folders that it names are Python code, and run. `runs` replaces its number of
+    runs. ValueError: it is not TOML, or something in it is missing, unknown or wrong.
     """
     given = {} if runs is None else {"runs": runs}
     table = _table(as_path(path).absolute().parent)

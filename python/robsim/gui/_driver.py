@@ -90,27 +90,14 @@ _LARGEST_CHUNK = 10_000  # steps
 
 
 class Driver(Worker):
-    """Runs a simulation or an experiment in a thread of its own.
+    """Runs a simulation or an experiment in a separate thread.
 
-    All commands may come from any thread. They return at once, with a future that is done when the
-    thread has carried them out, between two steps. What a callback raises pauses the run: it is
-    `error`, not an exception of the future. The next `start` or `step` repeats the stage that
-    failed.
+    Commands may come from any thread. They return at once, with a future. The thread carries them
+    out between two steps. An exception of a callback pauses the run and becomes `error`, not the
+    exception of the future. The next `start` or `step` repeats the stage that failed.
 
-    Parameters
-    ----------
-    runner : Simulation, Experiment or Playback
-        What is run. Until the driver is closed, nobody else runs or changes it, but in `call`.
-    speed : float
-        Multiple of real time, above 0; inf = as fast as it goes. A live camera sets the pace
-        itself.
-
-    Attributes
-    ----------
-    on_step, on_stage, on_state : list of callable
-        Called in the thread: with the `Step` that was done, with the name of the stage that was
-        done and the `Step` so far, with the driver after a change of `state`. Animated, a run
-        begins with the slots of what came once, at the start, as stages.
+    `speed` is a multiple of real time; inf = as fast as possible. Until the driver is closed, other
+    code uses the `runner` only through `call`.
     """
 
     _thread_name: ClassVar[str] = "robsim driver"
@@ -118,6 +105,7 @@ class Driver(Worker):
     def __init__(self, runner: Simulation | Experiment | Playback, *, speed: float = SPEED) -> None:
         super().__init__()
         self.runner = runner
+        # Called in the thread. Animated, a run begins with the slots that came once, as stages.
         self.on_step: list[Callable[[Step], None]] = []
         self.on_stage: list[Callable[[str, Step], None]] = []
         self.on_state: list[Callable[[Driver], None]] = []
@@ -220,13 +208,7 @@ class Driver(Worker):
         return paused
 
     def call(self, function: Callable[[], T]) -> Future[T]:
-        """Call a function in the thread, between two steps.
-
-        Returns
-        -------
-        Future
-            Its result or exception. Cancelled if the driver is closed before its turn comes.
-        """
+        """Call a function in the thread, between two steps; `close` may cancel it before."""
         # A run that is cut stops its robot, which is not for each look or setting to do.
         return self._command(function, ends_run=not self.has_motors)
 

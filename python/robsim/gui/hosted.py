@@ -194,12 +194,9 @@ def _close_all() -> None:
 
 
 def answers_to(view: View, kind: str, fields: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return what a view answers to a message, once it has done what that asks for.
+    """Handle a message, and return the answers of the view.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If the message is none, or is refused; the text says why.
+    TypeError, ValueError: the message is unknown or refused.
     """
     check_choice("kind", kind, tuple(view.messages))
     line = _Answers()

@@ -171,14 +171,9 @@ def how_recorded(name: str) -> str:
 
 
 def not_recorded(missing: Mapping[str, bool], *, steps: int) -> NotRecordedError:
-    """Return the error for columns that are not known.
+    """Return the error for unknown columns in a run of so many steps.
 
-    Parameters
-    ----------
-    missing : mapping of str to bool
-        The columns, and whether each was recorded, but is not known in any step.
-    steps : int
-        Number of steps of the run.
+    `missing` maps each column to True if it was recorded, but has no known value.
     """
     if not steps:
         return NotRecordedError(tuple(missing), "it has no steps")

@@ -113,17 +113,10 @@ def timing_report(
     interrupted: NDArray[np.bool_],
     dt: float,
 ) -> TimingReport:
-    """Return the report of a run.
+    """Return the report of a run, from times (N,) in s; NaN = not known.
 
-    Parameters
-    ----------
-    t, t_arrival, t_sent : array (N,)
-        When the frames were exposed, and arrived, and when the inputs went out (s); NaN = not
-        known.
-    interrupted : array (N,) of bool
-        The robot was stopped after the step before.
-    dt : float
-        Time of a step of the model (s).
+    They are when frames were exposed, arrived, and inputs went out. `interrupted` (N,): the robot
+    was stopped after the step before. `dt` is the model's time of a step (s).
     """
     intervals = np.diff(t)[~interrupted[1:]]
     n_steps = np.maximum(np.rint(intervals / dt), 1)
@@ -155,19 +148,9 @@ def check_delay(name: str, delay: Any) -> float:
 
 
 def delayed(u: Floats, delay: float) -> Floats:
-    """Return the mean input that acts from each step to the next.
+    """Return the mean input (N, 2) that acts from each step to the next (V).
 
-    Parameters
-    ----------
-    u : array (N, 2)
-        The input given at each step (V). Before the first they were 0.
-    delay : float
-        How late they act (steps).
-
-    Returns
-    -------
-    array (N, 2)
-        In V.
+    It comes from the inputs given (N, 2), 0 before the first, which act `delay` steps late.
     """
     n = math.floor(delay)
     f = delay - n

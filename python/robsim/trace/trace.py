@@ -49,13 +49,7 @@ def check_trace(trace: Any) -> None:
 
 
 def longest_run(mask: Bools) -> slice:
-    """Return the longest unbroken run of True as a slice; the first one of several.
-
-    Parameters
-    ----------
-    mask : array (N,) of bool
-        What holds at each step.
-    """
+    """Return the longest unbroken run of True in (N,) as a slice; the first one of several."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
     starts, stops = edges[::2], edges[1::2]
     if not len(starts):

@@ -181,18 +181,9 @@ def tracking_statistics(
 ) -> TrackingStatistics:
     """Return the statistics of measured poses.
 
-    Parameters
-    ----------
-    error : array (N, 3)
-        Measured minus true poses (x, y in the unit of the trace, heading in rad).
-    seen, is_false : array (N,) of bool
-        Steps with a measured pose; those with a false one.
-    reported : array (N, 3, 3)
-        Covariances of the measurements, NaN = not reported.
-    reasons : array (N,) of str
-        Why the robot was not seen.
-    info : RunInfo
-        What concerns the run as a whole.
+    `error` (N, 3) is measured minus true (unit of the trace, rad), `reported` (N, 3, 3) are the
+    covariances, NaN = none. `seen`, `is_false` (N,): steps with a measured pose, with a false one;
+    `reasons` (N,): why the robot was not seen.
     """
     distance = np.hypot(error[:, 0], error[:, 1])
     turn = np.rad2deg(np.abs(error[:, 2]))

@@ -65,16 +65,9 @@ def parameter_units(unit: str) -> dict[str, str]:
 def converted(
     groups: Mapping[str, Floats], info: RunInfo, *, unit: str, mm_per_px: float | None
 ) -> tuple[dict[str, Floats], RunInfo]:
-    """Return the groups and the info of a trace with lengths in another unit.
+    """Return the groups (N, width) and the info of a trace with lengths in another unit.
 
-    Parameters
-    ----------
-    groups : mapping of str to array (N, width)
-        Groups of columns, with lengths in `info.unit`.
-    info : RunInfo
-        What concerns the run as a whole.
-    unit, mm_per_px : str, float or None
-        As in `Trace.in_unit`.
+    `unit` and `mm_per_px` are as in `Trace.in_unit`.
     """
     if mm_per_px is None:
         mm_per_px = info.mm_per_px

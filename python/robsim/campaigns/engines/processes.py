@@ -136,15 +136,9 @@ DIED = "WorkerDied: the worker process ended in this run, whenever it was tried"
 
 
 class Workers(Protocol[JobT, RowT]):
-    """Those who do chunks.
+    """Workers that run chunks."""
 
-    Attributes
-    ----------
-    deaths : int
-        Those of a run that is tried alone, before it counts as failed.
-    """
-
-    deaths: int
+    deaths: int  # so many of a run alone make it count as failed
 
     def room(self) -> int:
         """Return how many chunks they may have at a time."""

@@ -178,12 +178,7 @@ def picture_of(robot: RobotDefinition) -> Frame:
 def given_picture(picture: Any) -> tuple[Pixels, str]:
     """Return the pixels (h, w, 3 or 4) of a picture, and what people call it.
 
-    Raises
-    ------
-    OSError
-        If its file cannot be read.
-    TypeError, ValueError
-        If it is neither a Frame, nor an array, nor the path of a picture.
+    OSError: its file cannot be read. TypeError, ValueError: it is no picture.
     """
     if isinstance(picture, Frame):
         return picture.image, "a picture"

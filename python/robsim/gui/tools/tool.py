@@ -141,11 +141,8 @@ class ToolView(View):
     def loading(self, pixels: Pixels, name: str) -> Callable[[], object]:
         """Prepare a picture (h, w, 3 or 4) that was loaded, in any thread.
 
-        Returns
-        -------
-        function
-            Takes it, in the thread of the view. It raises a ValueError, as does this, if it cannot
-            be used.
+        Return a function that takes it, in the thread of the view. Either raises a ValueError if it
+        cannot be used.
         """
         picture = OnePicture(over_floor(pixels), name)
         return lambda: self.replace(picture)

@@ -115,10 +115,7 @@ def _cue(picture: Picture, content: int) -> bytes:
 def find_pictures(file: Path, descriptor: int) -> tuple[list[Picture], int]:
     """Return the pictures that are whole, and how many bytes of a torn one follow them.
 
-    Raises
-    ------
-    ValueError
-        If it is no file of this kind.
+    ValueError: it is no file of this kind.
     """
     size = os.fstat(descriptor).st_size
     start = read_at(descriptor, _MOST_HEAD, 0)
@@ -190,31 +187,14 @@ def write_all(descriptor: int, content: bytes) -> None:
 class Pictures:
     """The pictures of a video that `SessionWriter` wrote, or is writing.
 
-    Parameters
-    ----------
-    file : Path
-        The video.
-
-    Attributes
-    ----------
-    torn : int
-        Bytes at the end that are no whole picture.
-    size : tuple of int
-        Width and height of the pictures (px).
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If it is no video of a session.
+    ValueError: the file is no video of a session.
     """
 
     def __init__(self, file: Path) -> None:
         self._file = file
         with self.opened() as descriptor:
             self._places, self.torn = find_pictures(file, descriptor)
-            self.size = (0, 0)
+            self.size = (0, 0)  # width, height (px)
             if self._places:
                 pixels = self.read(descriptor, 0)
                 self.size = (pixels.shape[1], pixels.shape[0])
@@ -239,10 +219,7 @@ class Pictures:
     def read(self, descriptor: int, number: int) -> NDArray[np.uint8]:
         """Return the pixels (H, W, 3) of a picture, RGB.
 
-        Raises
-        ------
-        ValueError
-            If it is damaged, too large, or of another size than the first one.
+        ValueError: it is damaged, too large, or of another size than the first one.
         """
         content = io.BytesIO(self.encoded(descriptor, number))
         try:

@@ -32,10 +32,7 @@ _OLD_NAMES = ("red", "blue")  # of the markers in format 1, whatever their colou
 def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str:
     """Return the file of a set-up, with format, date and versions.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If a value cannot be written, or all together are too much for `read_setup`.
+    TypeError, ValueError: a value cannot be written, or all are too much for `read_setup`.
     """
     import tomlkit
 
@@ -107,19 +104,9 @@ def _lines(lines: str) -> Any:
 
 
 class Setup(SimpleNamespace):
-    """What a run was made with, read from its file.
+    """The set-up of a run, read from the file ``setup.toml`` of its session.
 
-    Parameters
-    ----------
-    file : Path
-        The file ``setup.toml`` of a session.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If it is damaged; the message names file and key.
+    ValueError: it is damaged; the message names file and key.
     """
 
     def __init__(self, file: Path) -> None:

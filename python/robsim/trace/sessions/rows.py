@@ -113,10 +113,7 @@ def _cell(value: Any) -> str:
 def read_rows(file: Path) -> tuple[list[Row], bool]:
     """Return the rows of a time base, and whether its last line is torn.
 
-    Raises
-    ------
-    ValueError
-        If it is damaged elsewhere; the message names file and line.
+    ValueError: it is damaged elsewhere; the message names file and line.
     """
     with file.open("rb") as stream:
         content = stream.read(MOST_BYTES + 1)

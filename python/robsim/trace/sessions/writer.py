@@ -54,38 +54,19 @@ class Counts:
 
 
 class SessionWriter:
-    """Records a run in a folder, for `robsim.trace.Session`; a thread of its own writes.
+    """Records a run in a folder, for `robsim.trace.Session`; a separate thread writes.
 
-    Whatever goes wrong with the disk, no call but the first raises. A kill loses what was added in
-    the last second; while a callback holds the interpreter, nothing is written, and the step before
-    it can be lost, too.
+    Only the constructor raises errors of the disk. A kill loses the steps of the last second. While
+    a callback holds the interpreter, nothing is written, and the previous step can be lost, too.
 
-    Parameters
-    ----------
-    folder : path
-        Folder of the session; it is made if it does not exist.
-    setup : dict
-        What the run is made with: numbers, texts, lists, tables, plane maps, colours, markers and
-        models. `Session` knows the keys area, dt, plane_map, stop_input, colors, markers, model,
-        robot.
-    lossless : bool
-        Whether the pictures are PNG, not JPEG.
-    fps : float, optional
-        Frames per second, for players that ask for it.
-    waits : bool
-        Whether `add` waits for a slow disk or processor, so that every frame is in the video: for
-        frames that come when they are asked for, as those of a `robsim.Recording`.
+    `setup` describes the run; `Session` knows its keys area, dt, plane_map, stop_input, colors,
+    markers, model, robot. The pictures are PNG if `lossless`, else JPEG. `fps` is for video
+    players.
 
-    Raises
-    ------
-    FileExistsError
-        If the folder has a session already.
-    ImportError
-        If OpenCV is not installed.
-    OSError
-        If the folder cannot be written to.
-    TypeError, ValueError
-        If an argument has the wrong type, or is out of range.
+    With `waits`, `add` waits for a slow disk or processor, so that every frame is in the video.
+    This suits frames on request, such as from a `robsim.Recording`.
+
+    FileExistsError: the folder has a session already. ImportError: OpenCV is not installed.
     """
 
     def __init__(
@@ -133,15 +114,9 @@ class SessionWriter:
         return self._files.error
 
     def add(self, row: Row, frame: Frame | None) -> None:
-        """Record a step; what it costs does not depend on the disk.
+        """Record a step; its row and frame must stay unchanged afterwards.
 
-        Parameters
-        ----------
-        row : Row
-            The step, whose values must not change any more; the writer adds what concerns the
-            picture.
-        frame : Frame or None
-            Its frame, which must not change either.
+        The writer adds the values of the picture to the row.
         """
         if not self._finish.alive or self._process != os.getpid():
             return
@@ -161,17 +136,9 @@ class SessionWriter:
                 pass
 
     def close(self, trace: Trace | None = None) -> None:
-        """Finish the session; no more can be added.
+        """Finish the session; the rest of a trace goes to ``trace.npz``.
 
-        Parameters
-        ----------
-        trace : Trace, optional
-            What else the run recorded, for the file ``trace.npz``.
-
-        Warns
-        -----
-        UserWarning
-            If something could not be recorded.
+        It warns if something could not be recorded.
         """
         if not self._finish.alive or self._process != os.getpid():
             return

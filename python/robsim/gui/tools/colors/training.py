@@ -96,12 +96,7 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
         """Make a class from a region of a picture, and the first `keep` regions that it had.
 
         `goes_on`, here and below: the change extends the previous one; one undo reverts both.
-
-        Raises
-        ------
-        ValueError
-            If the region lies outside the picture or is grey, or there are too many; nothing is
-            changed.
+        ValueError: the region is outside or grey, or there are too many; nothing is changed.
         """
         sample = Sample.of(image, region, picture)
         before = self.classes.get(name)
@@ -112,14 +107,10 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
         self._put(made.remade(), goes_on=goes_on)
 
     def adjust(self, name: str, *, goes_on: bool = False, **options: float | bool) -> None:
-        """Set `percentile`, `margin` or `limit_y` of a class, which is made anew from its samples.
+        """Set `percentile`, `margin` or `limit_y` of a class, and make it from its samples again.
 
-        One without samples is made so when it gets some, also if it is not there yet.
-
-        Raises
-        ------
-        ValueError
-            If an option is out of range; nothing is changed.
+        A class without samples, or a new name, gets the options with its first samples. ValueError:
+        an option is out of range; nothing is changed.
         """
         chosen = self.options(name) | options
         ColorClass.from_histograms(_ONE_PIXEL, name=name, **(chosen | {"limit_y": True}))
@@ -142,10 +133,7 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
     def replace(self, colors: Iterable[ColorClass]) -> None:
         """Take these classes in place of all; what was trained of those of the same name stays.
 
-        Raises
-        ------
-        ValueError
-            If there are too many; nothing is changed.
+        ValueError: there are too many; nothing is changed.
         """
         colors = tuple(colors)
         _check_count(len(colors))
