@@ -170,7 +170,6 @@ class CampaignSpec:
 
     @property
     def _functions(self) -> dict[str, Metric]:
-        """The metrics by name."""
         functions: dict[str, Metric] = self.metrics
         return functions
 

@@ -68,8 +68,6 @@ def load_spec(path: str | PathLike[str], *, runs: int | None = None) -> Campaign
 
 
 def _table(folder: Path) -> Table:
-    """Return the table of a campaign in a folder."""
-
     def metrics(_: str, value: Any) -> list[Any]:
         return [_metric(one, folder) for one in (value if isinstance(value, list) else [value])]
 

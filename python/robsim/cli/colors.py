@@ -176,7 +176,6 @@ def _marked_regions(
 
 
 def _painted_files(images: list[Path], out: Path | None) -> dict[Path, Path]:
-    """Return the file to paint for each image file."""
     if out is None:
         return {}
     if len(images) == 1:

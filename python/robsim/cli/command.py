@@ -31,7 +31,6 @@ class Command(TyperCommand):
     """A command whose --help shows no types."""
 
     def get_params(self, ctx: Any) -> list[Any]:
-        """Return the parameters."""
         return _without_types(super().get_params(ctx))
 
     def invoke(self, ctx: Any) -> Any:
@@ -48,7 +47,6 @@ class Group(TyperGroup):
     """Several commands; Ctrl-C ends each of them with a word."""
 
     def get_params(self, ctx: Any) -> list[Any]:
-        """Return the parameters."""
         return _without_types(super().get_params(ctx))
 
     def invoke(self, ctx: Any) -> Any:
@@ -184,7 +182,6 @@ _PARSERS = {int: whole_number, float: number}
 
 
 def number_option(name: str, value: str, text: str, **more: Any) -> Any:
-    """Return an option that takes a number."""
     return option(name, value, text, parser=number, **more)
 
 

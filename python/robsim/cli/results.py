@@ -35,7 +35,6 @@ class Results:
 
     @property
     def reports(self) -> dict[str, Report]:
-        """The reports that there are, by name."""
         reports = {"batch_estimate": self.report, "tracking": self.tracking, **self.more}
         return {name: report for name, report in reports.items() if report is not None}
 

@@ -100,7 +100,6 @@ def _new_lab(
     plane_map: PlaneMap | None,
     fps: float | None,
 ) -> SimulatedLab:
-    """Return the simulated lab of the options."""
     width, height = area or Scenario.area
     scale = _LAB_SIZE / max(width, height, 1)  # the scenario refuses a size of 0
     scenario = Scenario(

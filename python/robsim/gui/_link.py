@@ -180,7 +180,6 @@ def whole(value: Any) -> int:
 
 
 def switch(value: Any) -> bool:
-    """Return true or false."""
     if not isinstance(value, bool):
         raise Refused("true or false")
     return value
@@ -216,7 +215,6 @@ def list_of(check: Check, most: int) -> Check:
 
 
 def point(value: Any) -> tuple[float, float]:
-    """Return x and y."""
     if not isinstance(value, list) or len(value) != 2:
         raise Refused("x and y")
     return number(value[0]), number(value[1])
@@ -292,7 +290,6 @@ class FrameClock:
 
 
 def jpeg(pixels: Pixels) -> bytes:
-    """Return an image as a JPEG."""
     out = io.BytesIO()
     Image.fromarray(pixels).save(out, "JPEG", quality=_QUALITY)
     return out.getvalue()

@@ -198,7 +198,6 @@ def draw_run(
 
 
 def as_png(figure: Figure) -> bytes:
-    """Return a figure as the bytes of a PNG file."""
     content = io.BytesIO()
     figure.savefig(content, format="png", dpi=_DPI, metadata={"Software": None})
     return content.getvalue()

@@ -39,7 +39,6 @@ def write_trace(path: Path, content: Content) -> None:
 
 
 def pack_trace(content: Content) -> bytes:
-    """Return the content of a trace as the bytes of a file."""
     groups, run_info, first_step = content
     info = {
         "format": FORMAT,

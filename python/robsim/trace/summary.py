@@ -68,7 +68,6 @@ class TraceSummary(Report):
 
 
 def summary_of(groups: Mapping[str, Floats], info: RunInfo, *, first_step: int) -> TraceSummary:
-    """Return the summary of the groups of a trace."""
     steps = {len(values) for values in groups.values()}
     return TraceSummary(
         steps=max(steps),

@@ -36,7 +36,6 @@ class History(Generic[T]):
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is a change to be undone."""
         return bool(self._before)
 
     @property

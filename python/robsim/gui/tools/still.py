@@ -80,7 +80,6 @@ class Sheet:
         )
 
     def dot(self, at: tuple[float, float], radius: float, ink: str) -> None:
-        """Draw a disk."""
         x, y = at
         self.box((x - radius, y - radius, x + radius, y + radius), fill=ink, radius=radius)
 

@@ -219,7 +219,6 @@ class ToolView(View):
         link.shown = None
 
     def tell_state(self) -> None:
-        """Tell all browsers the state."""
         self.send(self._state())
         self._still_due = time.monotonic() + _REST
 

@@ -165,7 +165,6 @@ class _Drawing:
         self._words((self._size[0] / 2, self._size[1]), said, (0, -1))
 
     def finished(self) -> Pixels:
-        """Return the picture."""
         sheet = self._sheet.resize(self._size, Image.Resampling.BOX)
         below = self._below.convert("RGBA")
         return np.array(Image.alpha_composite(below, sheet).convert("RGB"))

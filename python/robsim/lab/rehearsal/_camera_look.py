@@ -132,7 +132,6 @@ class CameraLook:
         return len(self.poses)
 
     def at(self, frame: Frame) -> None:
-        """Look at a frame."""
         colors = [*self._colors.values()]
         blobs = find_blobs(frame, colors, markers=self.markers, smoothing=self._smoothing)
         detection = detect(

@@ -151,7 +151,6 @@ class SimulatedLab:
         return _core.view_warp(scene, self.size, seen)
 
     def _open_device(self) -> _core.LaboratoryCamera:
-        """Return the camera for a grabber."""
         scene = self._world.scene
         assert scene is not None
         return _core.LaboratoryCamera(

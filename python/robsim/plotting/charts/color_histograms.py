@@ -94,7 +94,6 @@ def _draw_histogram(axes: Axes, heights: Floats, color: str, label: str) -> None
 
 
 def _draw_range(axes: Axes, limits: tuple[int, int], name: str) -> None:
-    """Shade the range of a channel, and label it."""
     lower, upper = limits
     is_open = (lower, upper) == (0, 255)
     if not is_open:

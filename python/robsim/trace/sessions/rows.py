@@ -87,7 +87,6 @@ HEADER = _header(_COLUMNS)
 
 
 def line_of(row: Row) -> bytes:
-    """Return a row as its line in the file."""
     cells: list[str] = []
     for name in _FIELDS:
         value = getattr(row, name)

@@ -139,7 +139,6 @@ class Session:
 
     @staticmethod
     def _is_in(folder: Path) -> bool:
-        """Return whether a folder has a session."""
         return (folder / SETUP).is_file()
 
     def _whole_trace(self) -> Trace:

@@ -13,7 +13,6 @@ from robsim.simulation.options import OPTIONS
 
 
 def world_settings(simulation: Simulation) -> list[Setting]:
-    """Return the controls of a world."""
     noise = DisturbanceKind(simulation, "noise", "noise")
     disturbance = DisturbanceKind(simulation, "disturbance", "process_noise")
     return [

@@ -95,7 +95,6 @@ class LensPictures:
 
     @property
     def board(self) -> Board:
-        """The board to find in the pictures."""
         return self.taken.board
 
     # What changes it.

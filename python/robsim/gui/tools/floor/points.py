@@ -95,7 +95,6 @@ class FloorPoints(History[FloorDraft]):
 
     @property
     def draft(self) -> FloorDraft:
-        """What there is now."""
         return self._now
 
     # Points.
@@ -161,7 +160,6 @@ class FloorPoints(History[FloorDraft]):
             self._change(points=())
 
     def point(self, number: int) -> PlacedPoint:
-        """Return a point by its number."""
         number = check_int("point", number, minimum=1, maximum=_LARGEST_NUMBER)
         for one in self.draft.points:
             if one.number == number:

@@ -19,7 +19,6 @@ class RobotDrawing(History[Sketch]):
 
     @property
     def sketch(self) -> Sketch:
-        """What there is now."""
         return self._now
 
     # Corners.
