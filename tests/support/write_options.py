@@ -12,7 +12,7 @@ import robsim
 from robsim.simulation.options import OPTIONS
 from robsim.simulation.slots import SLOTS, AllCallbacks
 
-FOLDER = Path(robsim.__file__).with_name("simulation")
+FOLDER = Path(__file__).parents[2] / "python" / "robsim" / "simulation"
 OF_SIMULATION = [name for name in OPTIONS if name not in SLOTS]
 #: Options of an experiment with the same type and default as in a simulation.
 OF_EXPERIMENT = ("robot", "seed", "colors", "markers", "smoothing", "model")

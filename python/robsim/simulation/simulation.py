@@ -73,7 +73,7 @@ class Simulation(WorldSlots, Runner):
     headings : int within 1..360 or None
         Number of headings that the robot is drawn in: the nearest one, at integer pixels. None:
         drawn at its exact position and heading.
-    noise : GaussianNoise or UniformNoise, optional
+    noise : UniformNoise or GaussianNoise, optional
         Camera noise.
     dropout : Dropout, optional
         Random occlusion: the probability that the robot is hidden from the camera.
