@@ -342,7 +342,7 @@ def test_nobody_can_change_it():
 
 def test_a_robot_is_loaded_once(monkeypatch):
     robot = load_robot("lab")
-    monkeypatch.setattr("robsim.vision.robots.files.load_table", pytest.fail)
+    monkeypatch.setattr("robsim.base.files.codec.load_table", pytest.fail)
     for name in ("lab", "LAB", None):
         assert load_robot(name) is robot
         assert Simulation(robot=name).robot is robot

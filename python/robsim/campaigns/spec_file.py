@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from robsim.base.files import as_path, codec
-from robsim.base.files.codec import Entry, Table, anything
 from robsim.base.text import quoted
 from robsim.campaigns._metrics import score_value
 from robsim.campaigns.choices import FOLDER
@@ -67,21 +66,21 @@ def load_spec(path: str | PathLike[str], *, runs: int | None = None) -> Campaign
     return spec
 
 
-def _table(folder: Path) -> Table:
+def _table(folder: Path) -> codec.Table:
     def metrics(_: str, value: Any) -> list[Any]:
         return [_metric(one, folder) for one in (value if isinstance(value, list) else [value])]
 
-    return Table(
+    return codec.Table(
         CampaignSpec,
         {
-            "runs": Entry(anything, is_needed=True),
-            "steps": Entry(anything, is_needed=True),
-            "seed": Entry(anything),
-            "metrics": Entry(metrics, is_needed=True),
-            "time_limit": Entry(anything),
-            "keep": Entry(anything),
-            "scenario": Entry(partial(_scenario, folder)),
-            "vary": Entry(partial(codec.by_name, read=partial(_values, folder))),
+            "runs": codec.Entry(codec.anything, is_needed=True),
+            "steps": codec.Entry(codec.anything, is_needed=True),
+            "seed": codec.Entry(codec.anything),
+            "metrics": codec.Entry(metrics, is_needed=True),
+            "time_limit": codec.Entry(codec.anything),
+            "keep": codec.Entry(codec.anything),
+            "scenario": codec.Entry(partial(_scenario, folder)),
+            "vary": codec.Entry(partial(codec.by_name, read=partial(_values, folder))),
         },
     )
 

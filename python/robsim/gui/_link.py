@@ -15,7 +15,7 @@ import numpy as np
 from PIL import Image
 
 from robsim._core import Blob, PlaneMap
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging import images
 
 Buffers = Sequence[bytes]
 _FORGET = 10.0  # s after which a view that says nothing, while others do, is gone
@@ -289,7 +289,7 @@ class FrameClock:
         self.due = max(self.due + _GAP, now + 0.5 * _GAP)
 
 
-def jpeg(pixels: Pixels) -> bytes:
+def jpeg(pixels: images.Pixels) -> bytes:
     out = io.BytesIO()
     Image.fromarray(pixels).save(out, "JPEG", quality=_QUALITY)
     return out.getvalue()

@@ -21,7 +21,7 @@ from robsim.gui._driver import SPEED, State
 from robsim.gui.hosted import AT_EXIT, HostedPanel, lock, opened
 from robsim.gui.panels.view import PanelView, Shown
 from robsim.trace import Trace
-from robsim.vision.imaging.images import image_file, save_image
+from robsim.vision.imaging import images
 
 if TYPE_CHECKING:
     from robsim.gui.tools.colors.panel import ColorPanel
@@ -257,8 +257,8 @@ class Panel(HostedPanel):
         TypeError, ValueError
             If `path` is no path, or its suffix names no known format.
         """
-        file, _ = image_file(path)  # it takes seconds to draw
-        save_image(file, np.asarray(Image.open(BytesIO(self.snapshot())).convert("RGB")))
+        file, _ = images.image_file(path)  # it takes seconds to draw
+        images.save_image(file, np.asarray(Image.open(BytesIO(self.snapshot())).convert("RGB")))
 
     def __repr__(self) -> str:
         what, steps = type(self._what).__name__, self._view.record.n_steps

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._core import ColorClass, Frame, MarkerLayout, RobotModel, Step
-from robsim.base.seeds import Seed, seed_record, seed_sequence, stream, stream_number
+from robsim.base import seeds
 from robsim.base.text import one_line, quoted
 from robsim.simulation.callbacks.errors import callback_of, note_misuse
 from robsim.simulation.callbacks.missing_data import note_missing_data, unmet_needs
@@ -36,7 +36,7 @@ def run_info(runner: Runner) -> RunInfo:
     return RunInfo(
         dt=core.model.dt if core.has_started else RobotModel().dt,
         theta_true=runner._theta_true(),
-        seed=seed_record(runner._seed),
+        seed=seeds.seed_record(runner._seed),
         identify_from=runner.identify_from,
         area=runner.area,
         boundary=runner.boundary,
@@ -93,7 +93,7 @@ class Runner(Slotted):
             markers=markers,
             smoothing=smoothing,
             identify_from=identify_from,
-            controller_seed=stream_number(seed, "controller"),
+            controller_seed=seeds.stream_number(seed, "controller"),
         )
 
     @property
@@ -334,7 +334,7 @@ class Runner(Slotted):
                     note_misuse(error, self._core.last_step)
                 raise
 
-    def reset(self, *, seed: Seed = None) -> None:
+    def reset(self, *, seed: seeds.Seed = None) -> None:
         """Return to the start; the next run begins with step 0.
 
         Parameters
@@ -343,7 +343,7 @@ class Runner(Slotted):
             Seed of the next run. Default: the same again, which repeats the last run exactly if no
             callback keeps state of its own.
         """
-        new_seed = None if seed is None else seed_sequence(seed)
+        new_seed = None if seed is None else seeds.seed_sequence(seed)
         callbacks = self._folder.load() if self._folder else None
         self._core.reset()
         self._n_resets += 1
@@ -361,7 +361,7 @@ class Runner(Slotted):
         self._changed = ()
 
     def _seed_core(self) -> None:
-        self._core.set_controller_seed(stream_number(self._seed, "controller"))
+        self._core.set_controller_seed(seeds.stream_number(self._seed, "controller"))
 
     def _slots_changed(self) -> None:
         self._run_info = []
@@ -434,7 +434,7 @@ class Runner(Slotted):
     def rng(self) -> np.random.Generator:
         """Random generator for your callbacks, derived from the seed of the run."""
         if self._rng is None:
-            self._rng = np.random.default_rng(stream(self._seed, "user"))
+            self._rng = np.random.default_rng(seeds.stream(self._seed, "user"))
         return self._rng
 
     @property

@@ -21,7 +21,6 @@ from robsim._core import (
 )
 from robsim.base.checks import check_choice
 from robsim.base.files import codec, parse_toml
-from robsim.base.files.codec import Entry, Table, count, number, numbers
 from robsim.base.seeds import SeedRecord
 from robsim.base.text import cut, quoted
 from robsim.simulation.options import OPTIONS, background_value
@@ -67,52 +66,54 @@ def _png(pixels: Pixels) -> bytes:
     return png_bytes(pixels)
 
 
-_IMAGE = Entry(_image, "PNG in base64", _png, is_needed=True)
-_ENTROPY = Entry(_numbers_tuple)
+_IMAGE = codec.Entry(_image, "PNG in base64", _png, is_needed=True)
+_ENTROPY = codec.Entry(_numbers_tuple)
 
 #: The values that are tables, by their kinds.
-TABLES: dict[type, Table] = {
-    kind: Table(kind, keys)
+TABLES: dict[type, codec.Table] = {
+    kind: codec.Table(kind, keys)
     for kind, keys in {
-        GaussianNoise: {"percent": Entry(number, "%")},
-        UniformNoise: {"percent": Entry(number, "%")},
-        Dropout: {"probability": Entry(number), "steps": Entry(count)},
-        PoseNoise: {"covariance": Entry(numbers, "px^2, px rad, rad^2, a step")},
-        WheelNoise: {"sigma": Entry(numbers, "V")},
-        ParameterMismatch: {"sigma": Entry(number, "relative")},
+        GaussianNoise: {"percent": codec.Entry(codec.number, "%")},
+        UniformNoise: {"percent": codec.Entry(codec.number, "%")},
+        Dropout: {"probability": codec.Entry(codec.number), "steps": codec.Entry(codec.count)},
+        PoseNoise: {"covariance": codec.Entry(codec.numbers, "px^2, px rad, rad^2, a step")},
+        WheelNoise: {"sigma": codec.Entry(codec.numbers, "V")},
+        ParameterMismatch: {"sigma": codec.Entry(codec.number, "relative")},
         SeedRecord: {"entropy": _ENTROPY, "spawn_key": _ENTROPY},
         RobotParameters: {
-            "mass": Entry(number, "kg"),
-            "inertia": Entry(number, "kg m^2"),
-            "linear_friction": Entry(number, "N s/m"),
-            "angular_friction": Entry(number, "N m s/rad"),
-            "wheel_radius": Entry(number, "m"),
-            "wheel_base": Entry(number, "m"),
-            "motor_gain": Entry(numbers, "N m/V"),
-            "motor_offset": Entry(numbers, "N m"),
-            "dt": Entry(number, "s"),
+            "mass": codec.Entry(codec.number, "kg"),
+            "inertia": codec.Entry(codec.number, "kg m^2"),
+            "linear_friction": codec.Entry(codec.number, "N s/m"),
+            "angular_friction": codec.Entry(codec.number, "N m s/rad"),
+            "wheel_radius": codec.Entry(codec.number, "m"),
+            "wheel_base": codec.Entry(codec.number, "m"),
+            "motor_gain": codec.Entry(codec.numbers, "N m/V"),
+            "motor_offset": codec.Entry(codec.numbers, "N m"),
+            "dt": codec.Entry(codec.number, "s"),
         },
         Unicycle: {},
-        Spin: {"voltage": Entry(number, "V")},
+        Spin: {"voltage": codec.Entry(codec.number, "V")},
         DriveAround: {
-            "low": Entry(number, "V"),
-            "high": Entry(number, "V"),
-            "hold": Entry(count, "steps"),
+            "low": codec.Entry(codec.number, "V"),
+            "high": codec.Entry(codec.number, "V"),
+            "hold": codec.Entry(codec.count, "steps"),
         },
         Replay: {
-            "u": Entry(codec.base64_pairs, "V, float64 in base64", codec.pairs_base64, True),
+            "u": codec.Entry(codec.base64_pairs, "V, float64 in base64", codec.pairs_base64, True),
         },
         RobotDefinition: ROBOT_KEYS | {"image": _IMAGE, "markers": MARKERS},
     }.items()
 } | {
-    RobotModel: Table(
+    RobotModel: codec.Table(
         RobotModel.from_theta,
         {
-            "theta": Entry(numbers, "rows X, Y, P; columns a1, a2, b1, b2, d1", is_needed=True),
-            "dt": Entry(number, "s"),
+            "theta": codec.Entry(
+                codec.numbers, "rows X, Y, P; columns a1, a2, b1, b2, d1", is_needed=True
+            ),
+            "dt": codec.Entry(codec.number, "s"),
         },
     ),
-    Floor: Table(lambda pixels: background_value(pixels), {"pixels": _IMAGE}),
+    Floor: codec.Table(lambda pixels: background_value(pixels), {"pixels": _IMAGE}),
     MarkerLayout: LAYOUT,
 }
 

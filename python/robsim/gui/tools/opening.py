@@ -32,9 +32,9 @@ from robsim.gui.tools.robots.view import RobotsView
 from robsim.lab.cameras.camera import Camera
 from robsim.simulation import Experiment, Simulation
 from robsim.simulation.options import colors_value
+from robsim.vision.imaging import images
 from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.calibration_file import load_calibration
-from robsim.vision.imaging.images import Pixels, check_pixels, image_suffixes, load_image
 from robsim.vision.imaging.recordings import Recording
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
@@ -43,7 +43,7 @@ _FILE, _EXAMPLE_FILE = "camera.toml", "example.toml"
 _DRAFT = FloorDraft(area=(1200, 1200), mm_per_px=2.0)
 
 #: What a tool is opened on.
-Seen = Camera | Recording | Simulation | Experiment | Frame | Pixels
+Seen = Camera | Recording | Simulation | Experiment | Frame | images.Pixels
 
 
 def color_panel(
@@ -236,7 +236,7 @@ def pictures_of(what: Any, robot: RobotDefinition) -> Pictures:
         found = panel(what)
         return RunPictures(found._view.driver, type(what).__name__, None if is_open else found)
     if isinstance(what, (Frame, np.ndarray)):
-        pixels = what.image if isinstance(what, Frame) else check_pixels("what", what, 3)
+        pixels = what.image if isinstance(what, Frame) else images.check_pixels("what", what, 3)
         return OnePicture(what if isinstance(what, Frame) else pixels, "a picture")
     if isinstance(what, (str, PathLike)):
         path = as_path(what, "what")
@@ -248,8 +248,8 @@ def pictures_of(what: Any, robot: RobotDefinition) -> Pictures:
 
 
 def _is_picture(path: Path) -> bool:
-    return not path.is_dir() and path.suffix.lower() in image_suffixes()
+    return not path.is_dir() and path.suffix.lower() in images.image_suffixes()
 
 
 def _picture_file(path: Path) -> Pictures:
-    return OnePicture(load_image(path), path.name)
+    return OnePicture(images.load_image(path), path.name)

@@ -10,7 +10,7 @@ from robsim._core import Frame
 from robsim.base.checks import check_bool, check_int
 from robsim.gui.hosted import HostedPanel
 from robsim.gui.tools.tool import ToolView
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging import images
 
 T = TypeVar("T")
 
@@ -24,7 +24,7 @@ class ToolPanel(HostedPanel):
         self._view = view
         super().__init__()
 
-    def load(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
+    def load(self, picture: Frame | images.Pixels | str | PathLike[str]) -> None:
         """Show a picture in place of those that are shown, as if it were dropped on the tool.
 
         Parameters

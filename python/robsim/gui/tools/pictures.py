@@ -18,7 +18,7 @@ from robsim.gui._driver import Driver
 from robsim.gui._link import FrameClock
 from robsim.gui.hosted import HostedPanel
 from robsim.lab.cameras.camera import Camera
-from robsim.vision.imaging.images import Pixels, check_pixels, decoded
+from robsim.vision.imaging import images
 from robsim.vision.imaging.recordings import Recording
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.sketch import over_floor
@@ -71,7 +71,7 @@ class Pictures:
 class OnePicture(Pictures):
     """A picture that stays as it is."""
 
-    def __init__(self, image: Frame | Pixels, title: str) -> None:
+    def __init__(self, image: Frame | images.Pixels, title: str) -> None:
         super().__init__(title)
         self._picture = Picture(image if isinstance(image, Frame) else Frame(image), title)
 
@@ -175,7 +175,7 @@ def picture_of(robot: RobotDefinition) -> Frame:
     return Frame(shown, plane_map=PlaneMap(to_area))
 
 
-def given_picture(picture: Any) -> tuple[Pixels, str]:
+def given_picture(picture: Any) -> tuple[images.Pixels, str]:
     """Return the pixels (h, w, 3 or 4) of a picture, and what people call it.
 
     OSError: its file cannot be read. TypeError, ValueError: it is no picture.
@@ -185,6 +185,6 @@ def given_picture(picture: Any) -> tuple[Pixels, str]:
     if isinstance(picture, (str, PathLike)):
         path = as_path(picture, "picture")
         with path.open("rb") as file:
-            return decoded(file, one_line(path)), path.name
+            return images.decoded(file, one_line(path)), path.name
     channels = 4 if isinstance(picture, np.ndarray) and picture.shape[2:] == (4,) else 3
-    return check_pixels("picture", picture, channels, "a path, a Frame or "), "a picture"
+    return images.check_pixels("picture", picture, channels, "a path, a Frame or "), "a picture"

@@ -30,7 +30,7 @@ from robsim.gui._view import View
 from robsim.gui.tools.history import History
 from robsim.gui.tools.pictures import OnePicture, Picture, Pictures, given_picture
 from robsim.gui.tools.uploads import UPLOAD_MESSAGES, Uploads
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging import images
 from robsim.vision.robots.sketch import over_floor
 
 T = TypeVar("T")
@@ -138,7 +138,7 @@ class ToolView(View):
     def changed_source(self) -> None:
         """Do what is to be done when pictures of something else follow."""
 
-    def loading(self, pixels: Pixels, name: str) -> Callable[[], object]:
+    def loading(self, pixels: images.Pixels, name: str) -> Callable[[], object]:
         """Prepare a picture (h, w, 3 or 4) that was loaded, in any thread.
 
         Return a function that takes it, in the thread of the view. Either raises a ValueError if it
@@ -171,11 +171,11 @@ class ToolView(View):
     def is_replaced(self) -> bool:
         return self.source is not self._own
 
-    def load_picture(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
+    def load_picture(self, picture: Frame | images.Pixels | str | PathLike[str]) -> None:
         """Take a picture as if it were loaded in a browser; any thread may call this."""
         self.ask(self.prepared(*given_picture(picture)))
 
-    def prepared(self, pixels: Pixels, name: str) -> Callable[[], object]:
+    def prepared(self, pixels: images.Pixels, name: str) -> Callable[[], object]:
         """Prepare a picture as `loading` does; ValueError where memory is lacking, too."""
         try:
             return self.loading(pixels, name)

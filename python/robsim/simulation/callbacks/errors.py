@@ -13,12 +13,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from robsim._core import Sample, Step
-from robsim.base.source_line import (
-    SourceLine,
-    line_of_callable,
-    line_of_error,
-    users_line_of_callable,
-)
+from robsim.base import source_line
 from robsim.base.spelling import closest, with_article
 from robsim.simulation.callbacks.signatures import accepts, where_defined
 
@@ -41,7 +36,7 @@ class FailedCallback:
 
     slot: str
     k: int | None
-    source: SourceLine | None
+    source: source_line.SourceLine | None
 
     @property
     def when(self) -> str:
@@ -105,7 +100,11 @@ def failed(error: BaseException, slot: str, what: str, k: int, function: object)
         The callback.
     """
     inner = callback_of(error)  # of a simulation inside the callback, which comes first
-    source = None if inner else line_of_error(error) or users_line_of_callable(function)
+    source = (
+        None
+        if inner
+        else source_line.line_of_error(error) or source_line.users_line_of_callable(function)
+    )
     record = FailedCallback(slot, None if k < 0 else k, source)
     # A class of the user's own may refuse either: the exception itself is what counts.
     if inner is None:
@@ -119,11 +118,12 @@ def failed(error: BaseException, slot: str, what: str, k: int, function: object)
 
 def note_failed_file(error: BaseException, slot: str, file: str) -> None:
     """Record on an exception that the file of a callback could not be loaded."""
-    source = line_of_error(error)
+    source = source_line.line_of_error(error)
     if isinstance(error, SyntaxError) and error.filename:
-        source = SourceLine(error.filename, error.lineno or 1, "<module>")
+        source = source_line.SourceLine(error.filename, error.lineno or 1, "<module>")
     with contextlib.suppress(Exception):
-        error.callback = FailedCallback(slot, None, source or SourceLine(file, 1, "<module>"))  # type: ignore[attr-defined]
+        source = source or source_line.SourceLine(file, 1, "<module>")
+        error.callback = FailedCallback(slot, None, source)  # type: ignore[attr-defined]
 
 
 def refused(
@@ -133,8 +133,10 @@ def refused(
 
     Its message is that of `error`, which says what was expected and what came.
     """
-    source = line_of_callable(function)
-    record = FailedCallback(slot, None if k < 0 else k, users_line_of_callable(function))
+    source = source_line.line_of_callable(function)
+    record = FailedCallback(
+        slot, None if k < 0 else k, source_line.users_line_of_callable(function)
+    )
     place = f"of {_type_name(function)}" if source is None else traceback_line(source)
     kind = CallbackTypeError if isinstance(error, TypeError) else CallbackValueError
     return _recorded(kind(f"in {what} {record.when}: {error}\n  {place}"), record)
@@ -145,7 +147,7 @@ def check_estimator(estimator: object) -> None:
     update = getattr(estimator, "update", None)
     if callable(update) and accepts(update, 2):
         return
-    source = users_line_of_callable(update if callable(update) else type(estimator))
+    source = source_line.users_line_of_callable(update if callable(update) else type(estimator))
     came = f"method update{where_defined(update)}" if callable(update) else "none"
     what = f"the estimator that it returned, of class {_type_name(estimator)}, must have a method"
     message = f"{what} update(phi, y), got {came}"
@@ -167,7 +169,7 @@ def _type_name(value: object) -> str:
     return type(value).__qualname__.rpartition("<locals>.")[2]
 
 
-def traceback_line(source: SourceLine) -> str:
+def traceback_line(source: source_line.SourceLine) -> str:
     """Return a line in the format of a traceback, which editors and consoles know."""
     return f'File "{source.file}", line {source.number}, in {source.function}'
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from robsim._core import Step
-from robsim.base.source_line import SourceLine
+from robsim.base import source_line
 from robsim.simulation.callbacks.errors import callback_of
 from robsim.simulation.slots import SLOTS
 
@@ -155,7 +155,9 @@ def comes_of_none(error: BaseException) -> bool:
 def names_in(error: BaseException) -> list[str]:
     """Return the names of a step's data that the user's code in a traceback reads."""
     codes = [frame.f_code for frame, _ in traceback.walk_tb(error.__traceback__)]
-    users = [code for code in codes if SourceLine(code.co_filename, 0, code.co_name).is_users]
+    users = [
+        code for code in codes if source_line.SourceLine(code.co_filename, 0, code.co_name).is_users
+    ]
     read = {name for code in users for name in code.co_names}
     if isinstance(error, AttributeError):
         read.discard(error.name or "")  # what was sought in None is not what is None

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-from robsim.base.source_line import users_line_of_callable
+from robsim.base import source_line
 
 
 def accepts(function: Callable[..., object], count: int) -> bool:
@@ -72,7 +72,7 @@ def where_defined(function: Callable[..., object]) -> str:
 
 def place_of(function: Callable[..., object]) -> str:
     """Return where the user has defined a callable, as `` (control.py:3)``; else ``""``."""
-    line = users_line_of_callable(function)
+    line = source_line.users_line_of_callable(function)
     return "" if line is None else f" ({line.place})"
 
 

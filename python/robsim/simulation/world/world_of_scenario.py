@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from robsim import _core
 from robsim._core import RobotModel
-from robsim.base.seeds import random_bits, stream, stream_number
+from robsim.base import seeds
 from robsim.simulation.world.disturbances import Dropout, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import draw_red_square, make_scene, scaled_floor
 from robsim.vision.imaging.images import Pixels
@@ -77,9 +77,9 @@ def seed_world(
 ) -> None:
     """Give a world its random streams, and what depends on the seed: its start and its model."""
     world.set_seeds(
-        noise=stream_number(seed, "noise"),
-        dropout=stream_number(seed, "dropout"),
-        disturbance=stream_number(seed, "disturbance"),
+        noise=seeds.stream_number(seed, "noise"),
+        dropout=seeds.stream_number(seed, "dropout"),
+        disturbance=seeds.stream_number(seed, "disturbance"),
     )
     world.set_start(_start_pose(scenario, seed))
     world.set_true_model(partial(_true_model, scenario, seed))
@@ -116,7 +116,7 @@ def _start_pose(scenario: Scenario, seed: np.random.SeedSequence) -> ArrayLike:
         return start
     margin = min(scenario._robot_definition.radius, width / 2, height / 2)
     lows, highs = (margin, margin, -np.pi), (width - 1 - margin, height - 1 - margin, np.pi)
-    bits = random_bits(stream(seed, "start"))
+    bits = seeds.random_bits(seeds.stream(seed, "start"))
     return [
         low + (high - low) * ((next(bits) >> 11) * 2.0**-53)
         for low, high in zip(lows, highs, strict=True)
@@ -144,4 +144,4 @@ def _true_model(options: Scenario, seed: np.random.SeedSequence, belief: RobotMo
         )
     if options.mismatch is None:
         return model
-    return options.mismatch.draw(model, np.random.default_rng(stream(seed, "mismatch")))
+    return options.mismatch.draw(model, np.random.default_rng(seeds.stream(seed, "mismatch")))

@@ -11,7 +11,6 @@ from typing import Any
 
 from robsim.base.checks import check_choice, check_name
 from robsim.base.files import as_folder, codec, parse_toml, read_text
-from robsim.base.files.codec import Entry, Table, WrongTable, choice, names, text, up_to
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line, quoted
 from robsim.teach.assignments.assignment import SECONDS, SEEDS, Assignment, FileTests, TaskTest
@@ -36,7 +35,7 @@ _MOST_POINTS, _MOST_SECONDS, _MOST_GIVEN = 1e6, 1e6, 2**24
 
 
 def _title(name: str, value: Any) -> str:
-    if not text(name, value):
+    if not codec.text(name, value):
         raise ValueError(f"{name} must be a text, got none")
     return str(value)
 
@@ -49,7 +48,7 @@ def _path(name: str, value: Any) -> str:
 
 
 def _test_name(name: str, value: Any) -> str:
-    if not text(name, value).isidentifier():  # it is part of the names of files
+    if not codec.text(name, value).isidentifier():  # it is part of the names of files
         raise ValueError(f"{name} must be of letters, digits and _, got {quoted(value)}")
     return str(value)
 
@@ -59,47 +58,47 @@ def _limits(**limits: Any) -> tuple[float, WorkerLimits]:
 
 
 def _slots(name: str, value: Any) -> tuple[str, ...]:
-    slots = names(name, value)
+    slots = codec.names(name, value)
     check_names(f"{name}: the robot has no", slots, ROBOT_SLOTS, ValueError)
     return slots
 
 
-_POINTS = Entry(up_to(_MOST_POINTS))
-_PUBLIC = Entry(codec.flag, is_needed=True)
-_LIMITS = Table(
+_POINTS = codec.Entry(codec.up_to(_MOST_POINTS))
+_PUBLIC = codec.Entry(codec.flag, is_needed=True)
+_LIMITS = codec.Table(
     _limits,
-    {name: Entry(codec.anything) for name in WorkerLimits.__dataclass_fields__}
-    | {"submission": Entry(up_to(_MOST_SECONDS))},
+    {name: codec.Entry(codec.anything) for name in WorkerLimits.__dataclass_fields__}
+    | {"submission": codec.Entry(codec.up_to(_MOST_SECONDS))},
 )
-_TEST = Table(
+_TEST = codec.Table(
     dict,
     {
-        "name": Entry(_test_name, is_needed=True),
-        "title": Entry(_title),
-        "number": Entry(_title),
-        "task": Entry(choice(*TASKS), is_needed=True),
+        "name": codec.Entry(_test_name, is_needed=True),
+        "title": codec.Entry(_title),
+        "number": codec.Entry(_title),
+        "task": codec.Entry(codec.choice(*TASKS), is_needed=True),
         "points": replace(_POINTS, is_needed=True),
         "public": _PUBLIC,
-        "parameters": Entry(codec.as_table),
+        "parameters": codec.Entry(codec.as_table),
     },
 )
-_FILE_TESTS = Table(dict, {"path": Entry(_path, is_needed=True), "public": _PUBLIC})
-_ASSIGNMENT = Table(
+_FILE_TESTS = codec.Table(dict, {"path": codec.Entry(_path, is_needed=True), "public": _PUBLIC})
+_ASSIGNMENT = codec.Table(
     dict,
     {
-        "name": Entry(check_name, is_needed=True),
-        "title": Entry(_title, is_needed=True),
-        "slots": Entry(_slots),
-        "functions": Entry(names),
-        "given": Entry(choice(*_GIVEN)),
-        "imports": Entry(names),
-        "masked": Entry(names),
-        "seeds": Entry(choice(*SEEDS)),
-        "isolation": Entry(choice(*LEVELS)),
+        "name": codec.Entry(check_name, is_needed=True),
+        "title": codec.Entry(_title, is_needed=True),
+        "slots": codec.Entry(_slots),
+        "functions": codec.Entry(codec.names),
+        "given": codec.Entry(codec.choice(*_GIVEN)),
+        "imports": codec.Entry(codec.names),
+        "masked": codec.Entry(codec.names),
+        "seeds": codec.Entry(codec.choice(*SEEDS)),
+        "isolation": codec.Entry(codec.choice(*LEVELS)),
         "points": _POINTS,
-        "limits": Entry(_LIMITS.read),
-        "tests": Entry(partial(codec.listed_tables, read=_TEST.read)),
-        "files": Entry(partial(codec.listed_tables, read=_FILE_TESTS.read)),
+        "limits": codec.Entry(_LIMITS.read),
+        "tests": codec.Entry(partial(codec.listed_tables, read=_TEST.read)),
+        "files": codec.Entry(partial(codec.listed_tables, read=_FILE_TESTS.read)),
     },
 )
 
@@ -239,7 +238,9 @@ def solutions_for(folder: Path, made: Task) -> tuple[Solution, ...]:
 def _file_tests(values: dict[str, Any], folder: Path, number: int) -> FileTests:
     path = folder / values["path"]
     if not path.is_file():
-        raise WrongTable(f"there is no file {one_line(values['path'])}", ("files", str(number)))
+        raise codec.WrongTable(
+            f"there is no file {one_line(values['path'])}", ("files", str(number))
+        )
     return FileTests(path=path.absolute(), public=values["public"])
 
 
@@ -249,7 +250,7 @@ def _slots_for(values: dict[str, Any], tests: tuple[TaskTest, ...]) -> tuple[str
     if not slots and "slots" not in values:
         raise ValueError("slots is missing")
     if missing := [slot for slot in needed if slot not in slots]:
-        raise WrongTable(f"slots must have {', '.join(missing)}, which its tasks need")
+        raise codec.WrongTable(f"slots must have {', '.join(missing)}, which its tasks need")
     return slots
 
 
@@ -257,7 +258,7 @@ def _given(values: dict[str, Any], tests: tuple[TaskTest, ...]) -> str:
     most = max((_GIVEN.index(test.task.given) for test in tests), default=0)
     given: str = values.get("given", _GIVEN[most])
     if _GIVEN.index(given) < most:
-        raise WrongTable(
+        raise codec.WrongTable(
             f"given must be {_GIVEN[most]!r}, as its tasks need it, got {quoted(given)}"
         )
     return given

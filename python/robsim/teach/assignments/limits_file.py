@@ -12,7 +12,6 @@ from typing import Any, NoReturn
 
 from robsim.base.checks import check_float
 from robsim.base.files import codec
-from robsim.base.files.codec import Entry, Table
 from robsim.base.text import quoted
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.marks.calibration import TaskCalibration
@@ -78,16 +77,16 @@ def _numbers(name: str, value: Any) -> tuple[float, ...]:
     return tuple(math.nan if one is None else float(one) for one in value)
 
 
-_SCORE = Table(
+_SCORE = codec.Table(
     _score_limit,
-    {key: Entry(_limit, is_needed=key in ("full", "zero")) for key in _LIMIT},
+    {key: codec.Entry(_limit, is_needed=key in ("full", "zero")) for key in _LIMIT},
 )
-_TEST = Table(
+_TEST = codec.Table(
     RecordedTest,
     {
-        "limits": Entry(partial(codec.by_name, read=_SCORE.read)),
-        "reference": Entry(partial(codec.by_name, read=_numbers)),
-        "calibration": Entry(_calibration),
+        "limits": codec.Entry(partial(codec.by_name, read=_SCORE.read)),
+        "reference": codec.Entry(partial(codec.by_name, read=_numbers)),
+        "calibration": codec.Entry(_calibration),
     },
     ignores_others=True,
 )

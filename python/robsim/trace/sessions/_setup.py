@@ -15,7 +15,6 @@ import numpy as np
 from robsim._core import ColorClass, MarkerLayout, PlaneMap, RobotModel, fitting_roles
 from robsim.base.checks import check_float, check_mm_per_px, check_size
 from robsim.base.files import codec, parse_toml
-from robsim.base.files.codec import Entry, Table, array
 from robsim.base.text import quoted
 from robsim.vision.imaging.calibration_file import PLANE_MAP
 from robsim.vision.markers.color_files import COLOR
@@ -126,11 +125,11 @@ def _dt(name: str, value: Any) -> float:
 def _plane_map(name: str, value: Any) -> PlaneMap:
     if isinstance(value, dict):
         return PLANE_MAP.read(name, value)  # type: ignore[no-any-return]
-    return PlaneMap(array(3, 3)(name, value))
+    return PlaneMap(codec.array(3, 3)(name, value))
 
 
 def _input(name: str, value: Any) -> tuple[float, float]:
-    left, right = array(2)(name, value).tolist()
+    left, right = codec.array(2)(name, value).tolist()
     return left, right
 
 
@@ -147,7 +146,7 @@ def _markers(name: str, value: Any) -> MarkerLayout:
 
 def _tables_of_format_1(table: dict[str, Any]) -> dict[str, Any]:
     """Return the table of a layout as it is written today: the roles follow from the places."""
-    roles = fitting_roles(*(array(2)(old, table[old]) for old in _OLD_NAMES))
+    roles = fitting_roles(*(codec.array(2)(old, table[old]) for old in _OLD_NAMES))
     colors = table.get("colors", _OLD_NAMES)
     if not isinstance(colors, (list, tuple)) or len(colors) != len(_OLD_NAMES):
         raise ValueError(f"colors must be two names, got {quoted(colors)}")
@@ -159,16 +158,19 @@ def _tables_of_format_1(table: dict[str, Any]) -> dict[str, Any]:
     return tables
 
 
-_TABLES: dict[type, Table] = {
+_TABLES: dict[type, codec.Table] = {
     PlaneMap: PLANE_MAP,
     MarkerLayout: LAYOUT,
-    RobotModel: Table(
+    RobotModel: codec.Table(
         RobotModel.from_theta,
-        {"dt": Entry(_dt, is_needed=True), "theta": Entry(array(3, 5), is_needed=True)},
+        {
+            "dt": codec.Entry(_dt, is_needed=True),
+            "theta": codec.Entry(codec.array(3, 5), is_needed=True),
+        },
     ),
-    ColorClass: Table(
+    ColorClass: codec.Table(
         ColorClass,
-        {"name": Entry(codec.text, is_needed=True)}
+        {"name": codec.Entry(codec.text, is_needed=True)}
         | {channel: replace(key, is_needed=True) for channel, key in COLOR.keys.items()},
     ),
 }

@@ -12,8 +12,7 @@ import numpy as np
 
 from robsim._core import ColorClass, Frame, MarkerLayout, Observation, PlaneMap, RobotModel
 from robsim.base.checks import Floats
-from robsim.base.files import as_path
-from robsim.base.files.codec import load_table
+from robsim.base.files import as_path, codec
 from robsim.base.text import cut, one_line, quoted
 from robsim.trace.columns import GROUPS
 from robsim.trace.run_info import RunInfo
@@ -250,7 +249,7 @@ class Session:
 
     def _steps_promised(self) -> int:
         file = self.folder / END
-        end = load_table(file)
+        end = codec.load_table(file)
         steps, lost = end.get("steps"), end.get("steps_lost", 0)
         if not (type(steps) is int and type(lost) is int and 0 <= steps + lost < 2**62):
             raise ValueError(f"{one_line(file)}: steps must be a whole number, got {quoted(steps)}")

@@ -12,7 +12,6 @@ import numpy as np
 from robsim._core import Intrinsics, PlaneMap
 from robsim.base.checks import check_mm_per_px, check_size
 from robsim.base.files import as_path, codec, write_whole
-from robsim.base.files.codec import Entry, Table, anything, array
 from robsim.base.text import one_line, quoted
 from robsim.vision.imaging.calibration import Calibration, Residuals, check_region
 
@@ -32,22 +31,22 @@ def _rows(array: Any) -> Any:
     return tomlkit.item(np.asarray(array).tolist()).multiline(True)
 
 
-_MATRIX = Entry(array(3, 3), "", _rows, is_needed=True)
-_DISTORTION = Entry(array(5), "k1, k2, p1, p2, k3", is_needed=True)
+_MATRIX = codec.Entry(codec.array(3, 3), "", _rows, is_needed=True)
+_DISTORTION = codec.Entry(codec.array(5), "k1, k2, p1, p2, k3", is_needed=True)
 #: A lens, and the map of a plane with one, as files have them.
-INTRINSICS = Table(Intrinsics, {"matrix": _MATRIX, "distortion": _DISTORTION})
-_CAMERA = Entry(INTRINSICS.read, "", INTRINSICS.write, is_needed=True)
-PLANE_MAP = Table(PlaneMap, {"matrix": _MATRIX, "intrinsics": _CAMERA})
+INTRINSICS = codec.Table(Intrinsics, {"matrix": _MATRIX, "distortion": _DISTORTION})
+_CAMERA = codec.Entry(INTRINSICS.read, "", INTRINSICS.write, is_needed=True)
+PLANE_MAP = codec.Table(PlaneMap, {"matrix": _MATRIX, "intrinsics": _CAMERA})
 _RESIDUALS = {
-    "rms": Entry(anything, "how well it fits: root mean square (px of the frame)"),
-    "worst": Entry(anything, "the largest (px of the frame)"),
-} | dict.fromkeys(("points", "pictures"), Entry(anything))
+    "rms": codec.Entry(codec.anything, "how well it fits: root mean square (px of the frame)"),
+    "worst": codec.Entry(codec.anything, "the largest (px of the frame)"),
+} | dict.fromkeys(("points", "pictures"), codec.Entry(codec.anything))
 _MARKS = "Where the frames showed the floor sheets' marks, by their numbers: u, v (px)."
-_FRAMES = Table(
+_FRAMES = codec.Table(
     dict,
     {
-        "size": Entry(check_size, "width and height (px)", is_needed=True),
-        "region": Entry(check_region, "of the sensor: left, top, width, height (px)"),
+        "size": codec.Entry(check_size, "width and height (px)", is_needed=True),
+        "region": codec.Entry(check_region, "of the sensor: left, top, width, height (px)"),
     },
     "What" + " it is a calibration of.",  # kept files have these words
 )
@@ -70,19 +69,19 @@ def _residuals(given: dict[str, Any]) -> Residuals | None:
     return Residuals(**given) if given else None
 
 
-_LENS = Table(
+_LENS = codec.Table(
     _lens,
     INTRINSICS.keys | _RESIDUALS,
     "Focal lengths and centre (px), then how the lens distorts, as OpenCV has it.",
 )
-_FLOOR = Table(
+_FLOOR = codec.Table(
     _floor,
     {
-        "area": Entry(check_size, "the work area: width and height (px)", is_needed=True),
-        "mm_per_px": Entry(
+        "area": codec.Entry(check_size, "the work area: width and height (px)", is_needed=True),
+        "mm_per_px": codec.Entry(
             lambda _, value: check_mm_per_px(value), "a px of the work area on the floor (mm)"
         ),
-        "marker_height": Entry(codec.number, "of the robot's markers above the floor (mm)"),
+        "marker_height": codec.Entry(codec.number, "of the robot's markers above the floor (mm)"),
         "matrix": _MATRIX,
         **_RESIDUALS,
     },
@@ -105,19 +104,19 @@ def _marks(name: str, value: Any) -> dict[Any, Any]:
 
 
 def _any_keys(said: str, values: dict[str, Any]) -> Any:
-    return Table(dict, dict.fromkeys(values, Entry(anything)), said).write(values)
+    return codec.Table(dict, dict.fromkeys(values, codec.Entry(codec.anything)), said).write(values)
 
 
-_FILE = Table(
+_FILE = codec.Table(
     _calibration,
     {
-        "format": Entry(anything),
-        "date": Entry(codec.date),
-        "frames": Entry(_FRAMES.read, "", _FRAMES.write, is_needed=True),
-        "lens": Entry(_LENS.read, "", _LENS.write),
-        "floor": Entry(_FLOOR.read, "", _FLOOR.write),
-        "features": Entry(anything, "", partial(_any_keys, "Settings of the camera.")),
-        "marks": Entry(_marks, "", partial(_any_keys, _MARKS)),
+        "format": codec.Entry(codec.anything),
+        "date": codec.Entry(codec.date),
+        "frames": codec.Entry(_FRAMES.read, "", _FRAMES.write, is_needed=True),
+        "lens": codec.Entry(_LENS.read, "", _LENS.write),
+        "floor": codec.Entry(_FLOOR.read, "", _FLOOR.write),
+        "features": codec.Entry(codec.anything, "", partial(_any_keys, "Settings of the camera.")),
+        "marks": codec.Entry(_marks, "", partial(_any_keys, _MARKS)),
     },
 )
 

@@ -14,8 +14,7 @@ from PIL import ImageColor
 
 from robsim._core import ColorClass, Frame, rgb_to_yuv
 from robsim.base.checks import check_int, check_text
-from robsim.base.files import as_path, parse_toml, read_text, write_whole
-from robsim.base.files.codec import Entry, Table, as_table, by_name, in_words, load_table
+from robsim.base.files import as_path, codec, parse_toml, read_text, write_whole
 from robsim.base.shipped import ASSETS
 from robsim.base.text import listed, quoted
 from robsim.base.values import FileVersion
@@ -34,18 +33,20 @@ _HEADER = """\
 def _range(name: str, value: Any) -> tuple[int, int]:
     numbers = value if isinstance(value, list) else []
     if len(numbers) != 2 or not all(type(one) is int for one in numbers):
-        raise ValueError(f"{name} must be [lower, upper], two whole numbers, got {in_words(value)}")
+        raise ValueError(
+            f"{name} must be [lower, upper], two whole numbers, got {codec.in_words(value)}"
+        )
     lower, upper = (check_int(name, one, minimum=0, maximum=255) for one in numbers)
     return lower, upper
 
 
 #: A colour class without its name.
-COLOR = Table(dict, {channel: Entry(_range) for channel in "yuv"})
+COLOR = codec.Table(dict, {channel: codec.Entry(_range) for channel in "yuv"})
 
 
 def color_of(name: str, table: Any) -> ColorClass:
     """Return the colour class of a table."""
-    return ColorClass(name, **COLOR.read(name, as_table(name, table, " with y, u and v")))
+    return ColorClass(name, **COLOR.read(name, codec.as_table(name, table, " with y, u and v")))
 
 
 def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ...]:
@@ -84,7 +85,7 @@ def _shipped_colors(file: FileVersion) -> tuple[ColorClass, ...]:
 
 
 def _read(path: Path) -> tuple[ColorClass, ...]:
-    return load_table(path, _colors_of, "colour file ")  # type: ignore[no-any-return]
+    return codec.load_table(path, _colors_of, "colour file ")  # type: ignore[no-any-return]
 
 
 def colors_of_text(text: str) -> tuple[ColorClass, ...]:
@@ -95,7 +96,7 @@ def _colors_of(tables: dict[str, Any]) -> tuple[ColorClass, ...]:
     if not tables:
         raise ValueError("it has no colours, expected tables such as [red]")
     _check_count(len(tables))
-    return (*by_name("", tables, color_of).values(),)
+    return (*codec.by_name("", tables, color_of).values(),)
 
 
 def _check_count(count: int) -> None:

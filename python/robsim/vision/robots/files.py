@@ -17,7 +17,6 @@ from PIL import Image
 from robsim._core import MarkerLayout
 from robsim.base.checks import Floats
 from robsim.base.files import as_path, codec, naming, write_whole
-from robsim.base.files.codec import Entry, Table, count, load_table, number, numbers, text
 from robsim.base.text import one_line, quoted
 from robsim.base.values import FileVersion
 from robsim.vision.imaging.images import load_image
@@ -30,9 +29,12 @@ IMAGE = "robot.png"
 _WHAT = "robot definition "
 _OTHER_IMAGE = "robot-2.png"  # while a definition that uses the first one is replaced
 
-_MARKER = Table(
+_MARKER = codec.Table(
     BlobMarker,
-    {"color": Entry(text), "polygon": Entry(numbers, "px of the image", is_needed=True)},
+    {
+        "color": codec.Entry(codec.text),
+        "polygon": codec.Entry(codec.numbers, "px of the image", is_needed=True),
+    },
 )
 _MARKER_KINDS = ("blob",)
 
@@ -58,29 +60,31 @@ def _markers_table(markers: Mapping[str, BlobMarker]) -> Any:
 
 #: The keys of a robot, but for its image.
 ROBOT_KEYS = {
-    "name": Entry(text, is_needed=True),
-    "size": Entry(number, "px", is_needed=True),
-    "alignment": Entry(number, "degrees", is_needed=True),
-    "centre": Entry(numbers, "px of the image"),
-    "outline": Entry(numbers, is_needed=True),
-    "maximum_blobs": Entry(count),
+    "name": codec.Entry(codec.text, is_needed=True),
+    "size": codec.Entry(codec.number, "px", is_needed=True),
+    "alignment": codec.Entry(codec.number, "degrees", is_needed=True),
+    "centre": codec.Entry(codec.numbers, "px of the image"),
+    "outline": codec.Entry(codec.numbers, is_needed=True),
+    "maximum_blobs": codec.Entry(codec.count),
 }
-MARKERS = Entry(_markers, "", _markers_table, is_needed=True)
+MARKERS = codec.Entry(_markers, "", _markers_table, is_needed=True)
 
 
-class _LayoutTable(Table):
+class _LayoutTable(codec.Table):
     """The table of a marker layout, with a table for each role, such as ``[markers.right]``.
 
     The layout has the color of each role in ``colors``, its position in ``positions``, and so on.
     """
 
-    _ROLE = Table(
+    _ROLE = codec.Table(
         dict,
         {
-            "color": Entry(text),
-            "position": Entry(numbers, "px, forward and right of the centre", is_needed=True),
-            "area": Entry(number, "px^2"),
-            "polygon": Entry(numbers, "px, its corners"),
+            "color": codec.Entry(codec.text),
+            "position": codec.Entry(
+                codec.numbers, "px, forward and right of the centre", is_needed=True
+            ),
+            "area": codec.Entry(codec.number, "px^2"),
+            "polygon": codec.Entry(codec.numbers, "px, its corners"),
         },
     )
 
@@ -105,9 +109,9 @@ class _LayoutTable(Table):
 LAYOUT = _LayoutTable(
     MarkerLayout.from_positions,
     {
-        "distance_tolerance": Entry(number, "fraction"),
-        "area_tolerance": Entry(number, "ratio"),
-        "maximum_blobs": Entry(count),
+        "distance_tolerance": codec.Entry(codec.number, "fraction"),
+        "area_tolerance": codec.Entry(codec.number, "ratio"),
+        "maximum_blobs": codec.Entry(codec.count),
     },
 )
 
@@ -216,18 +220,20 @@ def _image_names(folder: Path, content: bytes) -> tuple[str, str | None]:
 @lru_cache(maxsize=16)
 def _image_name(file: FileVersion) -> str:
     """Return the name of the image of a definition file."""
-    return str(load_table(file.path, lambda table: _ROBOT.read(TOML, table)["image"], _WHAT))
+    return str(codec.load_table(file.path, lambda table: _ROBOT.read(TOML, table)["image"], _WHAT))
 
 
 def _image_file(name: str, value: Any) -> str:
     # PureWindowsPath knows the path separators of all systems.
-    file = text(name, value)
+    file = codec.text(name, value)
     if file in ("", ".", "..") or PureWindowsPath(file).name != file:
         raise ValueError(f"{name} must be the name of a file beside {TOML}, got {quoted(file)}")
     return file
 
 
-_ROBOT = Table(dict, ROBOT_KEYS | {"image": Entry(_image_file, is_needed=True), "markers": MARKERS})
+_ROBOT = codec.Table(
+    dict, ROBOT_KEYS | {"image": codec.Entry(_image_file, is_needed=True), "markers": MARKERS}
+)
 
 
 @lru_cache(maxsize=16)
@@ -236,7 +242,7 @@ def _definition(file: FileVersion, image: FileVersion) -> RobotDefinition:
         values = _ROBOT.read(TOML, table)
         return RobotDefinition(**values | {"image": load_image(image.path, mode="RGBA")})
 
-    return load_table(file.path, robot_of, _WHAT)  # type: ignore[no-any-return]
+    return codec.load_table(file.path, robot_of, _WHAT)  # type: ignore[no-any-return]
 
 
 def _as_text(robot: RobotDefinition, image: str) -> str:

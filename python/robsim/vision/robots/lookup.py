@@ -11,8 +11,7 @@ from secrets import token_hex
 from typing import NamedTuple
 
 from robsim.base.checks import check_text
-from robsim.base.files import naming, read_text, write_whole
-from robsim.base.files.codec import load_table, text
+from robsim.base.files import codec, naming, read_text, write_whole
 from robsim.base.shipped import ASSETS
 from robsim.base.spelling import suggestion
 from robsim.base.text import listed, one_line, quoted
@@ -57,7 +56,9 @@ def default_robot() -> str:
 
 @lru_cache(maxsize=1)
 def _stored_name(file: FileVersion) -> str:
-    name: str = load_table(file.path, lambda table: text("robot", table.get("robot", DEFAULT)))
+    name: str = codec.load_table(
+        file.path, lambda table: codec.text("robot", table.get("robot", DEFAULT))
+    )
     return name
 
 
@@ -75,7 +76,7 @@ def store_default_robot(name: str) -> None:
     file = settings_file()
     settings = tomlkit.document()
     try:
-        load_table(file)  # within limits, and more strictly than tomlkit
+        codec.load_table(file)  # within limits, and more strictly than tomlkit
         settings = tomlkit.parse(read_text(file))
     except FileNotFoundError:
         with naming(file.parent):

@@ -14,7 +14,7 @@ from robsim.base.checks import Floats
 from robsim.base.text import quoted
 from robsim.gui._link import boxes_of, numbers
 from robsim.gui.tools.history import History
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging import images
 from robsim.vision.markers.color_files import paint_of
 from robsim.vision.markers.training import Sample
 
@@ -86,7 +86,7 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
     def train(
         self,
         name: str,
-        image: Pixels,
+        image: images.Pixels,
         region: Region,
         *,
         picture: str = "",

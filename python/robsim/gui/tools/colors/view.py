@@ -40,7 +40,7 @@ from robsim.gui.tools.colors.training import (
 )
 from robsim.gui.tools.pictures import Picture, Pictures
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging import images
 from robsim.vision.markers.color_files import colors_of_text, colors_to_toml, paint_of, save_colors
 from robsim.vision.markers.color_score import score_color
 from robsim.vision.robots.definition import RobotDefinition
@@ -275,7 +275,7 @@ class ColorsView(ToolView):
         self.send(head, counts.astype("<f4").tobytes())
 
 
-def _score_message(image: Pixels, color: ColorClass, region: Region) -> dict[str, Any]:
+def _score_message(image: images.Pixels, color: ColorClass, region: Region) -> dict[str, Any]:
     score = score_color(image, color, [region], repeats=2)
     return {
         "type": "score",

@@ -12,7 +12,7 @@ import numpy as np
 
 from robsim.base.checks import Floats, check_float
 from robsim.lab.calibration.seen_sheets import SeenSheets
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging import images
 
 _MOST_REACH = 40.0  # px
 _SIGMA = 0.25  # of the weights about the point, of the reach: wide joints want a wide window
@@ -23,7 +23,9 @@ _SETTLED = 0.005  # px
 _LUMA = np.array((0.299, 0.587, 0.114))
 
 
-def snapped(image: Pixels, at: tuple[float, float], reach: float) -> tuple[float, float] | None:
+def snapped(
+    image: images.Pixels, at: tuple[float, float], reach: float
+) -> tuple[float, float] | None:
     """Return where the nearest corner or dot of a picture is, to a tenth of a pixel."""
     reach = min(max(reach, 1.0), _MOST_REACH)
     sigma = min(max(_SIGMA * reach, _LEAST_SIGMA), _MOST_SIGMA)
@@ -121,7 +123,7 @@ class FloorSheets:
     def task(self) -> SeenSheets:
         return self._seen
 
-    def looking(self, image: Pixels) -> Callable[[], SeenSheets | str]:
+    def looking(self, image: images.Pixels) -> Callable[[], SeenSheets | str]:
         """Return what finds the sheets in a picture, or says why there are none; any thread."""
         mark = self._seen.mark
 
@@ -182,7 +184,7 @@ _LIGHT, _DARK, _SPREAD, _NOISE = 150.0, 70.0, 14.0, 1.5  # levels
 
 
 @functools.cache
-def tiled_floor() -> Pixels:
+def tiled_floor() -> images.Pixels:
     """Return the picture of the floor, (H, W, 3)."""
     width, height = _SIZE
     a, b, c = np.linalg.inv(floor_to_pixels())

@@ -14,15 +14,15 @@ from robsim.gui.tools.floor.points import FEWEST, FloorDraft
 from robsim.lab.calibration.floor import calibrate_floor
 from robsim.lab.calibration.floor_report import FloorCalibration
 from robsim.lab.calibration.grid import grid_step
+from robsim.vision.imaging import images
 from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.calibration_file import load_calibration
-from robsim.vision.imaging.images import Pixels
 
 Size = tuple[int, int]
 
 
 def fitted(
-    draft: FloorDraft, lens: Calibration | None, size: Size, picture: Pixels | None = None
+    draft: FloorDraft, lens: Calibration | None, size: Size, picture: images.Pixels | None = None
 ) -> FloorCalibration:
     """Return the calibration by the points whose place is given."""
     if len(draft.complete) < FEWEST:

@@ -13,7 +13,7 @@ from robsim.lab.calibration.lens_report import LensCalibration
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.lab.calibration.taking import BoardPictures, BoardTaker
-from robsim.vision.imaging.images import frame_size
+from robsim.vision.imaging import images
 
 if TYPE_CHECKING:
     from robsim.gui.tools.floor.view import FloorView
@@ -210,7 +210,7 @@ class LensPictures:
     def _look_at(self, picture: Picture, *, is_asked: bool = True) -> None:
         board, image = self.board, picture.frame.image
         if not is_asked:
-            self._taker = self._taker or BoardTaker(board, frame_size(image))
+            self._taker = self._taker or BoardTaker(board, images.frame_size(image))
             board = self._taker.board
         look = board.find if is_asked or self._taker is None else self._taker.look
 
@@ -256,7 +256,7 @@ class LensPictures:
     def _keep(self, picture: Picture, found: Corners, board: Board) -> None:
         """Take a picture with its corners; ValueError if it does not go with the others."""
         self._refuse_more()
-        size = frame_size(picture.frame.image)
+        size = images.frame_size(picture.frame.image)
         self.taken = self.taken.with_picture(picture.name, size, found, board)
         self._changed()
 

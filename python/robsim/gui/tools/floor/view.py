@@ -31,9 +31,9 @@ from robsim.gui.tools.pictures import Pictures
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView
 from robsim.lab.calibration.floor_report import FloorCalibration
 from robsim.lab.calibration.seen_sheets import SeenSheets
+from robsim.vision.imaging import images
 from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.calibration_file import load_calibration, save_calibration
-from robsim.vision.imaging.images import frame_size
 
 MESSAGES: Messages = {
     **TOOL_MESSAGES,
@@ -173,7 +173,7 @@ class FloorView(ToolView):
         return partial(floor_still, *about, self._shown_calibration())
 
     def changed_picture(self) -> None:
-        self._frames = frame_size(self.shown.frame.image)
+        self._frames = images.frame_size(self.shown.frame.image)
         self.lens.changed_picture()
 
     # What changes it; TypeError, ValueError or OSError: nothing was changed.
@@ -230,7 +230,7 @@ class FloorView(ToolView):
     def _grid_places(self, floor: PlaneMap, step: float) -> list[tuple[Pixel, Pixel]]:
         """Return where a grid (mm) is in the picture, and on the floor, without its points."""
         draft = self.points.draft
-        width, height = frame_size(self.shown.frame.image)
+        width, height = images.frame_size(self.shown.frame.image)
         columns, rows = (int(side * draft.mm_per_px / step) + 1 for side in draft.area)
         places = [(column * step, row * step) for row in range(rows) for column in range(columns)]
         pixels = floor.to_pixel(np.array(places) / draft.mm_per_px).tolist()

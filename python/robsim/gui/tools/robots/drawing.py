@@ -9,7 +9,7 @@ import numpy as np
 
 from robsim.base.checks import check_float, check_int
 from robsim.gui.tools.history import History
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging import images
 from robsim.vision.robots.polygon_checks import finite_array
 from robsim.vision.robots.sketch import Sketch
 
@@ -78,7 +78,7 @@ class RobotDrawing(History[Sketch]):
         return check_int("corner", corner, minimum=0, maximum=len(self.sketch.part(part)) - 1)
 
 
-def cut_out(image: Pixels, square: tuple[float, float, float]) -> Pixels:
+def cut_out(image: images.Pixels, square: tuple[float, float, float]) -> images.Pixels:
     """Return what a square of a picture shows: its centre and side (px)."""
     u, v, side = square
     count = round(side)

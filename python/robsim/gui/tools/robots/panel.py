@@ -10,7 +10,7 @@ from robsim._core import Frame
 from robsim.base.checks import check_bool
 from robsim.gui.tools.panel import ToolPanel
 from robsim.gui.tools.robots.view import RobotsView
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging import images
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
 
@@ -35,7 +35,7 @@ class RobotPanel(ToolPanel):
         definition = as_robot(robot)
         self._view.ask(lambda: self._view.load(definition))
 
-    def load(self, picture: Frame | Pixels | str | PathLike[str]) -> None:
+    def load(self, picture: Frame | images.Pixels | str | PathLike[str]) -> None:
         """Take a picture, as if it were dropped on the tool.
 
         One whose surroundings are transparent is drawn on at once, with first guesses; another one

@@ -19,7 +19,7 @@ from robsim.gui.tools.pictures import OnePicture, Picture, Pictures
 from robsim.gui.tools.robots.drawing import RobotDrawing, cut_out
 from robsim.gui.tools.robots.still import robots_still
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, ToolView
-from robsim.vision.imaging.images import Pixels
+from robsim.vision.imaging import images
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import (
     as_robot,
@@ -171,7 +171,7 @@ class RobotsView(ToolView):
         pixels = image if whole else cut_out(image, self._square)
         self._draw_on(Sketch.of_picture(pixels, self.drawing.sketch.size, self._colors))
 
-    def loading(self, pixels: Pixels, name: str) -> Callable[[], object]:
+    def loading(self, pixels: images.Pixels, name: str) -> Callable[[], object]:
         if not is_cut_out(pixels):
             return super().loading(pixels, name)
         sketch = Sketch.of_picture(pixels, 1.0, self._colors)

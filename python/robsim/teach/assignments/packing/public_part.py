@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from robsim.base.files.codec import load_table
+from robsim.base.files import codec
 from robsim.base.text import one_line
 from robsim.teach.assignments import limits_file
 from robsim.teach.assignments._own_tests.listing import list_own_tests
@@ -55,7 +55,7 @@ def _files(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
 def _public_toml(assignment: Assignment) -> str:
     import tomlkit
 
-    values = load_table(assignment.folder / FILE)
+    values = codec.load_table(assignment.folder / FILE)
     for key in ("tests", "files"):
         values[key] = [one for one in values.get(key, []) if one["public"]]
     values = {"points": _all_points(assignment)} | {k: v for k, v in values.items() if v != []}
