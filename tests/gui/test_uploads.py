@@ -2,6 +2,7 @@
 
 import io
 import json
+import sys
 import threading
 import zlib
 from contextlib import ExitStack
@@ -19,7 +20,6 @@ from page_client import BINARY, greeted
 from python_devices import PATIENT, SteppedCamera
 from robsim.gui.hosts.serving import packed_message, unpacked_message
 from robsim.vision import load_robot
-from robsim.vision.imaging import images
 from waiting import wait_for
 
 FLOOR = np.full((30, 40, 3), (120, 122, 118), np.uint8)
@@ -179,14 +179,14 @@ def test_only_so_many_come_at_the_same_time(view, browser):
 
 def test_what_is_given_up_while_it_is_decoded_is_not_shown(view, browser, monkeypatch):
     decoding, go_on = threading.Event(), threading.Event()
-    decoded = images.decoded
+    decoded = sys.modules[UPLOADS].decoded
 
     def slow(*arguments):
         decoding.set()
         assert go_on.wait(300)
         return decoded(*arguments)
 
-    monkeypatch.setattr(images, "decoded", slow)
+    monkeypatch.setattr(f"{UPLOADS}.decoded", slow)
     content = png(OTHER)
     browser.say("upload", content, **first_part(content))
     assert decoding.wait(300)

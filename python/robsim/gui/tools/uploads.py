@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from robsim.base.text import one_line
 from robsim.gui._link import Link, Messages, Refused, one_buffer, text, whole
-from robsim.vision.imaging import images
+from robsim.vision.imaging.images import decoded
 
 if TYPE_CHECKING:
     from robsim.gui.tools.tool import ToolView
@@ -132,7 +132,7 @@ class Uploads:
             if not upload.is_wanted:
                 return ""
             try:
-                pixels = images.decoded(io.BytesIO(upload.content), upload.name)
+                pixels = decoded(io.BytesIO(upload.content), upload.name)
                 return self._tool.prepared(pixels, upload.name)
             except ValueError as error:
                 return str(error)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim._core import Blob, ColorClass, Frame, color_histograms, find_blobs
+from robsim.base import report
 from robsim.base.checks import Floats, check_int, is_int
-from robsim.base.report import Column, Quantity, Report, Row, Table, percent
 from robsim.base.text import quoted
 from robsim.vision.imaging.images import Pixels, darkened
 from robsim.vision.imaging.noise import native_noise
@@ -58,7 +58,7 @@ class Sweep:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ColorScore(Report):
+class ColorScore(report.Report):
     """How robustly a colour is detected: the result of `score_color`.
 
     Attributes
@@ -101,11 +101,11 @@ class ColorScore(Report):
         return f"{'widened' if self.margin > 0 else 'narrowed'} by {abs(self.margin)}"
 
     @property
-    def quantities(self) -> tuple[Quantity, ...]:
+    def quantities(self) -> tuple[report.Quantity, ...]:
         """Mean detection rates, and the margin that is proposed."""
-        name = Quantity("color", "colour", self.color.name)
-        rate = Quantity("rate", "mean detection rate", self.rate, format=percent)
-        margin = Quantity("margin", "proposed margin", self.margin, "levels")
+        name = report.Quantity("color", "colour", self.color.name)
+        rate = report.Quantity("rate", "mean detection rate", self.rate, format=report.percent)
+        margin = report.Quantity("margin", "proposed margin", self.margin, "levels")
         if not self.margin:
             return name, rate, margin
         title = f"mean detection rate, {self._change}"
@@ -113,21 +113,21 @@ class ColorScore(Report):
             name,
             rate,
             margin,
-            Quantity("widened_rate", title, self.widened_rate, format=percent),
+            report.Quantity("widened_rate", title, self.widened_rate, format=report.percent),
         )
 
     @property
-    def tables(self) -> tuple[Table, ...]:
+    def tables(self) -> tuple[report.Table, ...]:
         """Detection rate at each level of each sweep."""
-        columns = [Column("rate", "unchanged", format=_percent)]
+        columns = [report.Column("rate", "unchanged", format=_percent)]
         if self.margin:
-            columns.append(Column("widened_rate", self._change, format=_percent))
+            columns.append(report.Column("widened_rate", self._change, format=_percent))
         rows = [
-            Row(_described(sweep.name, level), rates[: len(columns)])
+            report.Row(_described(sweep.name, level), rates[: len(columns)])
             for sweep in self.sweeps
             for level, *rates in zip(sweep.levels, sweep.rates, sweep.widened_rates, strict=True)
         ]
-        return (Table(key="levels", columns=columns, rows=rows, row_title="detection rate"),)
+        return (report.Table(key="levels", columns=columns, rows=rows, row_title="detection rate"),)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -141,7 +141,7 @@ class ColorScore(Report):
 
 
 def _percent(rate: float) -> str:
-    return percent(rate, 0)
+    return report.percent(rate, 0)
 
 
 def _described(sweep: str, level: float) -> str:

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._core import ColorClass
+from robsim.base import report
 from robsim.base.checks import Floats
-from robsim.base.report import Column, Quantity, Report, Row, Table, percent
 
 _MOST_ROWS = 20  # of the table
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TrainedColor(Report):
+class TrainedColor(report.Report):
     """A colour trained on frames: the result of `train_color` and `train_markers`.
 
     Attributes
@@ -72,37 +72,37 @@ class TrainedColor(Report):
         return "the drift eats the margin" if self.is_at_risk else "the margin outlasts the drift"
 
     @property
-    def quantities(self) -> tuple[Quantity, ...]:
+    def quantities(self) -> tuple[report.Quantity, ...]:
         """Frames, drift, margin."""
         low, high = self.medians.min(axis=0), self.medians.max(axis=0)
         spans = [f"{a:.0f} to {b:.0f}" for a, b in zip(low, high, strict=True)]
         return (
-            Quantity("color", "colour", self.color.name),
-            Quantity("frames", "frames", len(self.frames)),
-            Quantity("missed", "frames without it", self.missed),
+            report.Quantity("color", "colour", self.color.name),
+            report.Quantity("frames", "frames", len(self.frames)),
+            report.Quantity("missed", "frames without the colour", self.missed),
             *(
-                Quantity(key, f"{key.upper()}, darkest to brightest frame", span)
+                report.Quantity(key, f"{key.upper()}, darkest to brightest frame", span)
                 if key == "y"
-                else Quantity(key, f"{key.upper()}, lowest to highest", span)
+                else report.Quantity(key, f"{key.upper()}, lowest to highest", span)
                 for key, span in zip("yuv", spans, strict=True)
             ),
-            Quantity("drift", "drift of the margin", self.drift, "levels", ".0f"),
-            Quantity("least_margin", "smallest margin", self.least_margin, "levels", ".0f"),
+            report.Quantity("drift", "drift of the margin", self.drift, "levels", ".0f"),
+            report.Quantity("least_margin", "smallest margin", self.least_margin, "levels", ".0f"),
         )
 
     @property
-    def tables(self) -> tuple[Table, ...]:
+    def tables(self) -> tuple[report.Table, ...]:
         """Level and chroma of the colour, frame by frame."""
         columns = [
-            Column("y", "Y", format=".0f"),
-            Column("u", "U", format=".0f"),
-            Column("v", "V", format=".0f"),
-            Column("margin", "margin", "levels", format=".0f"),
-            Column("share", "in the class", format=lambda share: percent(share, 0)),
+            report.Column("y", "Y", format=".0f"),
+            report.Column("u", "U", format=".0f"),
+            report.Column("v", "V", format=".0f"),
+            report.Column("margin", "margin", "levels", format=".0f"),
+            report.Column("share", "in the class", format=lambda share: report.percent(share, 0)),
         ]
         values = np.column_stack((self.medians, self.margins, self.shares))
-        rows = [Row(f"frame {self.frames[i]}", tuple(values[i])) for i in self._shown]
-        return (Table(key="levels", columns=columns, rows=rows, row_title=self.color.name),)
+        rows = [report.Row(f"frame {self.frames[i]}", tuple(values[i])) for i in self._shown]
+        return (report.Table(key="levels", columns=columns, rows=rows, row_title=self.color.name),)
 
     @property
     def _shown(self) -> NDArray[np.int64]:
