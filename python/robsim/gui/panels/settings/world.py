@@ -13,8 +13,8 @@ from robsim.simulation.options import OPTIONS
 
 
 def world_settings(simulation: Simulation) -> list[Setting]:
-    noise = DisturbanceKind(simulation, "noise", "noise")
-    disturbance = DisturbanceKind(simulation, "disturbance", "process_noise")
+    noise = DisturbanceKind(simulation, "noise", "noise", "gaussian")
+    disturbance = DisturbanceKind(simulation, "disturbance", "process_noise", "pose")
     return [
         noise,
         DisturbanceLevel(noise),
@@ -27,12 +27,12 @@ def world_settings(simulation: Simulation) -> list[Setting]:
 class DisturbanceKind(Choice):
     """The kind of the camera noise or of the process noise: a type in the row of the option."""
 
-    def __init__(self, simulation: Simulation, name: str, option: str) -> None:
+    def __init__(self, simulation: Simulation, name: str, option: str, usual: str) -> None:
         self.name, self.tip = name, OPTIONS[option].doc
         self._simulation, self._option = simulation, option
         kinds: tuple[Any, ...] = OPTIONS[option].types
         self._kinds = {kind._kind: kind for kind in kinds}
-        self._last = next(iter(self._kinds))
+        self._last = usual
         self._levels = {kind._LEVEL: kind._LEVEL.default for kind in kinds}
         self._note()
 
