@@ -102,12 +102,12 @@ def scenario(text):
     return with_entries(text, "robot", None, documented(OPTIONS))
 
 
-def written():
-    """Return the new text of each file."""
-    files = {FOLDER / f"{make.__name__}.py": make for make in (simulation, experiment, scenario)}
+def written(folder):
+    """Return the new text of each file of a folder."""
+    files = {folder / f"{make.__name__}.py": make for make in (simulation, experiment, scenario)}
     return {file: make(file.read_text()) for file, make in files.items()}
 
 
 if __name__ == "__main__":
-    for path, content in written().items():
+    for path, content in written(FOLDER).items():
         path.write_text(content)
