@@ -35,7 +35,7 @@ CPP = {
     "lab/motors": {"base/system", "model"},
     "simulation/seam": {"imaging", "model", "vision"},
     "simulation/world": {
-        *("base/system", "base/elementary", "lab/capture", "lab/motors", "model", "world"),
+        *("base/system", "base/elementary", "lab/motors", "model", "world"),
         "simulation/seam",
     },
     "simulation/robot": {
@@ -44,6 +44,7 @@ CPP = {
     },
     "simulation/remote": {"base/system", "imaging", "simulation/seam", "simulation/robot"},
     "simulation": {"base/system", "simulation/seam", "simulation/robot"},
+    "lab": {"lab/capture", "lab/motors", "simulation/seam", "simulation/world"},
     "lab/laboratory": {
         *("base/system", "base/elementary", "base/geometry", "imaging", "model", "world"),
         *("lab/capture", "lab/motors", "simulation/seam", "simulation/world"),

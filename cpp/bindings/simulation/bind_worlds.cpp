@@ -9,6 +9,7 @@
 #include "python/numpy.hpp"
 #include "python/signature.hpp"
 #include "python/values.hpp"
+#include "robsim/lab/live_ends.hpp"
 #include "robsim/model/motion.hpp"
 #include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/simulation/world/external_world.hpp"

@@ -5,8 +5,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include "robsim/lab/capture/grabber.hpp"
-#include "robsim/lab/motors/motor_link.hpp"
 #include "robsim/lab/motors/safety.hpp"
 #include "robsim/simulation/seam/world.hpp"
 
@@ -26,9 +24,6 @@ struct FrameSource {
   bool is_interpreted = true;
 };
 
-/// The newest frame of a camera each time. Throws as Grabber::take.
-FrameSource frames_of(std::shared_ptr<Grabber> camera);
-
 /// Where inputs go to.
 struct InputSink {
   // Returns when it went out (monotonic, s), if it knows; empty: nobody wants the inputs.
@@ -37,9 +32,6 @@ struct InputSink {
   std::function<void()> halt;  // for the watchdog, must not throw; empty: no watchdog
   bool is_interpreted = true;
 };
-
-/// A robot behind a line. What fails when it is stopped, the link keeps.
-InputSink inputs_to(std::shared_ptr<MotorLink> link);
 
 /// No fresh frame came in time: the robot was stopped.
 class FrameTimeout : public std::runtime_error {
