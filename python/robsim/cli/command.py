@@ -118,7 +118,7 @@ def command(
 
         known = [declared.get(one.name, one) for one in parameters]
         shown.__signature__ = signature.replace(parameters=known)  # type: ignore[attr-defined]
-        about = "\n\n".join([summary or first, *parts])
+        about = "\n\n".join([summary or first, *(part.replace("\n", " ") for part in parts)])
         called = name or function.__name__
         app.command(called, cls=Command, help=about, epilog=example, **more)(shown)
         return function

@@ -43,10 +43,10 @@ _FORMS: dict[str | type[Option], tuple[str, Callable[[str], Any] | None, str]] =
     Choice: ("WORD", None, ""),
     Switch: ("", None, ""),
     "robot": ("NAME|FOLDER", None, ""),
-    "headings": ("N", None, "For None write continuous."),
+    "headings": ("N", None, ""),
     "noise": ("KIND:PERCENT", None, "Such as gaussian:10 or uniform:10."),
     "dropout": ("PROBABILITY[:STEPS]", None, "0.2:5 = with probability 0.2, 5 steps at a time."),
-    "start": ("X,Y,DEGREES", None, "Degrees are clockwise, such as 300,300,90; or: random."),
+    "start": ("X,Y,DEGREES", None, ""),
     "seed": ("N", whole_number, ""),
     "colors": ("FILE", None, ""),
     "markers": ("NAME|FOLDER", None, ""),
@@ -57,17 +57,30 @@ _FORMS: dict[str | type[Option], tuple[str, Callable[[str], Any] | None, str]] =
         "pose is measured.",
     ),
 }
+# Texts of the options whose values differ in the shell.
+_TEXTS = {
+    "robot": "Name of a robot, or a folder with a robot.toml. Default: the one chosen with robsim "
+    "robots use, initially lab.",
+    "headings": "Number of headings that the robot is drawn in: the nearest one, at integer pixels; "
+    "or: continuous, at its exact position and heading.",
+    "start": "The first pose: x, y (px), heading (degrees, clockwise), such as 300,300,90; or: "
+    "random. Default: the centre of the area, facing right.",
+    "seed": "Seed of all random numbers of the run. Default: another one in each run.",
+    "colors": "File of the colours to detect. Default: red and blue as shipped with robsim.",
+    "markers": "Robot with the markers of the default measurement. Default: the one of --robot.",
+}
+
 #: The rows of options that the shell has.
 WORLD = {name: row for name, row in OPTIONS.items() if {name, type(row)} & {*_FORMS}}
 
 
 def option_of(name: str) -> Any:
-    """Return the shell's option for an option of the world, with the text of its row."""
+    """Return the shell's option for an option of the world, with the text of its row or ours."""
     row = OPTIONS[name]
     form, parser, remark = _FORMS.get(name) or _FORMS[type(row)]
     limits = row.limits and f"{row.limits} {row.unit}".strip() + "."
     default = f"Default: {row.default}." if isinstance(row, (Number, Whole, Choice)) else ""
-    words = (re.sub(r'[`"]', "", row.doc), limits, remark, default)
+    words = (_TEXTS.get(name) or re.sub(r'[`"]', "", row.doc), limits, remark, default)
     text = " ".join(filter(None, words)).removesuffix(" Default: None.")
     return option(f"--{name.replace('_', '-')}", form, text, parser=parser)
 

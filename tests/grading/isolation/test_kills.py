@@ -180,8 +180,12 @@ def test_a_run_gives_its_bytes_or_says_what_was_killed(tmp_path, rng):
             assert killed, text
             assert re.fullmatch(KILLED[whose], text), text
         assert_same_trace(place.outcome(HONEST).trace, first)
-        # Those zygotes are others.
-        assert more_left({**before, "of zygotes": []}, {**place.left(), "of zygotes": []}) == {}
+        # Those zygotes are others, and remove what their last worker had.
+        wait_for(
+            lambda: (
+                more_left({**before, "of zygotes": []}, {**place.left(), "of zygotes": []}) == {}
+            )
+        )
     graded.zygotes.close_zygotes()
 
 

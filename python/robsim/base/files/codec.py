@@ -191,7 +191,8 @@ def read_key(name: str, read: Read, value: Any) -> Any:
 
 def as_table(name: str, value: Any, hint: str = "") -> dict[str, Any]:
     """Return a table of a file; else raise TypeError, with a hint."""
-    return of_type(name, value, f"a table{hint}", dict)  # type: ignore[no-any-return]
+    table: dict[str, Any] = of_type(name, value, f"a table{hint}", dict)
+    return table
 
 
 def check_key(key: str, known: Iterable[str], what: str = "there is no key") -> None:
