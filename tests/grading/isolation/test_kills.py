@@ -180,7 +180,7 @@ def test_a_run_gives_its_bytes_or_says_what_was_killed(tmp_path, rng):
             assert killed, text
             assert re.fullmatch(KILLED[whose], text), text
         assert_same_trace(place.outcome(HONEST).trace, first)
-        # Those zygotes are others, and remove what their last worker had.
+        # The zygotes are others. Each removes the folder of its last worker.
         wait_for(
             lambda: (
                 more_left({**before, "of zygotes": []}, {**place.left(), "of zygotes": []}) == {}
