@@ -61,8 +61,8 @@ _FORMS: dict[str | type[Option], tuple[str, Callable[[str], Any] | None, str]] =
 _TEXTS = {
     "robot": "Name of a robot, or a folder with a robot.toml. Default: the one chosen with robsim "
     "robots use, initially lab.",
-    "headings": "Number of headings that the robot is drawn in: the nearest one, at integer pixels; "
-    "or: continuous, at its exact position and heading.",
+    "headings": "Number of headings that the robot is drawn in: the nearest, at integer pixels. "
+    "Or: continuous, at its exact pose.",
     "start": "The first pose: x, y (px), heading (degrees, clockwise), such as 300,300,90; or: "
     "random. Default: the centre of the area, facing right.",
     "seed": "Seed of all random numbers of the run. Default: another one in each run.",

@@ -233,6 +233,9 @@ class Simulation(WorldSlots, Runner):
             time_limit=time_limit,
         )
         self._earlier: list[tuple[int, Simulation]] = []  # what draws the steps up to a number
+        # The scenario of the trace, behind the options, the seed and the stages it was made of.
+        self._made_scenario: tuple[Scenario | None, Any, dict[str, Any], Scenario]
+        self._made_scenario = (None, self._seed, {}, self._scenario)
         stages = {name: given.get(name, self._not_default(name)) for name in _STAGES}
         self._fill_slots(**(given | stages))
 
@@ -249,7 +252,11 @@ class Simulation(WorldSlots, Runner):
             for name, value in self._callbacks.items()
             if name in _STAGES
         }
-        return self._scenario.replace(seed=self._seed, **stages)
+        base, seed, known, made = self._made_scenario
+        if base is not self._scenario or seed is not self._seed or known != stages:
+            made = self._scenario.replace(seed=self._seed, **stages)
+            self._made_scenario = (self._scenario, self._seed, stages, made)
+        return made
 
     def _headings(self) -> int | None:
         return self._scenario.headings
