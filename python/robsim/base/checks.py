@@ -97,15 +97,7 @@ def check_text(name: str, value: Any) -> str:
 
 
 def check_name(argument: str, name: Any) -> str:
-    """Return a name that can be shown anywhere; else raise TypeError or ValueError.
-
-    Parameters
-    ----------
-    argument : str
-        What the message calls it.
-    name : str
-        1 to 40 printable characters.
-    """
+    """Return a name of 1 to 40 printable characters; else raise TypeError or ValueError."""
     text = check_text(argument, name)
     if not (0 < len(text) <= LONGEST_NAME and text.isprintable()):
         raise ValueError(

@@ -26,14 +26,8 @@ def late_names(
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Return ``__getattr__`` and ``__dir__`` of a wing with the public names of its rooms.
 
-    Parameters
-    ----------
-    wing : str
-        Its ``__name__``.
-    rooms : tuple of str
-        Its rooms, in the order in which they import one another.
-    apart : tuple of str
-        Rooms whose names are in them alone: not everybody has them, or what they need.
+    The rooms are in the order in which they import one another. Names of rooms `apart` are in these
+    alone, as some users lack their packages.
     """
     sys.modules[wing].__class__ = _Wing
     namespace = sys.modules[wing].__dict__
@@ -69,8 +63,7 @@ def late_names(
 def present(module: ModuleType, wing: str) -> None:
     """Set ``__module__`` of the names in a module's ``__all__`` to the wing that has them.
 
-    So `help`, reprs, tracebacks and pickles show the public path, such as ``robsim.Trace`` or
-    ``robsim.lab.Camera``, and not the private file that defines it.
+    So `help`, reprs, tracebacks and pickles show the public path, such as ``robsim.Trace``.
     """
     # The names at the top belong to `robsim` itself.
     homes = getattr(sys.modules.get("robsim"), "_HOMES", {})

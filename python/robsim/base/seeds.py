@@ -45,17 +45,9 @@ _ROBOTS = 2**16  # the spawn key under which robots 1, 2, ... have theirs: of no
 
 
 def seed_sequence(seed: Seed) -> np.random.SeedSequence:
-    """Return the seed of a run.
+    """Return the seed of a run; a Generator draws one, and None = entropy of the operating system.
 
-    Parameters
-    ----------
-    seed : int, SeedSequence, SeedRecord, Generator or None
-        A Generator is asked for a new seed; None = entropy of the operating system.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `seed` has another type, or is negative.
+    A negative number or another type raises ValueError or TypeError.
     """
     if isinstance(seed, np.random.SeedSequence):
         return seed
@@ -89,8 +81,7 @@ def seed_value(seed: Seed) -> int | SeedRecord | None:
 def stream(seed: np.random.SeedSequence, name: str, robot: int = 0) -> np.random.SeedSequence:
     """Return the seed of a named stream, always the same for the same arguments.
 
-    A robot's streams do not depend on the number of robots. The streams of the world, "noise"
-    and "faults", belong to robot 0.
+    It does not depend on the number of robots. The world's "noise" and "faults" are of robot 0.
     """
     own = (_ROBOTS, robot) if robot else ()
     key = (*seed.spawn_key, *own, STREAMS.index(name))
@@ -105,8 +96,7 @@ def stream_number(seed: np.random.SeedSequence, name: str, robot: int = 0) -> in
 def random_bits(seed: int | np.random.SeedSequence) -> Iterator[int]:
     """Yield numbers of 64 random bits; ``(bits >> 11) * 2.0**-53`` is uniform in [0, 1).
 
-    Every version of numpy gives the same bits for a seed; what the methods of a Generator make of
-    them may change (NEP 19).
+    Every numpy gives the same bits for a seed; the methods of a Generator may change (NEP 19).
     """
     source = np.random.PCG64(seed)
     while True:

@@ -16,24 +16,10 @@ NOTEBOOKS = Path(__file__).parents[1] / "notebooks"
 
 
 def copy_notebooks(folder: str | PathLike[str]) -> list[Path]:
-    """Copy the notebooks that ship with robsim into a folder.
+    """Copy the notebooks of robsim into a folder, created if needed; return the copies' paths.
 
-    Parameters
-    ----------
-    folder : path
-        The folder; it is created if needed.
-
-    Returns
-    -------
-    list of Path
-        The copies.
-
-    Raises
-    ------
-    FileExistsError
-        If one of them exists there; then nothing is written.
-    NotADirectoryError
-        If `folder` is a file.
+    It writes nothing if one exists there (FileExistsError), or if `folder` is a file
+    (NotADirectoryError).
     """
     return copy_files(sorted(NOTEBOOKS.glob("*.ipynb")), folder)
 

@@ -14,16 +14,7 @@ _LONGEST = 100  # characters; no name is longer, and the search takes their squa
 def closest(name: str, known: Iterable[str], *, cutoff: float = 0.6) -> str | None:
     """Return the known name that `name` resembles most, or None if it resembles none.
 
-    Case, underscores, hyphens and spaces do not count.
-
-    Parameters
-    ----------
-    name : str
-        The name that came.
-    known : iterable of str
-        All names that there are.
-    cutoff : float
-        How much it must resemble one: 1 = it is the same.
+    Case, underscores, hyphens and spaces do not count. At a `cutoff` of 1 only the same name fits.
     """
     if len(name) > _LONGEST:
         return None
@@ -33,15 +24,7 @@ def closest(name: str, known: Iterable[str], *, cutoff: float = 0.6) -> str | No
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return the end of an error message, ``"; did you mean 'x'?"``, or ``""``.
-
-    Parameters
-    ----------
-    name : str
-        The name that came.
-    known : iterable of str
-        All names that there are.
-    """
+    """Return the end of an error message, ``"; did you mean 'x'?"``, or ``""``."""
     meant = closest(name, known)
     return "" if meant is None else f"; did you mean {meant!r}?"
 
@@ -57,17 +40,7 @@ def no_attribute(message: str, name: str = "", known: Iterable[str] = ()) -> Att
 def check_names(
     what: str, given: Iterable[str], known: Iterable[str], error: Callable[[str], Exception]
 ) -> None:
-    """Raise an error for the first name that is not known, with the one that was meant.
-
-    Parameters
-    ----------
-    what : str
-        What has the names: ``"a scenario has no option"``.
-    given, known : iterable of str
-        The names that came, and all there are.
-    error : type
-        The exception.
-    """
+    """Raise an error for the first unknown name; `what` begins it: ``"a task has no option"``."""
     known = list(known)
     for name in given:
         if name not in known:

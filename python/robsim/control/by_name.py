@@ -30,13 +30,5 @@ POINTS: dict[str, int | None] = {"go-to-point": 1, "follow-path": None}
 
 
 def controller_named(name: str, points: Sequence[Point] = ()) -> Control:
-    """Return a controller with its default options.
-
-    Parameters
-    ----------
-    name : str
-        One of `NAMES`.
-    points : sequence of (x, y)
-        Where it drives (px), for those of `POINTS`.
-    """
+    """Return a default controller of `NAMES`; those of `POINTS` drive to `points` (x, y) in px."""
     return _TO_POINTS[name](points) if name in _TO_POINTS else OPEN_LOOP[name]()

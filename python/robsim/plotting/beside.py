@@ -139,15 +139,7 @@ def _of_drive(trace: Trace, reference: Trace | None, goals: Floats) -> list[RunE
 
 
 def distance(positions: Floats, goals: Floats) -> Floats:
-    """Return the distance of positions from a goal, or from a path of straight lines.
-
-    Parameters
-    ----------
-    positions : array (N, 2)
-        Positions.
-    goals : array (2,), (3,) or (M, 2)
-        A goal, or the corners of a path.
-    """
+    """Return distances of positions (N, 2) from a goal (2,), (3,) or a path's corners (M, 2)."""
     corners = np.atleast_2d(goals)[:, :2]
     if len(corners) == 1:
         corners = np.repeat(corners, 2, axis=0)
@@ -179,11 +171,10 @@ def draw_run(
 ) -> tuple[Figure, str]:
     """Draw a run of a submission and the reference's; return the figure and a caption.
 
-    The run may have ended early. The slots of the submission decide about its error: of the
-    estimate, of the measurement, of the parameters; for a controller the distance from `goals`.
-    These are a pose (3,) or a position (2,) to drive to, or the corners (N, 2) of a path, in
-    work-area px. For each unit, `asked` has the error that is allowed on average for all points,
-    such as ``{"px": 0.8, "deg": 1.2}``. The first `unscored` steps have no largest error.
+    Its slots decide about its error: estimate, measurement, parameters, or a controller's distance
+    from `goals`. Goals are a pose (3,), a position (2,) or a path's corners (N, 2), in work-area
+    px. `asked` has by unit the mean error for all points, such as ``{"px": 0.8, "deg": 1.2}``. The
+    first `unscored` steps have no largest error.
     """
     if not len(trace):
         raise ValueError("trace must have steps")

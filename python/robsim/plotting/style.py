@@ -264,10 +264,7 @@ def haloed(width: float) -> list[Any]:
 
 
 def legend_below(axes: Axes, *, ncols: int, **look: Any) -> None:
-    """Put the legend, if there is one to draw, below the label of the x axis.
-
-    It has `ncols` columns, or as many as there is room for, but at least 2.
-    """
+    """Put the legend, if any, below the x label, in `ncols` columns or as fit, at least 2."""
     if axes.get_legend_handles_labels()[0]:
         figure: Any = axes.figure.figure
         width = axes.get_position().width * figure.get_figwidth()

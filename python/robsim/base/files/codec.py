@@ -27,10 +27,9 @@ _LONGEST_LINE = 1000  # characters, among which a key is looked for
 
 
 class WrongTable(ValueError):
-    """An error in a table of a file: a sentence, the path there, and the key.
+    """An error in a table of a file: a sentence, the path there (lists count from 1), and the key.
 
-    Tables of a list have their numbers in the path, from 1. The key is the sentence's first word by
-    default.
+    The key is the sentence's first word by default.
     """
 
     def __init__(self, sentence: str, path: tuple[str, ...] = (), key: str = "") -> None:
@@ -150,10 +149,7 @@ class Table:
         return {key: read_key(key, self.keys[key].read, given) for key, given in table.items()}
 
     def write(self, value: Any, kind: str = "") -> Any:
-        """Return the table of a value, or of its attributes; a kind becomes its first key.
-
-        It has no keys for None and NaN.
-        """
+        """Return the table of a value, without None and NaN; a kind becomes its first key."""
         import tomlkit  # it costs milliseconds
 
         table = tomlkit.table()

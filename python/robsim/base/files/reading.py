@@ -50,13 +50,7 @@ def _size(count: int) -> str:
 
 
 def parse_toml(text: str, most: int = MOST_TOML) -> dict[str, Any]:
-    """Parse a TOML text of at most `most` bytes, in limited time.
-
-    Raises
-    ------
-    ValueError
-        If it is not TOML, or too involved.
-    """
+    """Parse a TOML text of at most `most` bytes in limited time; else raise ValueError."""
     if len(text.encode(errors="replace")) > most:
         raise ValueError(f"it must have at most {_size(most)}")
     signs = sum(map(text.count, ",=[{.\"'#")) + text.count("\n\n")
@@ -72,13 +66,7 @@ def parse_toml(text: str, most: int = MOST_TOML) -> dict[str, Any]:
 
 
 def content_of(path: Path, size: int = -1) -> bytes:
-    """Return the first `size` bytes of a file, all by default.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file, with the one in its folder that was probably meant.
-    """
+    """Return the first `size` bytes of a file, all by default; FileNotFoundError suggests one."""
     try:
         with path.open("rb") as file:
             return file.read(size)

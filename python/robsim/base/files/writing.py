@@ -26,12 +26,7 @@ def write_whole(file: Path, content: bytes) -> None:
     """Write a file: readers get the old or the new content, never a part, whatever happens.
 
     Links are followed, and an old file's mode and owner are kept; another hard link keeps the old
-    content. A device or pipe is written into.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written; it is named as the user did.
+    content. A device or pipe is written into. An OSError has the user's name of the file.
     """
     with open_whole(file) as stream:
         stream.write(content)
@@ -79,15 +74,7 @@ class PartialFile:
             self.descriptor = opened[0]
 
     def commit(self, *, overwrite: bool = True) -> None:
-        """Bring the content to the disk and give it its name.
-
-        Raises
-        ------
-        FileExistsError
-            If there is such a file, and it is not to be overwritten.
-        OSError
-            If that fails. The old file is unchanged then.
-        """
+        """Bring the content to the disk and name it; an OSError leaves the old file unchanged."""
         with naming(self._file):
             if self._target is None:
                 with open(self.path, "rb") as source, open(self._file, "wb") as target:
@@ -154,10 +141,7 @@ def _status(file: Path) -> os.stat_result | None:
 
 
 def _target_of(file: Path) -> Path | None:
-    """Return the file that a path leads to; None if it is one that nothing can take the place of.
-
-    That is a device, a pipe, or what has no name any more, such as /dev/stdout may lead to.
-    """
+    """Return the file that a path leads to; None for a device, a pipe or a file without a name."""
     target, status = Path(os.path.realpath(file)), _status(file)
     if status is None:
         return target
@@ -202,14 +186,7 @@ def copy_files(files: Iterable[Path], folder: str | PathLike[str]) -> list[Path]
 def write_new_files(contents: Mapping[str, bytes], folder: str | PathLike[str]) -> list[Path]:
     """Write files, by their names, into a folder: all, or none if one of them exists there.
 
-    Raises
-    ------
-    FileExistsError
-        If one of them exists.
-    NotADirectoryError
-        If `folder` is a file.
-    OSError
-        If one cannot be written.
+    FileExistsError: a file exists. NotADirectoryError: `folder` is a file.
     """
     folder = as_folder(folder)
     if folder.exists() and not folder.is_dir():
@@ -248,14 +225,9 @@ def _write_new(file: Path, content: bytes) -> None:
 
 
 def write_csv(path: Path, columns: Mapping[str, Iterable[Any]]) -> None:
-    """Write columns by name; None and NaN stay empty.
+    """Write columns by name; None and NaN stay empty, and an OSError leaves an old file unchanged.
 
-    A text that a spreadsheet would take for a formula gets a ' before it.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; an old file of that name is unchanged then.
+    A text that a spreadsheet would take for a formula gets a ' at its start.
     """
     with open_whole(path) as stream:
         file = io.TextIOWrapper(stream, encoding="utf-8", newline="")

@@ -7,20 +7,7 @@ from typing import Any
 
 
 def import_optional(name: str, what: str) -> Any:
-    """Return a module.
-
-    Parameters
-    ----------
-    name : str
-        Its name; the first part is that of the package for pip.
-    what : str
-        What needs it, with its verb, for the message.
-
-    Raises
-    ------
-    ImportError
-        If it is not installed.
-    """
+    """Return a module; an ImportError names `what` needs it (with a verb), and the pip package."""
     try:
         return importlib.import_module(name)
     except ImportError as error:

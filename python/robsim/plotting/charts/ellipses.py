@@ -91,10 +91,10 @@ def plot_ellipses(
 
 
 def ellipses(covariances: Floats, level: float) -> Floats:
-    """Return the corners (N, 48, 2) of ellipses around 0 that contain a fraction, the level.
+    """Return corners (N, 48, 2) of ellipses around 0 that contain the fraction `level`.
 
-    It is that of normal distributions with these covariances (N, 2, 2). ValueError: one of them has
-    a negative eigenvalue.
+    It is of normal distributions; `covariances` (N, 2, 2) with a negative eigenvalue raise
+    ValueError.
     """
     eigenvalues, axes = np.linalg.eigh(covariances)
     if (eigenvalues[:, 0] < -1e-9 * eigenvalues[:, 1]).any():

@@ -59,10 +59,7 @@ def _draw_ranges(panel: Axes, k: NDArray[np.int64], errors: Floats, color: str) 
 
 
 def draw_reported(panel: Axes, k: NDArray[np.int64], half_width: Floats) -> float:
-    """Draw the band of two reported standard deviations (N,); return half its usual width.
-
-    NaN = not known: the band has a gap there.
-    """
+    """Draw the band of two reported sigmas (N,), NaN = a gap; return half its usual width."""
     look: dict[str, Any] = {"color": style.REPORTED, "linewidth": 0}
     # The value of a step holds from half a step before it to half a step after it.
     steps = np.column_stack((k - 0.5, k + 0.5)).ravel()
@@ -96,10 +93,7 @@ def limit_panel(
 
 
 def draw_histogram(axes: Axes, errors: Floats, unit: str, *, color: str = style.MEASURED) -> None:
-    """Draw a histogram, with the normal distribution of the same mean and standard deviation.
-
-    The axes are beside the panel of the errors, whose y axis they share.
-    """
+    """Draw a histogram beside the errors' panel, with the normal of the same mean and sigma."""
     axes.tick_params(labelleft=False)
     axes.xaxis.set_major_locator(MaxNLocator(4, integer=True, min_n_ticks=1))
     if not len(errors):

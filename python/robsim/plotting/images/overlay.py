@@ -27,10 +27,7 @@ def heading_line(pose: Floats) -> Floats:
 
 
 def placed_outline(outline: ArrayLike, pose: Floats) -> Floats:
-    """Return the corners (N, 2) of a robot's outline at a pose (3,), in work-area px.
-
-    The outline is in the robot's own axes, x forward and y to the right.
-    """
+    """Return an outline (N, 2) in robot axes (x forward, y right) at a pose (3,), in area px."""
     points = check_positions("outline", outline)
     # y to the right of the robot: forward rotated by +90 degrees, clockwise in the image.
     forward = _forward(pose)
