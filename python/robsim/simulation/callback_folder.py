@@ -46,24 +46,10 @@ Callbacks = dict[str, Callable[..., Any] | bool]
 
 
 def new_folder(folder: str | PathLike[str]) -> list[Path]:
-    """Write the default callbacks to a folder, as templates for the user.
+    """Write the default callbacks as templates to a folder, created if needed; return the files.
 
-    Parameters
-    ----------
-    folder : path
-        The folder; it is created if needed.
-
-    Returns
-    -------
-    list of Path
-        The files.
-
-    Raises
-    ------
-    FileExistsError
-        If one of them exists there; then nothing is written.
-    NotADirectoryError
-        If `folder` is a file.
+    It writes nothing if one exists there (FileExistsError), or if `folder` is a file
+    (NotADirectoryError).
     """
     return copy_files([slot.template for slot in SLOTS.values()], folder)
 
@@ -71,22 +57,9 @@ def new_folder(folder: str | PathLike[str]) -> list[Path]:
 class CallbackFolder:
     """A folder with a file for each callback, named after its slot, such as ``control.py``.
 
-    A file defines a function of the same name. ``ENABLED = False`` in it switches it off. Other
-    files of the folder are helper modules, which the callbacks can import by name.
-
-    Parameters
-    ----------
-    folder : path
-        The folder.
-    slots : sequence of str
-        The slots that it may fill; files for others are not executed.
-    given : mapping of str to bytes
-        Helper modules by name, without ``.py``, which count before files of the folder.
-
-    Raises
-    ------
-    TypeError
-        If `folder` is not a path.
+    A file defines a function of that name; ``ENABLED = False`` switches it off. Files for slots
+    other than `slots` are not executed. Others are helper modules, which the callbacks import by
+    name; `given` modules by name, without ``.py``, replace them.
     """
 
     def __init__(
@@ -105,26 +78,10 @@ class CallbackFolder:
     def load(self) -> Callbacks:
         """Read, compile and execute the files; if one fails, the modules loaded before are kept.
 
-        Returns
-        -------
-        dict of str to callable or bool
-            The callbacks by slot. False = switched off, True = the default stage. Slots without a
-            file are missing.
-
-        Raises
-        ------
-        FileNotFoundError, NotADirectoryError
-            If there is no such folder.
-        ValueError, TypeError
-            If it has no callback files, or one of them does not define its callback.
-        Exception
-            Any exception of a file when it is executed, including SyntaxError, with a note that
-            names the file.
-
-        Warns
-        -----
-        UserWarning
-            If the name of a file looks like a misspelled slot name.
+        Return the callback of each slot with a file; False = off, True = the default stage. An
+        error of a file, SyntaxError too, gets a note with its name. A missing folder raises
+        FileNotFoundError or NotADirectoryError; missing callbacks raise ValueError or TypeError. A
+        name like a misspelled slot gives a UserWarning.
         """
         sources = self._read()
         imported = imported_names(sources)
@@ -151,10 +108,7 @@ class CallbackFolder:
                     raise
 
     def anew(self) -> tuple[CallbackFolder, Callbacks]:
-        """Return another one with the sources that were loaded last, and its own callbacks.
-
-        Their modules, and those that they import, share nothing with the ones before.
-        """
+        """Return another folder of the same sources, and its callbacks, which share no modules."""
         return CallbackFolder.of_sources(
             self.path, self._absolute, self._modules.sources, self._slots
         )
@@ -168,10 +122,7 @@ class CallbackFolder:
         slots: Sequence[str],
         builtins: dict[str, Any] | None = None,
     ) -> tuple[CallbackFolder, Callbacks]:
-        """Return a folder with files that were read before, and its callbacks.
-
-        Parameters are those of `FolderModules`.
-        """
+        """Return a folder of files that were read before (`FolderModules`), and its callbacks."""
         other = cls(path, slots)
         other._absolute = absolute
         other._modules = FolderModules(path, absolute, sources, builtins)
@@ -207,13 +158,7 @@ class CallbackFolder:
 
     @property
     def changed(self) -> set[str]:
-        """Names, without ``.py``, of the files that have changed since they were loaded.
-
-        Raises
-        ------
-        FileNotFoundError, NotADirectoryError, ValueError
-            As `load`, if the folder or all its callbacks have been removed.
-        """
+        """Names, without ``.py``, of the files changed since they were loaded; raises as `load`."""
         state = self._state()
         if state is not None and state == self._unchanged:
             return set()
@@ -276,22 +221,7 @@ class CallbackFolder:
 
 
 def callback_of_module(module: ModuleType, slot: str, file: Path) -> Callable[..., Any] | bool:
-    """Return the callback that a module defines for a slot, checked.
-
-    Parameters
-    ----------
-    module : module
-        The module.
-    slot : str
-        The slot.
-    file : Path
-        Its file, for messages.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it defines none, or what cannot fill the slot.
-    """
+    """Return a module's callback for a slot; a TypeError or ValueError has the file."""
     enabled = getattr(module, "ENABLED", True)
     if not isinstance(enabled, bool):
         raise TypeError(f"{one_line(file)}: ENABLED must be True or False, got {quoted(enabled)}")

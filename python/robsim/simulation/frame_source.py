@@ -43,22 +43,11 @@ _PATIENCE = 0.05  # s, after which the loop looks whether it was stopped
 
 
 class FrameSource:
-    """An iterable of frames, read one per step by the loop.
+    """An iterable of frames (Frame, Observation or None), read one per step by the loop.
 
-    Parameters
-    ----------
-    frames : iterable of Frame, Observation or None
-        The frames. The optional attributes ``area`` and ``dt`` are the size of the work area (px)
-        and the time between two frames (s).
-    area : tuple of int, optional
-        Width and height of the work area (px). Default: that of `frames`, or 1200 x 1200.
-    is_polled : bool
-        Whether a run can be stopped while it waits for a frame, or has a limit for that.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `frames` is not iterable, or `area` is no size.
+    Its optional attributes ``area`` (px) and ``dt`` (s) apply by default, else 1200 x 1200. With
+    `is_polled`, a run can be stopped while it waits for a frame, or has a limit for that. A wrong
+    value raises TypeError or ValueError.
     """
 
     def __init__(
@@ -205,13 +194,7 @@ class FrameSource:
         return self._read is not None
 
     def again(self, k: int) -> Frame | None:
-        """Return the frame of step k, read again; any thread that no other one disturbs.
-
-        Raises
-        ------
-        LookupError
-            If the frames can be read only once, or there are fewer.
-        """
+        """Return the frame of step k, read again, one thread at a time; else LookupError."""
         if (read := self._read) is None:
             raise LookupError("the frames can be read only once")
         taken = read(k)
@@ -356,17 +339,10 @@ def mirrored_remark(runner: Runner) -> str | None:
 
 
 def drives_backwards(u: Floats, poses: Floats) -> bool:
-    """Return whether a robot clearly moves against its inputs.
+    """Return whether a robot clearly moves against inputs (N, 2), V, by its poses (N, 3).
 
     In 100 steps of `DriveAround` it found 88 % of 120 reversed robots; none of 360 right ones was
-    taken for one (tests/statistics/RESULTS.md).
-
-    Parameters
-    ----------
-    u : array (N, 2)
-        The inputs (V).
-    poses : array (N, 3)
-        The measured poses; NaN = not seen.
+    taken for one (tests/statistics/RESULTS.md). NaN = not seen.
     """
     voltage = u.mean(axis=1)
     heading = poses[:-1, 2]

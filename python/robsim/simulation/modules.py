@@ -30,18 +30,8 @@ class FolderModules(MetaPathFinder, Loader):
     """The files of a folder, as they were read, as modules: callbacks and helper modules.
 
     A finder and loader of the import system. It writes no ``__pycache__``: cached bytecode is
-    checked against whole seconds, so that an edit within the same second would be missed.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder as its user gave it, for messages.
-    absolute : Path
-        Its absolute path.
-    sources : mapping of str to bytes
-        The files by name, without ``.py``.
-    builtins : dict, optional
-        The built-in names that they have; None = Python's.
+    checked against whole seconds, so that an edit within a second would be missed. `sources` have
+    names without ``.py``, and messages show `folder`. Without `builtins` modules have Python's.
     """
 
     def __init__(

@@ -24,19 +24,9 @@ from robsim.trace.sessions.writer import SessionWriter, check_is_free
 
 
 class Recording:
-    """The session of an experiment, which begins with its first run.
+    """The session of an experiment, which begins with its first run, in a folder without one.
 
-    Parameters
-    ----------
-    folder : path
-        Folder of the session; it must not have one yet.
-    lossless : bool
-        Whether the frames are recorded without loss.
-
-    Raises
-    ------
-    FileExistsError
-        If the folder has a session already.
+    FileExistsError: the folder has a session already.
     """
 
     def __init__(self, folder: str | PathLike[str], *, lossless: bool) -> None:
@@ -60,13 +50,7 @@ class Recording:
     def begin(
         self, runner: Runner, model: RobotModel, more: Mapping[str, Any], *, is_live: bool
     ) -> None:
-        """Write the set-up, unless that is done already.
-
-        Raises
-        ------
-        RuntimeError
-            If the session is over.
-        """
+        """Write the set-up, unless that is done already; RuntimeError if the session is over."""
         if self._is_over:
             raise RuntimeError(
                 f"the session in {self._folder} is complete: make a new Experiment with another "
@@ -142,18 +126,8 @@ def _stop_all() -> None:
 def motors_of(send: Callable[[Floats], Any], stop_input: Floats | None) -> MotorLink | CalledMotors:
     """Return the link that `send` is, or an object around it that stops the robot as a link does.
 
-    Parameters
-    ----------
-    send : callable
-        ``send(u)``: brings an input (2,), in V, to the robot.
-    stop_input : array (2,), or None
-        What stops the robot (V); None = nothing is sent at the end of a run.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `send` is not callable; if it is a link, which has a stop of its own, and another stop
-        input is given.
+    `send(u)` brings an input (2,), in V, to the robot. `stop_input` (2,), V, stops it; None =
+    nothing is sent at the end. A link has its own stop: another one raises ValueError.
     """
     if not callable(send):
         raise TypeError(f"send must be callable, got {quoted(send)}")
@@ -168,13 +142,7 @@ def motors_of(send: Callable[[Floats], Any], stop_input: Floats | None) -> Motor
 
 
 class CalledMotors:
-    """A function that brings inputs to a robot, with the methods of a `MotorLink`.
-
-    Parameters
-    ----------
-    send, stop_input
-        As in `motors_of`.
-    """
+    """A function that brings inputs to a robot, with the methods of a `MotorLink` (`motors_of`)."""
 
     _has_moved = False  # an input was sent since the last stop input
     _is_halted = False
@@ -202,10 +170,7 @@ class CalledMotors:
         self._send(u)
 
     def halt(self) -> None:
-        """Stop the robot from any thread in the middle of a run, in which nothing more is sent.
-
-        The end of the run stops it again.
-        """
+        """Stop the robot from any thread; the run sends nothing more, its end stops it again."""
         self._is_halted = True
         if not self._must_stop:
             return

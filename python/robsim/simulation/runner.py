@@ -137,15 +137,7 @@ class Runner(Slotted):
         self._is_marker_size_known = False
 
     def _give(self, given: str, slots: Iterable[str]) -> None:
-        """Let callbacks look at no more than they could where they are graded.
-
-        Parameters
-        ----------
-        given : str
-            ``"frames"``, ``"blobs"``, ``"pose"``; ``"all"`` = whatever there is.
-        slots : iterable of str
-            Those that they fill.
-        """
+        """Limit callbacks of `slots` to the graded data: frames, blobs, pose, or all."""
         is_all = given == "all"
         self._core.set_given(given, is_all or are_samples_given(self.identify_from, slots))
 
@@ -290,10 +282,7 @@ class Runner(Slotted):
 
     @contextmanager
     def _looking_up(self, pulse: Callable[[int], None]) -> Iterator[None]:
-        """Call `pulse` every 50 ms or so of the runs in the context, in their thread.
-
-        It may stop them, and gives no heed to its argument.
-        """
+        """Call `pulse` every 50 ms or so of runs inside, in their thread; it may stop the runs."""
         self._pulse = pulse
         try:
             yield
@@ -478,15 +467,7 @@ class Runner(Slotted):
 
 
 def progress_bar(items: Iterable[Any] | None = None, **options: Any) -> Any:
-    """Return a bar of tqdm on a terminal or in a notebook, and one that stays silent elsewhere.
-
-    Parameters
-    ----------
-    items : iterable, optional
-        What the bar counts while it is iterated over.
-    **options
-        Those of ``tqdm.tqdm``.
-    """
+    """Return a bar of tqdm, with its options, which is silent outside a terminal or notebook."""
     from tqdm.auto import tqdm
 
     if "desc" in options:

@@ -121,18 +121,7 @@ TABLES: dict[type, codec.Table] = {
 
 
 def to_toml(changes: dict[str, Any]) -> str:
-    """Return options as the text of a file.
-
-    Parameters
-    ----------
-    changes : dict
-        The options to write, in their normal forms.
-
-    Raises
-    ------
-    ValueError
-        If the text would be larger than what is read.
-    """
+    """Return options, in their normal forms, as TOML; ValueError for more than a file may have."""
     import tomlkit
 
     document = tomlkit.document()
@@ -174,24 +163,7 @@ def _shipped_name(robot: RobotDefinition) -> str | None:
 
 
 def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
-    """Return the scenario of a text.
-
-    Parameters
-    ----------
-    cls : type
-        `Scenario`.
-    text : str
-        TOML.
-    source : str
-        Where the text is from: ``"scenario file run.toml"``.
-
-    Raises
-    ------
-    TypeError
-        If `text` is not a str.
-    ValueError
-        If the text is no scenario; the message names the source and the option.
-    """
+    """Return the scenario of a text; a ValueError names `source`, ``"scenario file run.toml"``."""
     if not isinstance(text, str):
         raise TypeError(f"text must be a str, got {quoted(text)}")
     with codec.telling(source, text):

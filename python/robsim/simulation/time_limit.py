@@ -29,16 +29,11 @@ class _TimeIsUp(BaseException):
 
 
 class TimeLimit:
-    """Interrupts callbacks that exceed a maximum duration.
+    """Interrupts a callback, by a watchdog thread, after a maximum number of seconds, above 0.
 
-    A watchdog thread interrupts a callback that is overdue. Code that never returns to the Python
-    interpreter, such as an endless call of a compiled library, cannot be interrupted; outside the
-    main thread, and on Windows, neither can a blocking system call such as a sleep.
-
-    Parameters
-    ----------
-    seconds : float
-        Maximum duration of a call of a callback (s), above 0.
+    Code that never returns to the Python interpreter, such as an endless call of a compiled
+    library, cannot be interrupted. Outside the main thread, and on Windows, a blocking system call
+    cannot be interrupted, such as a sleep.
     """
 
     def __init__(self, seconds: float) -> None:
@@ -76,10 +71,7 @@ class TimeLimit:
 
     @contextmanager
     def watching(self) -> Iterator[None]:
-        """Enforce the limit on the callbacks that this thread runs inside the context.
-
-        One context may lie in another: around many short runs a single watchdog costs less.
-        """
+        """Enforce the limit on this thread's callbacks inside; around many runs it is cheaper."""
         if self._is_watching and self._thread == threading.get_ident():
             yield
             return
@@ -138,10 +130,7 @@ class TimeLimit:
 
 @contextmanager
 def _signal_kept(signum: int) -> Iterator[None]:
-    """Put back what a signal does, of which Python knows nothing where it was set in C.
-
-    As `faulthandler.register` does, for one.
-    """
+    """Restore a signal handler set in C, as by `faulthandler.register`, unknown to Python."""
     action = ctypes.create_string_buffer(_LARGEST_ACTION)
     system = ctypes.CDLL(None)
     system.sigaction(int(signum), None, action)

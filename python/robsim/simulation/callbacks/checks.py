@@ -24,17 +24,7 @@ from robsim.simulation.slots import SLOTS, switches
 
 
 def check_callback(name: str, value: object) -> None:
-    """Raise TypeError if a slot cannot be filled with a value.
-
-    What cannot be inspected, such as compiled code, is accepted.
-
-    Parameters
-    ----------
-    name : str
-        The slot.
-    value : object
-        A callable, a native component, a bool; None passes.
-    """
+    """Raise TypeError if a value cannot fill a slot; what cannot be inspected, or None, passes."""
     slot = SLOTS[name]
     if value is None or type(value) in slot.native:
         return

@@ -84,21 +84,7 @@ def callback_of(error: BaseException) -> FailedCallback | None:
 
 
 def failed(error: BaseException, slot: str, what: str, k: int, function: object) -> None:
-    """Note on an exception which callback raised it; the same exception reaches the user.
-
-    Parameters
-    ----------
-    error : BaseException
-        The exception.
-    slot : str
-        The slot.
-    what : str
-        What a message calls the callback.
-    k : int
-        The step; -1 = at the start.
-    function : callable
-        The callback.
-    """
+    """Note on an exception that the callback, `what`, raised it at step k; -1 = at the start."""
     inner = callback_of(error)  # of a simulation inside the callback, which comes first
     source = (
         None
@@ -129,10 +115,7 @@ def note_failed_file(error: BaseException, slot: str, file: str) -> None:
 def refused(
     error: BaseException, slot: str, what: str, k: int, function: object
 ) -> CallbackTypeError | CallbackValueError:
-    """Return the exception to raise for a result that its slot cannot use; arguments as `failed`.
-
-    Its message is that of `error`, which says what was expected and what came.
-    """
+    """Return the exception for a result that its slot cannot use, with the message of `error`."""
     source = source_line.line_of_callable(function)
     record = FailedCallback(
         slot, None if k < 0 else k, source_line.users_line_of_callable(function)
@@ -179,15 +162,7 @@ _OF_ROBSIM = re.compile(r"\b(robsim(?:\.\w+)+)(?:'| object|$)")
 
 
 def note_misuse(error: BaseException, step: Step) -> None:
-    """Add a note to an exception of a callback that took a value for something that it is not.
-
-    Parameters
-    ----------
-    error : BaseException
-        The exception.
-    step : Step
-        The step.
-    """
+    """Add a note to an exception of a callback that took a value of its step for something else."""
     failed = callback_of(error)
     if failed is None or isinstance(error, CallbackError):
         return

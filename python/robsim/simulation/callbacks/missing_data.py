@@ -14,17 +14,7 @@ from robsim.simulation.slots import SLOTS
 
 @dataclass(frozen=True)
 class _Datum:
-    """What a step may lack.
-
-    Attributes
-    ----------
-    slot : str
-        The slot that gives it.
-    off : str
-        Why it is None where that slot is off.
-    absent : str
-        Why it is None though the slot is on.
-    """
+    """A datum that a step may lack: its slot, why it is None if that is off, and if it is on."""
 
     slot: str
     off: str
@@ -59,17 +49,7 @@ _OTHERS = {
 
 
 def note_missing_data(error: BaseException, step: Step, is_on: Callable[[str], bool]) -> None:
-    """Add a note to an exception of a callback that used what its step does not have.
-
-    Parameters
-    ----------
-    error : BaseException
-        The exception.
-    step : Step
-        The step.
-    is_on : callable
-        ``is_on(slot)``: whether a slot is filled.
-    """
+    """Add a note to an exception of a callback that used a datum that its step lacks."""
     failed = callback_of(error)
     if failed is None or failed.k != step.k or not comes_of_none(error):
         return
@@ -108,19 +88,10 @@ def _has(step: Step, name: str) -> bool:
 
 
 def unmet_needs(slot: str, callback: object, is_on: Callable[[str], bool]) -> str | None:
-    """Return what a callback needs and does not get, as a sentence; None = nothing.
+    """Return the datum that a callback needs and does not get, as a sentence; None = nothing.
 
     Its attribute ``needs`` is ``"measurement"``, ``"estimate"`` or ``"parameters"``, or a tuple of
-    these, of which one is enough.
-
-    Parameters
-    ----------
-    slot : str
-        The slot.
-    callback : object
-        What is in it.
-    is_on : callable
-        ``is_on(slot)``: whether a slot is filled.
+    these: one is enough.
     """
     needs = getattr(callback, "needs", ())
     wanted = [_DATA[name] for name in as_names(needs) if name in _DATA]

@@ -12,10 +12,7 @@ from robsim.base import source_line
 
 
 def accepts(function: Callable[..., object], count: int) -> bool:
-    """Return whether a callable can be called with so many positional arguments.
-
-    True for compiled callables that do not say what they take.
-    """
+    """Return whether a callable takes `count` positional arguments; True if that is unknown."""
     signature = signature_of(function)
     if signature is None:
         return True
@@ -83,10 +80,7 @@ class CallTimes:
         self._totals: dict[str, tuple[int, float]] = {}
 
     def total(self, slot: str) -> tuple[int, float]:
-        """Return the number of calls of what is in a slot, and their duration (s).
-
-        Any thread may ask. Native stages are not counted.
-        """
+        """Return number and duration (s) of a slot's calls, without native ones; for any thread."""
         return self._totals.get(slot, (0, 0.0))
 
     def timed(self, slot: str, callback: Callable[..., Any]) -> Callable[..., Any]:

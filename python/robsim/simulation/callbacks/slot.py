@@ -17,16 +17,10 @@ _MISSING: Any = object()
 
 
 class SlotHandle(Generic[T]):
-    """A slot of a simulation: ``sim.control``.
+    """A slot of a simulation, ``sim.control``, and the decorator that fills it, ``@sim.control``.
 
-    It is the decorator that fills the slot, ``@sim.control``; `callback` is what the slot holds.
-    A handle equals its callback, and is false where the slot is empty or off.
-
-    Attributes
-    ----------
-    callback : callable, bool or None
-        What is in the slot: your callback or a ready component, as it was given; True = the default
-        of a stage that may be off; None = the default, or off.
+    It equals its `callback`, the value as it was given, and is false for an empty slot. True = the
+    default of a stage that may be off, None = the default, or off.
     """
 
     __hash__ = None  # type: ignore[assignment]
@@ -43,13 +37,7 @@ class SlotHandle(Generic[T]):
         return value
 
     def __call__(self, callback: F = _MISSING, /, *others: object, **named: object) -> F:
-        """Fill the slot with a callback and return it: the decorator.
-
-        Raises
-        ------
-        TypeError
-            If it is no callable, or cannot be called with the argument of the slot.
-        """
+        """Fill the slot with a callback and return it; TypeError if the slot cannot call it."""
         name = self._slot.name
         if others or named:
             raise TypeError(
@@ -82,32 +70,11 @@ class SlotHandle(Generic[T]):
 class Slot(Generic[T]):
     """A slot: a row of the table, and the descriptor ``sim.control``.
 
-    Parameters
-    ----------
-    half : str
-        `ROBOT` or `WORLD`.
-    when : str
-        `ONCE`, at the start, or `STEP`.
-    argument : str
-        Name of the callback's argument; empty = it has none.
-    result : str
-        Type of its result.
-    doc : str
-        What it does, for the documentation.
-    is_optional : bool
-        Whether it may stay empty: then the stage is off.
-    is_switch : bool
-        Whether True is the default stage.
-    native : tuple of type
-        Values that are taken as they are, and run without the interpreter.
-    result_types : tuple of type
-        Classes that may be the callback themselves, since they make the result.
-    other_names : tuple of str
-        What a file for the slot may be called by mistake, first in the program of 2008.
-    title : str
-        What it is called in a sentence.
-    default : str
-        Name of the code that fills the slot by default, or if it is switched on; empty = none.
+    `half` is `ROBOT` or `WORLD`, `when` is `ONCE` or `STEP`. An empty `argument` = no argument. An
+    `is_optional` slot may stay empty; with `is_switch`, True is its default stage, named `default`.
+    Values of `native` types run without the interpreter; `result_types` may be callbacks, as
+    classes of the result. `other_names` are wrong names of its file, first in the program of 2008.
+    Sentences call it by its `title`.
     """
 
     name: str
@@ -186,14 +153,9 @@ _in_run: dict[int, object] = {}  # by their ids
 
 @contextmanager
 def held(callbacks: Iterable[object]) -> Iterator[None]:
-    """Keep the callbacks that remember their run for the run of this thread.
+    """Keep callbacks with a true ``_remembers_run`` for the run of this thread.
 
-    These are the objects with a true attribute ``_remembers_run``.
-
-    Raises
-    ------
-    RuntimeError
-        If another run has one of them.
+    RuntimeError: another run has one of them.
     """
     run = object()
     mine = [one for one in callbacks if getattr(one, "_remembers_run", False) is True]

@@ -28,13 +28,7 @@ from robsim.vision.robots.definition import RobotDefinition
 
 
 class SceneCache:
-    """Keeps the scenes that were asked for last; the newest one always. Safe for threads.
-
-    Parameters
-    ----------
-    maximum_size : int
-        Memory of all scenes together (bytes).
-    """
+    """Keeps the last scenes, in `maximum_size` bytes; the newest always. Safe for threads."""
 
     def __init__(self, *, maximum_size: int) -> None:
         self.maximum_size = maximum_size
@@ -104,13 +98,7 @@ def draw_red_square(background: Pixels) -> Pixels:
 
 @dataclass(frozen=True, eq=False)
 class Floor(Value):
-    """A user's floor, of the size of the work area: a value.
-
-    Parameters
-    ----------
-    pixels : array (H, W, 3) of uint8
-        The floor; it is copied.
-    """
+    """A user's floor, pixels (H, W, 3) of uint8, copied, as a value of the work area's size."""
 
     pixels: Pixels = field(repr=False)
 
@@ -127,26 +115,11 @@ def make_scene(
     background: Floor | None,
     adjust_background: Callable[[Pixels], Pixels],
 ) -> Scene:
-    """Return a scene: the one that was made of the same before, if it is still there.
+    """Return a scene, cached by its arguments; TypeError, ValueError: the adjusted image is wrong.
 
-    Parameters
-    ----------
-    robot : RobotDefinition
-        The robot.
-    area, resolution : tuple of int
-        Width and height of the work area (px) and of the frame (px).
-    headings : int
-        Number of headings the robot is drawn in; 0 = continuous.
-    background : Floor or None
-        The floor, of the size of the area. None = the one that ships with robsim.
-    adjust_background : callable
-        Gets the image of the work area with its shadow; returns the changed image. Any other than
-        `draw_red_square` is called each time.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `adjust_background` returns a value of the wrong type or shape.
+    `area` and `resolution` are the sizes of work area and frame (px). 0 `headings` = continuous, no
+    `background` = robsim's floor. `adjust_background` changes the image of the area with its
+    shadow; any function but `draw_red_square` is called each time.
     """
 
     def make() -> Scene:
@@ -210,18 +183,7 @@ def _home(
 
 
 def as_floor(pixels: Pixels) -> Floor:
-    """Return a user's floor, in its own size.
-
-    Parameters
-    ----------
-    pixels : array (H, W, 3) of uint8
-        The option ``background``, which the messages name.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it has the wrong type or shape.
-    """
+    """Return a floor (H, W, 3) of uint8; messages name it as the option ``background``."""
     _check_pixels(pixels, " or a file")
     return Floor(pixels)
 
@@ -280,23 +242,9 @@ def _adjusted(adjust_background: Callable[[Pixels], Pixels], shown: Pixels) -> P
 
 
 def robot_sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[float, float], float]:
-    """Return the robot's image at the scale of the camera, its centre, and the width of a pixel.
+    """Return the robot's sprite (h, w, 4), uint8 RGBA, its centre u, v (px) and its pixel width.
 
-    Parameters
-    ----------
-    robot : RobotDefinition
-        The robot.
-    scale : float
-        Camera pixels per work-area px.
-
-    Returns
-    -------
-    sprite : array (h, w, 4) of uint8
-        RGBA.
-    centre : tuple of float
-        u, v of the robot's centre in the sprite (px).
-    unit : float
-        Width of a sprite pixel on the work area (px).
+    `scale` is camera pixels per work-area px; the width of a sprite pixel is in work-area px.
     """
     height, width = robot.image.shape[:2]
     small_width = max(1, round(robot.size * scale))
