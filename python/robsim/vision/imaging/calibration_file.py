@@ -147,12 +147,9 @@ def save_calibration(path: str | PathLike[str], calibration: Calibration) -> Non
 
 
 def as_calibration(value: Any, plane_map: PlaneMap | None = None) -> Calibration | None:
-    """Return the calibration that an argument stands for, with a floor; None is none.
+    """Return an argument's calibration, with a floor; None stays None.
 
-    Raises
-    ------
-    OSError, TypeError, ValueError
-        If it is none, its file cannot be read, or a plane map is given, too.
+    ValueError or OSError: it is invalid, its file cannot be read, or a plane map is given, too.
     """
     if value is None:
         return None

@@ -57,21 +57,10 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
 
 
 def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
-    """Return the pixels of an open image file; any thread may ask.
+    """Return the pixels of an open image, called `name` in messages; raises as `load_image`.
 
-    Parameters
-    ----------
-    file : file
-        Its content.
-    name : str
-        What it is called in messages.
-    mode : str or None
-        ``"RGB"`` or ``"RGBA"``; None = as it is: RGBA if it has transparency.
-
-    Raises
-    ------
-    ValueError
-        As from `load_image`.
+    `mode` is ``"RGB"`` or ``"RGBA"``; None = as it is, RGBA for transparency. Any thread may call
+    it.
     """
     try:
         with Image.open(file, formats=_formats()) as image:
@@ -170,15 +159,7 @@ def png_bytes(pixels: Pixels) -> bytes:
 
 
 def resized(pixels: Pixels, width: int, height: int) -> Pixels:
-    """Return an image in another size: box-averaged when smaller, bicubic when larger.
-
-    Parameters
-    ----------
-    pixels : array (H, W, 3) or (H, W, 4) of uint8
-        RGB or RGBA.
-    width, height : int
-        The new size (px).
-    """
+    """Return an image (H, W, 3 or 4) of another size (px): box-averaged, or bicubic when larger."""
     if (width, height) == (pixels.shape[1], pixels.shape[0]):
         return pixels
     smaller = width <= pixels.shape[1] and height <= pixels.shape[0]

@@ -120,18 +120,7 @@ NOISES: dict[str, type[Noise]] = {kind._kind: kind for kind in (UniformNoise, Ga
 
 
 def as_native_noise(noise: Noise | None) -> VisualNoise:
-    """Return the C++ core's noise for a noise option; None = no noise.
-
-    Parameters
-    ----------
-    noise : GaussianNoise, UniformNoise or None
-        The value of the option ``noise``.
-
-    Raises
-    ------
-    TypeError
-        If `noise` has another type.
-    """
+    """Return the C++ core's noise for an option ``noise``; None = no noise."""
     if noise is None:
         return VisualNoise()
     if not isinstance(noise, _Noise):

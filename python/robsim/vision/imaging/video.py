@@ -123,20 +123,10 @@ _LOG_LEVEL_SILENT = 0
 
 
 def load_opencv(purpose: str) -> Any:
-    """Return the module cv2.
+    """Return the module cv2; its ImportError begins with the purpose, ``"reading a video"``.
 
-    Its FFmpeg prints nothing, unless the program has read or written a video with OpenCV before,
-    or has set OPENCV_FFMPEG_LOGLEVEL.
-
-    Parameters
-    ----------
-    purpose : str
-        What needs it, as the start of the error message: ``"reading a video"``.
-
-    Raises
-    ------
-    ImportError
-        If it is not installed; the message says how to install it.
+    Its FFmpeg prints nothing, unless OpenCV read or wrote a video before, or OPENCV_FFMPEG_LOGLEVEL
+    is set.
     """
     # Looked at once, with the first video.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # AV_LOG_QUIET

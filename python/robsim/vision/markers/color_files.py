@@ -211,18 +211,7 @@ def _classes(colors: ColorClass | Iterable[ColorClass]) -> tuple[ColorClass, ...
 def as_colors(
     colors: str | PathLike[str] | Iterable[ColorClass] | None,
 ) -> tuple[ColorClass, ...]:
-    """Return colour classes as a tuple, read from a file if a path is given.
-
-    Parameters
-    ----------
-    colors : path, iterable of ColorClass, or None
-        The colours; None = the shipped ones.
-
-    Raises
-    ------
-    TypeError
-        If `colors` has another type.
-    """
+    """Return colour classes as a tuple, read from a file for a path; None = the shipped ones."""
     if colors is None or isinstance(colors, (str, PathLike)):
         return load_colors(colors)
     if not isinstance(colors, Iterable):

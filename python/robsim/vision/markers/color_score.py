@@ -36,19 +36,11 @@ _AREA_FACTOR = 3.0
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep:
-    """Detection rates of a colour under one kind of change.
+    """Detection rates of a colour, 0..1, at each level of one kind of change.
 
-    Attributes
-    ----------
-    name : str
-        What was changed: ``"brightness"``, ``"shadow"``, ``"uniform noise"``,
-        ``"gaussian noise"`` or ``"gaussian noise in shadow"``.
-    levels : tuple of float
-        Factors of the brightness, factors of the brightness in the shadow, or noise levels (%).
-    rates : tuple of float
-        Detection rate at each level, 0..1.
-    widened_rates : tuple of float
-        Detection rate of the colour with the proposed margin at each level, 0..1.
+    The name is ``"brightness"``, ``"shadow"``, ``"uniform noise"``, ``"gaussian noise"`` or
+    ``"gaussian noise in shadow"``. Levels are factors of brightness, factors in the shadow, or
+    noise (%). `widened_rates` are of the colour with the proposed margin.
     """
 
     name: str

@@ -30,20 +30,9 @@ _WORDS = {
 
 
 def explain_missed(missed: Sequence[MissedDetections], steps: int) -> str | None:
-    """Return a sentence on the steps without a detection.
+    """Return a sentence on missed steps, their most frequent reason first; None = nothing missed.
 
-    Parameters
-    ----------
-    missed : sequence of MissedDetections
-        The most frequent reason first.
-    steps : int
-        Steps of the run.
-
-    Returns
-    -------
-    str or None
-        The sentence, with the numbers of the first step that was missed for the most frequent
-        reason; None if nothing was missed.
+    It has the first step that was missed for that reason. `steps` is the length of the run.
     """
     if not missed:
         return None
@@ -93,14 +82,7 @@ class SmallMarkersWarning(UserWarning):
 def warn_of_small_markers(markers: MarkerLayout, frame: Frame, noise: float | None) -> None:
     """Warn the caller of robsim if the markers are too small in a frame.
 
-    Parameters
-    ----------
-    markers : MarkerLayout
-        The markers that are looked for.
-    frame : Frame
-        A frame of the camera.
-    noise : float or None
-        Standard deviation of its noise (grey levels); None = to be measured in it.
+    `noise` is its standard deviation (grey levels); None = measured in the frame.
     """
     width = markers.width_in(frame)
     known = frame_noise(frame) if noise is None else noise

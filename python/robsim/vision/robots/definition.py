@@ -177,19 +177,9 @@ class RobotDefinition(Value):
 
 
 def roles_by_color(polygons: Mapping[str, Floats], alignment: float) -> dict[str, str]:
-    """Return the roles of two markers by their colours, as the heading makes them.
+    """Return the role by colour, first marker first, of polygons (N, 2) in image px.
 
-    Parameters
-    ----------
-    polygons : dict of str to array (N, 2)
-        Of the markers, by colour (image px).
-    alignment : float
-        That of the robot (degrees).
-
-    Returns
-    -------
-    dict of str to str
-        Per colour its role, the first marker before the second.
+    The heading decides, which `alignment` (degrees) gives.
     """
     places = np.array([area_and_centroid(polygon)[1] for polygon in polygons.values()])
     roles = fitting_roles(*_rotated(places, alignment))
@@ -200,14 +190,9 @@ def roles_by_color(polygons: Mapping[str, Floats], alignment: float) -> dict[str
 def from_colors(
     markers: Mapping[str, ArrayLike], alignment: float, **parts: Any
 ) -> RobotDefinition:
-    """Return a robot whose markers are given by their colours: their roles follow.
+    """Return a robot from marker polygons (N, 2), image px, by colour; their roles follow.
 
-    Parameters
-    ----------
-    markers : dict of str to array (N, 2)
-        Polygons around the markers (image px) by their colours.
-    alignment : float
-        As of `RobotDefinition`, as are all other arguments.
+    `alignment` and all `parts` are of `RobotDefinition`.
     """
     check_float("alignment", alignment, "degrees")
     polygons = {color: polygon(f"markers[{color!r}]", given) for color, given in markers.items()}

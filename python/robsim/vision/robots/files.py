@@ -146,13 +146,7 @@ polygon = {polygon}
 
 
 def read_robot(folder: Path) -> RobotDefinition:
-    """Read the robot definition of a folder; files that have not changed are read only once.
-
-    Raises
-    ------
-    ValueError
-        If its files do not define a robot; the message names the file.
-    """
+    """Read a folder's robot definition, unchanged files only once; ValueError names the file."""
     file = os.path.join(folder, TOML)
     try:
         try:

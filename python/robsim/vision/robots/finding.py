@@ -264,9 +264,8 @@ def _along_rows(part: NDArray[np.bool_], mask: NDArray[np.bool_]) -> NDArray[np.
 def _polygon_around(pixels: Floats, blob: Blob) -> Floats:
     """Return a polygon of up to 36 corners with a blob's area and centroid.
 
-    The blob is whitened by the Cholesky factor of its covariance and cut into sectors around its
-    centroid; each sector gets a corner at the radius that gives it the area of its pixels. So the
-    polygon cannot intersect itself.
+    The blob, whitened by the Cholesky factor of its covariance, is cut into sectors around the
+    centroid; each gets a corner with the area of its pixels. So it cannot intersect itself.
     """
     count = int(np.clip(len(pixels) // 12, 8, _CORNERS))
     points = _subdivided(pixels)

@@ -202,18 +202,9 @@ def looks_mirrored(
 ) -> bool:
     """Return whether a frame shows the robot only if its red and blue channels are exchanged.
 
-    The markers fit in both orders of the channels, with headings half a turn apart. What else the
-    robot's image shows, does not: it is correlated with the frame at both poses. A robot that looks
-    the same from both sides cannot be told, nor one that does not look like its image.
-
-    Parameters
-    ----------
-    frame : Frame
-        The frame.
-    robot : RobotDefinition
-        The robot; its image is compared, without the markers.
-    detect : callable
-        ``detect(frame) -> Detection``.
+    The markers fit in both orders of the channels, with headings half a turn apart. Only the rest
+    of the robot's image is correlated with the frame at both poses. A robot that looks the same
+    from both sides, or unlike its image, cannot be judged.
     """
     exchanged = Frame.from_bgr(frame.image, plane_map=frame.plane_map)
     given, other = (_likeness(shown, robot, detect(shown)) for shown in (frame, exchanged))

@@ -38,13 +38,7 @@ class ByRole(Mapping[str, T], Generic[T]):
 
 
 def roles_of(name: str, values: Any) -> tuple[str, str]:
-    """Return the pair of roles that a dict is by, in the order of the markers.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is no dict, or by other names.
-    """
+    """Return a dict's pair of roles, in the order of the markers; else TypeError or ValueError."""
     expected = (
         f"{name} must be by the roles {' and '.join(map(repr, ROLES[0]))}, or "
         f"{' and '.join(map(repr, ROLES[1]))}"

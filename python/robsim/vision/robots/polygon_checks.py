@@ -66,18 +66,10 @@ def geometry_problems(
     outline: Floats,
     markers: Mapping[str, Floats],
 ) -> list[str]:
-    """Return what is wrong with a robot's geometry, a sentence each; empty if it is valid.
+    """Return problems of a robot's geometry (image px), a sentence each; empty if it is valid.
 
-    Parameters
-    ----------
-    width, height : int
-        Size of the image.
-    centre : array (2,)
-        The robot's centre (image px).
-    outline : array (N, 2)
-        Polygon (image px).
-    markers : dict of str to array (N, 2)
-        Polygons of the two markers, by what they are called in the sentences.
+    `centre` (2,), `outline` (N, 2); `markers` are two polygons (N, 2) by their names in the
+    sentences.
     """
     polygons = {"outline": outline, **markers}
     crossings = [_crossing(name, polygon) for name, polygon in polygons.items()]

@@ -15,10 +15,7 @@ _MINIMUM_INSIDE = 0.8  # fraction of a box that must lie in the polygon
 
 
 def area_and_centroid(polygon: Floats) -> tuple[float, Floats]:
-    """Return the area and the centroid (2,) of a polygon, by the shoelace formula.
-
-    A polygon without area, such as a figure of eight, has the mean of its corners.
-    """
+    """Return area and centroid (2,) by the shoelace formula; without area, the corners' mean."""
     a = polygon - polygon[0]
     b = np.roll(a, -1, axis=0)
     cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
@@ -75,7 +72,7 @@ def samples(polygon: Floats) -> Floats:
 
 
 def crossing(polygon: Floats) -> tuple[int, int] | None:
-    """Return the indices of two non-adjacent sides that cross or touch, or None.
+    """Return indices of two non-adjacent sides that cross or touch, or None.
 
     Side i goes from corner i to the next one.
     """

@@ -37,25 +37,12 @@ _FLOOR = 150  # level of what lies below a robot's picture
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """What there is of a robot; a polygon that is not drawn yet has no corners.
+    """A robot to be defined; a missing polygon has no corners.
 
-    Attributes
-    ----------
-    image : array (h, w, 4) of uint8
-        RGBA.
-    size : float
-        Width of the image on the work area (px).
-    alignment : float
-        Clockwise rotation of the image (degrees) after which the robot faces right.
-    outline : array (N, 2)
-        Polygon (image px).
-    markers : dict of str to array (N, 2)
-        Polygons of both markers by their colours (image px): their roles follow from where they
-        lie.
-    centre : array (2,) or None
-        The robot's centre (image px). None = that of the outline.
-    maximum_blobs : int
-        As of `RobotDefinition`.
+    `image` (h, w, 4) is uint8 RGBA, `size` its width on the work area (px), `alignment` (degrees)
+    the clockwise rotation after which the robot faces right. `outline` (N, 2) and `markers`, by
+    colour, are polygons in image px; roles follow from places. `centre` (2,) is in image px, by
+    default the outline's.
     """
 
     image: Pixels = field(repr=False)
@@ -76,21 +63,9 @@ class Sketch:
 
     @classmethod
     def of_picture(cls, pixels: Pixels, size: float, colors: Iterable[ColorClass]) -> Sketch:
-        """Return a picture (h, w, 3 or 4) with first guesses of all parts that are found.
+        """Return a picture (h, w, 3 or 4), of robots' size at most, with guesses of its parts.
 
-        One that is larger than robots are is scaled down.
-
-        Parameters
-        ----------
-        size : float
-            Its width on the work area (px).
-        colors : iterable of ColorClass
-            Those of the markers.
-
-        Raises
-        ------
-        ValueError
-            If it is transparent everywhere.
+        `size` is its width on the work area (px). ValueError: it is transparent everywhere.
         """
         sketch = cls(_with_alpha(_reduced(pixels)), size=size)
         if is_cut_out(sketch.image):
@@ -139,13 +114,7 @@ class Sketch:
         return self.parts[name]
 
     def with_part(self, name: str, polygon: Any) -> Sketch:
-        """Return the sketch with another polygon for a part; an empty polygon draws nothing.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If there is no such part, or it is no array (N, 2) of at most 200 corners.
-        """
+        """Return a sketch with a polygon (N, 2) of up to 200 corners for a part; empty = none."""
         is_empty = isinstance(polygon, Sized) and len(polygon) == 0
         corners = np.empty((0, 2)) if is_empty else finite_array("polygon", polygon, (-1, 2))
         if len(corners) > _MOST:
@@ -231,17 +200,9 @@ _PAINTED = ColorClass("painted", v=(200, 255))
 
 
 def guess_outline(image: Pixels) -> Floats:
-    """Return the convex polygon around what stands out from the floor at the picture's rim.
+    """Return the convex polygon around objects that stand out from the floor at the picture's rim.
 
-    Parameters
-    ----------
-    image : array (h, w, 3) of uint8
-        RGB; the robot somewhere within, the floor around it.
-
-    Raises
-    ------
-    ValueError
-        If nothing stands out.
+    The image (h, w, 3) is RGB uint8, with the robot inside. ValueError: nothing stands out.
     """
     yuv = rgb_to_yuv(image).astype(float)
     floor = yuv[_rim(image.shape[0], image.shape[1])]
@@ -262,13 +223,7 @@ def guess_outline(image: Pixels) -> Floats:
 
 
 def guess_marker(image: Pixels, outline: Floats, name: str, colors: Iterable[ColorClass]) -> Floats:
-    """Return a polygon around the largest blob of a colour inside an outline.
-
-    Raises
-    ------
-    ValueError
-        If there is none, or no such colour.
-    """
+    """Return a polygon around the largest blob of a colour in an outline; ValueError: no blob."""
     height, width = image.shape[:2]
     inside = mask(outline, width, height)
     cut = np.dstack([image, np.where(inside, 255, 0).astype(np.uint8)])
