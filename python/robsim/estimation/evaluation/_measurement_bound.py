@@ -327,10 +327,7 @@ def measurement_bound(
 
 
 class SeenMarkers:
-    """The markers of a robot in a frame, from which its pose (3,) is measured.
-
-    Their polygons (N, 2) are in the robot's frame (work-area px).
-    """
+    """A robot's markers in a frame, as polygons (N, 2) in its axes (work-area px), for its pose."""
 
     def __init__(self, frame: Frame, pose: Floats, polygons: Sequence[Floats]) -> None:
         self._pose = pose

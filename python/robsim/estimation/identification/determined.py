@@ -175,10 +175,9 @@ def judge(
 ) -> Identifiability:
     """Return how well parameters theta (3, 5) are determined, from their unscaled standard errors.
 
-    Unscaled errors (3, 5) hold for noise of standard deviation 1: the square roots of the diagonal
-    of (phi' phi)^-1. The equation noise of x, y (in `unit`) and heading (rad) has standard
-    deviations sigma (3,), by default `ASSUMED_SIGMA`. They were estimated with so many degrees of
-    `freedom`; inf = they are known. `px_length` is the length of a px in the unit.
+    Unscaled errors (3, 5), of noise 1, are the roots of the diagonal of (phi' phi)^-1. `sigma` (3,)
+    is the equation noise (`unit`, `unit`, rad), by default `ASSUMED_SIGMA`, estimated with
+    `freedom` degrees of freedom; inf = known. `px_length` is the length of a px in the unit.
     """
     assumed = np.multiply(ASSUMED_SIGMA, (px_length, px_length, 1.0))
     values = np.array(as_float_array("sigma", assumed if sigma is None else sigma))
@@ -254,10 +253,7 @@ def identifiability(
 
 
 def prediction_sigma(trace: Trace, theta: Floats) -> tuple[Floats, int]:
-    """Return the standard deviations (3,) of the one-step prediction errors, and their freedom.
-
-    They are of x, y (in the unit of the trace) and heading (rad), for estimates theta (3, 5).
-    """
+    """Return sigma (3,) of one-step prediction errors (unit, unit, rad), and their freedom."""
     found = regression_of(trace)
     errors = found.y - np.sum(found.phi * theta, axis=2)
     freedom = max(len(errors) - 5, 1)

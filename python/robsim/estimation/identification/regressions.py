@@ -116,25 +116,11 @@ def inputs_of(trace: Trace, input_delay: float = 0.0) -> Floats:
 def interruptions(
     trace: Trace, *, over_bounces: bool = False, input_delay: float = 0.0
 ) -> NDArray[np.bool_]:
-    """Return for each step whether the model does not give it from the two before, (N,).
+    """Return for each step whether the model does not give it from the last two steps, (N,).
 
-    It does not across a bounce, not across lost frames, whose inputs are not known, and not
-    where the robot was stopped in between.
-
-    Parameters
-    ----------
-    trace : Trace
-        The recorded run.
-    over_bounces : bool
-        Count a bounce as no interruption.
-    input_delay : float
-        How late the inputs act (steps): for so long after an interruption, and at the beginning of
-        a record that begins later than its run, what acts was given before, and is not known.
-
-    Raises
-    ------
-    ValueError
-        If the time between two steps is not a multiple of the model's dt.
+    It does not across a bounce (except `over_bounces`), lost frames, or a stop in between. For
+    `input_delay` steps after these, and at the start of a later record, inputs are not known. A
+    time between two steps that is no multiple of the model's dt raises ValueError.
     """
     is_break = np.zeros(len(trace), dtype=bool)
     # While the robot was stopped, time passed as somebody liked.

@@ -74,8 +74,7 @@ def covariance(
 def root(P: Floats) -> Floats:
     """Return L with L L' = P, the same on every processor.
 
-    Eigenvectors alone are not: for equal eigenvalues any basis is valid, and linear-algebra
-    kernels differ in the one they return.
+    Eigenvectors differ between kernels: for equal eigenvalues any basis is valid.
     """
     try:
         return np.asarray(np.linalg.cholesky(P), dtype=np.float64)
@@ -129,19 +128,10 @@ class Prior:
 class StateEstimator(ABC):
     """A filter as the simulation calls it: ``estimate_state(step) -> Estimate``.
 
-    The state is the pose (x, y, heading) and its velocity, in px, rad and s; the heading is
-    wrapped.
-
-    A filter resets at step 0, and at any later step that does not follow the last one. It keeps
-    the state of one run: create one for each simulation. The same step twice is a RuntimeError,
-    as when two simulations share a filter.
-
-    Attributes
-    ----------
-    mean : array (6,)
-        The estimated state.
-    P : array (6, 6)
-        Its covariance.
+    The state, `mean` (6,) with covariance `P` (6, 6), is the pose (x, y, wrapped heading) and its
+    velocity (px, rad, s). A filter resets at step 0, and at a later step that does not follow the
+    last one. It serves one run: the same step twice is a RuntimeError, as two simulations share a
+    filter.
     """
 
     mean: Floats

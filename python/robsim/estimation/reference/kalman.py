@@ -56,17 +56,10 @@ def kalman_update(
 
 
 class KalmanFilter(StateEstimator):
-    """A filter whose state is normally distributed; the subclasses differ in the prediction.
+    """A filter with a normally distributed state; the subclasses differ in the prediction.
 
-    Attributes
-    ----------
-    mean : array (6,)
-        The estimated state: x, y, heading and their velocities.
-    P : array (6, 6)
-        Its covariance.
-    innovation, S : array (3,), array (3, 3), or None
-        The measured minus the predicted pose of the last step, and its covariance. None if the
-        robot was not seen.
+    The `innovation` (3,) is the measured minus the predicted pose, `S` (3, 3) its covariance. Both
+    are None if the robot was not seen.
     """
 
     innovation: Floats | None
@@ -159,13 +152,7 @@ class _StepAhead:
 
 
 class ModelFilter(StateEstimator):
-    """A filter that predicts with the robot model and the inputs.
-
-    Attributes
-    ----------
-    motion : RobotMotion
-        The motion model.
-    """
+    """A filter that predicts with the robot model, `motion`, and the inputs."""
 
     def __init__(self, model: RobotModel | None, *, input_delay: float, **options: Any) -> None:
         self.motion = RobotMotion(model)

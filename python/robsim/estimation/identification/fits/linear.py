@@ -52,8 +52,7 @@ _POLES = 1 - np.geomspace(1.0, 0.01, 14)
 def initial_estimate(segments: list[Segment]) -> Floats:
     """Return theta (3, 5): for each axis the best candidate pole, with b1, b2 and d1 fitted to it.
 
-    It needs no starting value, and noise in the poses does not bias it. The segments may have short
-    gaps only: headings are interpolated.
+    It needs no start, has no bias by noise, and interpolates headings in the (short) gaps.
     """
     return np.array([_best_axis(segments, axis) for axis in (X, Y, HEADING)])
 
@@ -64,10 +63,9 @@ def _best_axis(segments: list[Segment], axis: int) -> Floats:
 
 
 def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Floats, float]:
-    """Return the parameters (5,) of an axis with the poles 1 and `pole` whose path fits best.
+    """Return the best (5,) of an axis with poles 1 and `pole`, and its sum of squared residuals.
 
     For given poles the path is linear in b1, b2, d1 and the first two values of each segment.
-    The second result is the sum of squared residuals.
     """
     a1, a2 = 1 + pole, -pole
     parts = []

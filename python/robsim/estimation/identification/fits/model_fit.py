@@ -101,8 +101,7 @@ def delay_quantities(delay: float, error: float) -> tuple[Quantity, ...]:
 def with_undetermined(theta: Floats, standard_errors: Floats) -> tuple[Floats, Floats]:
     """Return theta and its standard errors (3, 5), NaN and inf where theta is not determined.
 
-    The scale of a1 and a2 is 1, that of b1, b2 and d1 is the larger of b1 and b2: the effect of
-    1 V.
+    The scale of a1 and a2 is 1; of b1, b2, d1 it is the larger of b1, b2: the effect of 1 V.
     """
     gain = np.abs(theta[:, 2:4]).max(axis=1)
     scale = np.column_stack([np.ones((3, 2)), gain, gain, gain])

@@ -84,11 +84,7 @@ def _rows(name: str, values: Any, width: int) -> Floats:
 
 
 def split(record: Record, *, maximum_gap: int | None = None, minimum: int) -> list[Segment]:
-    """Return the segments between the breaks that have `minimum` poses.
-
-    With a `maximum_gap`, also split where the robot was not seen for more than this number of
-    steps.
-    """
+    """Return segments of `minimum` poses or more, split at breaks and gaps over `maximum_gap`."""
     at = np.flatnonzero(record.seen)
     number = np.cumsum(record.breaks)[at]
     new = np.diff(number) > 0
