@@ -137,9 +137,8 @@ def numbers_of(
 ) -> tuple[dict[str, float], dict[str, BaseException]]:
     """Return the numbers of all metrics by the names of their columns, and what others raised.
 
-    A metric that gives one number has a column of its name; the others have ``NAME_KEY``. One that
-    raises, gives something else, or a number whose column there is before, loses its own numbers
-    only. The names that are `taken` are those of columns of no metric.
+    A metric of one number has a column of its name, others have ``NAME_KEY``. A metric that raises,
+    gives something else or a used column loses only its own numbers; `taken` columns are used.
     """
     numbers: dict[str, float] = {}
     errors: dict[str, BaseException] = {}

@@ -153,10 +153,7 @@ class Store:
             return int(found.fetchone()[0])
 
     def missing(self) -> Iterator[Job]:
-        """Yield the runs of the campaign that are not there, in the order cases x runs.
-
-        What is there of a case is looked up when its turn comes.
-        """
+        """Yield the missing runs, cases x runs; each case is looked up in its turn."""
         for case in self._spec.cases:
             with self._naming():
                 found = self._database.execute(
@@ -202,11 +199,7 @@ class Store:
         self._database.executemany("INSERT OR IGNORE INTO traces VALUES (?, ?, ?)", kept)
 
     def read(self) -> dict[str, NDArray[Any]]:
-        """Return the columns of all runs of the campaign, in the order cases x runs.
-
-        The names are those of `ROW_COLUMNS` and of the metrics. Raises LookupError while runs are
-        missing.
-        """
+        """Return the columns of all runs, cases x runs; LookupError while runs are missing."""
         count = len(self._spec.cases) * self._spec.runs
         with self._naming():
             if (there := self.count()) != count:
@@ -265,10 +258,7 @@ def seed_in_store(path: str | PathLike[str]) -> np.random.SeedSequence | None:
 
 
 def trace_in_store(path: Path, description: Mapping[str, Any], case: int, run: int) -> Trace | None:
-    """Return the trace that the store of a campaign has of a run.
-
-    The result is None without a trace or a store. ValueError: the trace is damaged.
-    """
+    """Return a run's trace; None without trace or store, ValueError for a damaged one."""
     if not path.exists():
         return None
     try:
@@ -301,10 +291,7 @@ def _check_is_store(database: sqlite3.Connection, path: Path | None) -> None:
 
 
 def _check_is_whole(database: sqlite3.Connection, path: Path | None) -> None:
-    """Raise ValueError where pages of the tables are damaged, such as those of half a copy.
-
-    Traces, which may be a thousand times as much, are left out: each is checked when it is read.
-    """
+    """Raise ValueError if pages of the tables are damaged; a trace is checked when it is read."""
     for table in _TABLES:
         problem = database.execute(f"PRAGMA quick_check({table})").fetchone()[0]
         if problem != "ok":

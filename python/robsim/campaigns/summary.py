@@ -182,10 +182,7 @@ def summary_of(
     failed: int,
     first_error: str = "",
 ) -> CampaignSummary:
-    """Return the summary of numbers: `values` (G, R, M), M numbers of R runs of G groups.
-
-    NaN = not known. The `first_error` is the error of the first failed run.
-    """
+    """Return the summary of `values` (G, R, M): M metrics of R runs of G groups; NaN = unknown."""
     n, mean, sd, half_width = _statistics(values, level)
     with np.errstate(invalid="ignore"):  # inf - inf
         pairs = values - values[:1]

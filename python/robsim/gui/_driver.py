@@ -22,10 +22,9 @@ if TYPE_CHECKING:
 
 
 class Playback:
-    """Goes through the steps of a record, which stays as it is.
+    """Plays the steps of a record, with the part of a `Simulation` that a `Driver` needs.
 
-    It has of a `Simulation` what a `Driver` needs. It stands at the last step, as a run does that
-    is over; the next `step` gives the first one.
+    It stands at the last step, as a finished run; the next `step` gives the first one.
     """
 
     SLOTS = ()  # a record calls nothing
@@ -195,10 +194,9 @@ class Driver(Worker):
         return self._command(self._reset)
 
     def stop_robot(self) -> Future[None]:
-        """Stop the robot at once, in this thread, whatever callbacks do; then pause.
+        """Stop the robot at once, in this thread, then pause; raises as `Experiment.stop_robot`.
 
-        What was to move it and is not done yet is forgotten. It raises what `Experiment.stop_robot`
-        raises.
+        Earlier commands that would move it are forgotten.
         """
         try:
             if isinstance(self.runner, Experiment):

@@ -26,10 +26,9 @@ SLOW = 0.3  # s between frames that are sent though nobody grants room
 
 
 class Link(ABC):
-    """A line to one browser page, or to one widget, which may be shown more than once.
+    """A line to a browser page, or to a widget with several views; for the thread of a `View` only.
 
-    The views on it grant room for frames in advance: what a slow one has no room for is left out
-    for it, and nothing else waits. Only the thread of a `View` uses it.
+    Its views grant room for frames in advance: a slow view misses frames, and nothing else waits.
     """
 
     is_in_notebook: ClassVar[bool] = False
@@ -55,10 +54,7 @@ class Link(ABC):
 
     @abstractmethod
     def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
-        """Bring a message to the other end, without waiting; the host says how.
-
-        An OSError or a RuntimeError says that there is no other end any more.
-        """
+        """Bring a message to the other end without waiting; OSError, RuntimeError: it is gone."""
 
     def send(self, head: Mapping[str, Any], buffers: Buffers = ()) -> None:
         """Send a message; if nobody is there any more, it is lost."""
@@ -86,10 +82,7 @@ class Link(ABC):
         return bool(self._grants)
 
     def greet(self, view: str) -> None:
-        """Note that a view has appeared: it wants everything, and has room for a frame.
-
-        Of too many views the one that was silent for longest is forgotten.
-        """
+        """Note a new view with room for a frame; of too many, the longest silent is forgotten."""
         if len(self._heard) >= _MOST_VIEWS and view not in self._heard:
             self.part(min(self._heard, key=self._heard.__getitem__))
         self.forget_rows()
@@ -131,10 +124,7 @@ class Link(ABC):
         return self.is_watched and self.shown is not newest
 
     def has_room(self, now: float) -> bool:
-        """Return whether a frame may be sent.
-
-        Where no answer comes, as from a notebook while a cell runs, frames go on slowly.
-        """
+        """Return whether a frame may be sent; without answers, as while a cell runs, seldom."""
         if not self._grants:
             return False
         return min(self._grants.values()) > self.sent or now - self._last_frame > SLOW
@@ -277,10 +267,7 @@ _COLORS = (128, 64, 32, 16)  # of few a photograph of a noisy floor takes a fift
 
 
 class FrameClock:
-    """When the next frame may come.
-
-    By a due time: "30 ms since the last one" would beat against the clock of the steps.
-    """
+    """The due time of a next frame: "30 ms since the last" would beat against the steps' clock."""
 
     def __init__(self) -> None:
         self.due = 0.0  # by the monotonic clock

@@ -23,8 +23,7 @@ RETRY = 1.0  # s until what failed in `look` is tried again
 class View(Worker):
     """State in Python, shown by browsers that only know messages (see PROTOCOL.md).
 
-    Everything of a view happens in one thread: messages are handled there, and sent from there. So
-    there are no locks, a host never waits, and neither does a run.
+    All happens in one thread: there are no locks, and hosts and runs never wait.
     """
 
     _thread_name = "robsim view"

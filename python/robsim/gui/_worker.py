@@ -59,10 +59,9 @@ class Worker(ABC):
         return True
 
     def close(self, timeout: float = 5.0) -> bool:
-        """End the thread, after the job under way; wait for that so long (s).
+        """End the thread after its job; return whether it ended within the timeout (s).
 
-        A thread that hangs is left behind, and ends with Python. Return whether it has ended; it
-        cannot if this is called in the thread itself.
+        A thread that hangs is left behind, and ends with Python. In the thread itself, it is False.
         """
         if self._is_elsewhere:
             return True
@@ -86,10 +85,7 @@ class Worker(ABC):
             return None
 
     def report(self, error: BaseException) -> bool:
-        """Tell of an exception that nobody waits for, as Python does of one that ends a thread.
-
-        False if one from the same place in the code was told before.
-        """
+        """Report an exception as of an ended thread; False for a place that was reported before."""
         frames = traceback.extract_tb(error.__traceback__, -1)
         place = (frames[0].filename, frames[0].lineno or 0) if frames else ("", 0)
         if place in self._reported or len(self._reported) >= _MOST_REPORTS:

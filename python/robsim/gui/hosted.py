@@ -194,10 +194,7 @@ def _close_all() -> None:
 
 
 def answers_to(view: View, kind: str, fields: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Handle a message, and return the answers of the view.
-
-    TypeError, ValueError: the message is unknown or refused.
-    """
+    """Handle a message, return the answers of the view; TypeError, ValueError: it is refused."""
     check_choice("kind", kind, tuple(view.messages))
     line = _Answers()
     view.settle()  # a tool has its first picture, if there is one

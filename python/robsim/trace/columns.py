@@ -171,10 +171,7 @@ def how_recorded(name: str) -> str:
 
 
 def not_recorded(missing: Mapping[str, bool], *, steps: int) -> NotRecordedError:
-    """Return the error for unknown columns in a run of so many steps.
-
-    `missing` maps each column to True if it was recorded, but has no known value.
-    """
+    """Return the error for `missing` columns; True = recorded, but without known values."""
     if not steps:
         return NotRecordedError(tuple(missing), "it has no steps")
     remedies = (

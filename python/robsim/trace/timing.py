@@ -148,10 +148,7 @@ def check_delay(name: str, delay: Any) -> float:
 
 
 def delayed(u: Floats, delay: float) -> Floats:
-    """Return the mean input (N, 2) that acts from each step to the next (V).
-
-    It comes from the inputs given (N, 2), 0 before the first, which act `delay` steps late.
-    """
+    """Return mean inputs (N, 2), V, that act in each step, `delay` steps late; 0 at first."""
     n = math.floor(delay)
     f = delay - n
     # row k has u(k - n - 1)

@@ -22,19 +22,10 @@ UNITS = ("px", *_MM)
 
 
 def px_length(unit: str, mm_per_px: float | None) -> float:
-    """Return the length of a px of the work area in a unit.
+    """Return the length of a px of the work area in a unit: px, mm, cm or m.
 
-    Parameters
-    ----------
-    unit : str
-        ``"px"``, ``"mm"``, ``"cm"`` or ``"m"``.
-    mm_per_px : float or None
-        That length on the floor (mm); None = not known.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If the unit is none of them, or not px where the length of a px is not known.
+    `mm_per_px` is that length on the floor (mm). If it is None, a unit other than px raises
+    ValueError.
     """
     check_choice("unit", unit, UNITS)
     if unit == "px":
@@ -65,10 +56,7 @@ def parameter_units(unit: str) -> dict[str, str]:
 def converted(
     groups: Mapping[str, Floats], info: RunInfo, *, unit: str, mm_per_px: float | None
 ) -> tuple[dict[str, Floats], RunInfo]:
-    """Return the groups (N, width) and the info of a trace with lengths in another unit.
-
-    `unit` and `mm_per_px` are as in `Trace.in_unit`.
-    """
+    """Return groups (N, width) and info with lengths in another unit, as `Trace.in_unit`."""
     if mm_per_px is None:
         mm_per_px = info.mm_per_px
     elif info.mm_per_px not in (None, check_mm_per_px(mm_per_px)):
@@ -83,17 +71,7 @@ def converted(
 
 
 def scaled(group: str, values: Floats, factor: float) -> Floats:
-    """Return numbers of a group with every length multiplied by a factor.
-
-    Parameters
-    ----------
-    group : str
-        Its name.
-    values : array (N, width), or (3, 5) of parameters
-        Its numbers.
-    factor : float
-        New unit of length over old one.
-    """
+    """Return a group's values, (N, width) or parameters (3, 5), with lengths times a factor."""
     rows = values.reshape(1, -1) if values.shape == (3, 5) else values
     units = fields_of(group, rows.shape[1]).values()
     # powers of Python, which are the same on all processors

@@ -24,10 +24,9 @@ class Chunks:
         self._runs, self._seconds = 0, 0.0
 
     def take(self, whole: float = SECONDS, room: int = 1) -> list[Job]:
-        """Take the next chunk; empty = nothing is left.
+        """Take the next chunk of `whole` seconds at most; empty = nothing is left.
 
-        It takes `whole` seconds at most, as long as enough runs are left for all: `room` chunks at
-        a time.
+        Near the end chunks are smaller, so that enough runs are left for `room` chunks at a time.
         """
         size = _FIRST
         if self._runs:

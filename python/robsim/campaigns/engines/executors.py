@@ -32,10 +32,7 @@ class DaskClient(Protocol):
 
 
 class ExecutorWorkers(Generic[JobT, RowT]):
-    """The workers of an executor, which is used as it is.
-
-    They receive the work, or `sent`, another form of it, with each chunk.
-    """
+    """The workers of an executor; they receive the work, or its form `sent`, with each chunk."""
 
     deaths = 1  # Dask itself has tried a run four times by then: its allowed-failures
 

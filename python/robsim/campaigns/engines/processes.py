@@ -29,10 +29,7 @@ _STARTS = 5  # of a pool, before there is something else wrong
 
 
 class Processes(Generic[JobT, RowT]):
-    """A pool of processes that is made anew when it is broken, as it is by any that dies.
-
-    Raises TypeError for code that other processes cannot be sent.
-    """
+    """A pool of processes, replaced if one of them dies; TypeError for code that cannot be sent."""
 
     deaths = 2
 
@@ -161,9 +158,8 @@ def rows_of_workers(
 ) -> Generator[list[RowT], None, None]:
     """Yield the rows of all chunks.
 
-    A worker that dies takes chunks with it that are not to blame. All that are in flight are few;
-    the runs of those that are lost are done again one by one, alone. Not by halves: the chunk of a
-    run that kills would cost a worker each time.
+    A worker that dies takes the few chunks in flight, too. The lost runs are done again one by one.
+    By halves, the chunk of a run that kills would cost a worker each time.
     """
     while lost := (yield from _together(workers, chunks)):
         yield from _alone(workers, lost)

@@ -114,8 +114,7 @@ def lab_link(file: Path) -> str | None:
 def _server() -> tuple[Path, str] | None:
     """Return the folder that the server of this kernel shows, and its base URL.
 
-    A kernel is not told the folder. But each server describes itself in a file under the number of
-    its process, which is the parent of its kernels.
+    Each server describes itself in a file with its process number, the parent of its kernels.
     """
     parent = os.environ.get("JPY_PARENT_PID", "")
     if not parent.isdecimal():

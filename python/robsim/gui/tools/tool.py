@@ -139,10 +139,9 @@ class ToolView(View):
         """Do what is to be done when pictures of something else follow."""
 
     def loading(self, pixels: images.Pixels, name: str) -> Callable[[], object]:
-        """Prepare a picture (h, w, 3 or 4) that was loaded, in any thread.
+        """Return a function for the view's thread that takes a loaded picture (h, w, 3 or 4).
 
-        Return a function that takes it, in the thread of the view. Either raises a ValueError if it
-        cannot be used.
+        It may be prepared in any thread. ValueError, here or there: the picture is unusable.
         """
         picture = OnePicture(over_floor(pixels), name)
         return lambda: self.replace(picture)

@@ -97,10 +97,7 @@ class BoardPictures:
     def with_picture(
         self, name: str, size: tuple[int, int], corners: Corners, board: Chessboard | Charuco
     ) -> BoardPictures:
-        """Return them with another one, in which a board was looked for that it may show.
-
-        ValueError: it has another size.
-        """
+        """Return them with another picture, its corners found or not; ValueError: another size."""
         if len(self) and size != self.size:
             (width, height), (other_width, other_height) = self.size, size
             raise ValueError(

@@ -66,10 +66,7 @@ class Wishes:
 
 
 def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
-    """Return the device of a source.
-
-    That of a bus is open: only then is known what it sends.
-    """
+    """Return the device of a source; a bus is open already, as only then its output is known."""
     for bus in (firewire, gige):
         if isinstance(source, str) and source.startswith(f"{bus.SCHEME}://"):
             return _on_bus(bus, source, wishes)

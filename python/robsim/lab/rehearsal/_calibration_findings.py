@@ -36,10 +36,7 @@ def marker_pair(
     detection: Detection,
     markers: MarkerLayout,
 ) -> MarkerPair | None:
-    """Return where the markers are, even if they are too far apart to be the robot's.
-
-    Then they are the largest blob of each colour.
-    """
+    """Return where the markers are, even too far apart: then the largest blob of each colour."""
     found = []
     for role, name in markers.colors.items():
         largest = max(blobs.get(name, ()), key=lambda blob: blob.area, default=None)
@@ -61,10 +58,7 @@ def median_excess(pairs: Sequence[MarkerPair]) -> float:
 
 
 def spread_over_places(pairs: Sequence[MarkerPair], area: tuple[int, int]) -> float:
-    """Return how much the distance of the markers differs from place to place, as a fraction.
-
-    NaN = the robot was in one place only.
-    """
+    """Return how much the markers' distance differs over places, as a fraction; NaN = one place."""
     if len(pairs) < _FEWEST:
         return math.nan
     middles = np.array([one.middle for one in pairs])
@@ -120,10 +114,7 @@ def visible_share(calibration: Calibration) -> float:
 
 
 def shifts_of_sheets(frames: Iterable[Frame], calibration: Calibration) -> dict[int, float]:
-    """Return by how far each floor sheet lies from where it was (px), in the median of frames.
-
-    Empty if none is seen, or OpenCV is not installed.
-    """
+    """Return each sheet's shift from its place (px, median); empty without sheets or OpenCV."""
     each: dict[int, list[float]] = {}
     try:
         for frame in frames:

@@ -50,10 +50,7 @@ class MarkerLight:
 def marker_light(
     frame: Frame, corners: Floats, blob: Blob, color: ColorClass
 ) -> MarkerLight | None:
-    """Return the light of a marker with these corners (N, 2), in pixels of the frame.
-
-    The blob and the class are those that found it. None if too little of it is in the frame.
-    """
+    """Return a marker's light, from corners (N, 2) in frame px; None if too little is in view."""
     if not np.isfinite(corners).all():  # where the lens shows nothing
         return None
     centre = corners.mean(axis=0)

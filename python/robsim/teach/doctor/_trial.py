@@ -188,10 +188,7 @@ class StdoutCapture(io.TextIOBase):
 
 
 class EstimatorUnderTest:
-    """The estimator to be checked: makes fresh ones and runs trials with them.
-
-    The budget is the maximum of the median time per call (s).
-    """
+    """Makes fresh estimators to check, and runs trials; the budget limits the median call (s)."""
 
     def __init__(self, make: Callable[[], Any], slot: Slot, budget: float) -> None:
         self.slot = slot

@@ -108,10 +108,7 @@ class Channel:
     def exchange(
         self, kind: Kind, *parts: bytes | memoryview, patience: float | None = None
     ) -> tuple[Kind, bytes]:
-        """Send a message, and wait for the next one.
-
-        As `send` and `receive`, in a third of their time; patience (s) is for each.
-        """
+        """Send a message and receive the next, in a third of the time; patience (s) is for each."""
         if self._native is None:
             self.send(kind, *parts, patience=patience)
             return self.receive(patience)

@@ -39,10 +39,7 @@ _DYING = 5.0  # s: the most between the end of its connection and its own end
 
 
 class Worker:
-    """The process with the robot half of one run.
-
-    Subclasses have other code in it, and another conversation.
-    """
+    """The process with the robot half of one run; subclasses have other code and messages."""
 
     _ENTRY = "robsim.teach.grading.robot_half:work"
     _LIMITS = LIMITS
@@ -194,10 +191,7 @@ class Worker:
 
 
 def done(worker: Worker, act: Callable[[], R]) -> Done[R]:
-    """Return the result of an act with a worker, and all that the worker has printed.
-
-    A SubmissionError has the printed text in its attribute ``output``.
-    """
+    """Return an act's result and the worker's output, which a SubmissionError has as ``output``."""
     try:
         result = act()
     except SubmissionError as error:

@@ -131,10 +131,7 @@ def calling(task: Task) -> Iterator[CallWorker]:
 def called(
     task: Task, name: str, calls: Sequence[Sequence[NDArray[Any]]], result: Wanted
 ) -> Done[list[Any]]:
-    """Call a function with each of some lists of arrays; return the results.
-
-    Raise SubmissionError with the number of the failed call.
-    """
+    """Call a function with lists of arrays; SubmissionError has the number of a failed call."""
     with calling(task) as worker:
         return done(worker, lambda: _called(worker, name, calls, result))
 

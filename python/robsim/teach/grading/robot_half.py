@@ -68,10 +68,7 @@ def filled_stages(callbacks: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def groups_of(filled: Sequence[str], on: Sequence[str]) -> list[tuple[str, ...]]:
-    """Return groups of the submission's stages without a stage of the grader between them.
-
-    `on` has the stages that the grader still does.
-    """
+    """Return groups of submitted stages without a grader's stage (of `on`) between them."""
     groups: list[list[str]] = []
     follows = False
     for stage in STAGES:

@@ -87,10 +87,7 @@ def cluster(picture: bytes, time: int) -> bytes:
 
 
 def finish(descriptor: int, cues: list[Picture], duration: float, end: int) -> None:
-    """Write where some of the pictures are, and how long it all is (ms), at the end of the file.
-
-    Nothing of it is needed to play the file: it lets players go to any place at once.
-    """
+    """Write places of pictures, and the duration (ms), at the end: only for fast seeking."""
     first = read_at(descriptor, _MOST_HEAD, 0)
     segment = first.index(_id(_SEGMENT)) + 4
     content = segment + _START_SIZE
@@ -113,10 +110,7 @@ def _cue(picture: Picture, content: int) -> bytes:
 
 
 def find_pictures(file: Path, descriptor: int) -> tuple[list[Picture], int]:
-    """Return the pictures that are whole, and how many bytes of a torn one follow them.
-
-    ValueError: it is no file of this kind.
-    """
+    """Return whole pictures, and the bytes of a torn one; ValueError: another kind of file."""
     size = os.fstat(descriptor).st_size
     start = read_at(descriptor, _MOST_HEAD, 0)
     if not start.startswith(_id(_EBML)[:size]):
@@ -185,10 +179,7 @@ def write_all(descriptor: int, content: bytes) -> None:
 
 
 class Pictures:
-    """The pictures of a video that `SessionWriter` wrote, or is writing.
-
-    ValueError: the file is no video of a session.
-    """
+    """A video's pictures by `SessionWriter`, complete or not; ValueError: another kind of file."""
 
     def __init__(self, file: Path) -> None:
         self._file = file
@@ -217,10 +208,7 @@ class Pictures:
         return read_at(descriptor, place.size, place.start)
 
     def read(self, descriptor: int, number: int) -> NDArray[np.uint8]:
-        """Return the pixels (H, W, 3) of a picture, RGB.
-
-        ValueError: it is damaged, too large, or of another size than the first one.
-        """
+        """Return RGB pixels (H, W, 3); ValueError: damaged, too large or of another size."""
         content = io.BytesIO(self.encoded(descriptor, number))
         try:
             with Image.open(content, formats=("JPEG", "PNG")) as image:

@@ -103,10 +103,7 @@ def _lines(lines: str) -> Any:
 
 
 class Setup(SimpleNamespace):
-    """The set-up of a run, read from the file ``setup.toml`` of its session.
-
-    ValueError: it is damaged; the message names file and key.
-    """
+    """A run's set-up, from its session's ``setup.toml``; ValueError names file and key."""
 
     def __init__(self, file: Path) -> None:
         super().__init__(**codec.load_table(file, _values))

@@ -28,30 +28,12 @@ _NAN = math.nan
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Row:
-    """What a step of a recorded run was, but for its picture.
+    """A step of a recorded run, but for its picture; NaN and None = not known.
 
-    NaN and None = not known.
-
-    Parameters
-    ----------
-    k : int
-        Number of the step.
-    t : float
-        Time of the step (s).
-    t_arrival : float
-        When the frame reached this computer (s).
-    t_sent : float
-        When the input went out (s).
-    u : array_like (2,)
-        Input that was sent (V).
-    last_u : array_like (2,)
-        Input that the robot got since the step before (V), where that is not `u` of that step.
-    pose_measured : array_like (3,)
-        x, y (work-area px), heading (rad).
-    interrupted : bool
-        The robot was stopped after the step before.
-    reason : str
-        Why the robot was not detected.
+    The times `t` of the step, `t_arrival` of its frame at this computer and `t_sent` of its input
+    are in s. `u` (2,) is the sent input (V), `last_u` the received one since the last step, if it
+    is another. `pose_measured` is x, y (work-area px), heading (rad). `interrupted`: the robot was
+    stopped after the last step. `reason`: why it was not detected.
     """
 
     k: int
@@ -110,10 +92,7 @@ def _cell(value: Any) -> str:
 
 
 def read_rows(file: Path) -> tuple[list[Row], bool]:
-    """Return the rows of a time base, and whether its last line is torn.
-
-    ValueError: it is damaged elsewhere; the message names file and line.
-    """
+    """Return the rows of a time base, and whether its last line is torn; else ValueError."""
     with file.open("rb") as stream:
         content = stream.read(MOST_BYTES + 1)
     if len(content) > MOST_BYTES:

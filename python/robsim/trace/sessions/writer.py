@@ -56,17 +56,13 @@ class Counts:
 class SessionWriter:
     """Records a run in a folder, for `robsim.trace.Session`; a separate thread writes.
 
-    Only the constructor raises errors of the disk. A kill loses the steps of the last second. While
-    a callback holds the interpreter, nothing is written, and the previous step can be lost, too.
+    Only the constructor raises errors of the disk, FileExistsError for another session, and
+    ImportError without OpenCV. A kill loses the steps of the last second. While a callback holds
+    the interpreter, nothing is written, and the previous step can be lost, too.
 
-    `setup` describes the run; `Session` knows its keys area, dt, plane_map, stop_input, colors,
-    markers, model, robot. The pictures are PNG if `lossless`, else JPEG. `fps` is for video
-    players.
-
-    With `waits`, `add` waits for a slow disk or processor, so that every frame is in the video.
-    This suits frames on request, such as from a `robsim.Recording`.
-
-    FileExistsError: the folder has a session already. ImportError: OpenCV is not installed.
+    `Session` knows the keys area, dt, plane_map, stop_input, colors, markers, model, robot of
+    `setup`. `lossless` pictures are PNG, else JPEG; `fps` is for players. With `waits`, `add` waits
+    for a slow disk or processor, so that the video has every frame, as of a `robsim.Recording`.
     """
 
     def __init__(
@@ -114,10 +110,7 @@ class SessionWriter:
         return self._files.error
 
     def add(self, row: Row, frame: Frame | None) -> None:
-        """Record a step; its row and frame must stay unchanged afterwards.
-
-        The writer adds the values of the picture to the row.
-        """
+        """Record a step; row and frame must stay unchanged, but the writer adds picture values."""
         if not self._finish.alive or self._process != os.getpid():
             return
         is_full = frame is not None and self._queue.qsize() >= _MOST_WAITING
@@ -136,10 +129,7 @@ class SessionWriter:
                 pass
 
     def close(self, trace: Trace | None = None) -> None:
-        """Finish the session; the rest of a trace goes to ``trace.npz``.
-
-        It warns if something could not be recorded.
-        """
+        """Finish the session, a trace's rest in ``trace.npz``; warn of unrecorded data."""
         if not self._finish.alive or self._process != os.getpid():
             return
         self._finish()

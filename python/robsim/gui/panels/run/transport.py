@@ -69,10 +69,7 @@ def _code_of(error: BaseException, source: SourceLine | None) -> str | None:
 
 
 def _text_of(error: BaseException, source: SourceLine | None) -> str:
-    """Return kind and message, and the notes, without what only says where it was.
-
-    The kind has no module before it, as Python would put it there.
-    """
+    """Return kind (without its module), message and notes of an error, without its place."""
     failed = callback_of(error)
     where = f"in the callback {failed.slot} {failed.when}" if failed else None
     if failed is not None and failed.slot not in SLOTS:

@@ -20,10 +20,7 @@ _SOURCES = {"measurement": "measure", "estimate": "estimate_state"}  # of the po
 
 
 class Stages:
-    """Fills slots so that the run can go on: with what they need, or not at all.
-
-    All but `choices` is for the thread of the run.
-    """
+    """Fills slots so that the run can continue; all but `choices` is for its thread."""
 
     def __init__(self, runner: Simulation | Experiment, owners: Owners) -> None:
         self._runner = runner

@@ -29,10 +29,7 @@ _PATTERNS: dict[str, type[Chessboard] | type[Charuco]] = {
 
 
 class LensPictures:
-    """Takes pictures of a board out of those of a view, and calibrates the lens by them.
-
-    All but what takes long happens in the thread of the view.
-    """
+    """Takes a view's pictures of a board, and calibrates the lens; long work leaves its thread."""
 
     def __init__(self, view: FloorView) -> None:
         self.taken = BoardPictures(Chessboard())

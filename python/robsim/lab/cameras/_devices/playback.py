@@ -16,10 +16,7 @@ _LONGEST_WAIT = 0.1  # s in one call
 
 
 class Playback:
-    """The camera in Python of a file: each frame comes when its time has come.
-
-    The rate (1/s) is by default the file's. ValueError: a folder, without a rate.
-    """
+    """The camera of a file, played at its own or another rate (1/s); a folder requires a rate."""
 
     def __init__(self, source: str | PathLike[str], fps: float | None) -> None:
         self._recording = Recording(source, dt=None if fps is None else 1 / fps)

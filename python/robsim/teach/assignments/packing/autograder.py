@@ -46,10 +46,7 @@ def main(root: Path) -> int:
 
 
 def student_in(metadata: Path) -> str:
-    """Return the name that the seeds of hidden tests come from: all who have handed it in.
-
-    It is the same when a submission is handed in again, in whatever order they are named.
-    """
+    """Return the name of all who handed it in, in any order: the seed of hidden tests."""
     try:
         users = json.loads(metadata.read_text(encoding="utf-8"))["users"]
         names = [str(user.get("email") or user["id"]) for user in users]

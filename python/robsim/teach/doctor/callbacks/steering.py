@@ -75,10 +75,7 @@ class _Steering:
 
 
 def steering_findings(usual: Trial, setting: Setting) -> Iterator[Problem | str]:
-    """Yield what is wrong with the way in which a controller turns, and what cannot be told.
-
-    `usual` is a long trial of it.
-    """
+    """Yield faults of a controller's turns, and doubts, from `usual`, a long trial of it."""
     controller = usual.estimator
     try:
         steerings = [_steering_at(controller, place, setting) for place in _PLACES]

@@ -88,10 +88,7 @@ def become(user: int) -> None:
 
 
 def end_all_of(user: int) -> None:
-    """End all processes of a user at once; for a process of root with one thread.
-
-    The kernel signals them in one go, so that none can fork away from it.
-    """
+    """End a user's processes in one signal, so that none forks away; for root with one thread."""
     child = os.fork()
     if child == 0:
         try:

@@ -48,10 +48,7 @@ class Base:
 
 
 def held(base: str) -> int:
-    """Return a descriptor of a folder that nobody removes as long as it is open.
-
-    FileNotFoundError if it is just being removed.
-    """
+    """Return a descriptor that keeps a folder from removal; FileNotFoundError if it is too late."""
     lock = os.open(base, _FOLDER)
     fcntl.flock(lock, fcntl.LOCK_SH)
     if not os.path.lexists(base):

@@ -50,10 +50,7 @@ def cells_of(content: bytes, file: str) -> list[Cell]:
 
 
 def reduced(content: bytes, file: str, most: int) -> bytes:
-    """Return a notebook with only the code and the tags of its cells.
-
-    Raise SubmissionError as `cells_of`, or for more than `most` bytes.
-    """
+    """Return a notebook's code and tags; SubmissionError as `cells_of`, or over `most` bytes."""
     cells: list[dict[str, Any]] = []
     for cell in cells_of(content, file):
         while len(cells) < cell.number - 1:  # so that the others keep their numbers

@@ -300,15 +300,7 @@ SHIPPED = Path(__file__).parents[1] / "limits.json"
 
 
 def read_calibrations(file: Path) -> dict[str, TaskCalibration]:
-    """Return what `write_calibrations` wrote.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If it is something else; the message names the file.
-    """
+    """Return the content of a file by `write_calibrations`; a ValueError names the file."""
     try:
         records = json.loads(file.read_text(encoding="utf-8"))
         if not isinstance(records, dict):
@@ -319,13 +311,7 @@ def read_calibrations(file: Path) -> dict[str, TaskCalibration]:
 
 
 def write_calibrations(file: Path, calibrations: Mapping[str, TaskCalibration]) -> None:
-    """Write calibrations by name, as JSON; readers never get half of the file.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
-    """
+    """Write calibrations by name, as JSON; readers never get half of the file."""
     records = {name: calibration.as_record() for name, calibration in calibrations.items()}
     write_whole(file, (json.dumps(records, indent=1, allow_nan=False) + "\n").encode())
 
