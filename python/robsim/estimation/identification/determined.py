@@ -253,7 +253,7 @@ def identifiability(
 
 
 def prediction_sigma(trace: Trace, theta: Floats) -> tuple[Floats, int]:
-    """Return sigma (3,) of one-step prediction errors (unit, unit, rad), and their freedom."""
+    """Return sigma (3,) of one-step errors (unit, unit, rad) by theta (3, 5), and the freedom."""
     found = regression_of(trace)
     errors = found.y - np.sum(found.phi * theta, axis=2)
     freedom = max(len(errors) - 5, 1)

@@ -11,10 +11,7 @@ from robsim.teach.doctor.callbacks.scenes import Setting
 
 
 def first_finding(make: Callable[[], Mapping[str, Any]], slots: Iterable[str]) -> str:
-    """Return the first problem of callbacks of the robot half, and its place; "" = no problem.
-
-    `make` returns fresh callbacks by slot.
-    """
+    """Return the first problem of fresh callbacks from `make`, and its place; "" = no problem."""
     for slot in slots:
         if slot in names(half=ROBOT) and callable(make().get(slot)):
             report = check_slot(slot, make, Setting.usual())

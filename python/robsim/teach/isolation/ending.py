@@ -40,10 +40,7 @@ def ending_of(
     too_much_written: bool,
     left: list[str],
 ) -> Ending:
-    """Return the ending that an exit code tells of, or a signal, as a negative number.
-
-    `killed` = the grader asked for it.
-    """
+    """Return the ending of an exit code, or a negative signal; `killed` = by the grader."""
     by_limit = _by_limit(code, cpu_seconds, limits)
     if too_much_written:
         most = as_size(limits.folder_size)

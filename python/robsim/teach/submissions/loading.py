@@ -51,10 +51,7 @@ def load_slots(
 def loaded_slots(
     files: SubmissionFiles, rules: Rules, folder: str | PathLike[str] | None = None
 ) -> Iterator[Callbacks]:
-    """Load a submission; inside the context its callbacks import each other's modules.
-
-    Parameters, result and errors are those of `load_slots`.
-    """
+    """Load a submission as `load_slots`; inside, its callbacks import each other's modules."""
     where = Path(files.name) if folder is None else Path(folder).absolute()
     own = builtins_for(rules, [*files.modules])
     with masked(rules):

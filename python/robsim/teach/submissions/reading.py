@@ -72,10 +72,7 @@ def open_submission(path: str | PathLike[str], rules: Rules) -> Contents:
 
 
 def arranged(contents: Contents, rules: Rules, given: Mapping[str, bytes]) -> SubmissionFiles:
-    """Return what counts of the files of a submission; raise as `read_submission`.
-
-    They are looked at once for the same rules.
-    """
+    """Return the files that count, read once for the same rules; raise as `read_submission`."""
     paths = [f"/{path}" for path in contents.files]
     copies = frozenset(name for name in given if any(path.endswith(f"/{name}") for path in paths))
     if (rules, copies) not in contents.found:

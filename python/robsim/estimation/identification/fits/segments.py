@@ -84,7 +84,7 @@ def _rows(name: str, values: Any, width: int) -> Floats:
 
 
 def split(record: Record, *, maximum_gap: int | None = None, minimum: int) -> list[Segment]:
-    """Return segments of `minimum` poses or more, split at breaks and gaps over `maximum_gap`."""
+    """Return segments of `minimum` poses, split at breaks and gaps over `maximum_gap` steps."""
     at = np.flatnonzero(record.seen)
     number = np.cumsum(record.breaks)[at]
     new = np.diff(number) > 0

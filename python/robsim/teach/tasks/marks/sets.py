@@ -97,10 +97,7 @@ def points_of(
     statistics: Sequence[float] | Floats,
     through: float,
 ) -> float:
-    """Return the share of the points of a test, 0..1, from its statistics by score.
-
-    `through` is the share of completed runs.
-    """
+    """Return the share of a test's points, 0..1; `through` is the share of completed runs."""
     parts = [
         0.0 if math.isnan(statistic) else score.share * limits[score.name].fraction(statistic)
         for score, statistic in zip(scores, statistics, strict=True)
