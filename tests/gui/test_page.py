@@ -1,12 +1,14 @@
 """The page: its server, its module, its tabs in a browser."""
 
 import json
+import os
 import re
 import shutil
 import socket
 import subprocess
+import sys
 import threading
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from types import SimpleNamespace
 
 import pytest
@@ -147,7 +149,7 @@ def started(monkeypatch):
     return started
 
 
-def test_the_address_that_starts_a_browser_leads_there_once(page, started, monkeypatch):
+def test_the_address_that_starts_a_browser_leads_there_once(page, started, monkeypatch, capsys):
     monkeypatch.setenv("DISPLAY", "")
     assert page.open() is False
     assert started == []
@@ -158,10 +160,100 @@ def test_the_address_that_starts_a_browser_leads_there_once(page, started, monke
     path = url.removeprefix(f"http://127.0.0.1:{page.port}")
     status, headers, body = request(page, path)
     assert (status, headers["Location"], body) == (302, f"/{page.secret}/", b"")
-    assert request(page, path)[0] == 404
-    assert request(page, "/")[0] == 404
-    page.open()
-    assert started[1] != url
+    with greeted(page):  # the page has come
+        assert request(page, "/")[0] == 404
+        page.open()
+        assert started[1] != url
+        assert request(page, path)[0] == 404  # of a ticket that is gone
+    assert capsys.readouterr().err == ""
+
+
+def test_a_page_ends_that_somebody_else_may_have(started, capsys, monkeypatch):
+    with robsim.panel(robsim.Simulation(area=(300, 300), seed=1)) as panel:
+        panel.open()
+        page = panel._page
+        path = started[0].removeprefix(f"http://127.0.0.1:{page.port}")
+        assert request(page, path)[0] == 302
+        assert request(page, path)[0] == 403
+        panel.wait()
+        assert "used twice" in capsys.readouterr().err
+
+        monkeypatch.setattr("robsim.gui.hosts.page._COMING", 0.01)
+        panel.open()
+        assert page.secret not in panel.url  # another one
+        assert request(panel._page, "/" + panel._page.ticket.word)[0] == 302
+        panel.wait()
+        assert "no page came" in capsys.readouterr().err
+
+
+OPENING = """
+import pathlib, time, webbrowser
+import robsim
+panel = robsim.panel(robsim.Simulation(area=(300, 300), seed=1))
+panel.open()
+while not pathlib.Path("seen").exists():
+    time.sleep(0.01)
+"""
+BROWSER = """
+import os, pathlib, sys, time, urllib.request
+parent = os.getppid()
+while not pathlib.Path("spied").exists() and os.getppid() == parent:
+    time.sleep(0.01)
+with urllib.request.urlopen(sys.argv[1]) as page:
+    pathlib.Path("seen.part").write_bytes(page.read())
+pathlib.Path("seen.part").rename("seen")
+"""
+SPY = r"""
+import encodings.idna, os, pathlib, re, urllib.error, urllib.request
+address = re.escape(os.getcwd().encode()) + rb"/browser[.]py\0(http://127.0.0.1:[^\0]+)"
+os.setuid(65534)
+found = None
+while not found:
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            called = (process / "cmdline").read_bytes()
+        except OSError:
+            continue
+        found = found or re.search(address, called)
+try:
+    urllib.request.urlopen(found[1].decode())
+except urllib.error.HTTPError as error:
+    print(error.code, error.read().decode())
+"""
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux" or os.geteuid() != 0, reason="needs a second user: root alone has one"
+)
+def test_another_user_who_reads_the_address_of_a_browser_does_not_get_the_page(tmp_path):
+    browser = tmp_path / "browser.py"
+    browser.write_text(BROWSER)
+    environment = {**os.environ, "BROWSER": f"{sys.executable} {browser} %s &"}
+    with (
+        run_aside([sys.executable, "-c", SPY], tmp_path) as spy,
+        run_aside([sys.executable, "-c", OPENING], tmp_path, env=environment) as program,
+    ):
+        refused, fault = spy.communicate(timeout=300)
+        assert refused.startswith("403 "), fault
+        (tmp_path / "spied").touch()
+        _, said = program.communicate(timeout=300)
+    assert said.splitlines() == [
+        "robsim: user 65534 has asked for the page with the address that started the browser: "
+        "refused"
+    ]
+    assert b"<title>robsim" in (tmp_path / "seen").read_bytes()
+
+
+@contextmanager
+def run_aside(command, folder, env=None):
+    """Run a program beside the test, and end it at the latest with that."""
+    with subprocess.Popen(
+        command, cwd=folder, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 # --- the module and its texts

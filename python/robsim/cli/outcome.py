@@ -117,4 +117,4 @@ def show_panel(opened: HostedPanel, port: int = 0, *, is_wanted: bool = True) ->
     except KeyboardInterrupt:
         errors.print_note("ended")
     else:
-        errors.say("its last page was closed: ended")
+        errors.say("ended" if page.fault else "its last page was closed: ended")

@@ -140,7 +140,7 @@ class HostedPanel(ABC):
         For the end of a script, which otherwise ends its panels. Ctrl-C pauses what runs, and ends
         the wait; so does `close` in another thread.
         """
-        page = self._serve()
+        page = self._page or self._serve()  # one that has ended is not begun again
         try:
             page.wait(_PATIENCE)
         except KeyboardInterrupt:
@@ -151,8 +151,9 @@ class HostedPanel(ABC):
 
         with lock:
             self._check_open()
-            if self._page is not None and port not in (0, self._page.port):
-                self._page.close()
+            page = self._page
+            if page is not None and (page.has_ended or port not in (0, page.port)):
+                page.close()
                 self._page = None
             if self._page is None:
                 self._page = Page(self._view, port=port)

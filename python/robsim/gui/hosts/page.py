@@ -17,8 +17,10 @@ from contextlib import suppress
 from robsim.base.checks import check_int
 from robsim.gui._view import View
 from robsim.gui.hosts.serving import Server, Socket
+from robsim.gui.hosts.ticket import Ticket, stranger
 
 _GOODBYE = 0.5  # s for pages to take leave when the server ends
+_COMING = 60.0  # s for a page to come once its address was used
 
 
 class Page:
@@ -27,13 +29,15 @@ class Page:
     def __init__(self, view: View, *, port: int = 0) -> None:
         self.view = view
         self.secret = secrets.token_urlsafe(18)
-        self.ticket = ""
+        self.ticket: Ticket | None = None
+        self.fault = ""  # that has ended it
         self._listening = _listen(port)
         self.port: int = self._listening.getsockname()[1]
         self.url = f"http://127.0.0.1:{self.port}/{self.secret}/"
         self.pages: set[Socket] = set()
         self._change = threading.Condition()
         self._left: float | None = None  # when the last page went
+        self._coming: asyncio.TimerHandle | None = None  # ends the wait for a page
         started: Future[None] = Future()
         self._thread = threading.Thread(
             target=self._run, args=(started,), name="robsim page", daemon=True
@@ -44,13 +48,12 @@ class Page:
     def open(self) -> bool:
         """Show it in the user's browser; return whether there is one.
 
-        It gets an address that leads there once, as other users can read what programs are called
-        with.
+        Other users can read what programs are called with: see `Ticket`.
         """
         if not _has_screen():
             return False
-        self.ticket = secrets.token_urlsafe(18)
-        return webbrowser.open(f"http://127.0.0.1:{self.port}/{self.ticket}")
+        self.ticket = Ticket()
+        return webbrowser.open(f"http://127.0.0.1:{self.port}/{self.ticket.word}")
 
     def wait(self, patience: float) -> None:
         """Wait until pages have come, and the last one has been gone for some seconds.
@@ -69,12 +72,37 @@ class Page:
             self._loop.call_soon_threadsafe(self._end.set)
         self._thread.join(5)
 
+    @property
+    def has_ended(self) -> bool:
+        return not self._thread.is_alive()
+
     # In the thread.
+
+    def redeem(self, ticket: Ticket, peer: tuple[str, int]) -> bool:
+        """Whether who asks with a ticket may have the page, which ends if another may have it."""
+        if who := stranger(peer, ("127.0.0.1", self.port)):
+            _say(f"{who} has asked for the page with the address that started the browser: refused")
+            return False
+        if ticket.is_used:
+            self._end_for("the address that started the browser was used twice")
+            return False
+        ticket.is_used = True
+        self._coming = self._loop.call_later(
+            _COMING, self._end_for, "the address that started the browser was used, and no page came"
+        )
+        return True
+
+    def _end_for(self, reason: str) -> None:
+        self.fault = f"{reason}: the page ends, as somebody else may have it"
+        _say(self.fault)
+        self._end.set()
 
     def came(self, page: Socket) -> None:
         with self._change:
             self.pages.add(page)
             self._left = None
+        if self._coming is not None:
+            self._coming.cancel()
 
     def went(self, page: Socket) -> None:
         with self._change:
@@ -106,6 +134,11 @@ class Page:
         for page in self.pages:
             page.cut()
         await server.close_all_connections()
+
+
+def _say(text: str) -> None:
+    if sys.stderr is not None:
+        print(f"robsim: {text}", file=sys.stderr, flush=True)
 
 
 def _listen(port: int) -> socket.socket:

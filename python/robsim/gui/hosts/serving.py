@@ -19,6 +19,7 @@ import tornado.websocket
 from robsim.gui._link import Buffers, Link
 from robsim.gui._view import View
 from robsim.gui.hosts.script import page_script, script, style
+from robsim.gui.hosts.ticket import Ticket
 
 MOST_BYTES = 1 << 20  # of a message from the browser
 _MOST_PAGES = 16
@@ -48,6 +49,7 @@ _PAGE = """<!doctype html>
 <body class="robsim-page" data-kind="{kind}">
 <script type="module" src="page.js"></script>
 """
+_REFUSED = "This address works once, for one user. The program that serves the page tells another."
 
 
 class Host(Protocol):
@@ -55,7 +57,7 @@ class Host(Protocol):
 
     view: View
     secret: str
-    ticket: str  # leads there once; empty = no more
+    ticket: Ticket | None
     port: int
     pages: set[Socket]
 
@@ -64,6 +66,9 @@ class Host(Protocol):
 
     def went(self, page: Socket) -> None:
         """Note that one has gone."""
+
+    def redeem(self, ticket: Ticket, peer: tuple[str, int]) -> bool:
+        """Whether somebody may have the page for a ticket."""
 
 
 class Server(tornado.httpserver.HTTPServer):
@@ -112,10 +117,9 @@ def _application(host: Host, server: Server) -> tornado.web.Application:
     line = tornado.routing.Rule(
         _At(host.secret, "socket"), Socket, {"host": host, "server": server}
     )
-    once = tornado.routing.Rule(_Ticket(host), _Once, {"host": host})
     return tornado.web.Application(
-        [*files, line, once],
-        default_handler_class=_Nothing,
+        [*files, line],
+        default_handler_class=_Other,
         default_handler_args={"host": host},
         websocket_max_message_size=MOST_BYTES,
         websocket_ping_interval=_PING,
@@ -133,18 +137,6 @@ class _At(tornado.routing.Matcher):
         secret, _, name = request.path.removeprefix("/").partition("/")
         is_ours = secrets.compare_digest(secret.encode(), self._secret)
         return {} if is_ours and "/" in request.path[1:] and name == self._name else None
-
-
-class _Ticket(tornado.routing.Matcher):
-    """The address that leads to the page once."""
-
-    def __init__(self, host: Host) -> None:
-        self._host = host
-
-    def match(self, request: tornado.httputil.HTTPServerRequest) -> dict[str, Any] | None:
-        ticket = self._host.ticket.encode()
-        is_it = secrets.compare_digest(request.path.removeprefix("/").encode(), ticket)
-        return {} if ticket and is_it else None
 
 
 class _Guarded(tornado.web.RequestHandler):
@@ -184,16 +176,20 @@ class _File(_Guarded):
         self.finish(text)
 
 
-class _Once(_Guarded):
-    def get(self) -> None:
-        self._host.ticket = ""
-        self.redirect(f"/{self._host.secret}/")
+class _Other(_Guarded):
+    """Sends on to the page who has a ticket, and may have it."""
 
-
-class _Nothing(_Guarded):
     def prepare(self) -> None:
         super().prepare()
-        raise tornado.web.HTTPError(404)
+        ticket = self._host.ticket
+        if self.request.method != "GET" or ticket is None or not ticket.is_path(self.request.path):
+            raise tornado.web.HTTPError(404)
+        connection: Any = self.request.connection
+        if self._host.redeem(ticket, connection.context.address):
+            self.redirect(f"/{self._host.secret}/")
+        else:
+            self.set_status(403)
+            self.finish(_REFUSED)
 
 
 class Socket(_Guarded, tornado.websocket.WebSocketHandler):

@@ -1,0 +1,54 @@
+"""The address that starts a browser: it leads to the page once, and only its user."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import sys
+from pathlib import Path
+
+_ESTABLISHED = "01"  # see proc_pid_net(5); a socket that is closed belongs to nobody
+
+
+class Ticket:
+    """A word that leads to the page once, as all users can read what a browser is called with."""
+
+    def __init__(self) -> None:
+        self.word = secrets.token_urlsafe(18)
+        self.is_used = False
+
+    def is_path(self, path: str) -> bool:
+        """Whether a path of the server is this word, compared in a time that tells nothing."""
+        return secrets.compare_digest(path.removeprefix("/").encode(), self.word.encode())
+
+
+def stranger(peer: tuple[str, int], server: tuple[str, int]) -> str:
+    """Return who has connected to a server on loopback, if it is another user; else nothing.
+
+    Only Linux tells it. Elsewhere no other user can read what a browser is called with: macOS
+    and Windows start it by a message.
+    """
+    if sys.platform != "linux":
+        return ""
+    user = _user_of(_as_listed(*peer), _as_listed(*server))
+    if user is None:
+        return "somebody whom Linux does not tell"
+    return "" if user in (os.geteuid(), 0) else f"user {user}"
+
+
+def _user_of(*ends: str) -> int | None:
+    for table in ("tcp", "tcp6"):
+        try:
+            lines = Path("/proc/net", table).read_text("ascii").splitlines()[1:]
+        except OSError:
+            continue
+        for fields in map(str.split, lines):
+            if fields[3] == _ESTABLISHED and all(map(str.endswith, fields[1:3], ends)):
+                return int(fields[7])
+    return None
+
+
+def _as_listed(address: str, port: int) -> str:
+    """Return an address as Linux lists it, in its order of bytes; one of IPv6 ends with it."""
+    word = int.from_bytes(map(int, address.split(".")), sys.byteorder)
+    return f"{word:08X}:{port:04X}"
