@@ -132,7 +132,7 @@ region : tuple of four ints
     (left, top, right, bottom), all included, as in `Blob.bounding_box`. Most of the region must
     have the colour.
 name : str
-    Name of the colour: 1 to 40 printable characters.
+    Name of the colour: 1 to 40 letters, digits, spaces, - and _.
 percentile : float
     Percentage of the pixels outside the range found in a channel, at each end.
 margin : int

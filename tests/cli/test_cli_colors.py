@@ -90,9 +90,9 @@ def test_list_shows_the_limits_of_each_colour():
         (line,) = (line for line in text.splitlines() if line.split()[:1] == [color.name])
         for low, high in (color.u, color.v):
             assert f"{low} .. {high}" in line
-    save_colors("mine.toml", [ColorClass("green [dark]", y=(0, 90)), ColorClass("x")])
+    save_colors("mine.toml", [ColorClass("green dark", y=(0, 90)), ColorClass("x")])
     text = done("list", "mine.toml")
-    assert "green [dark]   0 .. 90   any" in text
+    assert "green dark   0 .. 90   any" in text
     assert "from mine.toml" in text
     Path("bad.toml").write_text("[red]\nu = [1]")
     assert "bad.toml, line 2: [red] u" in refused("list", "bad.toml")

@@ -133,6 +133,9 @@ def test_what_is_wrong_is_said_and_changes_nothing(view):
         ("set", {"name": "nothing", "value": 5, "goes_on": False}, "'nothing'"),
         ("look", {"k": 3}, "picture 3"),
         ("save", {"file": "/dev/null/colors.toml"}, "/dev/null"),
+        ("save", {"file": ".bash_profile"}, "must end in .toml"),
+        ("save", {"file": "colors.sh"}, "must end in .toml"),
+        ("save", {"file": ".colors.toml"}, "not begin with a dot"),
     ):
         browser = FakeBrowser(view, 80)  # a line is not told of too many at once
         browser.say(kind, **fields)

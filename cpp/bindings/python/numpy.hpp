@@ -174,15 +174,11 @@ T choice_from(const std::string& name, const std::string& chosen,
   throw py::value_error(name + " must be one of " + names + ", got '" + chosen + "'");
 }
 
-constexpr std::size_t longest_name = 40;  // characters, as in _base/checks.py
-
-/// Returns a name that can be shown anywhere: in a table, in a terminal, as the head of a column.
-/// `what` it is the name of, for the message.
-inline std::string name_from(const pybind11::str& name, const std::string& what = "name") {
-  if (py::len(name) - 1 < longest_name && name.attr("isprintable")().cast<bool>()) return name;
-  const py::str start = name[py::slice(0, longest_name, 1)];
-  throw py::value_error(what + " must be 1 to 40 printable characters, got " +
-                        std::string(py::repr(start)) + (py::len(name) > longest_name ? "..." : ""));
+/// The name of a colour, checked. `what` it is called in the message.
+inline std::string name_from(const pybind11::str& name, const char* what = "name") {
+  return py::module_::import("robsim.base.checks")
+      .attr("check_words")(what, name)
+      .cast<std::string>();
 }
 
 }  // namespace robsim::bindings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import unicodedata
 from typing import Any, TypeVar
 
 import numpy as np
@@ -104,6 +105,30 @@ def check_name(argument: str, name: Any) -> str:
             f"{argument} must be 1 to {LONGEST_NAME} printable characters, got {quoted(text)}"
         )
     return text
+
+
+def check_words(argument: str, name: Any) -> str:
+    """Return the name of a colour, which a file and a shell read as nothing else.
+
+    Raises TypeError or ValueError for any but 1 to 40 letters, digits, spaces, - and _, the first
+    a letter or a digit.
+    """
+    text = check_text(argument, name)
+    if not is_plain(text, "-_ "):
+        raise ValueError(
+            f"{argument} must be 1 to {LONGEST_NAME} letters, digits, spaces, - and _, the first a "
+            f"letter or a digit, got {quoted(text)}"
+        )
+    return text
+
+
+def is_plain(name: str, others: str) -> bool:
+    """Whether a name consists of letters, with their marks, digits, and some others within it."""
+    if not 0 < len(name) <= LONGEST_NAME:
+        return False
+    kinds = [unicodedata.category(character) for character in name]  # L letter, M mark, N number
+    is_plain = (k[0] in "LM" or k == "Nd" or c in others for k, c in zip(kinds, name, strict=True))
+    return kinds[0][0] in "LN" and all(is_plain)
 
 
 def check_choice(name: str, value: Any, choices: tuple[_Text, ...]) -> _Text:

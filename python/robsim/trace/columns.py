@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._core import trace_schema
-from robsim.base.checks import Floats, check_name
+from robsim.base.checks import Floats, check_words
 from robsim.base.text import quoted
 
 _Values = TypeVar("_Values")
@@ -27,7 +27,7 @@ POSES = {"truth": "pose_true", "measurement": "pose_measured", "estimate": "pose
 
 def check_group_name(name: str) -> None:
     """Raise a ValueError unless a group, of blobs of a colour too, can have this name."""
-    check_name("the name of a group", name.removeprefix("blobs_"))
+    check_words("the name of a group", name.removeprefix("blobs_"))
 
 
 def fields_of(group: str, width: int) -> dict[str, str]:

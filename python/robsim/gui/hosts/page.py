@@ -88,7 +88,9 @@ class Page:
             return False
         ticket.is_used = True
         self._coming = self._loop.call_later(
-            _COMING, self._end_for, "the address that started the browser was used, and no page came"
+            _COMING,
+            self._end_for,
+            "the address that started the browser was used, and no page came",
         )
         return True
 

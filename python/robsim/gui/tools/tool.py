@@ -8,12 +8,15 @@ from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from os import PathLike
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 from PIL import Image
 
 from robsim._core import Frame, reduced
+from robsim.base.files import as_path
+from robsim.base.text import one_line
 from robsim.gui._link import (
     COMMON,
     SLOW,
@@ -407,3 +410,21 @@ def _keep(links: list[Link], picture: bytes | None) -> None:
     if picture is not None:
         for link in links:
             link.keep(picture)
+
+
+def file_to_save(path: str | PathLike[str]) -> Path:
+    """Return the file that a tool is to write: one of its own kind, as its page asks for it."""
+    file = as_path(path)
+    if file.suffix.lower() != ".toml" or file.name.startswith("."):
+        raise ValueError(
+            f"{one_line(file)} is no name for what is saved here: it must end in .toml, and not "
+            "begin with a dot"
+        )
+    refuse_device(file)
+    return file
+
+
+def refuse_device(file: Path) -> None:
+    """Raise a ValueError if a path is of something that is no file; a pipe would never end."""
+    if file.exists() and not file.is_file():
+        raise ValueError(f"{one_line(file)} is not a file")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import MarkerLayout, cos, fitting_roles, sin
-from robsim.base.checks import Floats, check_float, check_int, check_name
+from robsim.base.checks import Floats, check_float, check_int, check_name, check_words
 from robsim.base.text import quoted
 from robsim.base.values import Value, frozen
 from robsim.vision.imaging.images import Pixels, check_pixels
@@ -46,7 +46,7 @@ class BlobMarker(Value):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "polygon", frozen(polygon("polygon", self.polygon)))
-        check_name("color", self.color)
+        check_words("color", self.color)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -215,7 +215,7 @@ def check_color_names(argument: str, names: Any) -> tuple[str, str]:
         raise TypeError(f"{expected}, got {quoted(names)}")
     if len(names) != len(DEFAULT_COLORS):
         raise ValueError(f"{expected}, got {quoted(names)}")
-    first, second = (check_name(f"a name in {argument}", name) for name in names)
+    first, second = (check_words(f"a name in {argument}", name) for name in names)
     if first == second:
         raise ValueError(f"{expected}, got {quoted(names)}")
     return first, second

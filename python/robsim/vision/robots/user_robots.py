@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from robsim._core import ColorClass
-from robsim.base.checks import LONGEST_NAME, check_bool, check_float, check_text
+from robsim.base.checks import LONGEST_NAME, check_bool, check_float, check_text, is_plain
 from robsim.base.files import naming, read_text, sync_folder, write_whole
 from robsim.base.files.writing import hidden_path
 from robsim.base.text import listed, one_line, quoted
@@ -232,7 +232,7 @@ def remove_robot(name: str) -> None:
 
 def check_new_name(name: str, overwrite: bool) -> None:
     """Raise TypeError or ValueError for a name that a new robot cannot have."""
-    if not _is_plain(check_text("name", name)):
+    if not is_plain(check_text("name", name), "-_"):
         raise ValueError(
             f"name must be 1 to {LONGEST_NAME} letters, digits, - and _, the first a letter or a "
             f"digit, got {quoted(name)}"
@@ -248,15 +248,6 @@ def check_new_name(name: str, overwrite: bool) -> None:
             f"you have a robot {quoted(existing)} already: overwrite=True, "
             "in the shell --overwrite, replaces it"
         )
-
-
-def _is_plain(name: str) -> bool:
-    """Return whether a name consists of letters, with their marks, digits, - and _."""
-    if not 0 < len(name) <= LONGEST_NAME:
-        return False
-    kinds = [unicodedata.category(character) for character in name]  # L letter, M mark, N number
-    is_plain = (k[0] in "LM" or k == "Nd" or c in "-_" for k, c in zip(kinds, name, strict=True))
-    return kinds[0][0] in "LN" and all(is_plain)
 
 
 def _check_not_shipped(name: str) -> None:

@@ -82,7 +82,7 @@ class ColorPanel(ToolPanel):
         OSError
             If it cannot be written.
         TypeError, ValueError
-            If `path` is no path, or there are no classes.
+            If `path` is no path to a ``.toml`` file, or there are no classes.
         """
         return self._view.ask(lambda: self._view.save(path))
 

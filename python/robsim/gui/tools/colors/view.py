@@ -17,7 +17,6 @@ from robsim._core import (
     MarkerLayout,
     color_histograms,
 )
-from robsim.base.files import as_path
 from robsim.base.text import quoted
 from robsim.gui._link import (
     Link,
@@ -39,7 +38,7 @@ from robsim.gui.tools.colors.training import (
     ranges_of,
 )
 from robsim.gui.tools.pictures import Picture, Pictures
-from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView
+from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView, file_to_save
 from robsim.vision.imaging import images
 from robsim.vision.markers.color_files import colors_of_text, colors_to_toml, paint_of, save_colors
 from robsim.vision.markers.color_score import score_color
@@ -198,7 +197,7 @@ class ColorsView(ToolView):
 
     def save(self, path: str | PathLike[str] | None = None) -> Path:
         """Write the classes into a file, which is the panel's from now on."""
-        file = self.file if path is None else as_path(path)
+        file = file_to_save(self.file if path is None else path)
         if not self.training.value:
             raise ValueError("there are no colours yet: mark a region of the picture")
         names = {color.name for color in self.training.value}

@@ -21,14 +21,20 @@ from robsim.gui.tools.floor.fitting import (
     fitted,
     grid_of,
     on_work_area,
-    refuse_device,
     replaced,
 )
 from robsim.gui.tools.floor.lens import LensPictures
 from robsim.gui.tools.floor.points import MOST, FloorDraft, FloorPoints, checked_pixel
 from robsim.gui.tools.floor.still import floor_still
 from robsim.gui.tools.pictures import Pictures
-from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView
+from robsim.gui.tools.tool import (
+    TOOL_MESSAGES,
+    Acts,
+    T,
+    ToolView,
+    file_to_save,
+    refuse_device,
+)
 from robsim.lab.calibration.floor_report import FloorCalibration
 from robsim.lab.calibration.seen_sheets import SeenSheets
 from robsim.vision.imaging import images
@@ -267,7 +273,7 @@ class FloorView(ToolView):
 
     def save(self, path: str | PathLike[str] | None = None) -> Path:
         """Write the calibration into a file, which is the panel's from now on."""
-        file = self.file if path is None else as_path(path)
+        file = file_to_save(self.file if path is None else path)
         calibration = self.calibration()
         there = replaced(file, calibration, is_known=file.resolve() in self._files)
         save_calibration(file, calibration)
