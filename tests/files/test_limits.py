@@ -99,6 +99,13 @@ def test_a_header_that_lies(forged):
         refused(forged({"pose_true.npy": member}), reason)
 
 
+def test_an_info_that_is_larger_than_what_it_says(forged):
+    for text in ("[],", '{"a":1},', " ", "[" * 5000 + "]" * 5000 + ","):
+        info = io.BytesIO()
+        np.save(info, np.array("[" + text * (5 * MB // len(text)) + "1]"))
+        refused(forged({"info.npy": info.getvalue()}), "info|keys and values|deep")
+
+
 def test_a_zip_header_that_lies(forged):
     file = forged({"pose_true.npy": npy("<f8", (3, 3), bytes(72))})
     whole = file.read_bytes()
@@ -114,7 +121,15 @@ def test_a_zip_header_that_lies(forged):
 
 def test_a_group_whose_name_cannot_be_shown(forged):
     member = npy("<f8", (3, 4), bytes(96))
-    for name in ("blobs_a\0b", "blobs_" + 41 * "a", "blobs_\x1b[2J", "blobs_\u202e", "\n"):
+    for name in (
+        "blobs_a\0b",
+        "blobs_" + 41 * "a",
+        "blobs_\x1b[2J",
+        "blobs_\u202e",
+        "\n",
+        "blobs_<b>",
+        "=1",
+    ):
         groups = ["pose_true", "u", "bounced", name]
         refused(forged({f"{name}.npy": member}, groups), "name of a group")
 

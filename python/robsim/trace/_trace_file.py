@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import io
 import json
 import math
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from robsim.base.checks import Floats
 from robsim.base.files import packed_arrays, write_whole
+from robsim.base.files.reading import parse_json
 from robsim.base.text import cut, listed, one_line, quoted
 from robsim.trace.columns import check_group_name
 from robsim.trace.run_info import RunInfo
@@ -25,8 +27,11 @@ from robsim.trace.run_info import RunInfo
 FORMAT = "robsim trace 1"
 _INFO = "info"
 _OF_OLD_NUMPY = "allow_pickle"  # numpy below 2.2 stored the keyword as an array
-_MOST_INFO = 2**29  # bytes, 4 a character: a scenario of 64 MB, its line breaks as two characters
+_MOST_INFO = 2**24  # bytes, 4 a character, that any file may contain
+_MOST_INFO_PACKED = 8  # bytes of the info for each byte of the file: a scenario has pictures
+_MOST_SIGNS = 400_000  # of JSON, in the info: a scenario has at most a quarter
 _MOST_SMALL = 2**28  # bytes that any file may contain
+_PART = 2**20  # bytes that are unpacked at a time
 
 T = TypeVar("T")
 
@@ -101,7 +106,7 @@ _BROKEN = (
 
 def _content_of(archive: zipfile.ZipFile, size: int) -> Content:
     """Return the content of a trace; nothing is unpacked before it is known how large it is."""
-    info = _read_info(archive)
+    info = _read_info(archive, size)
     if info.pop("format") != FORMAT:
         raise ValueError(f"its format is not {FORMAT!r}")
     first_step = info.pop("first_step")
@@ -121,20 +126,32 @@ def _content_of(archive: zipfile.ZipFile, size: int) -> Content:
     return groups, RunInfo(**info), first_step
 
 
-def _read_info(archive: zipfile.ZipFile) -> dict[str, Any]:
+def _read_info(archive: zipfile.ZipFile, size: int) -> dict[str, Any]:
     if f"{_INFO}.npy" not in archive.NameToInfo:
         raise ValueError("it has no info")
-    dtype, shape, size = _header(archive, _INFO)
+    dtype, shape, unpacked = _header(archive, _INFO)
     if dtype.kind != "U" or shape != ():
         raise ValueError(f"its info is {dtype} of shape {quoted(shape)}, not a text")
-    if size > _MOST_INFO:
-        raise ValueError(f"its info has more than {_MOST_INFO >> 20} MB")
-    code_points = _read_array(archive, _INFO).astype(dtype.newbyteorder("<")).tobytes()
-    # numpy itself makes a broken str of a number that is no code point
-    info = json.loads(code_points.decode("utf-32-le").rstrip("\0"))
+    if unpacked > (most := max(_MOST_INFO, _MOST_INFO_PACKED * size)):
+        raise ValueError(f"its info has more than {most >> 20} MB")
+    info = parse_json(_text_of(archive, dtype), _MOST_SIGNS)
     if not isinstance(info, dict):
         raise ValueError("its info is not a table of values")
     return info
+
+
+def _text_of(archive: zipfile.ZipFile, dtype: np.dtype[Any]) -> str:
+    """Return the text of the info, never with all of its 4 bytes a character in memory.
+
+    numpy itself makes a broken str of a number that is no code point.
+    """
+    order = dtype.newbyteorder("<") == dtype
+    decoder = codecs.getincrementaldecoder("utf-32-le" if order else "utf-32-be")()
+    with archive.open(f"{_INFO}.npy") as member:
+        np.lib.format.read_magic(member)
+        np.lib.format.read_array_header_1_0(member)
+        parts = iter(lambda: member.read(_PART), b"")
+        return "".join([decoder.decode(part) for part in parts]).rstrip("\0")
 
 
 def _check_sizes(archive: zipfile.ZipFile, names: list[str], size: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from os import PathLike
@@ -63,6 +64,16 @@ def parse_toml(text: str, most: int = MOST_TOML) -> dict[str, Any]:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise ValueError(f"this is not a TOML file: {cut(error)}") from error
+
+
+def parse_json(text: str, most: int = _MOST_SIGNS) -> Any:
+    """Parse a JSON text of at most `most` values and keys; a ValueError says why it cannot be."""
+    if sum(map(text.count, "[{,:")) > most:
+        raise ValueError(f"it has more than {most} keys and values")
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("it is nested too deep") from None
 
 
 def content_of(path: Path, size: int = -1) -> bytes:
