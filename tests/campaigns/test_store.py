@@ -3,6 +3,7 @@
 import functools
 import re
 import sqlite3
+import subprocess
 import sys
 from contextlib import closing
 from pathlib import Path
@@ -316,3 +317,52 @@ def test_traces_need_a_file():
     for keep in ("traces", "trace"):
         with pytest.raises(ValueError, match="keep"):
             run(keep=keep)
+
+
+def test_programs_that_begin_one_store_at_once_all_go_on(store, tmp_path):
+    program = """
+import pathlib, sys, time
+import robsim
+from robsim.campaigns import campaign
+scenario = robsim.Scenario(area=(300, 300))
+pathlib.Path(sys.argv[1]).touch()
+while len(list(pathlib.Path().glob("ready-*"))) < 3:
+    time.sleep(0.001)
+result = campaign(scenario, store="store.sqlite", metrics="pose_errors", runs=8, steps=5,
+                  progress=False)
+print(result.checksum)
+"""
+    processes = [
+        subprocess.Popen(
+            [sys.executable, "-c", program, f"ready-{i}"],
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        for i in range(3)
+    ]
+    ended = [process.communicate(timeout=300) for process in processes]
+    assert [process.returncode for process in processes] == [0, 0, 0], ended
+    assert len({out for out, _ in ended}) == 1  # with one seed, though none was given
+
+
+@pytest.mark.parametrize(
+    "trap",
+    [
+        "ALTER TABLE campaign RENAME TO there; CREATE VIEW campaign AS WITH RECURSIVE "
+        "c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELECT x AS key, x AS value FROM c",
+        "CREATE TRIGGER more AFTER INSERT ON runs BEGIN INSERT INTO traces "
+        "VALUES (1, 1, zeroblob(900000000)); END",
+        "ALTER TABLE campaign ADD COLUMN much AS (hex(zeroblob(400000000)))",
+        "CREATE VIRTUAL TABLE traces2 USING fts5(text)",
+        "UPDATE campaign SET value = " + repr("[" * 90_000 + "]" * 90_000),
+    ],
+    ids=["view", "trigger", "column", "virtual", "deep"],
+)
+def test_a_store_that_would_do_something_by_itself_is_refused(store, trap):
+    run(store)
+    with closing(sqlite3.connect(store)) as database:
+        database.executescript(trap)
+    with pytest.raises(ValueError, match=r"robsim has not made|deep"):
+        run(store)

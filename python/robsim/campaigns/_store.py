@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim.base.files import as_path
+from robsim.base.files.reading import parse_json
 from robsim.base.shipped import warn_user
 from robsim.base.text import one_line
 from robsim.campaigns.runs import Job, Row
@@ -33,6 +34,8 @@ _BATCH = 1000  # rows
 _NUMBERS = ("case_id", "run", "seconds")  # of ROW_COLUMNS
 _TEXTS = ("error", "line")
 _TABLES = ("campaign", "cases", "columns", "runs")  # whose content is read at opening
+_OURS = (*_TABLES, "traces")
+_VIEW = "CREATE VIEW results AS SELECT * FROM cases JOIN runs USING (case_id)"
 
 
 class Store:
@@ -46,13 +49,9 @@ class Store:
 
     def __init__(self, path: str | PathLike[str] | None, spec: CampaignSpec) -> None:
         self.path = None if path is None else as_path(path)
-        self._spec = spec
+        self.spec = spec  # with the seed of the store, where it has none of its own
         with self._naming():
-            self._database = sqlite3.connect(
-                ":memory:" if self.path is None else self.path,
-                timeout=_PATIENCE,
-                isolation_level=None,
-            )
+            self._database = _connection(self.path or ":memory:")
         try:
             with self._naming():
                 self._open()
@@ -61,15 +60,14 @@ class Store:
             raise
 
     def _open(self) -> None:
-        is_new = not self._database.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
-        if is_new:
-            self._database.execute(f"PRAGMA application_id = {_APPLICATION}")
+        if _is_empty(self._database):
             with suppress(sqlite3.OperationalError):  # not on every file system
                 self._database.execute("PRAGMA journal_mode = WAL")
             self._synchronize()
             with self._transaction():
-                self._create()
-            return
+                if _is_empty(self._database):  # still: no other process was first
+                    self._create()
+                    return
         _check_is_store(self._database, self.path)
         _check_is_whole(self._database, self.path)
         self._check_fits()
@@ -82,8 +80,9 @@ class Store:
         self._database.execute(f"PRAGMA synchronous = {level}")
 
     def _create(self) -> None:
-        options = "".join(f", {_quoted(name)}" for name in self._spec.vary)
+        options = "".join(f", {_quoted(name)}" for name in self.spec.vary)
         execute = self._database.execute
+        execute(f"PRAGMA application_id = {_APPLICATION}")
         execute("CREATE TABLE campaign (key TEXT PRIMARY KEY, value TEXT)")
         execute(f"CREATE TABLE cases (case_id INTEGER PRIMARY KEY{options})")
         execute(
@@ -95,24 +94,27 @@ class Store:
             "CREATE TABLE traces (case_id INTEGER, run INTEGER, trace BLOB, "
             "PRIMARY KEY (case_id, run))"
         )
-        execute("CREATE VIEW results AS SELECT * FROM cases JOIN runs USING (case_id)")
-        assert self._spec.scenario is not None
+        execute(_VIEW)
+        assert self.spec.scenario is not None
         content = {
             "format": _FORMAT,
-            "description": description_of(self._spec) if self.path else {},
+            "description": description_of(self.spec) if self.path else {},
             "surroundings": surroundings(),
         }
         for key, value in content.items():
             execute("INSERT INTO campaign VALUES (?, ?)", (key, json.dumps(value)))
-        places = ", ?" * len(self._spec.vary)
+        places = ", ?" * len(self.spec.vary)
         self._database.executemany(
             f"INSERT INTO cases VALUES (?{places})",
-            [(case.index, *case.labels.values()) for case in self._spec.cases],
+            [(case.index, *case.labels.values()) for case in self.spec.cases],
         )
 
     def _check_fits(self) -> None:
         notes = _notes(self._database)
-        if (other := difference(notes["description"], description_of(self._spec))) is not None:
+        if self.spec._is_unseeded:
+            seed = np.random.SeedSequence(**notes["description"]["seed"])
+            self.spec = self.spec._with_seed(seed)
+        if (other := difference(notes["description"], description_of(self.spec))) is not None:
             raise ValueError(
                 f"store {one_line(self.path)} has another campaign: {other}; give another file, "
                 "or remove this one"
@@ -148,19 +150,19 @@ class Store:
     def count(self) -> int:
         with self._naming():
             found = self._database.execute(
-                "SELECT count(*) FROM runs WHERE run < ?", (self._spec.runs,)
+                "SELECT count(*) FROM runs WHERE run < ?", (self.spec.runs,)
             )
             return int(found.fetchone()[0])
 
     def missing(self) -> Iterator[Job]:
         """Yield the missing runs, cases x runs; each case is looked up in its turn."""
-        for case in self._spec.cases:
+        for case in self.spec.cases:
             with self._naming():
                 found = self._database.execute(
                     "SELECT run FROM runs WHERE case_id = ?", (case.index,)
                 )
                 done = {run for (run,) in found}
-            yield from ((case.index, run) for run in range(self._spec.runs) if run not in done)
+            yield from ((case.index, run) for run in range(self.spec.runs) if run not in done)
 
     def add(self, rows: Sequence[Row]) -> None:
         """Write rows, all or none; one that is there stays as it is."""
@@ -178,7 +180,7 @@ class Store:
         return dict(found)
 
     def _add_column(self, name: str, columns: Mapping[str, str]) -> str:
-        taken = {known.casefold() for known in (*columns.values(), *self._spec._taken)}
+        taken = {known.casefold() for known in (*columns.values(), *self.spec._taken)}
         sql_name, number = name, 1
         while sql_name.casefold() in taken:  # SQL does not tell capitals
             number += 1
@@ -200,7 +202,7 @@ class Store:
 
     def read(self) -> dict[str, NDArray[Any]]:
         """Return the columns of all runs, cases x runs; LookupError while runs are missing."""
-        count = len(self._spec.cases) * self._spec.runs
+        count = len(self.spec.cases) * self.spec.runs
         with self._naming():
             if (there := self.count()) != count:
                 raise LookupError(f"the store has {there} of {count} runs")
@@ -222,7 +224,7 @@ class Store:
 
     def _texts(self, count: int) -> dict[str, NDArray[Any]]:
         """Return the columns of texts, None in the rows of runs that did not fail."""
-        runs = self._spec.runs
+        runs = self.spec.runs
         texts = {name: np.full(count, None, object) for name in _TEXTS}
         for case, run, *found in self._select(("case_id", "run", *_TEXTS), "error IS NOT NULL"):
             for column, text in zip(texts.values(), found, strict=True):
@@ -233,7 +235,7 @@ class Store:
         names = ", ".join(map(_quoted, columns))
         return self._database.execute(
             f"SELECT {names} FROM runs WHERE run < ? AND {which} ORDER BY case_id, run",
-            (self._spec.runs,),
+            (self.spec.runs,),
         )
 
     def close(self) -> None:
@@ -242,27 +244,12 @@ class Store:
             self._database.close()
 
 
-def seed_in_store(path: str | PathLike[str]) -> np.random.SeedSequence | None:
-    """Return the seed of the campaign in a file, None where there is no such file yet."""
-    file = as_path(path)
-    if not file.exists() or not file.stat().st_size:
-        return None
-    try:
-        with closing(sqlite3.connect(file, timeout=_PATIENCE)) as database:
-            if not database.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
-                return None
-            _check_is_store(database, file)
-            return np.random.SeedSequence(**_notes(database)["description"]["seed"])
-    except sqlite3.Error as error:
-        raise OSError(f"store {one_line(file)}: {error}") from error
-
-
 def trace_in_store(path: Path, description: Mapping[str, Any], case: int, run: int) -> Trace | None:
     """Return a run's trace; None without trace or store, ValueError for a damaged one."""
     if not path.exists():
         return None
     try:
-        with closing(sqlite3.connect(path, timeout=_PATIENCE)) as database:
+        with closing(_connection(path)) as database:
             if not _is_store(database) or _notes(database)["description"] != description:
                 return None
             found = database.execute(
@@ -275,14 +262,38 @@ def trace_in_store(path: Path, description: Mapping[str, Any], case: int, run: i
     return Trace._unpacked(found[0], f"store {one_line(path)}: run {run} of case {case}")
 
 
+def _connection(file: Path | str) -> sqlite3.Connection:
+    """Return a connection to a file that may come from anybody."""
+    database = sqlite3.connect(file, timeout=_PATIENCE, isolation_level=None)
+    database.execute("PRAGMA trusted_schema = OFF")
+    return database
+
+
+def _is_empty(database: sqlite3.Connection) -> bool:
+    return not database.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+
+
 def _is_store(database: sqlite3.Connection) -> bool:
-    return bool(database.execute("PRAGMA application_id").fetchone()[0] == _APPLICATION)
+    """Whether a file is a store of ours, and does nothing by itself."""
+    if database.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION:
+        return False
+    for kind, name, sql in database.execute("SELECT type, name, sql FROM sqlite_master"):
+        is_plain = kind == "table" and name in _OURS and " VIRTUAL " not in sql.upper()
+        if not (is_plain or kind == "index" or sql == _VIEW):
+            return False
+        columns = database.execute("SELECT hidden FROM pragma_table_xinfo(?)", (name,))
+        if any(hidden for (hidden,) in columns):  # computed whenever it is read
+            return False
+    return True
 
 
 def _check_is_store(database: sqlite3.Connection, path: Path | None) -> None:
     """Raise ValueError for a file of another program, or of another version."""
     if not _is_store(database):
-        raise ValueError(f"store {one_line(path)} is no store of a campaign: give another file")
+        raise ValueError(
+            f"store {one_line(path)} is no store of a campaign, or has tables, views or triggers "
+            "that robsim has not made: give another file"
+        )
     number = _notes(database)["format"]
     if number != _FORMAT:
         raise ValueError(
@@ -299,7 +310,7 @@ def _check_is_whole(database: sqlite3.Connection, path: Path | None) -> None:
 
 
 def _notes(database: sqlite3.Connection) -> dict[str, Any]:
-    return {key: json.loads(value) for key, value in database.execute("SELECT * FROM campaign")}
+    return {key: parse_json(value) for key, value in database.execute("SELECT * FROM campaign")}
 
 
 def _quoted(name: str) -> str:

@@ -12,7 +12,7 @@ from robsim.base.checks import check_bool, check_choice
 from robsim.base.files import as_path
 from robsim.base.seeds import Seed
 from robsim.base.text import one_line
-from robsim.campaigns._store import Store, seed_in_store
+from robsim.campaigns._store import Store
 from robsim.campaigns.engines.campaign_work import CampaignWork
 from robsim.campaigns.engines.chunks import Chunks
 from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
@@ -165,11 +165,9 @@ def run_spec(
     file = None if store is None else as_path(store, "store")
     if file is None and spec.keep == "traces":
         raise ValueError("keep='traces' must have a file to keep them in: give store, too")
-    if file is not None and spec._is_unseeded and (known := seed_in_store(file)) is not None:
-        spec = spec._with_seed(known)
     with closing(Store(file, spec)) as rows:
-        _run(spec, engine, rows, shows=progress, stops=on_error == "raise")
-        return result_of(spec, rows.read(), file)
+        _run(rows.spec, engine, rows, shows=progress, stops=on_error == "raise")
+        return result_of(rows.spec, rows.read(), file)
 
 
 def _run(spec: CampaignSpec, engine: Engine, store: Store, *, shows: bool, stops: bool) -> None:
