@@ -103,6 +103,7 @@ BAD = {
         bad("measured", "covariance", numbers=[(MEASURED + 24, -1.0)]),
         bad("measured", numbers=[(MEASURED + 96, np.inf)]),
         bad(words=[(N_BLOBS, 1)], end=struct.pack("<2d", np.inf, 0)),
+        bad(words=[(N_BLOBS, 1)], end=struct.pack("<2d", 5.0, 5.0)),
     ],
     "estimate_parameters": [
         bad("parameters", numbers=[(PARAMETERS, np.nan)]),
@@ -152,3 +153,54 @@ def test_random_answers_are_taken_or_refused(seed):
         assert np.abs(trace.u).max() <= 12
         assert np.isfinite(trace.pose_estimated).all()
     assert 20 < refusals < 200
+
+
+def test_a_state_of_another_size_is_refused_where_it_comes():
+    def growing(message):
+        (k,) = struct.unpack_from("<q", message)
+        size = (0, 2, 0, 2, 3)[k]
+        return answer(message, "u", "estimate", words=[(N_STATES, size)], end=bytes(8 * size))
+
+    with pytest.raises(Refused) as refused:
+        run(growing, steps=5)
+    assert refused.value.args[:2] == ("estimate_state", 4)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(thorough(9, 1)))
+def test_sequences_of_answers_are_taken_or_refused(seed):
+    """Each answer may be right alone: parts, counts and numbers change from step to step."""
+    rng = np.random.default_rng(seed)
+
+    def any_of_them(message):
+        parts = [part for part in HAS if part != "frame" and rng.random() < 0.6]
+        states, blobs = rng.choice([0, 0, 1, 2, 1024]), rng.choice([0, 0, 1, 4, 512])
+        wild = [0.0, 1.0, -1.0, 1e-300, 1e9, -1e9, 1e12]
+        numbers = [(PARAMETERS + 8 * i, rng.choice(wild)) for i in rng.integers(58, size=3)]
+        words = [(N_STATES, states), (N_BLOBS, blobs), (MISSED, rng.integers(5))]
+        if rng.random() < 0.1:
+            words.append((DONE, rng.integers(16)))
+        end = rng.choice(wild, size=2 * blobs + states).tobytes()
+        return answer(message, "u", "estimate", *parts, numbers=numbers, words=words, end=end)
+
+    refusals = 0
+    for _ in range(100):
+        try:
+            trace = run(any_of_them, steps=6)
+        except Refused:
+            refusals += 1
+            continue
+        assert np.isfinite(trace.pose_estimated).all()
+    assert refusals > 20
+
+
+class AnswerError(Exception):
+    pass
+
+
+def test_an_error_of_who_asks_comes_as_it_is():
+    def failing(message):
+        raise AnswerError(1)
+
+    with pytest.raises(AnswerError):
+        run(failing)

@@ -53,6 +53,14 @@ std::optional<Measurement> RemoteRobot::measure(const StepPointer& step) {
 Estimate RemoteRobot::estimate_state(const StepPointer& step) {
   const StepMessage& known = answer(step, estimate_bit);
   if (!known.estimate) refuse(estimate_bit, step->k, "there must be an estimate, got none");
+  const std::size_t size = known.estimate->state.size();
+  if (step->k == 0) states_ = 0;
+  if (size > 0 && states_ > 0 && size != states_) {
+    refuse(estimate_bit, step->k,
+           "state must have " + std::to_string(states_) + " numbers at every step, got " +
+               std::to_string(size));
+  }
+  if (size > 0) states_ = size;
   return *known.estimate;
 }
 
@@ -114,6 +122,9 @@ void RemoteRobot::check(const StepMessage& answer, const Step& step, StageBit st
   }
   if (!(answer.done & stage)) refuse(stage, step.k, "there must be an answer, got none");
   if (answer.frame) refuse(stage, step.k, "an answer must have no frame");
+  if (!answer.blobs.empty() && answer.blobs.size() != blobs_of_a_color * step.colors().size()) {
+    refuse(measure_bit, step.k, "there must be two blobs of each colour");
+  }
   if (!options_.memory.empty() && answer.next_slot >= options_.memory.size()) {
     refuse(stage, step.k, "the memory of the next frame must be one that there is");
   }

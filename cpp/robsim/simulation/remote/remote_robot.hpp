@@ -61,6 +61,7 @@ class RemoteRobot {
   Exchange exchange_;
   Refuse refuse_;
   StepMessage answer_;
+  std::size_t states_ = 0;  // the size of the further state, once there is one
 };
 
 /// The parameter estimator of a robot half in another process, which must outlive it.

@@ -95,10 +95,10 @@ def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> D
     if task.rules.slots[0] in WORLD_SLOTS:
         with calling(task) as answering:
             return done(
-                answering, lambda: _driven(_world_of(answering, task, scenario, seeds), steps)
+                answering, lambda: _driven(_world_of(answering, task, scenario, seeds), steps, task)
             )
     with started(task, scenario, seeds) as worker:
-        return done(worker, lambda: _driven(asking(worker, task, scenario, seeds), steps))
+        return done(worker, lambda: _driven(asking(worker, task, scenario, seeds), steps, task))
 
 
 @contextmanager
@@ -135,8 +135,8 @@ def _world_of(worker: CallWorker, task: Task, scenario: Scenario, seeds: RunSeed
     return simulation
 
 
-def _driven(simulation: Simulation, steps: int) -> Trace:
-    """Run; say whose fault it is if a callback here fails."""
+def _driven(simulation: Simulation, steps: int, task: Task) -> Trace:
+    """Run; say whose fault it is if a callback fails here, or what a worker answers cannot be."""
     try:
         return simulation.run(steps)
     except GradingError as error:
@@ -147,6 +147,9 @@ def _driven(simulation: Simulation, steps: int) -> Trace:
         if failed is None:
             raise
         text = error_text(error, slot=failed.slot, step=failed.k)
+        if failed.slot in task.rules.slots and failed.slot not in task.callbacks:
+            told = SubmissionError(str(text), slot=failed.slot, step=failed.k)
+            raise _with_trace(told, simulation) from None
         raise AssignmentError(
             f"a callback of the assignment has failed: {text}", slot=failed.slot, step=failed.k
         ) from error
