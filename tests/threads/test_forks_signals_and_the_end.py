@@ -9,6 +9,7 @@ import pytest
 
 import robsim
 import surroundings
+from sizes import thorough
 from threads import forks, in_fork, running
 
 pytestmark = [
@@ -122,6 +123,44 @@ threading.Thread(target=work, daemon=True).start()
 works.wait()
 """
     assert python(code) == (0, "", "")
+
+
+RUNNING = """
+import threading, time
+import robsim
+def drive(i):
+    control = None if {native} else lambda step: (0.0, 0.0)
+    sim = robsim.Simulation(seed=i, resolution=(200, 200), measure=i % 2 == 0, control=control)
+    if {begins}:
+        begun.release()
+    sim.run(3)
+    begun.release()
+    sim.run(10**9)
+begun = threading.Semaphore(0)
+for i in range(4):
+    threading.Thread(target=drive, args=(i,), daemon=True).start()
+for i in range(4):
+    begun.acquire()
+"""
+
+
+@pytest.mark.parametrize("native", [True, False])
+@pytest.mark.parametrize("begins", [True, False])
+def test_the_end_of_python_while_daemon_threads_drive(native, begins):
+    """In the middle of the run, or of its first scenes: the status is that of the program."""
+    for _ in range(thorough(6, 1)):
+        assert python(RUNNING.format(native=native, begins=begins)) == (0, "", "")
+
+
+IMPORTING = """
+import threading
+threading.Thread(target=lambda: __import__("robsim").Simulation().run(5), daemon=True).start()
+"""
+
+
+def test_the_end_of_python_while_a_daemon_thread_imports():
+    for _ in range(thorough(6, 1)):
+        assert python(IMPORTING)[::2] == (0, "")
 
 
 SIGNALS = """

@@ -1,6 +1,9 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
 
 #include "python/callbacks.hpp"
 #include "python/interpreter.hpp"
@@ -58,16 +61,28 @@ list of TraceGroup
 
 namespace {
 
-// Not while Python ends: it would not be had back.
-void* release_interpreter() {
-  return PyGILState_Check() && !is_finalizing() ? PyEval_SaveThread() : nullptr;
-}
+void* release_interpreter() { return PyGILState_Check() ? PyEval_SaveThread() : nullptr; }
 
-void acquire_interpreter(void* state) { take_interpreter_back(static_cast<PyThreadState*>(state)); }
+void acquire_interpreter(void* state) { PyEval_RestoreThread(static_cast<PyThreadState*>(state)); }
+
+// Python is about to end: the runs of other threads stop their robots, and never come back.
+std::atomic<bool> is_end_near{false};
+std::atomic<int> runs_under_way{0};
+struct EndIsNear {};
+
+// Not for long: what a callback does may take hours.
+void end_all_runs() {
+  is_end_near = true;
+  const WithoutInterpreter others;
+  for (int ms = 0; ms < 1000 && runs_under_way > 0; ++ms) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
 
 // Called between two steps: signals, and a progress callback.
 Loop::Pulse pulse(const py::object& progress) {
   return [progress](std::int64_t done) {
+    if (is_end_near) throw EndIsNear();
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (!progress.is_none()) progress(done);
   };
@@ -119,9 +134,12 @@ const char* name_of(Stage stage) {
 // Forgets the step's object at the end of its life.
 struct RunScope {
   explicit RunScope(SlottedLoop& loop)
-      : object(loop.guard().is_running() ? nullptr : &loop.step_object) {}
+      : object(loop.guard().is_running() ? nullptr : &loop.step_object) {
+    ++runs_under_way;
+  }
   ~RunScope() {
     if (object) object->forget();
+    --runs_under_way;
   }
   StepObject* object;  // null: another run is under way, whose it is
 };
@@ -129,11 +147,14 @@ struct RunScope {
 // Does something that the loop does between two looks of the user's.
 template <typename Work>
 auto in_run(SlottedLoop& loop, const Work& work) {
-  const RunScope scope(loop);
   try {
+    const RunScope scope(loop);
     return work();
   } catch (const ResultError& error) {
     loop.refuse(error);
+  } catch (const EndIsNear&) {
+    const WithoutInterpreter others;
+    wait_for_the_end();
   }
 }
 
@@ -173,6 +194,7 @@ std::vector<MissedDetections> missed_of(const SlottedLoop& self) {
 
 void bind_loop(py::module_& module) {
   set_interpreter_lock({&release_interpreter, &acquire_interpreter});
+  py::module_::import("atexit").attr("register")(py::cpp_function(&end_all_runs));
 
   Class<SlottedLoop>(public_in(module, "robsim._core"), "Loop",
                      "The loop. Users take robsim.Simulation or robsim.Experiment.",

@@ -280,8 +280,6 @@ std::optional<Input> stopped(const py::handle& motors) {
       break;
     } catch (py::error_already_set& error) {
       is_interrupted = is_interrupted || error.matches(PyExc_KeyboardInterrupt);
-    } catch (...) {  // Python ends
-      wait_for_the_end();
     }
   }
   if (is_interrupted) PyErr_SetInterrupt();
@@ -290,7 +288,6 @@ std::optional<Input> stopped(const py::handle& motors) {
 
 // In the watchdog's thread.
 void halted(const py::handle& motors) {
-  if (is_finalizing()) return;
   const py::gil_scoped_acquire interpreter;
   try {
     motors.attr("halt")();
