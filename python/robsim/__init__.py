@@ -125,7 +125,12 @@ def __getattr__(name: str) -> _Any:
 
 def _loaded(name: str) -> _Any:
     if name in _WINGS:
-        return _importlib.import_module(f"robsim.{name}")
+        try:
+            return _importlib.import_module(f"robsim.{name}")
+        except (ImportError, AttributeError) as error:
+            from robsim.base.hidden_modules import told
+
+            raise told(error) from error
     if name == "__version__":
         value = _importlib.import_module("importlib.metadata").version("robsim")
     elif name == "wrap_angle":

@@ -1,5 +1,24 @@
-"""``python -m robsim`` is the command ``robsim``."""
+"""The command ``robsim``, also as ``python -m robsim``."""
 
-from robsim.cli import main
+import os
+import sys
 
-main()
+
+def main() -> None:
+    """Run the command line; Ctrl-C while it is loaded ends it without a traceback."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # it was closed, or there is no console
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115  # until the end
+    try:
+        os.getcwd()
+        from robsim.cli import main as run
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except FileNotFoundError:
+        print("error: the folder that you are in is not there any more", file=sys.stderr)
+        sys.exit(2)
+    run()
+
+
+if __name__ == "__main__":
+    main()

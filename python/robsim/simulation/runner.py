@@ -474,4 +474,8 @@ def progress_bar(items: Iterable[Any] | None = None, **options: Any) -> Any:
         options["desc"] = one_line(options["desc"])
 
     is_notebook = any(base.__module__ == "tqdm.notebook" for base in tqdm.__mro__)
-    return tqdm(items, disable=not (is_notebook or sys.stderr.isatty()), **options)
+    return tqdm(
+        items,
+        disable=not (is_notebook or (sys.stderr is not None and sys.stderr.isatty())),
+        **options,
+    )
