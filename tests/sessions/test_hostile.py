@@ -3,6 +3,7 @@
 import io
 import shutil
 import struct
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from PIL import Image
 import robsim
 from robsim.trace import Session
 from robsim.trace.sessions import _pictures as matroska
+from robsim.trace.sessions.rows import read_rows
 from sessions import record
 from sizes import thorough
 
@@ -110,6 +112,42 @@ def test_a_damaged_line_is_named(folder):
             (end, end + b"0 0 0 0 0 0 0 0 0", "line 4: .*inverse"),
         ],
     )
+
+
+def test_rows_take_little_more_memory_than_their_file(folder):
+    steps = folder / "steps.csv"
+    head = steps.read_bytes().splitlines(keepends=True)[0]
+    commas = b"," * (head.count(b",") - 1)
+    place = head.split(b",").index(b"interrupted") - 1
+    line = b"%d,0" + b"," * place + b"0" + commas[place:] + b"\n"
+    steps.write_bytes(head + b"".join(line % k for k in range(30_000)))
+    (folder / "frames.mkv").unlink()
+    tracemalloc.start()
+    try:
+        rows, is_torn = read_rows(steps)
+        assert tracemalloc.get_traced_memory()[1] < 10 * steps.stat().st_size
+    finally:
+        tracemalloc.stop()
+    assert (len(rows), is_torn) == (30_000, False)
+
+
+def test_a_session_has_so_many_steps_and_pictures_at_most(folder, monkeypatch):
+    monkeypatch.setattr("robsim.trace.sessions.rows._MOST_ROWS", 5)
+    refused(folder, "line 7: a session must have at most 5 steps")
+    monkeypatch.undo()
+    monkeypatch.setattr("robsim.trace.sessions._pictures._MOST_PICTURES", 5)
+    refused(folder, "at most 5 pictures")
+
+
+def test_a_line_without_an_end_is_not_read_whole(folder):
+    with (folder / "steps.csv").open("ab") as file:
+        file.truncate(2**30)  # of zeros, which take no room on the disk
+    tracemalloc.start()
+    try:
+        refused(folder, "at most 4096 bytes")
+        assert tracemalloc.get_traced_memory()[1] < 2**23
+    finally:
+        tracemalloc.stop()
 
 
 def test_a_torn_last_line_is_ignored_and_told(folder):

@@ -142,7 +142,7 @@ REFUSED = {
     "[control]\nkind = 'DriveAround'\nhold = 0": r"\[control\] hold",
     "[control]\nkind = 'Replay'\nu = 'ä'": r"\[control\] u",
     "[control]\nkind = 'Replay'\nu = 'AAAA'": r"\[control\] u",
-    f"[background]\npixels = '{png('RGB', (5001, 5000))}'": "pixels",
+    f"[background]\npixels = '{png('RGB', (8193, 8192))}'": "pixels",
     f"[background]\npixels = '{png('RGBA', (5, 5))}'": "background",
     "[background]\npixels = 'AAAA'": "pixels",
     "format = 2": "format",

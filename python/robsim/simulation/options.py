@@ -55,7 +55,7 @@ from robsim.simulation.world.disturbances import (
 from robsim.simulation.world.scene import HEADINGS, Floor, as_floor
 from robsim.trace.columns import POSES
 from robsim.trace.timing import MAXIMUM_DELAY
-from robsim.vision.imaging.images import Pixels, load_image
+from robsim.vision.imaging.images import MOST_PIXELS, Pixels, load_image
 from robsim.vision.imaging.noise import GaussianNoise, Noise, UniformNoise
 from robsim.vision.markers.color_files import as_colors
 from robsim.vision.robots.definition import RobotDefinition
@@ -65,7 +65,6 @@ UNLIMITED = 2**62 - 1  # steps
 
 _PIXEL = np.zeros((1, 1, 3), np.uint8)
 _MAXIMUM_START = 1e6  # work-area px
-_MOST_PIXELS = 2**26  # of a floor, whose four images take 0.8 GB then
 _LARGEST_ROBOT = 4096  # camera px; its image takes 0.3 GB then
 
 
@@ -195,9 +194,9 @@ def check_images(
     """Raise ValueError if the images of the floor or of the robot would take too much memory."""
     resolution = resolution or area
     for name, (width, height) in {"area": area, "resolution": resolution}.items():
-        if width * height > _MOST_PIXELS:
+        if width * height > MOST_PIXELS:
             raise ValueError(
-                f"{name} must have at most {_MOST_PIXELS} px in all, such as 8192 x 8192, got "
+                f"{name} must have at most {MOST_PIXELS} px in all, such as 8192 x 8192, got "
                 f"{width} x {height}"
             )
     scale = max(resolution[0] / area[0], resolution[1] / area[1])

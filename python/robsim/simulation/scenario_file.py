@@ -26,7 +26,7 @@ from robsim.base.text import cut, quoted
 from robsim.simulation.options import OPTIONS, background_value
 from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import Floor
-from robsim.vision.imaging.images import Pixels, png_bytes
+from robsim.vision.imaging.images import MOST_PIXELS, Pixels, png_bytes
 from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
 from robsim.vision.markers.color_files import COLOR, color_of
 from robsim.vision.robots.definition import RobotDefinition
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from robsim.simulation.scenario import Scenario
 
 MOST_BYTES = 64 * 2**20  # of a file
-MOST_PIXELS = 25_000_000  # of an image
 _FORMAT = 1
 _HEADER = "A simulated world and a run of robsim: read it with robsim.Scenario.load."
 _CONTINUOUS = "continuous"  # TOML has no None

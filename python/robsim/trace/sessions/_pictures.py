@@ -24,7 +24,8 @@ _START_SIZE = 8  # bytes of a size that is patched
 _CLUSTER_HEAD = struct.Struct(">I Q BBQ BQ BHB")
 _BLOCK_HEAD = 4  # bytes: track, time after that of the cluster, flags
 _LONG = 1 << 56  # marks a size of eight bytes
-_MOST_PICTURE = 2**30  # bytes
+_MOST_PICTURE = 2**28  # bytes
+_MOST_PICTURES = 1_000_000
 _MOST_HEAD = 512  # bytes before the first cluster
 _SEEK_ROOM = 32  # bytes, for where the cues are
 _CODECS = {"JPEG": "V_MJPEG", "PNG": "V_MS/VFW/FOURCC"}
@@ -120,6 +121,8 @@ def find_pictures(file: Path, descriptor: int) -> tuple[list[Picture], int]:
         return [], size
     pictures: list[Picture] = []
     for picture, end in _clusters(descriptor, place, size):
+        if len(pictures) == _MOST_PICTURES:
+            raise ValueError(f"{one_line(file)} must have at most {_MOST_PICTURES} pictures")
         pictures.append(picture)
         place = end
     is_over = read_at(descriptor, 4, place) == _id(0x1C53BB6B)
@@ -217,7 +220,7 @@ class Pictures:
                     raise ValueError(f"{width} x {height} px are too many")
                 if self.size not in ((0, 0), image.size):
                     raise ValueError(f"{width} x {height} px, unlike the first one")
-                return np.array(image.convert("RGB"))
+                return np.array(image if image.mode == "RGB" else image.convert("RGB"))
         except Exception as error:  # Pillow's decoders raise many types
             raise ValueError(
                 f"frame {number} of {one_line(self._file)} is damaged: {cut(error)}"

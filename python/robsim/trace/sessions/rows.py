@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -17,9 +17,8 @@ from robsim.base.checks import Floats
 from robsim.base.text import as_cell, cut, one_line, quoted
 from robsim.trace.columns import GROUPS
 
-#: Limits of the file and of a line (bytes).
-MOST_BYTES = 2**31
-_MOST_LINE = 4096
+_MOST_ROWS = 1_000_000
+_MOST_LINE = 4096  # bytes
 _MOST = 2**63  # of a whole number
 _LONGEST_TIME = 1e15  # s
 
@@ -94,27 +93,30 @@ def _cell(value: Any) -> str:
 def read_rows(file: Path) -> tuple[list[Row], bool]:
     """Return the rows of a time base, and whether its last line is torn; else ValueError."""
     with file.open("rb") as stream:
-        content = stream.read(MOST_BYTES + 1)
-    if len(content) > MOST_BYTES:
-        raise ValueError(f"{one_line(file)} must have at most {MOST_BYTES >> 20} MB")
-    lines = content.split(b"\n")
-    last = lines.pop()
-    by_header = {_header(columns): columns for columns in _COLUMNS_BY_FORMAT.values()}
-    columns = by_header.get(lines[0] + b"\n") if lines else None
-    if columns is None:
-        if not lines and any(header.startswith(last) for header in by_header):
-            return [], bool(last)
-        raise ValueError(f"{one_line(file)} is not the time base of a session, or damaged")
+        head = stream.readline(_MOST_LINE)
+        by_header = {_header(columns): columns for columns in _COLUMNS_BY_FORMAT.values()}
+        if head in by_header:
+            return _rows_below(by_header[head], stream, file)
+    if any(header.startswith(head) for header in by_header):
+        return [], bool(head)
+    raise ValueError(f"{one_line(file)} is not the time base of a session, or damaged")
+
+
+def _rows_below(columns: tuple[str, ...], stream: BinaryIO, file: Path) -> tuple[list[Row], bool]:
     rows: list[Row] = []
-    for number, line in enumerate(lines[1:], 2):
+    for line in iter(lambda: stream.readline(_MOST_LINE + 2), b""):
+        if not line.endswith(b"\n") and len(line) <= _MOST_LINE:
+            return rows, True
         try:
-            row = _row_of(line, columns)
+            row = _row_of(line.removesuffix(b"\n"), columns)
             if rows and row.k != rows[-1].k + 1:
                 raise ValueError(f"step {row.k} follows step {rows[-1].k}")
+            if len(rows) == _MOST_ROWS:
+                raise ValueError(f"a session must have at most {_MOST_ROWS} steps")
         except (ValueError, OverflowError, csv.Error) as error:
-            raise ValueError(f"{one_line(file)}, line {number}: {cut(error)}") from error
+            raise ValueError(f"{one_line(file)}, line {len(rows) + 2}: {cut(error)}") from error
         rows.append(row)
-    return rows, bool(last)
+    return rows, False
 
 
 def _row_of(line: bytes, columns: tuple[str, ...]) -> Row:
@@ -128,7 +130,8 @@ def _row_of(line: bytes, columns: tuple[str, ...]) -> Row:
     for name in ("t", "t_arrival", "t_sent"):
         values[name] = _time(name, texts[name])
     for name, parts in _ARRAYS.items():
-        values[name] = tuple(_float(part, texts[part]) for part in parts)
+        if any(texts[part] for part in parts):  # else the default of all rows: no memory of its own
+            values[name] = tuple(_float(part, texts[part]) for part in parts)
     for name in ("video_frame", "frame_index", "headings"):
         values[name] = _int(name, texts[name]) if texts.get(name) else None
     if values["headings"] == 0:

@@ -21,7 +21,7 @@ from robsim.base.text import cut, one_line, quoted
 Pixels = NDArray[np.uint8]
 _WHITE = 65535  # of an image with 16 bits per pixel
 #: Limit of a picture, and of the frames of a video (px).
-MOST_PIXELS = 100_000_000
+MOST_PIXELS = 2**26
 # Formats that Pillow registers but cannot decode, or leaves to other programs.
 _FOREIGN = {"BUFR", "EPS", "FPX", "GRIB", "HDF5", "MIC", "MPEG", "WMF"}
 # Raised by Pillow for a file that would decompress to a huge image.
@@ -34,7 +34,7 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     Parameters
     ----------
     path : path
-        Any file that Pillow itself reads, of at most 100 million pixels.
+        Any file that Pillow itself reads, of at most 67 108 864 pixels, such as 8192 x 8192.
     mode : str
         ``"RGB"`` or ``"RGBA"``.
 
@@ -65,7 +65,7 @@ def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
     try:
         with Image.open(file, formats=_formats()) as image:
             if image.width * image.height > MOST_PIXELS:
-                raise ValueError(f"{image.width} x {image.height} px")
+                raise Image.DecompressionBombError(f"{image.width} x {image.height} px")
             upright = _eight_bits(ImageOps.exif_transpose(image))
             own = "RGBA" if upright.has_transparency_data else "RGB"
             return np.array(upright.convert(mode or own))
@@ -74,7 +74,7 @@ def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
             f"{name} is not in an image format that Pillow reads, such as PNG or JPEG"
         ) from error
     except _BOMBS as error:
-        raise ValueError(f"{name} has too many pixels: {cut(error)}") from error
+        raise ValueError(f"{name} must have at most {MOST_PIXELS} pixels: {cut(error)}") from error
     except MemoryError as error:
         raise ValueError(f"{name} cannot be read: there is not enough memory") from error
     except Exception as error:  # Pillow's decoders raise many types

@@ -22,8 +22,7 @@ from robsim.lab.cameras.errors import (
     NoCameraError,
     NoPermissionError,
 )
-
-_MOST_PIXELS = 64_000_000
+from robsim.vision.imaging.images import MOST_PIXELS
 
 
 def decoded(data: bytes) -> Any:
@@ -35,7 +34,7 @@ def decoded(data: bytes) -> Any:
         return None
     try:
         with Image.open(io.BytesIO(data), formats=("JPEG",)) as image:
-            if image.width * image.height > _MOST_PIXELS:
+            if image.width * image.height > MOST_PIXELS:
                 return None
             return np.asarray(image if image.mode == "RGB" else image.convert("RGB"))
     except (OSError, ValueError, SyntaxError):
