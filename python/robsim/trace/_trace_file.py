@@ -61,7 +61,7 @@ def pack_trace(content: Content) -> bytes:
 
 def _most_unpacked(size: int) -> int:
     """Return how many bytes a file of this size may contain: a trace is not packed so well."""
-    return max(_MOST_SMALL, 100 * size)
+    return _MOST_SMALL + 10 * size
 
 
 def read_trace(path: Path, build: Callable[[Content], T]) -> T:
