@@ -7,8 +7,10 @@ something or are made to.
 import io
 import json
 import shutil
+import sqlite3
 import warnings
 import zipfile
+from contextlib import closing, suppress
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +21,11 @@ from PIL import Image
 
 import robsim
 from fuzzing import SEEDS, attempt, fuzzed, mutations, refused
+from robsim.campaigns import campaign
+from robsim.trace import Session
 from robsim.vision import load_image, save_colors, save_video
 from scenarios import FULL
+from sessions import record
 
 pytestmark = pytest.mark.fuzz
 
@@ -243,6 +248,91 @@ def test_videos(video, data):
     path = video.with_stem("damaged")
     path.write_bytes(some(data, [video.read_bytes(), *corpus("videos")]))
     check_video(path)
+
+
+def check_session(folder):
+    session = attempt(Session, folder)
+    if session is not None:
+        assert len(repr(session)) < 10_000
+        attempt(list, session)
+        session.trace.save(folder / "again.npz")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    pytest.importorskip("cv2")
+    folder = tmp_path_factory.mktemp("recorded") / "run"
+    record(folder, 5).close()
+    return folder
+
+
+@pytest.mark.long
+@fuzzed
+@given(st.data())
+def test_sessions(recorded, scratch, data):
+    """A session with damage in one of its files, or with a file of another kind in its place."""
+    folder = scratch / "session"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(recorded, folder)
+    files = sorted(file for file in folder.iterdir() if file.is_file())
+    file = data.draw(st.sampled_from(files))
+    file.write_bytes(
+        some(data, [file.read_bytes(), data.draw(st.sampled_from(files)).read_bytes()])
+    )
+    if file.name == "steps.csv" and data.draw(st.booleans()):
+        lines = recorded.joinpath(file.name).read_bytes().splitlines(keepends=True)
+        cells = lines[1].split(b",")
+        odd = (b"", b"-1", b"nan", b"1e400", b"9" * 30, b'"', b"=1", b"<b>", b"1 2 3")
+        cells[data.draw(st.integers(0, len(cells) - 1))] = data.draw(st.sampled_from(odd))
+        file.write_bytes(b"".join([lines[0], b",".join(cells).rstrip() + b"\n", *lines[2:]]))
+    check_session(folder)
+
+
+def check_store(path):
+    """Go on with a campaign, read it; whatever is refused in words stays as it is."""
+    attempt(campaign_in, path, also=(OSError,))
+
+
+def campaign_in(path):
+    return campaign(
+        robsim.Scenario(area=(120, 120)), metrics="pose_errors", runs=2, steps=3, store=path, seed=1
+    )
+
+
+SQL = st.sampled_from(
+    (
+        "UPDATE campaign SET value = {odd}",
+        "UPDATE cases SET case_id = case_id + 1",
+        "UPDATE runs SET run = {odd}, error = {odd}",
+        "INSERT INTO runs (case_id, run) VALUES ({odd}, {odd})",
+        "UPDATE columns SET sql_name = {odd}",
+        "INSERT INTO columns VALUES (99, {odd}, {odd})",
+        "DELETE FROM campaign",
+        "DROP VIEW results",
+        "CREATE VIEW more AS SELECT {odd} FROM runs",
+        "CREATE TRIGGER more AFTER INSERT ON runs BEGIN DELETE FROM runs; END",
+        "PRAGMA user_version = 9",
+    )
+)
+SQL_VALUES = st.sampled_from(("NULL", "-1", "1e400", "9223372036854775807", "'x'", "'[]'", "'{}'"))
+
+
+@pytest.mark.long
+@fuzzed
+@given(st.data())
+def test_stores(scratch, data):
+    path = scratch / "store.sqlite"
+    whole = scratch / "whole.sqlite"
+    if not whole.exists():
+        campaign_in(whole)
+    shutil.copy(whole, path)
+    if data.draw(st.booleans()):
+        path.write_bytes(some(data, [whole.read_bytes()]))
+    else:
+        with closing(sqlite3.connect(path)) as database, suppress(sqlite3.Error):
+            database.execute(data.draw(SQL).format(odd=data.draw(SQL_VALUES)))
+            database.commit()
+    check_store(path)
 
 
 READERS = {

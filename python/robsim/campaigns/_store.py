@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from robsim.base.files import as_path
 from robsim.base.files.reading import parse_json
 from robsim.base.shipped import warn_user
-from robsim.base.text import one_line
+from robsim.base.text import one_line, quoted
 from robsim.campaigns.runs import Job, Row
 from robsim.campaigns.spec import (
     ROW_COLUMNS,
@@ -35,6 +35,7 @@ _NUMBERS = ("case_id", "run", "seconds")  # of ROW_COLUMNS
 _TEXTS = ("error", "line")
 _TABLES = ("campaign", "cases", "columns", "runs")  # whose content is read at opening
 _OURS = (*_TABLES, "traces")
+_WANTED = "run >= 0 AND run < ? AND case_id >= 0 AND case_id < ?"  # of a larger campaign, too
 _VIEW = "CREATE VIEW results AS SELECT * FROM cases JOIN runs USING (case_id)"
 
 
@@ -150,7 +151,7 @@ class Store:
     def count(self) -> int:
         with self._naming():
             found = self._database.execute(
-                "SELECT count(*) FROM runs WHERE run < ?", (self.spec.runs,)
+                f"SELECT count(*) FROM runs WHERE {_WANTED}", self._bounds()
             )
             return int(found.fetchone()[0])
 
@@ -234,9 +235,13 @@ class Store:
     def _select(self, columns: Iterable[str], which: str = "true") -> sqlite3.Cursor:
         names = ", ".join(map(_quoted, columns))
         return self._database.execute(
-            f"SELECT {names} FROM runs WHERE run < ? AND {which} ORDER BY case_id, run",
-            (self.spec.runs,),
+            f"SELECT {names} FROM runs WHERE {_WANTED} AND {which} ORDER BY case_id, run",
+            self._bounds(),
         )
+
+    def _bounds(self) -> tuple[int, int]:
+        """Return the numbers for `_WANTED`."""
+        return self.spec.runs, len(self.spec.cases)
 
     def close(self) -> None:
         """Close the file; what WAL keeps beside it is brought in."""
@@ -310,7 +315,15 @@ def _check_is_whole(database: sqlite3.Connection, path: Path | None) -> None:
 
 
 def _notes(database: sqlite3.Connection) -> dict[str, Any]:
-    return {key: parse_json(value) for key, value in database.execute("SELECT * FROM campaign")}
+    """Return what a store says of its campaign; ValueError: it is not what robsim has written."""
+    found = database.execute("SELECT key, value FROM campaign").fetchall()
+    notes = {key: parse_json(value) for key, value in found if isinstance(value, str)}
+    for key, kind in {"format": int, "description": dict, "surroundings": dict}.items():
+        if not isinstance(notes.get(key), kind):
+            raise ValueError(
+                f"the store of a campaign must have its {key}, got {quoted(notes.get(key))}"
+            )
+    return notes
 
 
 def _quoted(name: str) -> str:
