@@ -178,7 +178,15 @@ class Store:
     def _columns(self) -> dict[str, str]:
         """Return the columns of the metrics: name to that in SQL."""
         found = self._database.execute("SELECT name, sql_name FROM columns ORDER BY position")
-        return dict(found)
+        columns = dict(found.fetchall())
+        there = {name for _, name, *_ in self._database.execute("PRAGMA table_info(runs)")}
+        if not (
+            there.issuperset(columns.values()) and all(isinstance(name, str) for name in columns)
+        ):
+            raise ValueError(
+                f"store {one_line(self.path)}: its runs have not the columns that it names"
+            )
+        return columns
 
     def _add_column(self, name: str, columns: Mapping[str, str]) -> str:
         taken = {known.casefold() for known in (*columns.values(), *self.spec._taken)}
