@@ -151,7 +151,8 @@ Examples
   const auto make = [](const py::array& image, const Seconds& t, const Seconds& t_arrival,
                        const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map,
                        std::optional<int> headings) {
-    return make_frame(PixelArray(image), true, t, t_arrival, epoch, index, plane_map, headings);
+    const py::object whole = py::module_::import("numpy").attr("ascontiguousarray")(image);
+    return make_frame(PixelArray(whole), true, t, t_arrival, epoch, index, plane_map, headings);
   };
   define_record(
       frame, Fields(make,

@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -184,6 +185,9 @@ void bind_laboratory(py::module_& module) {
       .def(
           "view_warp",
           [](const Scene& scene, std::pair<int, int> size, const PlaneMap& plane_map) {
+            if (std::min(size.first, size.second) < 1) {
+              throw py::value_error("size must be at least 1 x 1 px");
+            }
             return std::make_shared<Warp>(view_warp(scene, size.first, size.second, plane_map));
           },
           py::arg("scene"), py::arg("size"), py::arg("plane_map"),

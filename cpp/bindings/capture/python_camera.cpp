@@ -23,6 +23,14 @@ std::optional<double> seconds_from(py::handle value) {
   return value.is_none() ? std::optional<double>() : value.cast<double>();
 }
 
+// A number of images since the last one.
+std::int64_t count_from(py::handle value) {
+  const auto count = value.cast<std::int64_t>();
+  constexpr std::int64_t most = 1'000'000'000;
+  if (count < 0 || count > most) throw py::cast_error();
+  return count;
+}
+
 // What read() has returned, but for the pixels.
 Captured captured_from(const py::tuple& read) {
   if (read.size() != 2 && read.size() != 5) throw py::cast_error();
@@ -32,8 +40,8 @@ Captured captured_from(const py::tuple& read) {
   captured.exposed = seconds_from(read[1]);
   if (read.size() == 5) {
     captured.arrived = read[2].cast<double>();
-    captured.passed = read[3].cast<std::int64_t>();
-    captured.torn = read[4].cast<std::int64_t>();
+    captured.passed = count_from(read[3]);
+    captured.torn = count_from(read[4]);
   }
   return captured;
 }

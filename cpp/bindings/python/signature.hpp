@@ -107,7 +107,13 @@ class Class : public py::class_<T, Options...> {
   using Base = py::class_<T, Options...>;
 
  public:
-  using Base::Base;
+  template <typename... Extra>
+  explicit Class(const Extra&... extra) : Base(extra...) {
+    // What pybind11 would give an object the memory by that has none, made without __init__.
+    py::detail::get_type_info(typeid(T))->operator_new = [](std::size_t) -> void* {
+      throw py::type_error("the object was made without its constructor");
+    };
+  }
 
   template <typename F, typename... Extra>
   Class& def(const char* name, F&& f, const Extra&... extra) {

@@ -181,9 +181,13 @@ void define_pickle(Class& cls, const Fields<Make, F...>& fields) {
     return py::make_tuple(values_of(self.cast<const T&>(), fields), own_attributes(self));
   };
   const auto set = [make = fields.make](const py::object& state) {
-    const auto [values, attributes] = state.cast<std::pair<py::tuple, py::dict>>();
-    auto arguments = values.cast<typename ArgumentTypes<Make>::type>();
-    return std::make_pair(std::apply(make, std::move(arguments)), attributes);
+    try {
+      const auto [values, attributes] = state.cast<std::pair<py::tuple, py::dict>>();
+      auto arguments = values.cast<typename ArgumentTypes<Make>::type>();
+      return std::make_pair(std::apply(make, std::move(arguments)), attributes);
+    } catch (const py::cast_error&) {
+      throw py::type_error("state must be what __getstate__ returned, got " + describe(state));
+    }
   };
   cls.def(py::pickle(get, set));
   // object's own would make one without asking its class, and crash.
