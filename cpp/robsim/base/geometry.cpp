@@ -39,34 +39,22 @@ bool holds_its_centroid(const Polygon& polygon) {
 }  // namespace
 
 void check_polygon(const Polygon& polygon, const std::string& name) {
-  if (polygon.size() < 3) {
-    throw std::invalid_argument(name + " must be a polygon of at least 3 points, got " +
-                                std::to_string(polygon.size()));
-  }
-  if (polygon.size() > most_points) {
-    throw std::invalid_argument(name + " must be a polygon of at most " +
-                                std::to_string(most_points) + " points, got " +
-                                std::to_string(polygon.size()));
-  }
+  const std::string count = std::to_string(polygon.size());
+  const auto require = [&](bool holds, const std::string& what, const std::string& got) {
+    if (!holds) throw std::invalid_argument(name + " must be a polygon " + what + ", got " + got);
+  };
+  require(polygon.size() >= 3, "of at least 3 points", count);
+  require(polygon.size() <= most_points, "of at most " + std::to_string(most_points) + " points",
+          count);
   for (const Point& point : polygon) {
-    if (!std::isfinite(point.x) || !std::isfinite(point.y)) {
-      throw std::invalid_argument(name + " must be a polygon of finite points, got NaN or inf");
-    }
-    if (std::max(std::abs(point.x), std::abs(point.y)) > farthest) {
-      throw std::invalid_argument(name + " must be a polygon of points within 1e9 px, got a " +
-                                  "point beyond");
-    }
+    require(std::isfinite(point.x) && std::isfinite(point.y), "of finite points", "NaN or inf");
+    require(std::max(std::abs(point.x), std::abs(point.y)) <= farthest, "of points within 1e9 px",
+            "a point beyond");
   }
-  if (polygon_area(polygon) < 1e-9) {
-    throw std::invalid_argument(name + " must be a polygon with an area, got " +
-                                std::to_string(polygon.size()) +
-                                " points on a line, or sides that cross");
-  }
-  if (!holds_its_centroid(polygon)) {
-    throw std::invalid_argument(name + " must be a polygon whose sides do not cross, got " +
-                                std::to_string(polygon.size()) +
-                                " points whose centroid is far from them");
-  }
+  require(polygon_area(polygon) >= 1e-9, "with an area",
+          count + " points on a line, or sides that cross");
+  require(holds_its_centroid(polygon), "whose sides do not cross",
+          count + " points whose centroid is far from them");
 }
 
 double polygon_area(const Polygon& polygon) {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -12,6 +13,14 @@ namespace robsim {
 
 /// A number as messages show it: with ten digits that count, whatever its size.
 std::string to_text(double value);
+
+/// The value, unless it is not as expected: then throws std::invalid_argument, "margin must be at
+/// least 0, got -1".
+template <typename T>
+T checked(T value, bool holds, const char* expected) {
+  if (holds) return value;
+  throw std::invalid_argument(expected + (", got " + to_text(static_cast<double>(value))));
+}
 
 /// Time of a clock that nobody sets, and that Python's time.monotonic() shows, too (s).
 double monotonic_now();
@@ -50,6 +59,14 @@ class OfProcess {
                                "open one of its own");
     }
     return value_.get();
+  }
+
+  /// A part of the object, read under its mutex. Throws in a forked process.
+  template <typename Read>
+  auto read(Read read) const {
+    const T& value = *operator->();
+    const std::lock_guard lock(value.mutex);
+    return read(value);
   }
 
   /// Without that check.

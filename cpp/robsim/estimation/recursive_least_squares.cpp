@@ -20,10 +20,6 @@ constexpr int maximum_parameters = 1000;
 constexpr int maximum_filters = 100'000;
 constexpr double maximum_numbers = 1e8;  // of all covariances: 0.8 GB
 
-void check(bool holds, const char* expected, double value) {
-  if (!holds) throw std::invalid_argument(expected + to_text(value));
-}
-
 // True only if no value is NaN or too large to square. False is inconclusive.
 bool are_surely_usable(const double* values, std::int64_t count) {
   return Eigen::Map<const Eigen::VectorXd>(values, count).squaredNorm() <= surely_usable;
@@ -41,17 +37,16 @@ RecursiveLeastSquares::RecursiveLeastSquares(int n_parameters, int n_filters, do
       n_filters_(n_filters),
       forgetting_(forgetting),
       initial_covariance_(initial_covariance) {
-  check(n_parameters >= 1 && n_parameters <= maximum_parameters,
-        "n_parameters must lie within 1..1000, got ", n_parameters);
-  check(n_filters >= 1 && n_filters <= maximum_filters, "n_filters must lie within 1..100000, got ",
-        n_filters);
+  checked(n_parameters, n_parameters >= 1 && n_parameters <= maximum_parameters,
+          "n_parameters must lie within 1..1000");
+  checked(n_filters, n_filters >= 1 && n_filters <= maximum_filters,
+          "n_filters must lie within 1..100000");
   const double numbers = 1.0 * n_filters * n_parameters * n_parameters;
-  check(numbers <= maximum_numbers, "n_filters * n_parameters^2 must be at most 1e8, got ",
-        numbers);
-  check(forgetting >= least_forgetting && forgetting <= 1,
-        "forgetting must lie within 1e-10..1, got ", forgetting);
-  check(initial_covariance > 0 && initial_covariance <= maximum,
-        "initial_covariance must be above 0 and at most 1e50, got ", initial_covariance);
+  checked(numbers, numbers <= maximum_numbers, "n_filters * n_parameters^2 must be at most 1e8");
+  checked(forgetting, forgetting >= least_forgetting && forgetting <= 1,
+          "forgetting must lie within 1e-10..1");
+  checked(initial_covariance, initial_covariance > 0 && initial_covariance <= maximum,
+          "initial_covariance must be above 0 and at most 1e50");
   reset();
 }
 

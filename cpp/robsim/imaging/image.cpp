@@ -11,6 +11,10 @@ namespace {
 constexpr std::size_t pooled_images = 4;
 }
 
+std::string size_text(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height) + " px";
+}
+
 PixelBox intersection(const PixelBox& a, const PixelBox& b) {
   return {std::max(a.left, b.left), std::max(a.top, b.top), std::min(a.right, b.right),
           std::min(a.bottom, b.bottom)};
@@ -22,10 +26,10 @@ void check_region(const PixelBox& region, const ImageView& image) {
     return;
   }
   throw std::invalid_argument("region must be (left, top, right, bottom) within the image of " +
-                              std::to_string(image.width) + " x " + std::to_string(image.height) +
-                              " px, got (" + std::to_string(region.left) + ", " +
-                              std::to_string(region.top) + ", " + std::to_string(region.right - 1) +
-                              ", " + std::to_string(region.bottom - 1) + ")");
+                              size_text(image.width, image.height) + ", got (" +
+                              std::to_string(region.left) + ", " + std::to_string(region.top) +
+                              ", " + std::to_string(region.right - 1) + ", " +
+                              std::to_string(region.bottom - 1) + ")");
 }
 
 Image::Image(int width, int height)

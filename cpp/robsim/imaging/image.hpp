@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace robsim {
@@ -37,6 +38,9 @@ struct WritableView {
   std::uint8_t* row(int v) const { return data + v * stride; }
   PixelBox box() const { return {0, 0, width, height}; }
 };
+
+/// A size in a message: "640 x 480 px".
+std::string size_text(int width, int height);
 
 PixelBox intersection(const PixelBox& a, const PixelBox& b);
 

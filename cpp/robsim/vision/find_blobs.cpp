@@ -1,9 +1,10 @@
 #include "robsim/vision/find_blobs.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 #include <tuple>
 #include <utility>
+
+#include "robsim/base/system.hpp"
 
 namespace robsim {
 
@@ -26,14 +27,8 @@ BlobCollector::BlobCollector(std::vector<std::string> names, const BlobOptions& 
       minimum_area_(options.minimum_area),
       maximum_count_(static_cast<std::size_t>(options.maximum_count)),
       components_(names_.size()) {
-  if (options.minimum_area < 1) {
-    throw std::invalid_argument("minimum_area must be at least 1 px, got " +
-                                std::to_string(options.minimum_area));
-  }
-  if (options.maximum_count < 1) {
-    throw std::invalid_argument("maximum_count must be at least 1, got " +
-                                std::to_string(options.maximum_count));
-  }
+  checked(options.minimum_area, options.minimum_area >= 1, "minimum_area must be at least 1 px");
+  checked(options.maximum_count, options.maximum_count >= 1, "maximum_count must be at least 1");
 }
 
 void BlobCollector::begin(const PixelBox& part) {

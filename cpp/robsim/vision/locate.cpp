@@ -314,10 +314,7 @@ Marker marker_from(const Polygon& polygon, const std::string& color, const std::
 
 MarkerLayout MarkerLayout::across(double distance, double offset,
                                   const std::array<std::string, 2>& colors) {
-  if (!(distance > 0)) {
-    throw std::invalid_argument("distance between the markers must be above 0 px, got " +
-                                to_text(distance));
-  }
+  checked(distance, distance > 0, "distance between the markers must be above 0 px");
   MarkerLayout markers;
   markers.first.color = colors[0];
   markers.second.color = colors[1];
@@ -376,35 +373,23 @@ void check_marker_layout(const MarkerLayout& markers) {
   if (!std::isfinite(markers.offset()) || !std::isfinite(markers.distance())) {
     throw std::invalid_argument("distance and offset must be finite (work-area px)");
   }
-  if (markers.distance() < 1e-3) {
-    throw std::invalid_argument("distance between the markers must be at least 0.001 px, got " +
-                                to_text(markers.distance()));
-  }
+  checked(markers.distance(), markers.distance() >= 1e-3,
+          "distance between the markers must be at least 0.001 px");
   if (const auto problem =
           contradiction(markers.roles, markers.first.position, markers.second.position)) {
     throw std::invalid_argument(*problem);
   }
   for (const double area : {markers.first.area, markers.second.area}) {
-    if (!std::isnan(area) && !(std::isfinite(area) && area > 0)) {
-      throw std::invalid_argument("marker area must be positive and finite, or NaN, got " +
-                                  to_text(area));
-    }
+    checked(area, std::isnan(area) || (std::isfinite(area) && area > 0),
+            "marker area must be positive and finite, or NaN");
   }
   const auto& [first_role, second_role] = names_of(markers.roles);
   check_outline(markers.first, first_role, markers);
   check_outline(markers.second, second_role, markers);
-  if (markers.maximum_blobs < 1) {
-    throw std::invalid_argument("maximum_blobs must be at least 1, got " +
-                                std::to_string(markers.maximum_blobs));
-  }
-  if (!(markers.distance_tolerance > 0)) {
-    throw std::invalid_argument("distance_tolerance must be above 0, got " +
-                                to_text(markers.distance_tolerance));
-  }
-  if (!(markers.area_tolerance > 1)) {
-    throw std::invalid_argument("area_tolerance must be above 1, got " +
-                                to_text(markers.area_tolerance));
-  }
+  checked(markers.maximum_blobs, markers.maximum_blobs >= 1, "maximum_blobs must be at least 1");
+  checked(markers.distance_tolerance, markers.distance_tolerance > 0,
+          "distance_tolerance must be above 0");
+  checked(markers.area_tolerance, markers.area_tolerance > 1, "area_tolerance must be above 1");
 }
 
 Detection detect(const BlobsByColor& blobs, const MarkerLayout& markers,

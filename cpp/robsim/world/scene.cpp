@@ -26,10 +26,8 @@ Background::Background(Layer floor, Layer home, int shadow_left, double shadow_f
       throw std::invalid_argument("floor and home must be images of one size");
     }
   }
-  if (!(shadow_factor >= 0 && shadow_factor <= 1)) {
-    throw std::invalid_argument("shadow_factor must lie within 0..1, got " +
-                                to_text(shadow_factor));
-  }
+  checked(shadow_factor, shadow_factor >= 0 && shadow_factor <= 1,
+          "shadow_factor must lie within 0..1");
 }
 
 void Background::copy(const PixelBox& box, const Pan& pan, const WritableView& view) const {

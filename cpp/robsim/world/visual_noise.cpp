@@ -200,8 +200,7 @@ constexpr double highest = 1e6;  // percent; at more, too, all but a few pixels 
 
 VisualNoise::VisualNoise(const Percent& percent) : percent_(percent) {
   for (const double level : percent) {
-    if (std::isfinite(level) && level >= 0) continue;
-    throw std::invalid_argument("percent must be at least 0 and finite, got " + to_text(level));
+    checked(level, std::isfinite(level) && level >= 0, "percent must be at least 0 and finite");
   }
   const auto [gaussian, uniform] = percent;
   if (gaussian > 0 && uniform > 0) {

@@ -22,10 +22,6 @@ constexpr double longest_wait = 1e6;    // s; a condition variable overflows at 
 using Lock = std::unique_lock<std::mutex>;
 using Seconds = std::chrono::duration<double>;
 
-std::string size_text(const std::pair<int, int>& size) {
-  return std::to_string(size.first) + " x " + std::to_string(size.second) + " px";
-}
-
 // What can be over after some time.
 bool is_passing(CaptureFault fault) {
   return fault != CaptureFault::end && fault != CaptureFault::failed &&
@@ -95,9 +91,10 @@ struct Grabber::State {
 void Grabber::State::check_size(const Image& image) {
   const std::pair<int, int> got(image.width(), image.height());
   if (size && got != *size) {
-    throw CaptureError(CaptureFault::failed, "the camera's frames have " + size_text(got) +
-                                                 " in place of " + size_text(*size) +
-                                                 ": open it again with the size that it has");
+    throw CaptureError(CaptureFault::failed,
+                       "the camera's frames have " + size_text(got.first, got.second) +
+                           " in place of " + size_text(size->first, size->second) +
+                           ": open it again with the size that it has");
   }
   if (epoch) return;
   size = got;

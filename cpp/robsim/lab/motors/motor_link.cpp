@@ -24,16 +24,6 @@ constexpr double quick_interval = 0.02;  // s, between them
 constexpr double stop_time = 2;          // s, for which it is told to stop
 constexpr std::size_t most_round_trips = 1000;
 
-double checked_ttl(double time) {
-  if (time >= 0.03 && time <= 60) return time;
-  throw std::invalid_argument("ttl must lie within 0.03..60 s, got " + to_text(time));
-}
-
-double checked_hold(double time) {
-  if (time > 0) return time;
-  throw std::invalid_argument("hold must be above 0 s, got " + to_text(time));
-}
-
 }  // namespace
 
 struct MotorLink::State {
@@ -226,8 +216,10 @@ MotorLink::MotorLink(Line line, double time_to_live, double hold)
     : name_(line.name()),
       time_to_live_(time_to_live),
       hold_(hold),
-      state_("the line " + line.name(), std::move(line), checked_ttl(time_to_live),
-             checked_hold(hold)) {}
+      state_("the line " + line.name(), std::move(line),
+             checked(time_to_live, time_to_live >= 0.03 && time_to_live <= 60,
+                     "ttl must lie within 0.03..60 s"),
+             checked(hold, hold > 0, "hold must be above 0 s")) {}
 
 MotorLink::~MotorLink() {
   if (!state_.is_here()) return;
@@ -282,29 +274,21 @@ void MotorLink::resume() {
 void MotorLink::close() { state_->close(); }
 
 bool MotorLink::is_halted() const {
-  if (!state_.is_here()) return false;
-  const State& state = state_.unchecked();
-  const std::lock_guard lock(state.mutex);
-  return state.is_halted;
+  return state_.is_here() && state_.read([](const State& s) { return s.is_halted; });
 }
 
 bool MotorLink::is_closed() const {
-  if (!state_.is_here()) return true;
-  const State& state = state_.unchecked();
-  const std::lock_guard lock(state.mutex);
-  return state.is_closing;
+  return !state_.is_here() || state_.read([](const State& s) { return s.is_closing; });
 }
 
 std::vector<MotorEvent> MotorLink::events() const {
-  const State& state = *state_.operator->();
-  const std::lock_guard lock(state.mutex);
-  return state.log.get();
+  return state_.read([](const State& s) { return s.log.get(); });
 }
 
 std::vector<double> MotorLink::round_trip_times() const {
-  const State& state = *state_.operator->();
-  const std::lock_guard lock(state.mutex);
-  return {state.round_trips.begin(), state.round_trips.end()};
+  return state_.read([](const State& s) {
+    return std::vector<double>(s.round_trips.begin(), s.round_trips.end());
+  });
 }
 
 }  // namespace robsim

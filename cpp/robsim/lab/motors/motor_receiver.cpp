@@ -22,12 +22,6 @@ constexpr double at_no_time = std::numeric_limits<double>::infinity();
 constexpr double pause = 0.01;  // s, before it looks again whether the other end is back
 constexpr std::size_t most_pieces = 100'000;
 
-double checked_delay(double delay) {
-  if (delay >= 0 && std::isfinite(delay)) return delay;
-  throw std::invalid_argument("actuation_delay must be finite and at least 0 s, got " +
-                              to_text(delay));
-}
-
 }  // namespace
 
 struct MotorReceiver::State {
@@ -183,15 +177,16 @@ Input MotorReceiver::State::mean(double from, double to) const {
 MotorReceiver::MotorReceiver(Line line, double actuation_delay, bool answers)
     : name_(line.name()),
       port_(line.port()),
-      actuation_delay_(checked_delay(actuation_delay)),
+      actuation_delay_(checked(actuation_delay,
+                               actuation_delay >= 0 && std::isfinite(actuation_delay),
+                               "actuation_delay must be finite and at least 0 s")),
       state_("the receiver at " + line.name(), std::move(line), answers) {}
 
 MotorReceiver::~MotorReceiver() = default;
 
 Input MotorReceiver::mean(double from, double to) const {
-  const State& state = *state_.operator->();
-  const std::lock_guard lock(state.mutex);
-  return state.mean(from - actuation_delay_, to - actuation_delay_);
+  return state_.read(
+      [&](const State& s) { return s.mean(from - actuation_delay_, to - actuation_delay_); });
 }
 
 Input MotorReceiver::input() const {
@@ -200,15 +195,11 @@ Input MotorReceiver::input() const {
 }
 
 std::vector<MotorEvent> MotorReceiver::events() const {
-  const State& state = *state_.operator->();
-  const std::lock_guard lock(state.mutex);
-  return state.log.get();
+  return state_.read([](const State& s) { return s.log.get(); });
 }
 
 LineCounts MotorReceiver::counts() const {
-  const State& state = *state_.operator->();
-  const std::lock_guard lock(state.mutex);
-  return state.counts;
+  return state_.read([](const State& s) { return s.counts; });
 }
 
 void MotorReceiver::close() {
@@ -225,10 +216,7 @@ void MotorReceiver::close() {
 }
 
 bool MotorReceiver::is_closed() const {
-  if (!state_.is_here()) return true;
-  const State& state = state_.unchecked();
-  const std::lock_guard lock(state.mutex);
-  return state.is_closing;
+  return !state_.is_here() || state_.read([](const State& s) { return s.is_closing; });
 }
 
 }  // namespace robsim

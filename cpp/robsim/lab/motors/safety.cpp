@@ -16,13 +16,6 @@ namespace robsim {
 
 namespace {
 
-void check_limit(const char* name, double limit, const char* unit) {
-  if (!(limit > 0)) {
-    throw std::invalid_argument(std::string(name) + " must be above 0 " + unit + ", got " +
-                                to_text(limit));
-  }
-}
-
 double larger(const Input& u) { return std::max(std::abs(u.u1), std::abs(u.u2)); }
 
 Input scaled(const Input& u, double limit) {
@@ -35,8 +28,8 @@ Input scaled(const Input& u, double limit) {
 }  // namespace
 
 void Limits::check() const {
-  check_limit("voltage", voltage, "V");
-  check_limit("slew_rate", slew_rate, "V/s");
+  checked(voltage, voltage > 0, "voltage must be above 0 V");
+  checked(slew_rate, slew_rate > 0, "slew_rate must be above 0 V/s");
 }
 
 Input Limits::applied(const Input& u, const Input& before, double dt) const {
@@ -108,9 +101,7 @@ Watchdog::Watchdog(std::function<void()> on_expiry)
 Watchdog::~Watchdog() = default;
 
 void Watchdog::arm(double timeout) {
-  if (!(timeout > 0)) {
-    throw std::invalid_argument("timeout must be above 0 s, got " + to_text(timeout));
-  }
+  checked(timeout, timeout > 0, "timeout must be above 0 s");
   State& state = *state_.operator->();
   const std::lock_guard lock(state.mutex);
   if (!state.thread.joinable()) state.thread = start_thread([&state] { state.watch(); });

@@ -22,9 +22,7 @@ DriveAround::DriveAround(double low, double high, int hold) : low_(low), high_(h
     throw std::invalid_argument("low must not be above high, both finite (V), got low=" +
                                 to_text(low) + " and high=" + to_text(high));
   }
-  if (hold < 1) {
-    throw std::invalid_argument("hold must be at least 1 step, got " + std::to_string(hold));
-  }
+  checked(hold, hold >= 1, "hold must be at least 1 step");
 }
 
 Input DriveAround::operator()(const Step& step) const {

@@ -15,10 +15,6 @@ constexpr double first_frame = 10;  // frame_timeouts
 
 std::string seconds(double t) { return "t = " + to_text(t) + " s"; }
 
-std::string size_text(int width, int height) {
-  return std::to_string(width) + " x " + std::to_string(height) + " px";
-}
-
 std::optional<double> own_time(const Arrived& arrived) {
   if (arrived.t) return arrived.t;
   return arrived.frame ? arrived.frame->t : std::nullopt;

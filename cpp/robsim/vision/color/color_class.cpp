@@ -134,19 +134,11 @@ Range chroma_range(const Range& found, int margin, const Range& grey) {
   return widened(found, margin);
 }
 
-void check_margin(int margin, int minimum) {
-  if (margin < minimum || margin > 255) {
-    throw std::invalid_argument("margin must lie within " + std::to_string(minimum) +
-                                "..255, got " + std::to_string(margin));
-  }
-}
-
 void check_options(const TrainingOptions& options) {
-  if (!(options.percentile >= 0 && options.percentile < 50)) {
-    throw std::invalid_argument("percentile must be at least 0 and below 50 (%), got " +
-                                to_text(options.percentile));
-  }
-  check_margin(options.margin, 0);
+  checked(options.percentile, options.percentile >= 0 && options.percentile < 50,
+          "percentile must be at least 0 and below 50 (%)");
+  checked(options.margin, options.margin >= 0 && options.margin <= 255,
+          "margin must lie within 0..255");
 }
 
 std::string text(const Range& range) {
@@ -209,7 +201,7 @@ ColorClass color_from_histograms(const std::string& name, const ColorHistograms&
 }
 
 ColorClass widened(const ColorClass& color, int margin) {
-  check_margin(margin, -255);
+  checked(margin, std::abs(margin) <= 255, "margin must lie within -255..255");
   ColorClass result = color;
   for (std::size_t i = 0; i < 3; ++i) {
     const Range range = widened(Range{color.lower[i], color.upper[i]}, margin);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "robsim/base/system.hpp"
 #include "robsim/vision/pixels/smoothing.hpp"
 
 namespace robsim::pixels {
@@ -18,10 +19,8 @@ constexpr std::size_t margin = 32;
 
 SmoothedClassifier::SmoothedClassifier(const std::vector<ColorClass>& classes, int window)
     : window_(window), screen_(classes) {
-  if (window < 3 || window > maximum_window || window % 2 == 0) {
-    throw std::invalid_argument("smoothing must be 1 = off, or a window of 3, 5, ... 15 px, got " +
-                                std::to_string(window));
-  }
+  checked(window, window >= 3 && window <= maximum_window && window % 2 == 1,
+          "smoothing must be 1 = off, or a window of 3, 5, ... 15 px");
   const int area = window * window;
   for (const ColorClass& color : classes) {
     limits_.emplace_back();

@@ -225,8 +225,7 @@ auto worth_of(const Video& video) {
 }
 
 std::string what_of(const Video& video) {
-  return std::to_string(video.width) + " x " + std::to_string(video.height) + " px " +
-         name_of_coding(video.coding);
+  return size_text(video.width, video.height) + " " + name_of_coding(video.coding);
 }
 
 std::string list_of(const std::vector<Video>& videos) {

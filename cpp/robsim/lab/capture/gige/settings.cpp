@@ -81,9 +81,8 @@ void apply_region(const GigeSettings& settings, ArvCamera* camera, const std::st
                          wanted.left + wanted.width <= width &&
                          wanted.top + wanted.height <= height;
   if (!is_inside) {
-    refuse(name + ": region and size must lie in the sensor of " + std::to_string(width) + " x " +
-           std::to_string(height) + " px, got " + std::to_string(wanted.width) + " x " +
-           std::to_string(wanted.height) + " px");
+    refuse(name + ": region and size must lie in the sensor of " + size_text(width, height) +
+           ", got " + size_text(wanted.width, wanted.height));
   }
   arv_camera_set_region(camera, wanted.left, wanted.top, wanted.width, wanted.height,
                         failure.out());
