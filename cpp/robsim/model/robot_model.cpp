@@ -13,25 +13,24 @@ namespace robsim {
 
 namespace {
 
-[[noreturn]] void refuse(const char* name, const char* expected, double value, const char* why) {
-  std::ostringstream message;
-  message << name << " must be " << expected << ", got " << value << ": " << why;
-  throw std::invalid_argument(message.str());
+void require(bool holds, const char* name, const char* expected, double value, const char* why) {
+  if (holds) return;
+  throw std::invalid_argument(std::string(name) + " must be " + expected + ", got " +
+                              to_text(value) + ": " + why);
 }
 
 void check_positive(const char* name, double value, const char* why) {
-  if (!(std::isfinite(value) && value > 0)) refuse(name, "positive and finite", value, why);
+  require(std::isfinite(value) && value > 0, name, "positive and finite", value, why);
 }
 
 void check_friction(const char* name, double value) {
-  if (!(std::isfinite(value) && value >= 0)) {
-    refuse(name, "at least 0 and finite", value, "friction cannot drive the robot");
-  }
+  require(std::isfinite(value) && value >= 0, name, "at least 0 and finite", value,
+          "friction cannot drive the robot");
 }
 
 void check_finite(const char* name, const std::array<double, 2>& values) {
   for (const double value : values) {
-    if (!std::isfinite(value)) refuse(name, "finite", value, "a motor needs a torque");
+    require(std::isfinite(value), name, "finite", value, "a motor needs a torque");
   }
 }
 
@@ -118,14 +117,8 @@ void check_stable(const AxisMatrix& theta) {
 
 namespace {
 
-AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u,
-                      const elementary::SinCos& turn) {
-  const auto [sin, cos] = turn;
-  AxisMatrix phi;
-  phi << pose_1[0], pose_2[0], u.u1 * cos, u.u2 * cos, cos,  //
-      pose_1[1], pose_2[1], u.u1 * sin, u.u2 * sin, sin,     //
-      pose_1[2], pose_2[2], u.u1, u.u2, 1;
-  return phi;
+elementary::SinCos turn_of(double heading, const KnownTurn& known) {
+  return known ? *known : elementary::sin_cos(heading);
 }
 
 // theta(k-2) = theta(k-1) - wrap(theta(k-1) - theta(k-2)), theta here the heading
@@ -133,20 +126,16 @@ double heading_before(const Pose& pose_1, const Pose& pose_2) {
   return pose_1.heading - wrap_angle(pose_1.heading - pose_2.heading);
 }
 
-AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u,
-                      const elementary::SinCos& turn) {
-  return regressors(UnwrappedPose(pose_1.x, pose_1.y, pose_1.heading),
-                    UnwrappedPose(pose_2.x, pose_2.y, heading_before(pose_1, pose_2)), u, turn);
-}
-
 }  // namespace
 
-AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u) {
-  return regressors(pose_1, pose_2, u, elementary::sin_cos(pose_1[2]));
-}
-
-AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u) {
-  return regressors(pose_1, pose_2, u, elementary::sin_cos(pose_1.heading));
+AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u,
+                      const KnownTurn& turn) {
+  const auto [sin, cos] = turn_of(pose_1[2], turn);
+  AxisMatrix phi;
+  phi << pose_1[0], pose_2[0], u.u1 * cos, u.u2 * cos, cos,  //
+      pose_1[1], pose_2[1], u.u1 * sin, u.u2 * sin, sin,     //
+      pose_1[2], pose_2[2], u.u1, u.u2, 1;
+  return phi;
 }
 
 namespace {
@@ -183,13 +172,11 @@ PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, cons
 }
 
 Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u,
-                      const elementary::SinCos& turn) {
+                      const KnownTurn& turn) {
   const double heading = pose_1.heading + wrap_angle(pose.heading - pose_1.heading);
-  return {regressors(pose_1, pose_2, u, turn), {pose.x, pose.y, heading}};
-}
-
-Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u) {
-  return regression(pose, pose_1, pose_2, u, elementary::sin_cos(pose_1.heading));
+  return {regressors({pose_1.x, pose_1.y, pose_1.heading},
+                     {pose_2.x, pose_2.y, heading_before(pose_1, pose_2)}, u, turn),
+          {pose.x, pose.y, heading}};
 }
 
 bool is_multiple(double time, double dt) {
@@ -211,20 +198,15 @@ RobotModel::RobotModel(const RobotParameters& parameters)
 
 RobotModel::RobotModel(const AxisMatrix& theta, double dt) : theta_(theta), dt_(dt) {
   if (!theta.allFinite()) throw std::invalid_argument("theta must be finite, got NaN or inf");
-  if (!(std::isfinite(dt) && dt > 0)) {
-    throw std::invalid_argument("dt must be positive and finite (s), got " + to_text(dt));
-  }
+  checked(dt, std::isfinite(dt) && dt > 0, "dt must be positive and finite (s)");
   check_stable(theta);
 }
 
-Pose RobotModel::predict(const Pose& pose_1, const Pose& pose_2, const Input& u) const {
-  return predict(pose_1, pose_2, u, elementary::sin_cos(pose_1.heading));
-}
-
 Pose RobotModel::predict(const Pose& pose_1, const Pose& pose_2, const Input& u,
-                         const elementary::SinCos& turn) const {
-  return {next_of(&theta_(0, 0), pose_1.x, pose_2.x, u, turn.cos),
-          next_of(&theta_(1, 0), pose_1.y, pose_2.y, u, turn.sin),
+                         const KnownTurn& turn) const {
+  const auto [sin, cos] = turn_of(pose_1.heading, turn);
+  return {next_of(&theta_(0, 0), pose_1.x, pose_2.x, u, cos),
+          next_of(&theta_(1, 0), pose_1.y, pose_2.y, u, sin),
           wrap_angle(next_of(&theta_(2, 0), pose_1.heading, heading_before(pose_1, pose_2), u, 1))};
 }
 

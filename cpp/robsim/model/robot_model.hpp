@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "robsim/base/elementary/elementary.hpp"
 #include "robsim/base/geometry.hpp"
@@ -47,12 +48,12 @@ using UnwrappedPose = Eigen::Vector3d;
 /// Derivatives of pose(k): by pose(k-1), then by pose(k-2).
 using PoseJacobian = Eigen::Matrix<double, 3, 6, Eigen::RowMajor>;
 
-/// The regressors of the one-step predictor after `pose_1` (step k-1) and `pose_2` (step k-2).
-AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u);
+/// Sine and cosine of the heading of step k-1, where they are known already.
+using KnownTurn = std::optional<elementary::SinCos>;
 
-/// The same for wrapped headings: that of `pose_2` is taken within half a turn of that of
-/// `pose_1`, no wrapped jump.
-AxisMatrix regressors(const Pose& pose_1, const Pose& pose_2, const Input& u);
+/// The regressors of the one-step predictor after `pose_1` (step k-1) and `pose_2` (step k-2).
+AxisMatrix regressors(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2, const Input& u,
+                      const KnownTurn& turn = {});
 
 /// The predictor for any parameters, stable or not: pose(k) = (regressors * theta) row by row.
 UnwrappedPose predict(const AxisMatrix& theta, const UnwrappedPose& pose_1,
@@ -61,13 +62,10 @@ UnwrappedPose predict(const AxisMatrix& theta, const UnwrappedPose& pose_1,
 /// Its derivatives by the poses.
 PoseJacobian jacobian(const AxisMatrix& theta, const UnwrappedPose& pose_1, const Input& u);
 
-/// The sample whose output is `pose` (step k). The output heading is within half a turn of
-/// `pose_1`.
-Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u);
-
-/// The same for who knows sine and cosine of the heading of `pose_1`.
+/// The sample whose output is `pose` (step k). The headings of output and `pose_2` are taken within
+/// half a turn of that of `pose_1`, without a wrapped jump.
 Regression regression(const Pose& pose, const Pose& pose_1, const Pose& pose_2, const Input& u,
-                      const elementary::SinCos& turn);
+                      const KnownTurn& turn = {});
 
 /// True if a time (s) is a multiple of dt, at least one, within dt / 4.
 bool is_multiple(double time, double dt);
@@ -95,11 +93,8 @@ class RobotModel {
   double dt() const { return dt_; }
 
   /// The pose of step k from those of steps k-1 and k-2 and the input of step k-1.
-  Pose predict(const Pose& pose_1, const Pose& pose_2, const Input& u) const;
-
-  /// The same for who knows sine and cosine of the heading of `pose_1`.
   Pose predict(const Pose& pose_1, const Pose& pose_2, const Input& u,
-               const elementary::SinCos& turn) const;
+               const KnownTurn& turn = {}) const;
 
   /// The same with headings as they come, in and out: without a wrapped jump.
   UnwrappedPose predict(const UnwrappedPose& pose_1, const UnwrappedPose& pose_2,

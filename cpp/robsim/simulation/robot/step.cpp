@@ -59,9 +59,7 @@ const BlobsByColor& Step::given_blobs() {
 const std::optional<Sample>& Step::find_sample() {
   if (!sample_ && moves) {
     const auto& [pose, pose_1, pose_2, u, of_step, turn] = *moves;
-    sample_.emplace(Sample{
-        turn ? regression(pose, pose_1, pose_2, u, *turn) : regression(pose, pose_1, pose_2, u),
-        of_step});
+    sample_.emplace(Sample{regression(pose, pose_1, pose_2, u, turn), of_step});
   }
   return sample_;
 }

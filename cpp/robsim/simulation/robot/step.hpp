@@ -36,7 +36,7 @@ struct Moves {
   Pose pose, pose_1, pose_2;  // of steps k, k-1 and k-2
   Input u;                    // of step k-1
   std::int64_t k = 0;
-  std::optional<elementary::SinCos> turn;  // of the heading of pose_1, where it is known
+  KnownTurn turn;  // of pose_1
 };
 
 /// What the robot half may know of a step. It fills up from stage to stage.

@@ -15,10 +15,10 @@ struct Truth {
   std::int64_t k = 0;
   Pose pose;
   bool bounced = false;
-  bool hidden = false;                     // from the camera
-  Point view;                              // displacement of the camera's view, work-area px
-  std::array<double, 2> noise = {};        // of the camera: VisualNoise::Percent
-  std::optional<elementary::SinCos> turn;  // of the heading of the step before, where it is known
+  bool hidden = false;               // from the camera
+  Point view;                        // displacement of the camera's view, work-area px
+  std::array<double, 2> noise = {};  // of the camera: VisualNoise::Percent
+  KnownTurn turn;                    // of the heading of the step before
 };
 
 /// What became of an input.

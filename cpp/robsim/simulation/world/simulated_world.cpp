@@ -185,7 +185,7 @@ Pose SimulatedWorld::next_pose(std::int64_t k) {
         {k, static_cast<double>(k) * dt, dt, truth_.pose, last_pose_, u, *model_});
   } else {
     truth_.turn = elementary::sin_cos(truth_.pose.heading);
-    pose = model_->predict(truth_.pose, last_pose_, u, *truth_.turn);
+    pose = model_->predict(truth_.pose, last_pose_, u, truth_.turn);
   }
   if (disturbance.is_on) pose = disturbance.disturbed(pose, k);
   return pose;
