@@ -1,9 +1,10 @@
 #include "robsim/simulation/remote/step_message.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
-#include <utility>
+#include <type_traits>
 
 #include "robsim/base/system.hpp"
 
@@ -36,88 +37,46 @@ enum Part : std::uint32_t {
   all_parts = 1023,
 };
 
-template <typename Optional>
-std::uint32_t bit_if(const Optional& value, Part part) {
-  return value ? part : 0U;
-}
+// The numbers of a matrix, row by row.
+template <typename Matrix>
+struct Numbers {
+  std::array<double, Matrix::SizeAtCompileTime> at{};
 
-std::uint32_t parts_of(const StepMessage& m) {
-  const bool has_covariance = m.measurement && m.measurement->covariance;
-  return bit_if(m.has_frame, has_frame_part) | bit_if(m.frame, frame_part) |
-         bit_if(m.sample, sample_part) | bit_if(m.parameters, parameters_part) |
-         bit_if(m.standard_errors_unscaled, errors_part) | bit_if(m.measurement, measurement_part) |
-         bit_if(has_covariance, covariance_part) | bit_if(m.missed, missed_part) |
-         bit_if(m.estimate, estimate_part) | bit_if(m.u, input_part);
-}
-
-class Writer {
- public:
-  template <typename T>
-  Writer& operator<<(const T& value) {
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+  Numbers& operator=(const Matrix& matrix) {
+    std::copy_n(matrix.data(), at.size(), at.begin());
     return *this;
   }
-  Writer& doubles(const double* values, std::size_t count) {
-    bytes_.append(reinterpret_cast<const char*>(values), count * sizeof *values);
-    return *this;
-  }
-  Writer& operator<<(const Pose& pose) { return *this << pose.x << pose.y << pose.heading; }
-  Writer& operator<<(const Input& u) { return *this << u.u1 << u.u2; }
-  Writer& operator<<(const AxisMatrix& matrix) { return doubles(matrix.data(), 15); }
-  Writer& operator<<(const PoseCovariance& P) { return doubles(P.data(), 9); }
-
-  std::string take() { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
+  operator Matrix() const { return Matrix(at.data()); }
 };
 
-class Reader {
- public:
-  Reader(const char* bytes, std::size_t size) : next_(bytes), end_(bytes + size) {}
-
-  template <typename T>
-  T get() {
-    T value;
-    if (left() < sizeof value) throw MessageError("a message that is too short");
-    std::memcpy(&value, next_, sizeof value);
-    next_ += sizeof value;
-    return value;
-  }
-  void doubles(double* values, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) values[i] = get<double>();
-  }
-  Pose pose() {
-    Pose pose;
-    pose.x = get<double>();
-    pose.y = get<double>();
-    pose.heading = get<double>();
-    return pose;
-  }
-  Input input() {
-    Input u;
-    u.u1 = get<double>();
-    u.u2 = get<double>();
-    return u;
-  }
-  template <typename Matrix>
-  Matrix matrix() {
-    Matrix matrix;
-    doubles(matrix.data(), static_cast<std::size_t>(matrix.size()));
-    return matrix;
-  }
-  std::size_t left() const { return static_cast<std::size_t>(end_ - next_); }
-
- private:
-  const char* next_;
-  const char* end_;
+// What a message begins with, byte by byte; what it does not have is 0.
+struct FixedPart {
+  std::int64_t k;
+  double t;
+  Input last_u;
+  std::uint32_t done, parts, missed, n_blobs, n_states, next_slot;
+  std::int32_t slot, headings;  // of the frame
+  std::int64_t index;
+  double frame_t;
+  PlaneMap::Matrix plane_map;
+  std::int64_t sample_k;
+  Numbers<AxisMatrix> phi;
+  Numbers<Eigen::Vector3d> y;
+  Numbers<AxisMatrix> parameters, standard_errors_unscaled;
+  Pose measured;
+  Numbers<PoseCovariance> measured_covariance;
+  double misfit, signal_to_noise;
+  Pose estimated;
+  Numbers<PoseCovariance> covariance;
+  Input u;
 };
+static_assert(std::is_trivially_copyable_v<FixedPart> && sizeof(FixedPart) == 768, "no gaps");
 
 void check_finite(const double* values, std::size_t count, const char* what, StageBit stage) {
-  const auto is_wild = [](double value) { return !std::isfinite(value); };
-  const double* wild = std::find_if(values, values + count, is_wild);
-  if (wild == values + count) return;
-  throw MessageError(std::string(what) + " must be finite, got " + to_text(*wild), stage);
+  for (const double* value = values; value != values + count; ++value) {
+    if (std::isfinite(*value)) continue;
+    throw MessageError(std::string(what) + " must be finite, got " + to_text(*value), stage);
+  }
 }
 
 void check(const Pose& pose, const char* what, StageBit stage) {
@@ -172,48 +131,47 @@ void check_numbers(const StepMessage& m) {
     const std::vector<double>& state = m.estimate->state;
     check_finite(state.data(), state.size(), "the further state", estimate_bit);
   }
+  for (const Point& blob : m.blobs) {
+    check_figure(blob.x, "a blob", measure_bit);
+    check_figure(blob.y, "a blob", measure_bit);
+  }
   if (m.u) {
     const double u[] = {m.u->u1, m.u->u2};
     check_finite(u, 2, "the input", control_bit);
   }
 }
 
-void write_frame(Writer& to, const FrameMessage& frame) {
-  to << frame.slot << frame.headings << frame.index << frame.t;
-  to.doubles(frame.plane_map.matrix().data(), 9);
-}
-
-std::optional<FrameMessage> read_frame(Reader& from, bool is_there) {
-  FrameMessage frame;
-  frame.slot = from.get<std::int32_t>();
-  frame.headings = from.get<std::int32_t>();
-  frame.index = from.get<std::int64_t>();
-  frame.t = from.get<double>();
-  PlaneMap::Matrix matrix;
-  from.doubles(matrix.data(), 9);
-  if (!is_there) return std::nullopt;
+FrameMessage frame_from(const FixedPart& fixed) {
   try {
-    frame.plane_map = PlaneMap(matrix);
+    return {fixed.slot, fixed.index, fixed.frame_t, fixed.headings, PlaneMap(fixed.plane_map)};
   } catch (const std::invalid_argument& error) {
     throw MessageError(error.what());
   }
-  return frame;
 }
 
-void write_measurement(Writer& to, const std::optional<Measurement>& measurement) {
-  const Measurement& m = measurement ? *measurement : Measurement{};
-  to << m.pose << m.covariance.value_or(PoseCovariance::Zero()) << m.misfit << m.signal_to_noise;
-}
-
-std::vector<Point> read_blobs(Reader& from, std::uint32_t count) {
-  std::vector<Point> blobs(count);
-  for (Point& blob : blobs) {
-    blob.x = from.get<double>();
-    blob.y = from.get<double>();
-    check_figure(blob.x, "a blob", measure_bit);
-    check_figure(blob.y, "a blob", measure_bit);
+void check_counts(const FixedPart& fixed) {
+  if (fixed.done > all_stages || fixed.parts > all_parts || fixed.n_blobs > most_blobs ||
+      fixed.missed > static_cast<std::uint32_t>(DetectionResult::small_markers)) {
+    throw MessageError("a message with choices or counts that there are not");
   }
-  return blobs;
+  if (fixed.n_states > most_states) {
+    throw MessageError("the further state must have at most " + std::to_string(most_states) +
+                           " numbers, got " + std::to_string(fixed.n_states),
+                       estimate_bit);
+  }
+}
+
+template <typename T>
+void append(std::string& bytes, const T* values, std::size_t count) {
+  bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
+}
+
+template <typename T>
+std::vector<T> taken(const char*& bytes, std::uint32_t count) {
+  std::vector<T> values(count);
+  std::memcpy(static_cast<void*>(values.data()), bytes, count * sizeof(T));
+  bytes += count * sizeof(T);
+  return values;
 }
 
 }  // namespace
@@ -233,79 +191,88 @@ const char* slot_of(StageBit stage) {
 }
 
 std::string to_bytes(const StepMessage& m) {
-  const Estimate estimate = m.estimate.value_or(Estimate{{}, PoseCovariance::Zero(), {}});
-  const Sample sample = m.sample.value_or(Sample{{AxisMatrix::Zero(), {0, 0, 0}}, 0});
-  Writer to;
-  to << m.k << m.t << m.last_u << m.done << parts_of(m);
-  to << static_cast<std::uint32_t>(m.missed.value_or(DetectionResult::detected));
-  to << static_cast<std::uint32_t>(m.blobs.size());
-  to << static_cast<std::uint32_t>(estimate.state.size()) << m.next_slot;
-  write_frame(to, m.frame.value_or(FrameMessage{}));
-  to << sample.k << sample.regression.phi;
-  to.doubles(sample.regression.y.data(), 3);
-  to << m.parameters.value_or(AxisMatrix::Zero());
-  to << m.standard_errors_unscaled.value_or(AxisMatrix::Zero());
-  write_measurement(to, m.measurement);
-  to << estimate.pose << estimate.covariance << m.u.value_or(Input{});
-  for (const Point& blob : m.blobs) to << blob.x << blob.y;
-  to.doubles(estimate.state.data(), estimate.state.size());
-  return to.take();
+  FixedPart fixed{};
+  const auto has = [&](const auto& part, Part bit) {
+    if (part) fixed.parts |= bit;
+    return static_cast<bool>(part);
+  };
+  fixed.k = m.k;
+  fixed.t = m.t;
+  fixed.last_u = m.last_u;
+  fixed.done = m.done;
+  fixed.n_blobs = static_cast<std::uint32_t>(m.blobs.size());
+  fixed.next_slot = m.next_slot;
+  has(m.has_frame, has_frame_part);
+  if (has(m.frame, frame_part)) {
+    fixed.slot = m.frame->slot;
+    fixed.headings = m.frame->headings;
+    fixed.index = m.frame->index;
+    fixed.frame_t = m.frame->t;
+    fixed.plane_map = m.frame->plane_map.matrix();
+  }
+  if (has(m.sample, sample_part)) {
+    fixed.sample_k = m.sample->k;
+    fixed.phi = m.sample->regression.phi;
+    fixed.y = m.sample->regression.y;
+  }
+  if (has(m.parameters, parameters_part)) fixed.parameters = *m.parameters;
+  if (has(m.standard_errors_unscaled, errors_part)) {
+    fixed.standard_errors_unscaled = *m.standard_errors_unscaled;
+  }
+  if (has(m.measurement, measurement_part)) {
+    const auto& covariance = m.measurement->covariance;
+    fixed.measured = m.measurement->pose;
+    if (has(covariance, covariance_part)) fixed.measured_covariance = *covariance;
+    fixed.misfit = m.measurement->misfit;
+    fixed.signal_to_noise = m.measurement->signal_to_noise;
+  }
+  if (has(m.missed, missed_part)) fixed.missed = static_cast<std::uint32_t>(*m.missed);
+  if (has(m.estimate, estimate_part)) {
+    fixed.estimated = m.estimate->pose;
+    fixed.covariance = m.estimate->covariance;
+    fixed.n_states = static_cast<std::uint32_t>(m.estimate->state.size());
+  }
+  if (has(m.u, input_part)) fixed.u = *m.u;
+  std::string bytes;
+  append(bytes, &fixed, 1);
+  append(bytes, m.blobs.data(), m.blobs.size());
+  if (m.estimate) append(bytes, m.estimate->state.data(), m.estimate->state.size());
+  return bytes;
 }
 
 StepMessage message_from(const char* bytes, std::size_t size, std::size_t pixel_bytes) {
-  Reader from(bytes, size);
+  FixedPart fixed;
+  if (size < sizeof fixed) throw MessageError("a message that is too short");
+  std::memcpy(static_cast<void*>(&fixed), bytes, sizeof fixed);
+  check_counts(fixed);
+  const auto has = [&](Part bit) { return (fixed.parts & bit) != 0; };
   StepMessage m;
-  m.k = from.get<std::int64_t>();
-  m.t = from.get<double>();
-  m.last_u = from.input();
-  m.done = from.get<std::uint32_t>();
-  const auto parts = from.get<std::uint32_t>();
-  const auto missed = from.get<std::uint32_t>();
-  const auto n_blobs = from.get<std::uint32_t>();
-  const auto n_states = from.get<std::uint32_t>();
-  m.next_slot = from.get<std::uint32_t>();
-  if (m.done > all_stages || parts > all_parts || n_blobs > most_blobs ||
-      missed > static_cast<std::uint32_t>(DetectionResult::small_markers)) {
-    throw MessageError("a message with choices or counts that there are not");
-  }
-  if (n_states > most_states) {
-    throw MessageError("the further state must have at most " + std::to_string(most_states) +
-                           " numbers, got " + std::to_string(n_states),
-                       estimate_bit);
-  }
-  m.frame = read_frame(from, parts & frame_part);
-  Sample sample;
-  sample.k = from.get<std::int64_t>();
-  sample.regression.phi = from.matrix<AxisMatrix>();
-  from.doubles(sample.regression.y.data(), 3);
-  const auto parameters = from.matrix<AxisMatrix>();
-  const auto errors = from.matrix<AxisMatrix>();
-  Measurement measurement;
-  measurement.pose = from.pose();
-  const auto covariance = from.matrix<PoseCovariance>();
-  measurement.misfit = from.get<double>();
-  measurement.signal_to_noise = from.get<double>();
-  Estimate estimate;
-  estimate.pose = from.pose();
-  estimate.covariance = from.matrix<PoseCovariance>();
-  const Input u = from.input();
-  const std::size_t numbers = 2 * std::size_t{n_blobs} + n_states;
+  if (has(frame_part)) m.frame = frame_from(fixed);
   const std::size_t pixels = m.frame && m.frame->slot < 0 ? pixel_bytes : 0;
-  if (from.left() != numbers * sizeof(double) + pixels) {
+  const std::size_t numbers = 2 * std::size_t{fixed.n_blobs} + fixed.n_states;
+  if (size - sizeof fixed != numbers * sizeof(double) + pixels) {
     throw MessageError("a message of another length than it says");
   }
-  m.blobs = read_blobs(from, n_blobs);
-  estimate.state.resize(n_states);
-  from.doubles(estimate.state.data(), n_states);
-  m.has_frame = parts & has_frame_part;
-  if (parts & sample_part) m.sample = sample;
-  if (parts & parameters_part) m.parameters = parameters;
-  if (parts & errors_part) m.standard_errors_unscaled = errors;
-  if (parts & measurement_part) m.measurement = measurement;
-  if (m.measurement && parts & covariance_part) m.measurement->covariance = covariance;
-  if (parts & missed_part) m.missed = static_cast<DetectionResult>(missed);
-  if (parts & estimate_part) m.estimate = std::move(estimate);
-  if (parts & input_part) m.u = u;
+  const char* next = bytes + sizeof fixed;
+  m.k = fixed.k;
+  m.t = fixed.t;
+  m.last_u = fixed.last_u;
+  m.done = fixed.done;
+  m.next_slot = fixed.next_slot;
+  m.has_frame = has(has_frame_part);
+  m.blobs = taken<Point>(next, fixed.n_blobs);
+  if (has(sample_part)) m.sample = Sample{{fixed.phi, fixed.y}, fixed.sample_k};
+  if (has(parameters_part)) m.parameters = fixed.parameters;
+  if (has(errors_part)) m.standard_errors_unscaled = fixed.standard_errors_unscaled;
+  if (has(measurement_part)) {
+    m.measurement = Measurement{fixed.measured, {}, fixed.misfit, fixed.signal_to_noise};
+    if (has(covariance_part)) m.measurement->covariance = fixed.measured_covariance;
+  }
+  if (has(missed_part)) m.missed = static_cast<DetectionResult>(fixed.missed);
+  if (has(estimate_part)) {
+    m.estimate = Estimate{fixed.estimated, fixed.covariance, taken<double>(next, fixed.n_states)};
+  }
+  if (has(input_part)) m.u = fixed.u;
   check_numbers(m);
   return m;
 }
