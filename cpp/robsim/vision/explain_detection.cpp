@@ -153,48 +153,24 @@ std::string explain_result(const Detection& d) {
 }  // namespace
 
 std::string name_of(DetectionResult result, const MarkerLayout& markers) {
-  switch (result) {
-    case DetectionResult::no_blobs:
-      return "no blobs";
-    case DetectionResult::no_first_blob:
-      return "no " + markers.first.color + " blob";
-    case DetectionResult::no_second_blob:
-      return "no " + markers.second.color + " blob";
-    case DetectionResult::at_border:
-      return "at the border";
-    case DetectionResult::distance:
-      return "distance";
-    case DetectionResult::areas:
-      return "areas";
-    case DetectionResult::ambiguous:
-      return "ambiguous";
-    case DetectionResult::by_chance:
-      return "by chance";
-    case DetectionResult::noise:
-      return "noise";
-    case DetectionResult::dark:
-      return "dark";
-    case DetectionResult::overexposed:
-      return "overexposed";
-    case DetectionResult::small_markers:
-      return "small markers";
-    case DetectionResult::detected:
-      break;
-  }
-  return "detected";
+  if (result == DetectionResult::no_first_blob) return "no " + markers.first.color + " blob";
+  if (result == DetectionResult::no_second_blob) return "no " + markers.second.color + " blob";
+  constexpr const char* names[] = {
+      "detected",  "no blobs",  "",      "",     "at the border", "distance",     "areas",
+      "ambiguous", "by chance", "noise", "dark", "overexposed",   "small markers"};
+  return names[static_cast<std::size_t>(result)];
 }
 
 std::optional<std::string> small_markers_remark(double width, double noise) {
   return width < trusted_width(noise) ? std::optional(small_markers(width, noise)) : std::nullopt;
 }
 
-bool fits_exchanged(const Detection& d) {
-  return d.exchanged < good_misfit && d.misfit > d.exchanged + 2 * good_misfit;
-}
-
 std::string explain(const Detection& detection) {
   const std::string text = explain_result(detection);
-  if (!fits_exchanged(detection)) return text;
+  // As in a frame whose channels are in OpenCV's order. Markers of about the same area never tell.
+  const bool fits_exchanged =
+      detection.exchanged < good_misfit && detection.misfit > detection.exchanged + 2 * good_misfit;
+  if (!fits_exchanged) return text;
   return text + "; with " + both(detection) + " exchanged they would fit much better (misfit " +
          number(detection.exchanged, 2) +
          "): are the frames in OpenCV's order, BGR (Frame.from_bgr converts them), or the names "

@@ -21,9 +21,4 @@ std::string explain(const Detection& detection);
 /// (grey levels); nothing of others.
 std::optional<std::string> small_markers_remark(double width, double noise);
 
-/// True if the pair fits much better with the roles of the two colours exchanged: as in a frame
-/// whose channels are in OpenCV's order, BGR, of a red and a blue marker. Markers of about the same
-/// area never tell.
-bool fits_exchanged(const Detection& detection);
-
 }  // namespace robsim

@@ -45,13 +45,7 @@ Chroma smoothed(const ImageView& image, int u, int v) {
   return {sum.u / count, sum.v / count};
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-Chroma median_of(const std::vector<Chroma>& all) {
+Chroma middle_of(const std::vector<Chroma>& all) {
   std::vector<double> u, v;
   for (const Chroma& chroma : all) {
     u.push_back(chroma.u);
@@ -94,8 +88,8 @@ std::optional<WeightedCentroid> weighted_centroid(const ImageView& image, const 
     }
   }
   if (around.empty() || within.empty()) return std::nullopt;
-  const Chroma floor = median_of(around);
-  const Chroma marker = median_of(within);
+  const Chroma floor = middle_of(around);
+  const Chroma marker = middle_of(within);
   const Chroma color{marker.u - floor.u, marker.v - floor.v};
   const double contrast = color.u * color.u + color.v * color.v;
   if (!(contrast > 1)) return std::nullopt;
@@ -327,14 +321,11 @@ struct Light {
 Light light_of(const ImageView& image) {
   double sum = 0;
   int white = 0;
-  for (int row = 0; row < grid; ++row) {
-    const std::uint8_t* pixels = image.row(row * (image.height - 1) / (grid - 1));
-    for (int column = 0; column < grid; ++column) {
-      const std::uint8_t* rgb = pixels + 3 * (column * (image.width - 1) / (grid - 1));
-      sum += rgb[0] + rgb[1] + rgb[2];
-      white += std::min({rgb[0], rgb[1], rgb[2]}) >= white_level;
-    }
-  }
+  look_at_grid({0, 0, image.width, image.height}, grid, grid, [&](int u, int v) {
+    const std::uint8_t* rgb = image.row(v) + std::ptrdiff_t{3} * u;
+    sum += rgb[0] + rgb[1] + rgb[2];
+    white += std::min({rgb[0], rgb[1], rgb[2]}) >= white_level;
+  });
   constexpr double count = grid * grid;
   return {sum / (3 * count), white / count};
 }

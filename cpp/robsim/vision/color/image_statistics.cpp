@@ -85,21 +85,16 @@ double grey_noise(const ImageView& image) {
   if (image.width < 3 || image.height < 3) return 0;
   std::vector<int> sizes;
   sizes.reserve(std::size_t{3} * places_across * places_down);
-  for (int i = 0; i < places_down; ++i) {
-    const int v = 1 + i * (image.height - 3) / (places_down - 1);
-    for (int j = 0; j < places_across; ++j) {
-      const int u = 1 + j * (image.width - 3) / (places_across - 1);
-      for (int channel = 0; channel < 3; ++channel) {
-        if (is_clipped(image.row(v)[3 * u + channel])) continue;
-        sizes.push_back(std::abs(second_difference(image, u, v, channel)));
-      }
+  const PixelBox inside{1, 1, image.width - 1, image.height - 1};
+  look_at_grid(inside, places_down, places_across, [&](int u, int v) {
+    for (int channel = 0; channel < 3; ++channel) {
+      if (is_clipped(image.row(v)[3 * u + channel])) continue;
+      sizes.push_back(std::abs(second_difference(image, u, v, channel)));
     }
-  }
+  });
   if (sizes.empty()) return 0;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
   // The median of |x| of a Gaussian number is 0.6745 standard deviations.
-  return *middle / (6 * 0.6745);
+  return median_of(sizes) / (6 * 0.6745);
 }
 
 }  // namespace robsim
@@ -111,12 +106,6 @@ namespace {
 constexpr int rows = 8;
 constexpr int columns = 32;
 
-double median(std::array<int, rows * columns>& values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 double chroma_noise(const ImageView& image) {
@@ -124,18 +113,15 @@ double chroma_noise(const ImageView& image) {
   std::array<int, rows * columns> u_differences{};
   std::array<int, rows * columns> v_differences{};
   std::size_t i = 0;
-  for (int row = 0; row < rows; ++row) {
-    const std::uint8_t* pixels = image.row(row * (image.height - 1) / (rows - 1));
-    for (int column = 0; column < columns; ++column, ++i) {
-      const std::uint8_t* rgb = pixels + 3 * (column * (image.width - 2) / (columns - 1));
-      const Yuv left = rgb_to_yuv(rgb);
-      const Yuv right = rgb_to_yuv(rgb + 3);
-      u_differences[i] = std::abs(left.u - right.u);
-      v_differences[i] = std::abs(left.v - right.v);
-    }
-  }
+  look_at_grid({0, 0, image.width - 1, image.height}, rows, columns, [&](int u, int v) {
+    const std::uint8_t* rgb = image.row(v) + std::ptrdiff_t{3} * u;
+    const Yuv left = rgb_to_yuv(rgb);
+    const Yuv right = rgb_to_yuv(rgb + 3);
+    u_differences[i] = std::abs(left.u - right.u);
+    v_differences[i++] = std::abs(left.v - right.v);
+  });
   // The median of |a - b| of two Gaussian numbers is 0.6745 sqrt(2) standard deviations.
-  return std::max(median(u_differences), median(v_differences)) / (0.6745 * std::sqrt(2.0));
+  return std::max(median_of(u_differences), median_of(v_differences)) / (0.6745 * std::sqrt(2.0));
 }
 
 }  // namespace robsim::pixels

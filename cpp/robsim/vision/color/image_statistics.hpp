@@ -1,10 +1,31 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 
 #include "robsim/imaging/image.hpp"
 
 namespace robsim {
+
+/// The middle one of some numbers, of two the larger; reorders them.
+template <typename Numbers>
+auto median_of(Numbers& numbers) {
+  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+  std::nth_element(numbers.begin(), middle, numbers.end());
+  return *middle;
+}
+
+/// Calls look(u, v) for the places of a grid over a box of pixels, row by row.
+template <typename Look>
+void look_at_grid(const PixelBox& box, int rows, int columns, Look look) {
+  for (int i = 0; i < rows; ++i) {
+    const int v = box.top + i * (box.bottom - 1 - box.top) / (rows - 1);
+    for (int j = 0; j < columns; ++j) {
+      look(box.left + j * (box.right - 1 - box.left) / (columns - 1), v);
+    }
+  }
+}
 
 /// U and V of what most of an image shows, which is the floor around the markers.
 struct SurroundingChroma {
