@@ -143,27 +143,17 @@ ROBSIM_INLINE void FilterGroup::update_all(const Samples& samples, double* phi, 
 }
 
 template <int n>
-void FilterGroup::update_fixed(const Samples& samples) {
+ROBSIM_INLINE void FilterGroup::update_fixed(FilterGroup& group, const Samples& samples) {
   double phi[n * lane_count], gain[n * lane_count];
-  update_all(samples, phi, gain, n);
+  group.update_all(samples, phi, gain, n);
 }
-
-#if ROBSIM_HAS_AVX2_CODE
-template <int n>
-ROBSIM_AVX2 void FilterGroup::update_fixed_avx2(const Samples& samples) {
-  double phi[n * lane_count], gain[n * lane_count];
-  update_all(samples, phi, gain, n);
-}
-#endif
 
 void FilterGroup::update(const Samples& samples) {
-  if (parameters_ != robot_parameters) {
+  if (parameters_ == robot_parameters) {
+    ROBSIM_PICK (&FilterGroup::update_fixed<robot_parameters>)(*this, samples);
+  } else {
     update_all(samples, phi_.data(), gain_.data(), parameters_);
-    return;
   }
-  const auto update_all = ROBSIM_PICK(&FilterGroup::update_fixed<robot_parameters>,
-                                      &FilterGroup::update_fixed_avx2<robot_parameters>);
-  (this->*update_all)(samples);
 }
 
 // Limits each D_j so that its part D_j |U_j|^2 of the trace of P is at most 1/n of the limit.
@@ -197,22 +187,13 @@ ROBSIM_INLINE void FilterGroup::write_variances(double* variances, int n) const 
 }
 
 template <int n>
-void FilterGroup::write_fixed_variances(double* variances) const {
-  write_variances(variances, n);
+ROBSIM_INLINE void FilterGroup::write_fixed_variances(const FilterGroup& group, double* variances) {
+  group.write_variances(variances, n);
 }
-
-#if ROBSIM_HAS_AVX2_CODE
-template <int n>
-ROBSIM_AVX2 void FilterGroup::write_fixed_variances_avx2(double* variances) const {
-  write_variances(variances, n);
-}
-#endif
 
 void FilterGroup::write_standard_errors_unscaled(double* errors) const {
   if (parameters_ == robot_parameters) {
-    const auto write = ROBSIM_PICK(&FilterGroup::write_fixed_variances<robot_parameters>,
-                                   &FilterGroup::write_fixed_variances_avx2<robot_parameters>);
-    (this->*write)(errors);
+    ROBSIM_PICK (&FilterGroup::write_fixed_variances<robot_parameters>)(*this, errors);
   } else {
     write_variances(errors, parameters_);
   }

@@ -55,16 +55,12 @@ class FilterGroup {
   double update_one(const Sample& sample, double* phi, double* gain, int n);
   void update_all(const Samples& samples, double* phi, double* gain, int n);
   template <int n>
-  void update_fixed(const Samples& samples);
-  template <int n>
-  void update_fixed_avx2(const Samples& samples);
+  static void update_fixed(FilterGroup& group, const Samples& samples);
   void write_theta(double* theta, int n) const;
   void limit_covariance();
   void write_variances(double* variances, int n) const;
   template <int n>
-  void write_fixed_variances(double* variances) const;
-  template <int n>
-  void write_fixed_variances_avx2(double* variances) const;
+  static void write_fixed_variances(const FilterGroup& group, double* variances);
 
   int parameters_;
   int filters_;

@@ -73,15 +73,9 @@ ROBSIM_INLINE void append(MatrixXd& R, MatrixXd& block) {
   }
 }
 
-void append_baseline(MatrixXd& R, MatrixXd& block) { append(R, block); }
-
-#if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2 void append_avx2(MatrixXd& R, MatrixXd& block) { append(R, block); }
-#endif
-
 // The triangle R of the QR of (phi y).
 MatrixXd triangle(const Eigen::Ref<const Rows>& phi, const Eigen::Ref<const VectorXd>& y) {
-  const auto append_block = ROBSIM_PICK(append_baseline, append_avx2);
+  const auto append_block = ROBSIM_PICK(append);
   const Index n = phi.cols();
   MatrixXd R = MatrixXd::Zero(n + 1, n + 1);
   MatrixXd block(block_rows, n + 1);

@@ -13,32 +13,37 @@ namespace {
 
 constexpr int block = 32;  // bytes at a time
 
-// --- byte by byte
+// Applies convert(from, to, first byte) to each block of a row; the last block is a copy.
+template <typename Convert>
+ROBSIM_INLINE void for_each_block(const std::uint8_t* clean, int bytes, std::uint8_t* noisy,
+                                  Convert convert) {
+  int i = 0;
+  for (; i + block <= bytes; i += block) convert(clean + i, noisy + i, i);
+  if (i == bytes) return;
+  std::uint8_t last[block] = {0};
+  const auto count = static_cast<std::size_t>(bytes - i);
+  std::memcpy(last, clean + i, count);
+  convert(last, last, i);
+  std::memcpy(noisy + i, last, count);
+}
 
-struct Draw {
-  std::uint8_t bytes[block];
-};
-
-Draw draw(std::uint64_t (&state)[4][NoiseStream::lanes]) {
-  Draw result;
+// The next block of bits of a stream, of its four generators side by side.
+template <typename Number>
+ROBSIM_INLINE void draw(std::uint64_t (&state)[4][NoiseStream::lanes], Number* numbers) {
+  std::uint64_t bits[NoiseStream::lanes];
   for (int lane = 0; lane < NoiseStream::lanes; ++lane) {
-    std::uint64_t& s0 = state[0][lane];
-    std::uint64_t& s1 = state[1][lane];
-    std::uint64_t& s2 = state[2][lane];
-    std::uint64_t& s3 = state[3][lane];
-    const std::uint64_t bits = s0 + s3;
-    for (int i = 0; i < 8; ++i) {
-      result.bytes[8 * lane + i] = static_cast<std::uint8_t>(bits >> (8 * i));
-    }
+    std::uint64_t s0 = state[0][lane], s1 = state[1][lane];
+    std::uint64_t s2 = state[2][lane], s3 = state[3][lane];
+    bits[lane] = s0 + s3;
     const std::uint64_t shifted = s1 << 17;
     s2 ^= s0;
     s3 ^= s1;
-    s1 ^= s2;
-    s0 ^= s3;
-    s2 ^= shifted;
-    s3 = (s3 << 45) | (s3 >> 19);
+    state[1][lane] = s1 ^ s2;
+    state[0][lane] = s0 ^ s3;
+    state[2][lane] = s2 ^ shifted;
+    state[3][lane] = (s3 << 45) | (s3 >> 19);
   }
-  return result;
+  std::memcpy(numbers, bits, sizeof bits);  // little endian
 }
 
 int gaussian_step(std::uint8_t a, std::uint8_t b, std::uint8_t c, const GaussianTables& tables,
@@ -54,32 +59,34 @@ int gaussian_step(std::uint8_t a, std::uint8_t b, std::uint8_t c, const Gaussian
 
 void add_gaussian_baseline(const std::uint8_t* clean, int bytes, const GaussianTables& tables,
                            NoiseStream& stream, std::uint8_t* noisy) {
-  for (int first = 0; first < bytes; first += block) {
-    const Draw a = draw(stream.state[0]);
-    const Draw b = draw(stream.state[1]);
-    const Draw c = draw(stream.state[2]);
-    const int count = std::min(block, bytes - first);
-    for (int i = 0; i < count; ++i) {
-      const int step = gaussian_step(a.bytes[i], b.bytes[i], c.bytes[i], tables, stream, first + i);
-      noisy[first + i] = static_cast<std::uint8_t>(std::clamp(clean[first + i] + step, 0, 255));
+  const auto convert = [&](const std::uint8_t* from, std::uint8_t* to, int first) {
+    std::uint8_t a[block], b[block], c[block];
+    draw(stream.state[0], a);
+    draw(stream.state[1], b);
+    draw(stream.state[2], c);
+    for (int i = 0; i < block; ++i) {
+      const int step = gaussian_step(a[i], b[i], c[i], tables, stream, first + i);
+      to[i] = static_cast<std::uint8_t>(std::clamp(from[i] + step, 0, 255));
     }
-  }
+  };
+  for_each_block(clean, bytes, noisy, convert);
 }
 
 void add_uniform_baseline(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
                           NoiseStream& stream, std::uint8_t* noisy) {
-  for (int first = 0; first < bytes; first += block) {
-    const Draw draws[2] = {draw(stream.state[0]), draw(stream.state[1])};
-    const int count = std::min(block, bytes - first);
-    for (int i = 0; i < count; ++i) {
-      const std::uint8_t* half = draws[i / 16].bytes + 2 * (i % 16);
-      const std::uint32_t bits = half[0] | (std::uint32_t{half[1]} << 8);
-      const int drawn = static_cast<int>((bits * steps.scale) >> 16) + steps.offset;
+  const auto convert = [&](const std::uint8_t* from, std::uint8_t* to, int) {
+    std::uint16_t bits[block];
+    draw(stream.state[0], bits);
+    draw(stream.state[1], bits + block / 2);
+    for (int i = 0; i < block; ++i) {
+      const int drawn =
+          static_cast<int>((std::uint32_t{bits[i]} * steps.scale) >> 16) + steps.offset;
       // A shift of a negative number rounds down, as the AVX2 instruction does.
       const int step = (drawn >> steps.shift) * (1 << steps.doublings);
-      noisy[first + i] = static_cast<std::uint8_t>(std::clamp(clean[first + i] + step, 0, 255));
+      to[i] = static_cast<std::uint8_t>(std::clamp(from[i] + step, 0, 255));
     }
-  }
+  };
+  for_each_block(clean, bytes, noisy, convert);
 }
 
 #if ROBSIM_HAS_AVX2_CODE
@@ -199,22 +206,6 @@ ROBSIM_AVX2_INLINE __m256i with_uniform(__m256i value, __m256i a, __m256i b,
       _mm256_packus_epi16(_mm256_adds_epi16(low, step(a)), _mm256_adds_epi16(high, step(b))));
 }
 
-// Applies next to each block of a row; the last block is padded.
-template <typename Next>
-ROBSIM_AVX2_INLINE void for_each_block(const std::uint8_t* clean, int bytes, std::uint8_t* noisy,
-                                       Next next) {
-  int i = 0;
-  for (; i + block <= bytes; i += block) {
-    simd::store(next(simd::load(clean + i), i), noisy + i);
-  }
-  if (i == bytes) return;
-  std::uint8_t last[block] = {0};
-  const auto count = static_cast<std::size_t>(bytes - i);
-  std::memcpy(last, clean + i, count);
-  simd::store(next(simd::load(last), i), last);
-  std::memcpy(noisy + i, last, count);
-}
-
 ROBSIM_AVX2_INLINE void add_gaussian_blocks(const std::uint8_t* clean, int bytes,
                                             const GaussianTables& tables, NoiseStream& stream,
                                             std::uint8_t* noisy) {
@@ -230,15 +221,17 @@ ROBSIM_AVX2_INLINE void add_gaussian_blocks(const std::uint8_t* clean, int bytes
   for (int begin = 0; begin < bytes; begin += part) {
     int found = 0;
     const int count = std::min(part, bytes - begin);
-    for_each_block(clean + begin, count, noisy + begin, [&](__m256i value, int i) ROBSIM_AVX2 {
+    const auto convert = [&](const std::uint8_t* from, std::uint8_t* to, int i) ROBSIM_AVX2 {
+      const __m256i value = simd::load(from);
       const WithGaussian result = with_gaussian(value, draw(a), draw(b), draw(c), registers);
       if (result.tails != 0) {
         simd::store(value, blocks.clean[found]);
         blocks.tails[found] = result.tails;
         blocks.first[found++] = begin + i;
       }
-      return result.sum;
-    });
+      simd::store(result.sum, to);
+    };
+    for_each_block(clean + begin, count, noisy + begin, convert);
     blocks.count = found;
     draw_tails(blocks, tables, stream, bytes, noisy);
   }
@@ -252,42 +245,12 @@ ROBSIM_AVX2_INLINE void add_uniform_blocks(const std::uint8_t* clean, int bytes,
                                            std::uint8_t* noisy) {
   Generators a = generators_from(stream.state[0]);
   Generators b = generators_from(stream.state[1]);
-  for_each_block(clean, bytes, noisy, [&](__m256i value, int) ROBSIM_AVX2 {
-    return with_uniform(value, draw(a), draw(b), steps);
-  });
+  const auto convert = [&](const std::uint8_t* from, std::uint8_t* to, int) ROBSIM_AVX2 {
+    simd::store(with_uniform(simd::load(from), draw(a), draw(b), steps), to);
+  };
+  for_each_block(clean, bytes, noisy, convert);
   keep(a, stream.state[0]);
   keep(b, stream.state[1]);
-}
-
-// The text is the same for both paths: with AVX-512 the compiler has rotations, logic of three
-// operands and twice as many registers. Registers of 64 bytes gain nothing, as the streams come in
-// draws of 32.
-
-ROBSIM_AVX2 void add_gaussian_avx2(const std::uint8_t* clean, int bytes,
-                                   const GaussianTables& tables, NoiseStream& stream,
-                                   std::uint8_t* noisy) {
-  add_gaussian_blocks(clean, bytes, tables, stream, noisy);
-}
-
-ROBSIM_AVX2 void add_uniform_avx2(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
-                                  NoiseStream& stream, std::uint8_t* noisy) {
-  add_uniform_blocks(clean, bytes, steps, stream, noisy);
-}
-
-#endif
-
-#if ROBSIM_HAS_AVX512_CODE
-
-ROBSIM_AVX512 void add_gaussian_avx512(const std::uint8_t* clean, int bytes,
-                                       const GaussianTables& tables, NoiseStream& stream,
-                                       std::uint8_t* noisy) {
-  add_gaussian_blocks(clean, bytes, tables, stream, noisy);
-}
-
-ROBSIM_AVX512 void add_uniform_avx512(const std::uint8_t* clean, int bytes,
-                                      const UniformSteps& steps, NoiseStream& stream,
-                                      std::uint8_t* noisy) {
-  add_uniform_blocks(clean, bytes, steps, stream, noisy);
 }
 
 #endif
@@ -311,15 +274,18 @@ std::uint64_t NoiseStream::rare_bits(int i) const {
 
 void add_gaussian(const std::uint8_t* clean, int bytes, const GaussianTables& tables,
                   NoiseStream& stream, std::uint8_t* noisy) {
-  ROBSIM_PICK(add_gaussian_baseline, add_gaussian_avx2, add_gaussian_avx512)(clean, bytes, tables,
-                                                                             stream, noisy);
+  // The text is the same for both paths: with AVX-512 the compiler has rotations, logic of three
+  // operands and twice as many registers. Registers of 64 bytes gain nothing, as the streams come
+  // in draws of 32.
+  ROBSIM_PICK(add_gaussian_baseline, add_gaussian_blocks, add_gaussian_blocks)
+  (clean, bytes, tables, stream, noisy);
   stream.bytes_done += static_cast<std::uint64_t>(bytes);
 }
 
 void add_uniform(const std::uint8_t* clean, int bytes, const UniformSteps& steps,
                  NoiseStream& stream, std::uint8_t* noisy) {
-  ROBSIM_PICK(add_uniform_baseline, add_uniform_avx2, add_uniform_avx512)(clean, bytes, steps,
-                                                                          stream, noisy);
+  ROBSIM_PICK(add_uniform_baseline, add_uniform_blocks, add_uniform_blocks)
+  (clean, bytes, steps, stream, noisy);
 }
 
 }  // namespace robsim

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 
 #include "robsim/base/elementary/elementary.hpp"
-#include "robsim/base/simd/avx.hpp"
 #include "robsim/base/simd/cpu_path.hpp"
+#include "robsim/base/simd/lanes.hpp"
 #include "robsim/base/system.hpp"
 
 namespace robsim::sprite {
@@ -65,76 +64,39 @@ ROBSIM_INLINE SamplePoints sample_points(const SpriteLine& line, int sprite_widt
   return points;
 }
 
-// A loop that the compiler vectorises, once for every path.
-ROBSIM_INLINE void blend_body(const float* colors, const float* background_weight, int bytes,
-                              float brightness, std::uint8_t* pixels) {
+using Four = simd::LanesOf<float, 16>;
+
+// a + share (b - a)
+ROBSIM_INLINE Four between(const Four& a, const Four& b, const Four& share) {
+  return a + share * (b - a);
+}
+
+// Of so many columns. Copying four numbers is faster than three: the next pixel overwrites the
+// fourth, and behind the last pixel there is room for one more.
+ROBSIM_INLINE void sample_block(const Sprite& sprite, const SpriteLine& line, int first, int count,
+                                float* colors, float* background_weight) {
+  const SamplePoints points = sample_points(line, sprite.width, first, count);
+  for (int i = 0; i < count; ++i) {
+    const float* upper = sprite.pixels.data() + std::ptrdiff_t{4} * points.pixel[i];
+    const float* lower = upper + std::ptrdiff_t{4} * sprite.width;
+    const Four down = Four::all(points.down[i]);
+    const Four left = between(Four::load(upper), Four::load(lower), down);
+    const Four right = between(Four::load(upper + 4), Four::load(lower + 4), down);
+    const Four pixel = between(left, right, Four::all(points.right[i]));
+    pixel.store(colors + std::ptrdiff_t{3} * i);
+    Four::all(pixel.at(3)).store(background_weight + std::ptrdiff_t{3} * i);
+  }
+}
+
+// A loop that the compiler vectorises.
+ROBSIM_INLINE void blend_block(const float* colors, const float* background_weight, int bytes,
+                               float brightness, std::uint8_t* pixels) {
   // pixel = pixel (1 - alpha) + colour times alpha, which does not exceed 255
   for (int i = 0; i < bytes; ++i) {
     const float value =
         static_cast<float>(pixels[i]) * background_weight[i] + colors[i] * brightness;
     pixels[i] = static_cast<std::uint8_t>(value + 0.5F);
   }
-}
-
-void sample_baseline(const Sprite& sprite, const SpriteLine& line, int first, int count,
-                     float* colors, float* background_weight) {
-  const SamplePoints points = sample_points(line, sprite.width, first, count);
-  float sampled[4 * block];
-  for (int i = 0; i < count; ++i) {
-    const float* upper = sprite.pixels.data() + std::ptrdiff_t{4} * points.pixel[i];
-    const float* lower = upper + std::ptrdiff_t{4} * sprite.width;
-    float both[8];
-    for (int c = 0; c < 8; ++c) both[c] = upper[c] + points.down[i] * (lower[c] - upper[c]);
-    for (int c = 0; c < 4; ++c) {
-      sampled[4 * i + c] = both[c] + points.right[i] * (both[c + 4] - both[c]);
-    }
-  }
-  // Copying four numbers is faster than three: the next pixel overwrites the fourth, and behind the
-  // last pixel there is room for one more.
-  for (int i = 0; i < count; ++i) {
-    const float* from = sampled + std::ptrdiff_t{4} * i;
-    const float shown[4] = {from[3], from[3], from[3], from[3]};
-    std::memcpy(colors + std::ptrdiff_t{3} * i, from, sizeof shown);
-    std::memcpy(background_weight + std::ptrdiff_t{3} * i, shown, sizeof shown);
-  }
-}
-
-void blend_baseline(const float* colors, const float* background_weight, int bytes,
-                    float brightness, std::uint8_t* pixels) {
-  blend_body(colors, background_weight, bytes, brightness, pixels);
-}
-
-#if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2 void sample_avx2(const Sprite& sprite, const SpriteLine& line, int first, int count,
-                             float* colors, float* background_weight) {
-  const SamplePoints points = sample_points(line, sprite.width, first, count);
-  for (int i = 0; i < count; ++i) {
-    const float* pixel_data = sprite.pixels.data() + std::ptrdiff_t{4} * points.pixel[i];
-    const __m256 upper = _mm256_loadu_ps(pixel_data);
-    const __m256 lower = _mm256_loadu_ps(pixel_data + std::ptrdiff_t{4} * sprite.width);
-    const __m256 down = _mm256_broadcast_ss(points.down + i);
-    const __m256 both = _mm256_add_ps(upper, _mm256_mul_ps(down, _mm256_sub_ps(lower, upper)));
-    const __m128 left = _mm256_castps256_ps128(both);
-    const __m128 step = _mm_sub_ps(_mm256_extractf128_ps(both, 1), left);
-    const __m128 pixel = _mm_add_ps(left, _mm_mul_ps(_mm_broadcast_ss(points.right + i), step));
-    _mm_storeu_ps(colors + std::ptrdiff_t{3} * i, pixel);
-    _mm_storeu_ps(background_weight + std::ptrdiff_t{3} * i, _mm_permute_ps(pixel, 0b11111111));
-  }
-}
-
-ROBSIM_AVX2 void blend_avx2(const float* colors, const float* background_weight, int bytes,
-                            float brightness, std::uint8_t* pixels) {
-  blend_body(colors, background_weight, bytes, brightness, pixels);
-}
-#endif
-
-struct Loops {
-  void (*sample)(const Sprite&, const SpriteLine&, int, int, float*, float*);
-  void (*blend)(const float*, const float*, int, float, std::uint8_t*);
-};
-
-Loops loops() {
-  return {ROBSIM_PICK(sample_baseline, sample_avx2), ROBSIM_PICK(blend_baseline, blend_avx2)};
 }
 
 // The columns within the sprite, before its last column and row, which `sample` may read because
@@ -157,14 +119,14 @@ Span span_within(const Sprite& sprite, const SpriteLine& line, const Span& colum
 
 // Samples the sprite bilinearly in columns that lie within it.
 Strip sample(const Sprite& sprite, const SpriteLine& line, const Span& columns) {
-  const Loops use = loops();
+  const auto sample_columns = ROBSIM_PICK(sample_block);
   const int width = columns.last - columns.first;
   const std::size_t size = std::size_t{3} * static_cast<std::size_t>(width) + 1;
   Strip strip{columns.first, width, std::vector<float>(size), std::vector<float>(size)};
   for (int i = 0; i < width; i += block) {
-    use.sample(sprite, line, columns.first + i, std::min(block, width - i),
-               strip.colors.data() + std::ptrdiff_t{3} * i,
-               strip.background_weight.data() + std::ptrdiff_t{3} * i);
+    sample_columns(sprite, line, columns.first + i, std::min(block, width - i),
+                   strip.colors.data() + std::ptrdiff_t{3} * i,
+                   strip.background_weight.data() + std::ptrdiff_t{3} * i);
   }
   return strip;
 }
@@ -185,20 +147,22 @@ Strip without_transparent_ends(const Strip& strip) {
 // Blends a part of the strip over pixels. `brightness`: of the strip, within 0..1.
 void blend(const Strip& strip, const Span& part, float brightness, std::uint8_t* pixels) {
   const std::ptrdiff_t first = std::ptrdiff_t{3} * part.first;
-  loops().blend(strip.colors.data() + first, strip.background_weight.data() + first,
-                3 * (part.last - part.first), brightness, pixels);
+  ROBSIM_PICK(blend_block)
+  (strip.colors.data() + first, strip.background_weight.data() + first,
+   3 * (part.last - part.first), brightness, pixels);
 }
 
 // Samples and blends in one pass.
 void blend(const Sprite& sprite, const SpriteLine& line, const Span& columns, float brightness,
            std::uint8_t* pixels) {
-  const Loops use = loops();
+  const auto sample_columns = ROBSIM_PICK(sample_block);
+  const auto blend_columns = ROBSIM_PICK(blend_block);
   float colors[3 * block + 1];
   float background_weight[3 * block + 1];
   for (int u = columns.first; u < columns.last; u += block) {
     const int count = std::min(block, columns.last - u);
-    use.sample(sprite, line, u, count, colors, background_weight);
-    use.blend(colors, background_weight, 3 * count, brightness, pixels);
+    sample_columns(sprite, line, u, count, colors, background_weight);
+    blend_columns(colors, background_weight, 3 * count, brightness, pixels);
     pixels += std::ptrdiff_t{3} * block;
   }
 }
@@ -281,13 +245,8 @@ RobotImage::RobotImage(const Sprite& sprite, Point centre, double unit, double a
       alignment_(alignment),
       pixel_size_{camera.matrix()[0], camera.matrix()[4]},
       headings_(headings) {
-  if (!(std::isfinite(unit) && unit > 0)) {
-    throw std::invalid_argument("unit must be positive and finite (work-area px), got " +
-                                to_text(unit));
-  }
-  if (headings < 0) {
-    throw std::invalid_argument("headings must be at least 0, got " + std::to_string(headings));
-  }
+  checked(unit, std::isfinite(unit) && unit > 0, "unit must be positive and finite (work-area px)");
+  checked(headings, headings >= 0, "headings must be at least 0");
   const double du = std::max(centre_.x, sprite_.width - 2 - centre_.x);
   const double dv = std::max(centre_.y, sprite_.height - 2 - centre_.y);
   radius_ = unit_ * elementary::hypot(du, dv);

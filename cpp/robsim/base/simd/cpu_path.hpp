@@ -4,11 +4,12 @@
 
 #include "robsim/base/simd/target.hpp"
 
-// The one of two or three functions that runs on the path in use: for any processor, with AVX2 and,
-// if there is a third one, with AVX-512. A macro, because elsewhere than on x86-64 the names of the
-// others do not exist.
+// The function that runs on the path in use, of one to three texts: for any processor, with AVX2
+// and, if there is a third one, with AVX-512. A missing second text is the first one, which must be
+// ROBSIM_INLINE: the compiler makes what it can of it for each path. A macro, because elsewhere
+// than on x86-64 the names of the others do not exist.
 #if ROBSIM_HAS_AVX2_CODE
-#define ROBSIM_PICK(if_baseline, ...) ::robsim::simd::pick((if_baseline), __VA_ARGS__)
+#define ROBSIM_PICK(...) ::robsim::simd::pick<__VA_ARGS__>()
 #else
 #define ROBSIM_PICK(if_baseline, ...) (if_baseline)
 #endif
@@ -30,16 +31,25 @@ CpuPath cpu_path();
 /// Throws std::invalid_argument if the path is not available on this processor.
 void force_cpu_path(CpuPath path);
 
-template <typename F>
-F pick(F if_baseline, F if_avx2, F if_avx512) {
-  const CpuPath path = cpu_path();
-  if (path == CpuPath::avx512) return if_avx512;
-  return path == CpuPath::avx2 ? if_avx2 : if_baseline;
-}
+/// A text compiled for each path.
+template <auto text, typename Function = decltype(text)>
+struct CompiledText;
 
-template <typename F>
-F pick(F if_baseline, F if_avx2) {
-  return pick(if_baseline, if_avx2, if_avx2);
+template <auto text, typename Result, typename... A>
+struct CompiledText<text, Result (*)(A...)> {
+  static Result for_any(A... arguments) { return text(arguments...); }
+  static ROBSIM_AVX2 Result for_avx2(A... arguments) { return text(arguments...); }
+  static ROBSIM_AVX512 Result for_avx512(A... arguments) { return text(arguments...); }
+};
+
+template <auto if_baseline, auto if_avx2 = if_baseline, auto... if_avx512>
+auto pick() {
+  const CpuPath path = cpu_path();
+  if constexpr (sizeof...(if_avx512) == 1) {
+    if (path == CpuPath::avx512) return &CompiledText<if_avx512...>::for_avx512;
+  }
+  return path == CpuPath::baseline ? &CompiledText<if_baseline>::for_any
+                                   : &CompiledText<if_avx2>::for_avx2;
 }
 
 }  // namespace robsim::simd

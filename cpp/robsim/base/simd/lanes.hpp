@@ -22,7 +22,7 @@ class LanesOf {
   template <typename... Numbers, typename = std::enable_if_t<sizeof...(Numbers) == count>>
   ROBSIM_INLINE LanesOf(Numbers... numbers) : vector_{static_cast<Number>(numbers)...} {}
 
-  static ROBSIM_INLINE LanesOf all(Number value) { return LanesOf(Vector{} + value); }
+  static ROBSIM_INLINE LanesOf all(Number value) { return LanesOf(value - Vector{}); }
 
   static ROBSIM_INLINE LanesOf load(const Number* values) {
     Vector vector;
@@ -31,10 +31,10 @@ class LanesOf {
   }
   ROBSIM_INLINE void store(Number* values) const { std::memcpy(values, &vector_, sizeof(vector_)); }
 
-  ROBSIM_INLINE Number first() const {
+  ROBSIM_INLINE Number at(int i) const {
     Number numbers[count];
     store(numbers);
-    return numbers[0];
+    return numbers[i];
   }
 
   friend ROBSIM_INLINE LanesOf operator+(const LanesOf& a, const LanesOf& b) {
@@ -75,9 +75,9 @@ class LanesOf {
       for (int i = 0; i < count; ++i) result.at[i] = operation(at[i], other.at[i]);
       return result;
     }
-    Vector operator+(Number value) const {
+    friend Vector operator-(Number value, const Vector& other) {
       Vector result;
-      for (int i = 0; i < count; ++i) result.at[i] = at[i] + value;
+      for (int i = 0; i < count; ++i) result.at[i] = value - other.at[i];
       return result;
     }
     Vector operator+(const Vector& other) const { return with(other, std::plus<>()); }

@@ -9,6 +9,7 @@
 #include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/base/simd/lanes.hpp"
 #include "robsim/base/simd/target.hpp"
+#include "robsim/vision/color/image_statistics.hpp"
 
 namespace robsim::fit {
 
@@ -20,12 +21,6 @@ constexpr double shading = 10;  // levels by which all channels may be lighter a
 // as a share of the contrast for pictures without noise.
 constexpr double robust_deviations = 3;
 constexpr double robust_contrast = 0.06;
-
-float median_of(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -163,15 +158,9 @@ ROBSIM_INLINE double product(const Grid& grid, int offset) {
   return static_cast<double>(sum);
 }
 
-double product_baseline(const Grid& grid, int offset) { return product(grid, offset); }
-
-#if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2 double product_avx2(const Grid& grid, int offset) { return product(grid, offset); }
-#endif
-
 // The sum of the products of all pixels with their neighbour there.
 double product_with(const Grid& grid, const Lag& lag) {
-  return ROBSIM_PICK(product_baseline, product_avx2)(grid, lag.v * grid.stride() + lag.u);
+  return ROBSIM_PICK(product)(grid, lag.v * grid.stride() + lag.u);
 }
 
 double product_with(const std::vector<Grid>& grids, const Lag& lag) {

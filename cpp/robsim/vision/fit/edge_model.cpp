@@ -156,33 +156,11 @@ ROBSIM_INLINE void multiply(const EdgePixels& pixels, const EdgeShift& edge_shif
   }
 }
 
-void cover_baseline(EdgePixels& pixels, const EdgeShift& shift, CoverSums& sums) {
-  cover_all<HalvedLanesOf<float>>(pixels, shift, sums);
-}
-
-void multiply_baseline(const EdgePixels& pixels, const EdgeShift& shift,
-                       const ChannelWeights& weights, Products& products) {
-  multiply<HalvedLanesOf<float>>(pixels, shift, weights, products);
-}
-
-#if ROBSIM_HAS_AVX2_CODE
-
-ROBSIM_AVX2 void cover_avx2(EdgePixels& pixels, const EdgeShift& shift, CoverSums& sums) {
-  cover_all<LanesOf<float>>(pixels, shift, sums);
-}
-
-ROBSIM_AVX2 void multiply_avx2(const EdgePixels& pixels, const EdgeShift& shift,
-                               const ChannelWeights& weights, Products& products) {
-  multiply<LanesOf<float>>(pixels, shift, weights, products);
-}
-
-#endif
-
 }  // namespace
 
 bool cover(EdgePixels& pixels, const EdgeShift& shift, Appearance& appearance) {
   CoverSums sums;
-  ROBSIM_PICK(cover_baseline, cover_avx2)(pixels, shift, sums);
+  ROBSIM_PICK(cover_all<HalvedLanesOf<float>>, cover_all<LanesOf<float>>)(pixels, shift, sums);
   appearance.ones = sums.ones;
   appearance.coverage = sums.coverage;
   appearance.coverage_squares = sums.squares;
@@ -211,7 +189,8 @@ bool cover(EdgePixels& pixels, const EdgeShift& shift, Appearance& appearance) {
 EdgeSums sums_of(const EdgePixels& pixels, const EdgeShift& shift, const Appearance& appearance,
                  const ChannelWeights& weights) {
   Products products;
-  ROBSIM_PICK(multiply_baseline, multiply_avx2)(pixels, shift, weights, products);
+  ROBSIM_PICK(multiply<HalvedLanesOf<float>>, multiply<LanesOf<float>>)
+  (pixels, shift, weights, products);
   EdgeSums sums;
   sums.slope = products[3][3];
   const double ones = appearance.ones, t = appearance.coverage,

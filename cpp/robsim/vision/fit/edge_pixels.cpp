@@ -157,16 +157,6 @@ ROBSIM_INLINE void look_up(const RowMap& map, float start, std::vector<Run>& run
   }
 }
 
-void look_up_baseline(const RowMap& map, float start, std::vector<Run>& runs) {
-  look_up<HalvedLanesOf<float>>(map, start, runs);
-}
-
-#if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2 void look_up_avx2(const RowMap& map, float start, std::vector<Run>& runs) {
-  look_up<LanesOf<float>>(map, start, runs);
-}
-#endif
-
 // A pixel of a row that lies in the ring.
 struct Place {
   std::int32_t column;  // from the left of the box
@@ -252,7 +242,7 @@ void gather(const ImageView& image, const PlaneMap& map, const MarkerShape& shap
   for (int j = 0; j < pixels.height; ++j) {
     const int v = box.top + j;
     to_robot.row(v, row_map.x, row_map.y);
-    ROBSIM_PICK(look_up_baseline, look_up_avx2)
+    ROBSIM_PICK(look_up<HalvedLanesOf<float>>, look_up<LanesOf<float>>)
     (row_map, static_cast<float>(box.left - to_robot.middle()), runs);
     const std::uint8_t* row = image.row(v) + std::ptrdiff_t{3} * box.left;
     const int count = in_ring(table, runs, width, outside, inside, places);

@@ -65,16 +65,6 @@ ROBSIM_INLINE void add_slopes(const EdgeFit& marker, const Weights& weights, Slo
   }
 }
 
-void add_slopes_baseline(const EdgeFit& marker, const Weights& weights, SlopeSums& sums) {
-  add_slopes<HalvedLanesOf<float>>(marker, weights, sums);
-}
-
-#if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2 void add_slopes_avx2(const EdgeFit& marker, const Weights& weights, SlopeSums& sums) {
-  add_slopes<LanesOf<float>>(marker, weights, sums);
-}
-#endif
-
 }  // namespace
 
 bool has_light_slope(const EdgeFit& marker) {
@@ -96,7 +86,8 @@ bool has_light_slope(const EdgeFit& marker) {
       variance += w[c] * w[d] * appearance.residuals[c][d] / appearance.ones;
   }
   SlopeSums sums;
-  ROBSIM_PICK(add_slopes_baseline, add_slopes_avx2)(marker, weights, sums);
+  ROBSIM_PICK(add_slopes<HalvedLanesOf<float>>, add_slopes<LanesOf<float>>)
+  (marker, weights, sums);
   for (int f = 0; f < 4; ++f) {
     const double slope = std::fabs(sums.products[f]) / sums.squares[f];
     const double deviations = slope * slope * sums.squares[f] / variance;
@@ -138,7 +129,7 @@ struct SideSums {
             residual_coverage - other.residual_coverage};
   }
 
-  double count() const { return static_cast<double>(coverage.first()); }
+  double count() const { return static_cast<double>(coverage.at(0)); }
 
   // The sum of squares that the lines level + contrast T explain of z.
   double explained() const {

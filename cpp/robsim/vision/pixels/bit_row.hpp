@@ -9,6 +9,8 @@
 #include <intrin.h>
 #endif
 
+#include "robsim/base/simd/avx.hpp"
+
 namespace robsim::pixels {
 
 /// One bit per pixel, 64 pixels per word, the first in the lowest bit; bits beyond the row are 0.
@@ -32,14 +34,22 @@ inline int lowest_bit(std::uint64_t word) {
 }
 
 /// Packs 64 bytes, each 0 or 1, into a word.
-inline std::uint64_t pack_bits(const std::uint8_t* bytes) {
+ROBSIM_INLINE std::uint64_t pack_bits(const std::uint8_t* bytes) {
   std::uint64_t word = 0;
+#if ROBSIM_HAS_AVX2_CODE
+  for (int i = 0; i < 64; i += 16) {  // instructions of SSE2, which every x86-64 has
+    const __m128i is_set =
+        _mm_slli_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes + i)), 7);
+    word |= std::uint64_t{static_cast<std::uint32_t>(_mm_movemask_epi8(is_set))} << i;
+  }
+#else
   for (int i = 0; i < 64; i += 8) {
     std::uint64_t eight = 0;
     for (int j = 0; j < 8; ++j) eight |= std::uint64_t{bytes[i + j]} << (8 * j);
     // The product moves bit 8 j, that of byte j, to bit 56 + j.
     word |= (eight * 0x0102040810204080ULL) >> 56 << i;
   }
+#endif
   return word;
 }
 
@@ -91,29 +101,6 @@ inline void drop_isolated(const BitRow& above, const BitRow& row, const BitRow& 
     before = any >> 63;
   }
 }
-
-/// Sets the bits of a row one after the other.
-class BitWriter {
- public:
-  explicit BitWriter(BitRow& row) : next_(row.data()) {}
-
-  void add(bool bit) {
-    word_ |= std::uint64_t{bit} << count_;
-    if (++count_ == 64) finish();
-  }
-
-  /// Writes what is left, at the end of the row.
-  void finish() {
-    if (count_ > 0) *next_++ = word_;
-    word_ = 0;
-    count_ = 0;
-  }
-
- private:
-  std::uint64_t* next_;
-  std::uint64_t word_ = 0;
-  int count_ = 0;
-};
 
 /// Is no bit set? Most rows of a frame without noise are empty.
 inline bool is_empty(const BitRow& row) {

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
-#include <string>
 
 #include "robsim/base/simd/cpu_path.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/vision/pixels/bit_row.hpp"
 #include "robsim/vision/pixels/yuv_avx.hpp"
 
@@ -39,60 +38,27 @@ constexpr auto is_red_or_green = [] {
   return result;
 }();
 
-// True if |R - G| or |G - B| of any of 64 pixels exceeds the limit. Reads one byte beyond them.
-// The loops run over all neighbours in memory, so that the compiler can vectorise them.
-bool is_colorful(const std::uint8_t* bytes, int limit) {
-  std::uint8_t differences[192];
+// True if |R - G| or |G - B| of any of 64 pixels exceeds the limit. Reads one byte beyond them. The
+// loop runs over all neighbours in memory, so that the compiler can vectorise it.
+ROBSIM_INLINE bool is_colorful(const std::uint8_t* bytes, int limit) {
+  std::uint8_t maximum = 0;
   for (int i = 0; i < 192; ++i) {
     const std::uint8_t a = bytes[i];
     const std::uint8_t b = bytes[i + 1];
-    differences[i] = static_cast<std::uint8_t>((a > b ? a : b) - (a > b ? b : a));
-  }
-  std::uint8_t maximum = 0;
-  for (int i = 0; i < 192; ++i) {
-    const std::uint8_t counted = differences[i] & is_red_or_green[i];
+    const std::uint8_t difference = static_cast<std::uint8_t>((a > b ? a : b) - (a > b ? b : a));
+    const std::uint8_t counted = difference & is_red_or_green[i];
     maximum = maximum > counted ? maximum : counted;
   }
   return maximum > limit;
 }
 
-void screen_baseline(PaddedRow& row, int limit, BitRow& may_contain) {
-  BitWriter bits(may_contain);
-  for (std::size_t block = 0; block < row.blocks(); ++block) {
-    bits.add(is_colorful(row.block(block), limit));
-  }
-  bits.finish();
-}
-
-#if ROBSIM_HAS_AVX2_CODE
-
-// |byte i - byte i+1|, 32 times
-ROBSIM_AVX2_INLINE __m256i differences(const std::uint8_t* bytes) {
-  const __m256i a = simd::load(bytes);
-  const __m256i b = simd::load(bytes + 1);
-  return _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
-}
-
-ROBSIM_AVX2 void screen_avx2(PaddedRow& row, int limit, BitRow& may_contain) {
-  BitWriter bits(may_contain);
-  const __m256i limits = _mm256_set1_epi8(static_cast<char>(limit));
+ROBSIM_INLINE void screen_row(PaddedRow& row, int limit, BitRow& may_contain) {
   for (std::size_t block = 0; block < row.blocks(); ++block) {
     const std::uint8_t* pixels = row.block(block);
     prefetch(pixels);
-    __m256i maximum = _mm256_setzero_si256();
-    for (int i = 0; i < 3; ++i) {
-      const __m256i larger =
-          _mm256_max_epu8(differences(pixels + 32 * i), differences(pixels + 32 * i + 96));
-      maximum =
-          _mm256_max_epu8(maximum, _mm256_and_si256(larger, simd::load(&is_red_or_green[32 * i])));
-    }
-    const __m256i beyond = _mm256_subs_epu8(maximum, limits);
-    bits.add(!_mm256_testz_si256(beyond, beyond));
+    may_contain[block / 64] |= std::uint64_t{is_colorful(pixels, limit)} << (block % 64);
   }
-  bits.finish();
 }
-
-#endif
 
 #if ROBSIM_HAS_AVX512_CODE
 
@@ -109,8 +75,7 @@ ROBSIM_AVX512_INLINE __m512i differences(__m512i bytes, __m512i next) {
   return _mm512_or_si512(_mm512_subs_epu8(bytes, b), _mm512_subs_epu8(b, bytes));
 }
 
-ROBSIM_AVX512 void screen_avx512(PaddedRow& row, int limit, BitRow& may_contain) {
-  BitWriter bits(may_contain);
+ROBSIM_AVX512_INLINE void screen_avx512(PaddedRow& row, int limit, BitRow& may_contain) {
   const __m512i limits = _mm512_set1_epi8(static_cast<char>(limit));
   for (std::size_t block = 0; block < row.blocks(); ++block) {
     const std::uint8_t* pixels = row.block(block);
@@ -125,9 +90,9 @@ ROBSIM_AVX512 void screen_avx512(PaddedRow& row, int limit, BitRow& may_contain)
           _mm512_and_si512(differences(bytes, next), simd::load_wide(&is_red_or_green[64 * i])));
       bytes = next;
     }
-    bits.add(_mm512_cmpgt_epu8_mask(maximum, limits) != 0);
+    const bool is_colorful = _mm512_cmpgt_epu8_mask(maximum, limits) != 0;
+    may_contain[block / 64] |= std::uint64_t{is_colorful} << (block % 64);
   }
-  bits.finish();
 }
 
 #endif
@@ -147,8 +112,8 @@ void ChromaScreen::screen(const std::uint8_t* rgb, int width, BitRow& may_contai
     set_all(may_contain, blocks);
     return;
   }
-  may_contain.resize(words_of(blocks));
-  ROBSIM_PICK(screen_baseline, screen_avx2, screen_avx512)(row, safe_difference_, may_contain);
+  may_contain.assign(words_of(blocks), 0);
+  ROBSIM_PICK(screen_row, screen_row, screen_avx512)(row, safe_difference_, may_contain);
 }
 
 namespace {
@@ -164,25 +129,12 @@ std::vector<ChannelLimits> limits_of(const ColorClass& color) {
   return limits;
 }
 
-// 64 pixels, channel by channel, so that the compiler can vectorise the loops over them.
-struct Planes {
-  std::uint8_t channel[3][64];
-};
-
-void convert_baseline(const std::uint8_t* rgb, Planes& planes) {
-  for (int i = 0; i < 64; ++i) {
-    const Yuv yuv = rgb_to_yuv(rgb + 3 * i);
-    planes.channel[0][i] = static_cast<std::uint8_t>(yuv.y);
-    planes.channel[1][i] = static_cast<std::uint8_t>(yuv.u);
-    planes.channel[2][i] = static_cast<std::uint8_t>(yuv.v);
-  }
-}
-
-std::uint64_t members_baseline(const Planes& planes, const std::vector<ChannelLimits>& limits) {
+// The members of a class among 64 pixels, in loops that the compiler can vectorise.
+ROBSIM_INLINE std::uint64_t members(Planes& planes, const std::vector<ChannelLimits>& limits) {
   std::uint8_t is_member[64];
   std::fill_n(is_member, 64, std::uint8_t{1});
   for (const ChannelLimits& limit : limits) {
-    const std::uint8_t* values = planes.channel[limit.channel];
+    const std::uint8_t* values = planes[limit.channel];
     const std::uint8_t lower = limit.lower;
     const std::uint8_t upper = limit.upper;
     for (int i = 0; i < 64; ++i) is_member[i] &= (values[i] >= lower) & (values[i] <= upper);
@@ -190,86 +142,24 @@ std::uint64_t members_baseline(const Planes& planes, const std::vector<ChannelLi
   return pack_bits(is_member);
 }
 
-void classify_baseline(const std::uint8_t* rgb, int width,
-                       const std::vector<std::vector<ChannelLimits>>& limits,
-                       const BitRow& may_contain, std::vector<BitRow>& bits) {
+template <auto convert>
+ROBSIM_INLINE void classify_row(const std::uint8_t* rgb, int width,
+                                const std::vector<std::vector<ChannelLimits>>& limits,
+                                const BitRow& may_contain, std::vector<BitRow>& bits) {
   PaddedRow row(rgb, width);
+  std::uint8_t yuv[3][64];
+  std::uint8_t* const planes[3] = {yuv[0], yuv[1], yuv[2]};
   for (std::size_t word = 0; word < row.blocks(); ++word) {
     if (!is_set(may_contain, static_cast<int>(word))) continue;
-    Planes planes;
-    convert_baseline(row.block(word), planes);
-    for (std::size_t i = 0; i < limits.size(); ++i) {
-      bits[i][word] = members_baseline(planes, limits[i]);
-    }
+    convert(row.block(word), planes);
+    for (std::size_t i = 0; i < limits.size(); ++i) bits[i][word] = members(planes, limits[i]);
   }
 }
-
-#if ROBSIM_HAS_AVX2_CODE
-
-// The limits of a class in a channel, each 32 times.
-struct RegisterLimits {
-  __m256i lower;
-  __m256i upper;
-  std::size_t channel;
-};
-
-constexpr std::size_t maximum_limits = 3 * Classifier::maximum_classes;
-
-// Bit i is set if pixel i lies within the limits.
-ROBSIM_AVX2_INLINE std::uint32_t members(const __m256i* yuv, const RegisterLimits* begin,
-                                         const RegisterLimits* end) {
-  __m256i outside = _mm256_setzero_si256();
-  for (const RegisterLimits* limit = begin; limit != end; ++limit) {
-    const __m256i value = yuv[limit->channel];
-    outside = _mm256_or_si256(outside, _mm256_subs_epu8(value, limit->upper));
-    outside = _mm256_or_si256(outside, _mm256_subs_epu8(limit->lower, value));
-  }
-  return static_cast<std::uint32_t>(
-      _mm256_movemask_epi8(_mm256_cmpeq_epi8(outside, _mm256_setzero_si256())));
-}
-
-ROBSIM_AVX2 void classify_avx2(const std::uint8_t* rgb, int width,
-                               const std::vector<std::vector<ChannelLimits>>& limits,
-                               const BitRow& may_contain, std::vector<BitRow>& bits) {
-  RegisterLimits registers[maximum_limits];
-  std::size_t first[Classifier::maximum_classes + 1] = {0};
-  std::uint64_t* rows[Classifier::maximum_classes];
-  const std::size_t count = limits.size();
-  bool needs_y = false;
-  for (std::size_t i = 0; i < count; ++i) {
-    first[i + 1] = first[i];
-    rows[i] = bits[i].data();
-    for (const ChannelLimits& limit : limits[i]) {
-      needs_y = needs_y || limit.channel == 0;
-      registers[first[i + 1]++] = {_mm256_set1_epi8(static_cast<char>(limit.lower)),
-                                   _mm256_set1_epi8(static_cast<char>(limit.upper)), limit.channel};
-    }
-  }
-  PaddedRow row(rgb, width);
-  for (std::size_t word = 0; word < row.blocks(); ++word) {
-    if (!is_set(may_contain, static_cast<int>(word))) continue;
-    const std::uint8_t* pixels = row.block(word);
-    __m256i low[3];
-    __m256i high[3];
-    convert_block(pixels, needs_y, low);
-    convert_block(pixels + 96, needs_y, high);
-    for (std::size_t i = 0; i < count; ++i) {
-      const RegisterLimits* begin = registers + first[i];
-      const RegisterLimits* end = registers + first[i + 1];
-      rows[i][word] = members(low, begin, end) | (std::uint64_t{members(high, begin, end)} << 32);
-    }
-  }
-}
-
-#endif
 
 }  // namespace
 
 Classifier::Classifier(const std::vector<ColorClass>& classes) : screen_(classes) {
-  if (classes.size() > maximum_classes) {
-    throw std::invalid_argument("colors must be at most " + std::to_string(maximum_classes) +
-                                " classes, got " + std::to_string(classes.size()));
-  }
+  checked(classes.size(), classes.size() <= maximum_classes, "colors must be at most 32 classes");
   for (const ColorClass& color : classes) limits_.push_back(limits_of(color));
 }
 
@@ -277,7 +167,8 @@ void Classifier::classify(const std::uint8_t* rgb, int width, std::vector<BitRow
   for (BitRow& row : bits) row.assign(words_of(width), 0);
   screen_.screen(rgb, width, may_contain_);
   if (is_empty(may_contain_)) return;
-  ROBSIM_PICK(classify_baseline, classify_avx2)(rgb, width, limits_, may_contain_, bits);
+  ROBSIM_PICK(classify_row<convert_64>, classify_row<convert_64_avx2>,
+              classify_row<convert_64_avx512>)(rgb, width, limits_, may_contain_, bits);
   clear_beyond(bits, width);
 }
 

@@ -18,21 +18,11 @@ constexpr float largest_gain = 4;
 }  // namespace
 
 std::array<int, 3> floor_color(const ImageView& image) {
-  std::array<int, 3> color{};
-  std::vector<std::uint8_t> values(places * places);
-  for (int channel = 0; channel < 3; ++channel) {
-    auto value = values.begin();
-    for (int i = 0; i < places; ++i) {
-      const std::uint8_t* row = image.row(i * (image.height - 1) / (places - 1));
-      for (int j = 0; j < places; ++j) {
-        *value++ = row[3 * (j * (image.width - 1) / (places - 1)) + channel];
-      }
-    }
-    const auto middle = values.begin() + places * places / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    color[static_cast<std::size_t>(channel)] = *middle;
-  }
-  return color;
+  std::vector<std::uint8_t> values[3];
+  look_at_grid({0, 0, image.width, image.height}, places, places, [&](int u, int v) {
+    for (int c = 0; c < 3; ++c) values[c].push_back(image.row(v)[3 * u + c]);
+  });
+  return {median_of(values[0]), median_of(values[1]), median_of(values[2])};
 }
 
 Gains gains_to_grey(const std::array<int, 3>& color) {
@@ -91,7 +81,7 @@ using Sum = pixels::WindowSums::Sum;
 // Loops that the compiler vectorises, once for every path. No sum of several numbers is in them
 // whose order it might choose, so all paths give the same bits.
 
-ROBSIM_INLINE void window_body(const Sum* columns, std::size_t count, int window, Sum* sums) {
+ROBSIM_INLINE void sum_window(const Sum* columns, std::size_t count, int window, Sum* sums) {
   std::copy_n(columns, count, sums);
   for (int j = 1; j < window; ++j) {
     const Sum* shifted = columns + 3 * j;
@@ -105,8 +95,8 @@ struct Balanced {
   float* brightness;  // the largest of R, G and B
 };
 
-ROBSIM_INLINE void balance_body(const Sum* sums, std::size_t width, const Gains& factors,
-                                const Balanced& result) {
+ROBSIM_INLINE void balance(const Sum* sums, std::size_t width, const Gains& factors,
+                           const Balanced& result) {
   for (std::size_t i = 0; i < width; ++i) {
     const float r = factors[0] * static_cast<float>(sums[3 * i]);
     const float g = factors[1] * static_cast<float>(sums[3 * i + 1]);
@@ -120,8 +110,8 @@ ROBSIM_INLINE void balance_body(const Sum* sums, std::size_t width, const Gains&
 }
 
 // Whether lower <= chroma/brightness <= upper for U and V, of 64 pixels.
-ROBSIM_INLINE void members_body(const float* u, const float* v, const float* brightness,
-                                const RelativeClass& limits, std::uint8_t* is_member) {
+ROBSIM_INLINE void members_of(const float* u, const float* v, const float* brightness,
+                              const RelativeClass& limits, std::uint8_t* is_member) {
   for (std::size_t i = 0; i < 64; ++i) {
     const float scale = brightness[i] > limits.darkest ? brightness[i] : limits.darkest;
     is_member[i] = static_cast<std::uint8_t>(
@@ -129,36 +119,6 @@ ROBSIM_INLINE void members_body(const float* u, const float* v, const float* bri
         (v[i] >= limits.lower[1] * scale) & (v[i] <= limits.upper[1] * scale));
   }
 }
-
-void window_baseline(const Sum* columns, std::size_t count, int window, Sum* sums) {
-  window_body(columns, count, window, sums);
-}
-
-void balance_baseline(const Sum* sums, std::size_t width, const Gains& factors,
-                      const Balanced& result) {
-  balance_body(sums, width, factors, result);
-}
-
-void members_baseline(const float* u, const float* v, const float* brightness,
-                      const RelativeClass& limits, std::uint8_t* is_member) {
-  members_body(u, v, brightness, limits, is_member);
-}
-
-#if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2 void window_avx2(const Sum* columns, std::size_t count, int window, Sum* sums) {
-  window_body(columns, count, window, sums);
-}
-
-ROBSIM_AVX2 void balance_avx2(const Sum* sums, std::size_t width, const Gains& factors,
-                              const Balanced& result) {
-  balance_body(sums, width, factors, result);
-}
-
-ROBSIM_AVX2 void members_avx2(const float* u, const float* v, const float* brightness,
-                              const RelativeClass& limits, std::uint8_t* is_member) {
-  members_body(u, v, brightness, limits, is_member);
-}
-#endif
 
 }  // namespace
 
@@ -199,10 +159,10 @@ const std::vector<pixels::BitRow>& RelativeClassifier::next_row() {
     std::copy_n(columns, 3, columns - 3 * i);
     std::copy_n(columns + 3 * (width - 1), 3, columns + 3 * (width - 1 + i));
   }
-  ROBSIM_PICK(window_baseline, window_avx2)(columns_.data(), 3 * width, window_, sums_.data());
+  ROBSIM_PICK(sum_window)(columns_.data(), 3 * width, window_, sums_.data());
   const Balanced balanced{chroma_[0].data(), chroma_[1].data(), brightness_.data()};
-  ROBSIM_PICK(balance_baseline, balance_avx2)(sums_.data(), width, factors_, balanced);
-  const auto members = ROBSIM_PICK(members_baseline, members_avx2);
+  ROBSIM_PICK(balance)(sums_.data(), width, factors_, balanced);
+  const auto members = ROBSIM_PICK(members_of);
   std::uint8_t is_member[64];
   for (std::size_t i = 0; i < classes_.size(); ++i) {
     if (!classes_[i]) continue;

@@ -1,11 +1,9 @@
 #include "robsim/vision/pixels/smoothing.hpp"
 
 #include <cstddef>
-#include <cstring>
 
 #include "robsim/base/simd/avx.hpp"
 #include "robsim/base/simd/cpu_path.hpp"
-#include "robsim/vision/color/color_class.hpp"
 #include "robsim/vision/pixels/bit_row.hpp"
 #include "robsim/vision/pixels/yuv_avx.hpp"
 
@@ -13,71 +11,26 @@ namespace robsim::pixels {
 
 namespace {
 
-void convert_row_baseline(const std::uint8_t* rgb, int first, int last,
-                          std::uint8_t* const* planes) {
-  for (int u = first; u < last; ++u) {
-    const Yuv yuv = rgb_to_yuv(rgb + std::ptrdiff_t{3} * u);
-    const int values[] = {yuv.y, yuv.u, yuv.v};
-    for (int channel = 0; channel < 3; ++channel) {
-      if (planes[channel]) planes[channel][u] = static_cast<std::uint8_t>(values[channel]);
-    }
-  }
-}
-
-#if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2_INLINE void convert_32(const std::uint8_t* rgb, int u, std::uint8_t* const* planes) {
-  __m256i yuv[3];
-  convert_block(rgb, planes[0] != nullptr, yuv);
-  for (int channel = 0; channel < 3; ++channel) {
-    if (planes[channel]) simd::store(yuv[channel], planes[channel] + u);
-  }
-}
-
-ROBSIM_AVX2 void convert_row_avx2(const std::uint8_t* rgb, int first, int last,
-                                  std::uint8_t* const* planes) {
-  int u = first;
-  for (; u + 32 <= last; u += 32) {
-    const std::uint8_t* pixels = rgb + std::ptrdiff_t{3} * u;
-    if (u % 64 == 0) prefetch(pixels);
-    convert_32(pixels, u, planes);
-  }
-  if (u == last) return;
-  std::uint8_t padded[96] = {};
-  std::memcpy(padded, rgb + std::ptrdiff_t{3} * u,
-              std::size_t{3} * static_cast<std::size_t>(last - u));
-  convert_32(padded, u, planes);
-}
-#endif
-
-#if ROBSIM_HAS_AVX512_CODE
-ROBSIM_AVX512_INLINE void convert_64(const std::uint8_t* rgb, int u, std::uint8_t* const* planes) {
-  __m512i yuv[3];
-  convert_block_of_64(rgb, planes[0] != nullptr, yuv);
-  for (int channel = 0; channel < 3; ++channel) {
-    if (planes[channel]) simd::store(yuv[channel], planes[channel] + u);
-  }
-}
-
-ROBSIM_AVX512 void convert_row_avx512(const std::uint8_t* rgb, int first, int last,
-                                      std::uint8_t* const* planes) {
-  int u = first;
-  for (; u + 64 <= last; u += 64) {
-    const std::uint8_t* pixels = rgb + std::ptrdiff_t{3} * u;
+template <auto convert>
+ROBSIM_INLINE void convert_row(const std::uint8_t* rgb, int first, int last,
+                               std::uint8_t* const* planes) {
+  PaddedRow row(rgb, last);
+  for (std::size_t word = words_of(first); word < row.blocks(); ++word) {
+    const std::uint8_t* const pixels = row.block(word);
     prefetch(pixels);
-    convert_64(pixels, u, planes);
+    const auto at = [&](int channel) {
+      return planes[channel] ? planes[channel] + 64 * word : nullptr;
+    };
+    std::uint8_t* const of_word[3] = {at(0), at(1), at(2)};
+    convert(pixels, of_word);
   }
-  if (u == last) return;
-  std::uint8_t padded[192] = {};
-  std::memcpy(padded, rgb + std::ptrdiff_t{3} * u,
-              std::size_t{3} * static_cast<std::size_t>(last - u));
-  convert_64(padded, u, planes);
 }
-#endif
 
 }  // namespace
 
 void convert_to_planes(const std::uint8_t* rgb, int first, int last, std::uint8_t* const* planes) {
-  ROBSIM_PICK(convert_row_baseline, convert_row_avx2, convert_row_avx512)(rgb, first, last, planes);
+  ROBSIM_PICK(convert_row<convert_64>, convert_row<convert_64_avx2>,
+              convert_row<convert_64_avx512>)(rgb, first, last, planes);
 }
 
 namespace {
@@ -85,18 +38,13 @@ namespace {
 using Sum = WindowSums::Sum;
 using Limits = WindowSums::Limits;
 
-// A loop that the compiler vectorises, once for every path.
+// Loops that the compiler vectorises, once for every path.
 
-ROBSIM_INLINE void exchange_body(const std::uint8_t* in, const std::uint8_t* out, std::size_t count,
-                                 Sum* columns) {
+ROBSIM_INLINE void exchange(const std::uint8_t* in, const std::uint8_t* out, std::size_t count,
+                            Sum* columns) {
   for (std::size_t i = 0; i < count; ++i) {
     columns[i] = static_cast<Sum>(columns[i] + in[i] - out[i]);
   }
-}
-
-void exchange_baseline(const std::uint8_t* in, const std::uint8_t* out, std::size_t count,
-                       Sum* columns) {
-  exchange_body(in, out, count, columns);
 }
 
 template <int window>
@@ -123,10 +71,6 @@ void limit_baseline(const Sum* sums, const Limits& limits, std::size_t words, st
 }
 
 #if ROBSIM_HAS_AVX2_CODE
-ROBSIM_AVX2 void exchange_avx2(const std::uint8_t* in, const std::uint8_t* out, std::size_t count,
-                               Sum* columns) {
-  exchange_body(in, out, count, columns);
-}
 
 // Words n, n + 1, ... of a register and of the one that follows it in memory, 0 < n < 16
 template <int n>
@@ -152,7 +96,7 @@ ROBSIM_AVX2_INLINE __m256i pairs_from(const Sum* columns) {
 
 // Sums of pairs of neighbours, which are shifted in registers: fewer loads than columns.
 template <int window>
-ROBSIM_AVX2 void sum_avx2(const Sum* columns, std::size_t words, Sum* sums) {
+ROBSIM_AVX2_INLINE void sum_avx2(const Sum* columns, std::size_t words, Sum* sums) {
   __m256i pairs = pairs_from(columns);
   for (std::size_t i = 0; i < 64 * words; i += 16) {
     const __m256i next = pairs_from(columns + i + 16);
@@ -160,37 +104,6 @@ ROBSIM_AVX2 void sum_avx2(const Sum* columns, std::size_t words, Sum* sums) {
     simd::store(_mm256_add_epi16(sum_of_pairs<window - 3>(pairs, next), last), sums + i);
     pairs = next;
   }
-}
-
-// 16 masks
-ROBSIM_AVX2_INLINE __m256i is_within(__m256i sums, __m256i lower, __m256i range) {
-  const __m256i above = _mm256_sub_epi16(sums, lower);
-  return _mm256_cmpeq_epi16(_mm256_min_epu16(above, range), above);
-}
-
-ROBSIM_AVX2 void limit_avx2(const Sum* sums, const Limits& limits, std::size_t words,
-                            std::uint64_t* bits) {
-  const __m256i lower = _mm256_set1_epi16(static_cast<short>(limits.lower));
-  const __m256i range = _mm256_set1_epi16(static_cast<short>(limits.upper - limits.lower));
-  for (std::size_t word = 0; word < words; ++word) {
-    if (bits[word] == 0) continue;
-    std::uint64_t within = 0;
-    for (int i = 0; i < 64; i += 32) {
-      const Sum* values = sums + 64 * word + i;
-      const __m256i bytes = _mm256_packs_epi16(is_within(simd::load(values), lower, range),
-                                               is_within(simd::load(values + 16), lower, range));
-      const int mask = _mm256_movemask_epi8(simd::in_order(bytes));
-      within |= std::uint64_t{static_cast<std::uint32_t>(mask)} << i;
-    }
-    bits[word] &= within;
-  }
-}
-#endif
-
-#if ROBSIM_HAS_AVX512_CODE
-ROBSIM_AVX512 void exchange_avx512(const std::uint8_t* in, const std::uint8_t* out,
-                                   std::size_t count, Sum* columns) {
-  exchange_body(in, out, count, columns);
 }
 
 // Words n, n + 1, ... of a register and of the one that follows it in memory, n even
@@ -209,7 +122,7 @@ ROBSIM_AVX512_INLINE __m512i sum_of_pairs(__m512i pairs, __m512i next) {
 }
 
 template <int window>
-ROBSIM_AVX512 void sum_avx512(const Sum* columns, std::size_t words, Sum* sums) {
+ROBSIM_AVX512_INLINE void sum_avx512(const Sum* columns, std::size_t words, Sum* sums) {
   __m512i own = simd::load_wide(columns);
   __m512i pairs = _mm512_add_epi16(own, simd::load_wide(columns + 1));
   for (std::size_t i = 0; i < 64 * words; i += 32) {
@@ -222,8 +135,32 @@ ROBSIM_AVX512 void sum_avx512(const Sum* columns, std::size_t words, Sum* sums) 
   }
 }
 
-ROBSIM_AVX512 void limit_avx512(const Sum* sums, const Limits& limits, std::size_t words,
-                                std::uint64_t* bits) {
+// 16 masks
+ROBSIM_AVX2_INLINE __m256i is_within(__m256i sums, __m256i lower, __m256i range) {
+  const __m256i above = _mm256_sub_epi16(sums, lower);
+  return _mm256_cmpeq_epi16(_mm256_min_epu16(above, range), above);
+}
+
+ROBSIM_AVX2_INLINE void limit_avx2(const Sum* sums, const Limits& limits, std::size_t words,
+                                   std::uint64_t* bits) {
+  const __m256i lower = _mm256_set1_epi16(static_cast<short>(limits.lower));
+  const __m256i range = _mm256_set1_epi16(static_cast<short>(limits.upper - limits.lower));
+  for (std::size_t word = 0; word < words; ++word) {
+    if (bits[word] == 0) continue;
+    std::uint64_t within = 0;
+    for (int i = 0; i < 64; i += 32) {
+      const Sum* values = sums + 64 * word + i;
+      const __m256i bytes = _mm256_packs_epi16(is_within(simd::load(values), lower, range),
+                                               is_within(simd::load(values + 16), lower, range));
+      const int mask = _mm256_movemask_epi8(simd::in_order(bytes));
+      within |= std::uint64_t{static_cast<std::uint32_t>(mask)} << i;
+    }
+    bits[word] &= within;
+  }
+}
+
+ROBSIM_AVX512_INLINE void limit_avx512(const Sum* sums, const Limits& limits, std::size_t words,
+                                       std::uint64_t* bits) {
   const __m512i lower = _mm512_set1_epi16(static_cast<short>(limits.lower));
   const __m512i range = _mm512_set1_epi16(static_cast<short>(limits.upper - limits.lower));
   for (std::size_t word = 0; word < words; ++word) {
@@ -234,11 +171,12 @@ ROBSIM_AVX512 void limit_avx512(const Sum* sums, const Limits& limits, std::size
         _mm512_kunpackd(_mm512_cmple_epu16_mask(high, range), _mm512_cmple_epu16_mask(low, range));
   }
 }
+
 #endif
 
 template <int window>
 WindowSums loops_of() {
-  return {ROBSIM_PICK(exchange_baseline, exchange_avx2, exchange_avx512),
+  return {ROBSIM_PICK(exchange, exchange, exchange),
           ROBSIM_PICK(sum_baseline<window>, sum_avx2<window>, sum_avx512<window>),
           ROBSIM_PICK(limit_baseline, limit_avx2, limit_avx512)};
 }
@@ -246,22 +184,9 @@ WindowSums loops_of() {
 }  // namespace
 
 WindowSums window_sums(int window) {
-  switch (window) {
-    case 3:
-      return loops_of<3>();
-    case 5:
-      return loops_of<5>();
-    case 7:
-      return loops_of<7>();
-    case 9:
-      return loops_of<9>();
-    case 11:
-      return loops_of<11>();
-    case 13:
-      return loops_of<13>();
-    default:
-      return loops_of<15>();
-  }
+  constexpr WindowSums (*loops[])() = {loops_of<3>, loops_of<3>,  loops_of<5>,  loops_of<7>,
+                                       loops_of<9>, loops_of<11>, loops_of<13>, loops_of<15>};
+  return loops[window / 2]();
 }
 
 }  // namespace robsim::pixels

@@ -35,7 +35,7 @@ struct WindowSums {
   void (*limit)(const Sum* sums, const Limits& limits, std::size_t words, std::uint64_t* bits);
 };
 
-/// The loops for a window of 3, 5, ... 15 px on the CPU path in use.
+/// The loops for a window of 3, 5, ... 15 px on the CPU path in use; of 1 px `exchange` alone.
 WindowSums window_sums(int window);
 
 }  // namespace robsim::pixels

@@ -5,20 +5,39 @@
 #include <cstdint>
 
 #include "robsim/base/simd/avx.hpp"
-
-#if ROBSIM_HAS_AVX2_CODE
+#include "robsim/vision/color/color_class.hpp"
 
 namespace robsim::pixels {
 
 // Prefetches 64 pixels about one row ahead. Rows are nearly always contiguous; where they are not,
 // this costs nothing.
-ROBSIM_AVX2_INLINE void prefetch(const std::uint8_t* rgb) {
+ROBSIM_INLINE void prefetch([[maybe_unused]] const std::uint8_t* rgb) {
+#if ROBSIM_HAS_AVX2_CODE
   constexpr std::uintptr_t ahead = 4096;
   const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(rgb) + ahead;
   for (std::uintptr_t line = 0; line < 192; line += 64) {
     _mm_prefetch(reinterpret_cast<const char*>(address + line), _MM_HINT_T0);
   }
+#endif
 }
+
+// Y, U and V of 64 pixels to 64 bytes of a plane each; null skips a channel.
+using Planes = std::uint8_t* const[3];
+
+inline void convert_64(const std::uint8_t* rgb, Planes& planes) {
+  for (int i = 0; i < 64; ++i) {
+    const Yuv yuv = rgb_to_yuv(rgb + 3 * i);
+    if (planes[0]) planes[0][i] = static_cast<std::uint8_t>(yuv.y);
+    if (planes[1]) planes[1][i] = static_cast<std::uint8_t>(yuv.u);
+    if (planes[2]) planes[2][i] = static_cast<std::uint8_t>(yuv.v);
+  }
+}
+
+}  // namespace robsim::pixels
+
+#if ROBSIM_HAS_AVX2_CODE
+
+namespace robsim::pixels {
 
 // 16 pixels: 8 in each lane, as pairs of bytes (r, g) and (b, 0).
 struct Pairs {
@@ -66,6 +85,16 @@ ROBSIM_AVX2_INLINE void convert_block(const std::uint8_t* rgb, bool needs_y, __m
       neutral, _mm256_packs_epi16(weighted(even, -22, -42, 64), weighted(odd, -22, -42, 64)));
   yuv[2] = _mm256_add_epi8(
       neutral, _mm256_packs_epi16(weighted(even, 64, -54, -10), weighted(odd, 64, -54, -10)));
+}
+
+ROBSIM_AVX2 inline void convert_64_avx2(const std::uint8_t* rgb, Planes& planes) {
+  for (int half = 0; half < 64; half += 32) {
+    __m256i yuv[3];
+    convert_block(rgb + 3 * half, planes[0] != nullptr, yuv);
+    for (int channel = 0; channel < 3; ++channel) {
+      if (planes[channel]) simd::store(yuv[channel], planes[channel] + half);
+    }
+  }
 }
 
 }  // namespace robsim::pixels
@@ -130,14 +159,17 @@ ROBSIM_AVX512_INLINE __m512i weighted_64(const WidePairs& low, const WidePairs& 
                                   weighted(high, wr, wg, wb));
 }
 
-// Y, U and V of 64 pixels; Y only where it is needed.
-ROBSIM_AVX512_INLINE void convert_block_of_64(const std::uint8_t* rgb, bool needs_y, __m512i* yuv) {
+ROBSIM_AVX512 inline void convert_64_avx512(const std::uint8_t* rgb, Planes& planes) {
   const WidePairs low = pairs_of_32(rgb);
   const WidePairs high = pairs_of_32(rgb + 96);
   const __m512i neutral = _mm512_set1_epi8(static_cast<char>(128));
-  if (needs_y) yuv[0] = weighted_64(low, high, 38, 75, 15);
-  yuv[1] = _mm512_xor_si512(neutral, weighted_64(low, high, -22, -42, 64));
-  yuv[2] = _mm512_xor_si512(neutral, weighted_64(low, high, 64, -54, -10));
+  if (planes[0]) simd::store(weighted_64(low, high, 38, 75, 15), planes[0]);
+  if (planes[1]) {
+    simd::store(_mm512_xor_si512(neutral, weighted_64(low, high, -22, -42, 64)), planes[1]);
+  }
+  if (planes[2]) {
+    simd::store(_mm512_xor_si512(neutral, weighted_64(low, high, 64, -54, -10)), planes[2]);
+  }
 }
 
 }  // namespace robsim::pixels
