@@ -1,10 +1,11 @@
-#include "robsim/imaging/raw/rows.hpp"
-
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <vector>
 
 #include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/imaging/raw/blocks.hpp"
+#include "robsim/imaging/raw/pixel_format.hpp"
 
 namespace robsim::raw {
 
@@ -122,34 +123,29 @@ void bayer_row(const ThreeRows& rows, int width, int own, std::uint8_t* rgb) {
 
 }  // namespace
 
-BayerRows::BayerRows(const RawView& raw)
-    : raw_(raw),
-      room_(static_cast<std::size_t>(raw.width) + 2 + pixels_of_block),
-      rows_(3 * room_) {
+void convert_bayer(const RawView& raw, const WritableView& rgb) {
+  const auto width = static_cast<std::size_t>(raw.width);
+  const std::size_t room = width + 2 + pixels_of_block;
+  std::vector<std::uint8_t> rows(3 * room);  // each with its mirrored neighbours at both ends
+  const auto padded = [&](int v) {
+    return rows.data() + room * static_cast<std::size_t>(v % 3) + 1;
+  };
+  const auto read = [&](int v) {
+    std::uint8_t* const row = padded(v);
+    std::copy_n(raw.row(v), raw.width, row);
+    row[-1] = row[1];  // of the same colour as the pixel that is not there
+    row[raw.width] = row[raw.width - 2];
+  };
   read(0);
-  read(1);
-}
-
-std::uint8_t* BayerRows::padded(int v) {
-  return rows_.data() + room_ * static_cast<std::size_t>(v % 3) + 1;
-}
-
-void BayerRows::read(int v) {
-  std::uint8_t* row = padded(v);
-  std::memcpy(row, raw_.row(v), static_cast<std::size_t>(raw_.width));
-  row[-1] = row[1];  // of the same colour as the pixel that is not there
-  row[raw_.width] = row[raw_.width - 2];
-}
-
-void BayerRows::next_row(std::uint8_t* rgb) {
-  if (v_ > 0 && v_ + 1 < raw_.height) read(v_ + 1);
-  const int above = v_ == 0 ? 1 : v_ - 1;
-  const int below = v_ + 1 == raw_.height ? v_ - 1 : v_ + 1;
-  const ThreeRows rows = {padded(above), padded(v_), padded(below)};
-  const int own = has_red(raw_.format, v_) ? 0 : 2;
-  const bool is_green_first = begins_with_green(raw_.format, v_);
-  (is_green_first ? bayer_row<true> : bayer_row<false>)(rows, raw_.width, own, rgb);
-  ++v_;
+  for (int v = 0; v < raw.height; ++v) {
+    const bool is_last = v + 1 == raw.height;
+    if (!is_last) read(v + 1);
+    const ThreeRows three = {padded(v == 0 ? 1 : v - 1), padded(v),
+                             padded(is_last ? v - 1 : v + 1)};
+    const int own = has_red(raw.format, v) ? 0 : 2;
+    const bool is_green_first = begins_with_green(raw.format, v);
+    (is_green_first ? bayer_row<true> : bayer_row<false>)(three, raw.width, own, rgb.row(v));
+  }
 }
 
 }  // namespace robsim::raw

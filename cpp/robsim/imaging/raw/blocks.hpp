@@ -7,8 +7,12 @@
 
 #include "robsim/base/simd/avx.hpp"
 #include "robsim/base/simd/target.hpp"
+#include "robsim/imaging/raw/pixel_format.hpp"
 
 namespace robsim::raw {
+
+/// Turns a Bayer frame of 2 x 2 px at least into RGB8.
+void convert_bayer(const RawView& raw, const WritableView& rgb);
 
 /// Pixels that one step of a loop in vectors converts.
 constexpr int pixels_of_block = 32;

@@ -4,8 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "robsim/imaging/raw/rows.hpp"
-
 namespace robsim {
 
 namespace {
@@ -66,12 +64,11 @@ bool is_bayer(PixelFormat format) {
 void check_size(PixelFormat format, int width, int height) {
   const auto refuse = [&](const std::string& expected) {
     throw std::invalid_argument("a frame in " + std::string(name_of(format)) + " must be " +
-                                expected + ", got " + std::to_string(width) + " x " +
-                                std::to_string(height) + " px");
+                                expected + ", got " + size_text(width, height));
   };
   const int least = is_bayer(format) ? 2 : 1;
   if (width < least || height < least) {
-    refuse(std::to_string(least) + " x " + std::to_string(least) + " px at least");
+    refuse(size_text(least, least) + " at least");
   }
   const int unit = pixels_of_unit(format);
   if (width % unit != 0) refuse("a multiple of " + std::to_string(unit) + " px wide");
@@ -91,61 +88,12 @@ RawView raw_view(const std::uint8_t* data, std::size_t bytes, PixelFormat format
                  int height) {
   const std::size_t needed = bytes_of(format, width, height);
   if (bytes < needed) {
-    throw std::invalid_argument("a frame of " + std::to_string(width) + " x " +
-                                std::to_string(height) + " px in " + name_of(format) + " has " +
-                                std::to_string(needed) + " bytes, got " + std::to_string(bytes));
+    throw std::invalid_argument("a frame of " + size_text(width, height) + " in " +
+                                name_of(format) + " has " + std::to_string(needed) +
+                                " bytes, got " + std::to_string(bytes));
   }
   const auto stride = static_cast<std::ptrdiff_t>(bytes_of_row(format, width));
   return {data, width, height, stride, format};
-}
-
-namespace {
-
-void check_views(const RawView& raw, const WritableView& rgb) {
-  check_size(raw.format, raw.width, raw.height);
-  if (rgb.width != raw.width || rgb.height != raw.height) {
-    throw std::invalid_argument("rgb must have the size of the raw frame, " +
-                                std::to_string(raw.width) + " x " + std::to_string(raw.height) +
-                                " px, got " + std::to_string(rgb.width) + " x " +
-                                std::to_string(rgb.height) + " px");
-  }
-  const auto row = static_cast<std::ptrdiff_t>(bytes_of_row(raw.format, raw.width));
-  if (raw.stride < row || rgb.stride < std::ptrdiff_t{3} * rgb.width) {
-    throw std::invalid_argument("stride must be at least the bytes of a row");
-  }
-  if (raw.bits < 8 || raw.bits > 16) {
-    throw std::invalid_argument("bits must be 8 .. 16, got " + std::to_string(raw.bits));
-  }
-}
-
-template <typename Convert>
-void convert_rows(const RawView& raw, const WritableView& rgb, Convert&& convert) {
-  for (int v = 0; v < raw.height; ++v) convert(raw.row(v), raw.width, rgb.row(v));
-}
-
-}  // namespace
-
-void to_rgb(const RawView& raw, const WritableView& rgb) {
-  check_views(raw, rgb);
-  switch (raw.format) {
-    case PixelFormat::mono8:
-      return convert_rows(raw, rgb, raw::mono8_row);
-    case PixelFormat::mono16:
-      return convert_rows(raw, rgb, [&](const std::uint8_t* from, int width, std::uint8_t* to) {
-        raw::mono16_row(from, width, raw.bits, to);
-      });
-    case PixelFormat::yuv411:
-      return convert_rows(raw, rgb, raw::yuv411_row);
-    case PixelFormat::yuv422:
-      return convert_rows(raw, rgb, raw::yuv422_row);
-    case PixelFormat::yuv444:
-      return convert_rows(raw, rgb, raw::yuv444_row);
-    case PixelFormat::rgb8:
-      return copy({raw.data, raw.width, raw.height, raw.stride}, rgb);
-    default:
-      raw::BayerRows rows(raw);
-      for (int v = 0; v < raw.height; ++v) rows.next_row(rgb.row(v));
-  }
 }
 
 }  // namespace robsim

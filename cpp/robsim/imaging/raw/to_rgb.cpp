@@ -1,66 +1,27 @@
-#include "robsim/imaging/raw/rows.hpp"
-
 #include <algorithm>
 #include <cstddef>
+#include <stdexcept>
+#include <string>
 
 #include "robsim/base/simd/cpu_path.hpp"
+#include "robsim/base/system.hpp"
 #include "robsim/imaging/raw/blocks.hpp"
+#include "robsim/imaging/raw/pixel_format.hpp"
 
 namespace robsim::raw {
 
 namespace {
 
-void mono8_row_baseline(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  for (int u = 0; u < width; ++u, rgb += 3) rgb[0] = rgb[1] = rgb[2] = raw[u];
+ROBSIM_INLINE void mono8_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
+  for (int u = 0; u < width; ++u) rgb[3 * u] = rgb[3 * u + 1] = rgb[3 * u + 2] = raw[u];
 }
 
-void mono16_row_baseline(const std::uint8_t* raw, int width, int bits, std::uint8_t* rgb) {
-  for (int u = 0; u < width; ++u, raw += 2, rgb += 3) {
-    const int grey = ((raw[0] << 8) | raw[1]) >> (bits - 8);
-    rgb[0] = rgb[1] = rgb[2] = static_cast<std::uint8_t>(std::min(grey, 255));
+ROBSIM_INLINE void mono16_row(const std::uint8_t* raw, int width, int bits, std::uint8_t* rgb) {
+  for (int u = 0; u < width; ++u) {
+    const int grey = ((raw[2 * u] << 8) | raw[2 * u + 1]) >> (bits - 8);
+    rgb[3 * u] = rgb[3 * u + 1] = rgb[3 * u + 2] = static_cast<std::uint8_t>(std::min(grey, 255));
   }
 }
-
-#if ROBSIM_HAS_AVX2_CODE
-
-ROBSIM_AVX2 void mono8_row_avx2(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  for_each_block<8>(raw, width, rgb, [](const std::uint8_t* from, std::uint8_t* to) ROBSIM_AVX2 {
-    const __m256i grey = simd::load(from);
-    store_rgb(grey, grey, grey, to);
-  });
-}
-
-// 8 pixels each of two places, in lanes of 16 bits.
-ROBSIM_AVX2_INLINE __m256i grey_lanes(const std::uint8_t* low, const std::uint8_t* high, int bits) {
-  constexpr Indices swapped = {1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14};
-  const __m256i grey = _mm256_shuffle_epi8(simd::load_halves(low, high), in_both_halves(swapped));
-  return _mm256_min_epu16(_mm256_srl_epi16(grey, _mm_cvtsi32_si128(bits - 8)),
-                          _mm256_set1_epi16(255));
-}
-
-ROBSIM_AVX2 void mono16_row_avx2(const std::uint8_t* raw, int width, int bits, std::uint8_t* rgb) {
-  for_each_block<16>(
-      raw, width, rgb, [bits](const std::uint8_t* from, std::uint8_t* to) ROBSIM_AVX2 {
-        // Packing works within halves: pixels 0..7 and 16..23 are joined with 8..15 and 24..31.
-        const __m256i grey = _mm256_packus_epi16(grey_lanes(from, from + 32, bits),
-                                                 grey_lanes(from + 16, from + 48, bits));
-        store_rgb(grey, grey, grey, to);
-      });
-}
-
-#endif
-
-}  // namespace
-
-void mono8_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  ROBSIM_PICK(mono8_row_baseline, mono8_row_avx2)(raw, width, rgb);
-}
-
-void mono16_row(const std::uint8_t* raw, int width, int bits, std::uint8_t* rgb) {
-  ROBSIM_PICK(mono16_row_baseline, mono16_row_avx2)(raw, width, bits, rgb);
-}
-
-namespace {
 
 // Where a unit of pixels has their Y, and the U and V that they share.
 struct Unit411 {
@@ -206,7 +167,7 @@ ROBSIM_AVX2_INLINE RgbLanes rgb_lanes(const std::uint8_t* low, const std::uint8_
 }
 
 template <typename Unit>
-ROBSIM_AVX2 void yuv_row_avx2(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
+ROBSIM_AVX2 inline void yuv_row_avx2(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
   constexpr int bits = 8 * Unit::bytes / Unit::pixels;
   // Packing works within halves: pixels 0..7 and 16..23 are joined with 8..15 and 24..31.
   for_each_block<bits>(raw, width, rgb, [](const std::uint8_t* from, std::uint8_t* to) ROBSIM_AVX2 {
@@ -220,23 +181,60 @@ ROBSIM_AVX2 void yuv_row_avx2(const std::uint8_t* raw, int width, std::uint8_t* 
 
 #endif
 
+}  // namespace
+
+}  // namespace robsim::raw
+
+namespace robsim {
+
+namespace {
+
+void check_views(const RawView& raw, const WritableView& rgb) {
+  check_size(raw.format, raw.width, raw.height);
+  if (rgb.width != raw.width || rgb.height != raw.height) {
+    throw std::invalid_argument("rgb must have the size of the raw frame, " +
+                                size_text(raw.width, raw.height) + ", got " +
+                                size_text(rgb.width, rgb.height));
+  }
+  const auto row = static_cast<std::ptrdiff_t>(bytes_of_row(raw.format, raw.width));
+  if (raw.stride < row || rgb.stride < std::ptrdiff_t{3} * rgb.width) {
+    throw std::invalid_argument("stride must be at least the bytes of a row");
+  }
+  checked(raw.bits, raw.bits >= 8 && raw.bits <= 16, "bits must be 8 .. 16");
+}
+
+template <typename Convert>
+void convert_rows(const RawView& raw, const WritableView& rgb, Convert&& convert) {
+  for (int v = 0; v < raw.height; ++v) convert(raw.row(v), raw.width, rgb.row(v));
+}
+
 template <typename Unit>
-void yuv_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  ROBSIM_PICK(yuv_row_baseline<Unit>, yuv_row_avx2<Unit>)(raw, width, rgb);
+void convert_yuv_rows(const RawView& raw, const WritableView& rgb) {
+  convert_rows(raw, rgb, ROBSIM_PICK(raw::yuv_row_baseline<Unit>, raw::yuv_row_avx2<Unit>));
 }
 
 }  // namespace
 
-void yuv411_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  yuv_row<Unit411>(raw, width, rgb);
+void to_rgb(const RawView& raw, const WritableView& rgb) {
+  check_views(raw, rgb);
+  switch (raw.format) {
+    case PixelFormat::mono8:
+      return convert_rows(raw, rgb, ROBSIM_PICK(raw::mono8_row));
+    case PixelFormat::mono16:
+      return convert_rows(raw, rgb, [&](const std::uint8_t* from, int width, std::uint8_t* to) {
+        ROBSIM_PICK(raw::mono16_row)(from, width, raw.bits, to);
+      });
+    case PixelFormat::yuv411:
+      return convert_yuv_rows<raw::Unit411>(raw, rgb);
+    case PixelFormat::yuv422:
+      return convert_yuv_rows<raw::Unit422>(raw, rgb);
+    case PixelFormat::yuv444:
+      return convert_yuv_rows<raw::Unit444>(raw, rgb);
+    case PixelFormat::rgb8:
+      return copy({raw.data, raw.width, raw.height, raw.stride}, rgb);
+    default:
+      return raw::convert_bayer(raw, rgb);
+  }
 }
 
-void yuv422_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  yuv_row<Unit422>(raw, width, rgb);
-}
-
-void yuv444_row(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  yuv_row<Unit444>(raw, width, rgb);
-}
-
-}  // namespace robsim::raw
+}  // namespace robsim
