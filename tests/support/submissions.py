@@ -1,12 +1,13 @@
 """Submissions as the tests hand them in: folders, zips, notebooks."""
 
 import json
+import pickle
 import zipfile
 
 import pytest
 
 from robsim.teach import SubmissionError
-from robsim.teach.submissions import Rules, SubmissionFiles, loaded_slots, read_submission
+from robsim.teach.submissions import Rules, loaded_slots, read_submission
 
 CONTROL = Rules(slots=("control",))
 BOTH = Rules(slots=("control", "measure"))
@@ -55,7 +56,7 @@ def refused(path, rules=CONTROL):
 
 def sent(path, rules=CONTROL):
     """A submission as a worker gets it."""
-    return SubmissionFiles.from_message(read_submission(path, rules).to_message())
+    return pickle.loads(pickle.dumps(read_submission(path, rules)))
 
 
 def answer(path, rules=CONTROL):

@@ -2,6 +2,7 @@
 
 import io
 import json
+import pickle
 import random
 import tracemalloc
 import zipfile
@@ -11,7 +12,7 @@ from hypothesis import given
 
 from fuzzing import LONGEST_MESSAGE, SEEDS, fuzzed
 from robsim.teach import SubmissionError
-from submissions import BOTH, PLAIN, SubmissionFiles, read_submission
+from submissions import BOTH, PLAIN, read_submission
 
 pytestmark = [pytest.mark.fuzz, pytest.mark.filterwarnings("ignore:Duplicate name")]
 
@@ -32,7 +33,7 @@ def attempt(path, counts):
     assert peak < MOST_MEMORY
     if refusal is None:
         counts["read"] += 1
-        assert SubmissionFiles.from_message(found.to_message()) == found
+        assert pickle.loads(pickle.dumps(found)) == found
         assert found.slots
     else:
         counts["refused"] += 1

@@ -1,5 +1,7 @@
 """Reading submissions of every kind, as students hand them in."""
 
+import pickle
+
 import pytest
 
 from submissions import (
@@ -7,7 +9,6 @@ from submissions import (
     CONTROL,
     PLAIN,
     Rules,
-    SubmissionFiles,
     answer,
     notebook,
     packed,
@@ -61,7 +62,7 @@ def test_what_a_submission_is_stands_in_it(tmp_path):
     assert (found.name, found.kind, found.main) == ("s001", "folder", "")
     assert found.slots == ("control", "measure")
     assert set(found.sources) == {"control.py", "measure.py", "table.csv"}
-    assert SubmissionFiles.from_message(found.to_message()) == found
+    assert pickle.loads(pickle.dumps(found)) == found
     only = read_submission(folder, CONTROL)
     assert only.slots == ("control",)
     assert "measure.py" in only.notes[0]
@@ -153,7 +154,6 @@ def test_a_helper_that_nobody_imports_may_be_broken(tmp_path):
 def test_rules_are_plain_values():
     masked = ["robsim.estimation.reference"]
     rules = Rules(slots=["control"], imports=["numpy"], masked=masked, files=3)
-    assert rules == Rules.from_dict(rules.to_dict())
     assert rules.slots == ("control",)
     for wrong in (
         {"slots": ["contrl"]},
@@ -165,15 +165,3 @@ def test_rules_are_plain_values():
         with pytest.raises(ValueError, match=r"slots|masked|imports|ratio|robsim\.referense"):
             Rules(**wrong)
     assert Rules(masked=["robsim.locate", "robsim.vision.locate", "not_installed.x"]).masked
-
-
-def test_a_message_that_is_none_is_refused(tmp_path):
-    message = read_submission(write(tmp_path / "s001", control=PLAIN), CONTROL).to_message()
-    for changed in (
-        *(message[:-1], message + b"x", b"x" + message, b""),
-        *(message.replace(b'"slots"', b'"slits"'), message.replace(b'"folder"', b'"flower"')),
-        message.replace(b'", 39', b'", 38'),
-    ):
-        assert changed != message
-        with pytest.raises(ValueError, match="message"):
-            SubmissionFiles.from_message(changed)

@@ -18,8 +18,8 @@ from robsim.teach.grading._frame_memory import FrameMemory
 from robsim.teach.grading._wire import LIMITS, Channel, Kind, Ready, WireError
 from robsim.teach.grading.answering import CallSetup
 from robsim.teach.grading.robot_half import ROBOT_SLOTS, Setup, groups_of
-from robsim.teach.grading.task import Done
-from robsim.teach.isolation import Isolation, WorkerLimits, start_worker
+from robsim.teach.grading.task import Done, Task, hidden_files
+from robsim.teach.isolation import start_worker
 from robsim.teach.isolation.ending import GRADER_LOST_IT
 from robsim.teach.isolation.limits import as_size
 from robsim.teach.texts import ErrorText, clean_text
@@ -45,18 +45,12 @@ class Worker:
     _LIMITS = LIMITS
 
     def __init__(
-        self,
-        setup: Setup | CallSetup,
-        *,
-        memory: FrameMemory | None,
-        limits: WorkerLimits,
-        isolation: Isolation,
-        hidden: Sequence[str],
+        self, setup: Setup | CallSetup, task: Task, memory: FrameMemory | None = None
     ) -> None:
         self.memory = memory
         self._setup = setup
-        self._limits = limits
-        self._deadline = time.monotonic() + limits.run
+        self._limits = task.limits_of_worker
+        self._deadline = time.monotonic() + self._limits.run
         self._groups: dict[str, tuple[str, ...]] = {}
         ours, theirs = socket.socketpair()
         try:
@@ -66,9 +60,9 @@ class Worker:
                     modules=_MODULES,
                     channel=theirs,
                     memory=[] if memory is None else [memory.descriptor],
-                    limits=limits,
-                    isolation=isolation,
-                    hidden=hidden,
+                    limits=self._limits,
+                    isolation=task.isolation,
+                    hidden=hidden_files(task.rules),
                 )
         except BaseException:
             ours.close()

@@ -9,8 +9,8 @@ import os
 import pickle
 import socket
 import struct
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,7 +21,7 @@ from robsim._core import RobotModel, WorldState
 from robsim.teach.grading._wire import Channel, Kind
 from robsim.teach.grading.arrays import as_arrays, from_message, to_parts
 from robsim.teach.submissions import Rules, SubmissionFiles, load_slots
-from robsim.teach.texts import error_text
+from robsim.teach.texts import ErrorText, error_text
 
 #: Before the arrays of a call: the number of the function.
 NUMBER = struct.Struct("<I")
@@ -36,15 +36,32 @@ class CallSetup:
     rules: Rules
 
 
-def work(connection: socket.socket, memory: Sequence[int]) -> None:
+@contextmanager
+def serving(
+    connection: socket.socket, told: Callable[[BaseException], ErrorText]
+) -> Iterator[tuple[Channel, Any]]:
+    """Give the channel and the setup of a worker; what ends the work is told to the grader."""
     channel = Channel(connection)
     kind, body = channel.receive()
     if kind != Kind.HELLO:
         raise RuntimeError("the grader must say hello")
-    setup: CallSetup = pickle.loads(body)
-    name: str | None = None
+    setup = pickle.loads(body)
     try:
         setup.submission.write_to(os.getcwd())  # its data files, in the scratch folder
+        yield channel, setup
+    except BaseException as error:  # also what ends Python
+        with suppress(OSError):
+            channel.send(Kind.ERROR, told(error).to_json())
+
+
+def work(connection: socket.socket, memory: Sequence[int]) -> None:
+    name: str | None = None
+
+    def told(error: BaseException) -> ErrorText:
+        text = error_text(error, slot=name)
+        return replace(text, slot=name or text.slot)
+
+    with serving(connection, told) as (channel, setup):
         loaded = load_slots(setup.submission, setup.rules, os.getcwd())
         names = setup.submission.slots
         channel.send(Kind.READY, bytes(callable(loaded[name]) for name in names))
@@ -55,10 +72,6 @@ def work(connection: socket.socket, memory: Sequence[int]) -> None:
             name = names[NUMBER.unpack_from(body)[0]]
             arrays = from_message(memoryview(body)[NUMBER.size :])
             channel.send(Kind.RESULT, *to_parts(_called(name, loaded[name], arrays)))
-    except BaseException as error:  # also what ends Python
-        told = error_text(error, slot=name)
-        with suppress(OSError):
-            channel.send(Kind.ERROR, replace(told, slot=name or told.slot).to_json())
 
 
 def _called(name: str, function: Any, arrays: list[NDArray[Any]]) -> list[NDArray[Any]]:

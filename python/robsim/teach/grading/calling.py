@@ -10,8 +10,7 @@ import importlib
 import os
 import pickle
 import socket
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
@@ -21,11 +20,11 @@ from numpy.typing import NDArray
 from robsim._core import WorldState
 from robsim.base.text import quoted
 from robsim.teach.errors import ERROR, SubmissionError
-from robsim.teach.grading._wire import LIMITS, Channel, Kind
+from robsim.teach.grading._wire import LIMITS, Kind
 from robsim.teach.grading._worker import Worker, done
-from robsim.teach.grading.answering import NUMBER, CallSetup, world_arrays
+from robsim.teach.grading.answering import NUMBER, CallSetup, serving, world_arrays
 from robsim.teach.grading.arrays import MOST_MESSAGE, as_array, as_arrays, from_message, to_parts
-from robsim.teach.grading.task import Done, Task, hidden_files
+from robsim.teach.grading.task import Done, Task
 from robsim.teach.submissions import load_slots
 from robsim.teach.texts import clean_text, error_text
 
@@ -115,17 +114,9 @@ class CallWorker(Worker):
         return arrays
 
 
-@contextmanager
-def calling(task: Task) -> Iterator[CallWorker]:
-    """Give a worker that answers calls of what a task has, and end it."""
-    with CallWorker(
-        CallSetup(task.submission, task.rules),
-        memory=None,
-        limits=task.limits_of_worker,
-        isolation=task.isolation,
-        hidden=hidden_files(task.rules),
-    ) as worker:
-        yield worker
+def calling(task: Task) -> CallWorker:
+    """Return a worker that answers calls of what a task has."""
+    return CallWorker(CallSetup(task.submission, task.rules), task)
 
 
 def called(
@@ -191,15 +182,10 @@ class JudgeSetup(CallSetup):
 
 
 def work(connection: socket.socket, memory: Sequence[int]) -> None:
-    channel = Channel(connection)
-    kind, body = channel.receive()
-    if kind != Kind.HELLO:
-        raise RuntimeError("the grader must say hello")
-    setup: JudgeSetup = pickle.loads(body)
-    module, _, name = setup.judge.partition(":")
-    judge: Callable[..., str] = getattr(importlib.import_module(module), name)
-    try:
-        setup.submission.write_to(os.getcwd())
+    told = lambda error: replace(error_text(error), slot=None)  # noqa: E731
+    with serving(connection, told) as (channel, setup):
+        module, _, name = setup.judge.partition(":")
+        judge: Callable[..., str] = getattr(importlib.import_module(module), name)
 
         def make() -> dict[str, Any]:
             return load_slots(setup.submission, setup.rules, os.getcwd())
@@ -207,9 +193,6 @@ def work(connection: socket.socket, memory: Sequence[int]) -> None:
         said = judge(make, setup.submission.slots).encode("utf-8", "backslashreplace")
         text = np.frombuffer(said[:_MOST_SAID], np.uint8)
         channel.send(Kind.RESULT, *to_parts([as_array("text", text)]))
-    except BaseException as error:  # also what ends Python
-        with suppress(OSError):
-            channel.send(Kind.ERROR, replace(error_text(error), slot=None).to_json())
 
 
 class JudgeWorker(Worker):
@@ -239,12 +222,6 @@ def judged(task: Task, judge: str, seconds: float) -> Done[str]:
     The judge is ``"module:function"`` of robsim. Raise SubmissionError if the submission fails, or
     after so many seconds.
     """
-    limits = replace(task.limits_of_worker, run=seconds)
-    with JudgeWorker(
-        JudgeSetup(task.submission, task.rules, judge),
-        memory=None,
-        limits=limits,
-        isolation=task.isolation,
-        hidden=hidden_files(task.rules),
-    ) as worker:
+    short = replace(task, limits=replace(task.limits, run=seconds))
+    with JudgeWorker(JudgeSetup(task.submission, task.rules, judge), short) as worker:
         return done(worker, lambda: worker.said(seconds))

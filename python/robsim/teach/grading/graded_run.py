@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import pickle
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -26,10 +27,10 @@ from robsim.teach.errors import AssignmentError, GradingError, SubmissionError
 from robsim.teach.grading._frame_memory import FrameMemory, has_frame_memory
 from robsim.teach.grading._wire import Ready
 from robsim.teach.grading._worker import Worker, done
-from robsim.teach.grading.calling import CallWorker, calling, world_slots
+from robsim.teach.grading.calling import calling, world_slots
 from robsim.teach.grading.keys import Key, RunSeeds
 from robsim.teach.grading.robot_half import STAGES, Setup
-from robsim.teach.grading.task import WORLD_SLOTS, Done, Frames, Task, given_to, hidden_files
+from robsim.teach.grading.task import WORLD_SLOTS, Done, Frames, Task, given_to
 from robsim.teach.submissions import loaded_slots
 from robsim.teach.texts import error_text
 from robsim.trace import RunInfo, Trace
@@ -95,7 +96,8 @@ def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> D
     if task.rules.slots[0] in WORLD_SLOTS:
         with calling(task) as answering:
             return done(
-                answering, lambda: _driven(_world_of(answering, task, scenario, seeds), steps, task)
+                answering,
+                lambda: _driven(_world(task, scenario, seeds, world_slots(answering)), steps, task),
             )
     with started(task, scenario, seeds) as worker:
         return done(worker, lambda: _driven(asking(worker, task, scenario, seeds), steps, task))
@@ -110,14 +112,7 @@ def started(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Worker]
         may_see = given_to(task.rules.slots, task.frames) != "pose"
         if may_see and has_frame_memory():
             memory = stack.enter_context(FrameMemory(frame_size(scenario)))
-        worker = Worker(
-            _setup(task, scenario, seeds),
-            memory=memory,
-            limits=task.limits_of_worker,
-            isolation=task.isolation,
-            hidden=hidden_files(task.rules),
-        )
-        yield stack.enter_context(worker)
+        yield stack.enter_context(Worker(_setup(task, scenario, seeds), task, memory))
 
 
 def asking(worker: Worker, task: Task, scenario: Scenario, seeds: RunSeeds) -> GradedSimulation:
@@ -128,8 +123,10 @@ def asking(worker: Worker, task: Task, scenario: Scenario, seeds: RunSeeds) -> G
     return GradedSimulation(task, scenario, seeds, worker, ready)
 
 
-def _world_of(worker: CallWorker, task: Task, scenario: Scenario, seeds: RunSeeds) -> Simulation:
-    callbacks: dict[str, Any] = {**task.callbacks, **world_slots(worker)}
+def _world(
+    task: Task, scenario: Scenario, seeds: RunSeeds, more: Mapping[str, Any] = MappingProxyType({})
+) -> Simulation:
+    callbacks = {**task.callbacks, **more}
     simulation = Simulation(_with_model(scenario), seed=seeds.world, **callbacks)
     set_noise_keys(simulation, seeds)
     return simulation
@@ -214,8 +211,7 @@ def all_here(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Simula
 
     It gives to the byte what must come with a worker, where that is given the same samples.
     """
-    simulation = Simulation(_with_model(scenario), seed=seeds.world, **task.callbacks)
-    set_noise_keys(simulation, seeds)
+    simulation = _world(task, scenario, seeds)
     with loaded_slots(task.submission, task.rules) as callbacks:
         for slot in SLOTS:
             if slot in callbacks:
@@ -250,7 +246,7 @@ class GradedRuns(WholeRun):
 
     @property
     def content(self) -> bytes:
-        rules, files = self.task.rules.to_dict(), self.task.submission.to_message()
+        rules, files = dataclasses.asdict(self.task.rules), self.task.submission.to_message()
         return pickle.dumps((rules, self.task.frames, self.student, self.test)) + files
 
 

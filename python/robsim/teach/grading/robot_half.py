@@ -7,10 +7,8 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import pickle
 import socket
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
@@ -26,6 +24,7 @@ from robsim.simulation.slots import ONCE, ROBOT, SLOTS, STEP, names
 from robsim.teach.grading._frame_memory import SLOTS as FRAME_SLOTS
 from robsim.teach.grading._frame_memory import slot_bytes
 from robsim.teach.grading._wire import Channel, Kind, Ready
+from robsim.teach.grading.answering import serving
 from robsim.teach.grading.task import Frames, given_to
 from robsim.teach.submissions import Rules, SubmissionFiles, load_slots
 from robsim.teach.texts import ErrorText, error_text
@@ -172,20 +171,11 @@ class RobotHalf(Runner):
 
 
 def work(connection: socket.socket, memory: Sequence[int]) -> None:
-    channel = Channel(connection)
-    kind, body = channel.receive()
-    if kind != Kind.HELLO:
-        raise RuntimeError("the grader must say hello")
-    setup: Setup = pickle.loads(body)
-    try:
-        setup.submission.write_to(os.getcwd())  # its data files, in the scratch folder
+    with serving(connection, _told) as (channel, setup):
         callbacks = load_slots(setup.submission, setup.rules, os.getcwd())
         half = RobotHalf(setup, callbacks, channel, memory[0] if memory else None)
         channel.send(Kind.READY, half._ready.to_bytes(ROBOT_SLOTS))
         half.run()
-    except BaseException as error:  # also what ends Python
-        with suppress(OSError):
-            channel.send(Kind.ERROR, _told(error).to_json())
 
 
 def _told(error: BaseException) -> ErrorText:

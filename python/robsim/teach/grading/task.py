@@ -39,11 +39,10 @@ def rules_of(
     limits: WorkerLimits,
 ) -> Rules:
     """Return the rules of an assignment; raise TypeError or ValueError."""
-    rules = Rules.of(
-        slots=slots,
-        functions=functions,
-        imports=imports,
-        masked=masked,
+    given: dict[str, Any] = {"slots": slots, "functions": functions, "imports": imports}
+    rules = Rules(
+        **given,
+        masked=masked,  # type: ignore[arg-type]
         files=limits.submission_files,
         size=limits.submission_size,
         file_size=limits.submission_file_size,

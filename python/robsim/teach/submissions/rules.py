@@ -5,7 +5,7 @@ from __future__ import annotations
 import keyword
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
@@ -55,21 +55,9 @@ class Rules:
         if not self.names:
             raise ValueError("slots or functions must name what a submission may have, got none")
 
-    @classmethod
-    def of(cls, **rules: Any) -> Rules:
-        """Return rules of values whose types are not known; raise what the class raises."""
-        return cls(**rules)
-
     @property
     def names(self) -> tuple[str, ...]:
         return (*self.slots, *self.functions)
-
-    def to_dict(self) -> dict[str, Any]:
-        return asdict(self)
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Rules:
-        return cls.of(**data)
 
 
 def _functions(functions: Any) -> tuple[str, ...]:
