@@ -21,7 +21,7 @@ from robsim.campaigns.launch import run_spec
 from robsim.campaigns.runs import CaseRuns
 from robsim.teach.tasks.definition import MOST_RUNS, Task, check_task, solution_folder
 from robsim.teach.tasks.marks.calibration import shipped_calibrations, task_digest
-from robsim.teach.tasks.marks.sets import points_of
+from robsim.teach.tasks.marks.sets import METRIC, numbers_in, points_of
 from robsim.teach.tasks.score import Score, ScoreLimit
 from robsim.teach.tasks.solutions import REFERENCE, Solution
 from robsim.trace import Trace
@@ -220,7 +220,7 @@ def _in_words(limit: ScoreLimit) -> tuple[str, str]:
     return full, f"below {limit.low_zero:.3g}, from {limit.zero:.3g}"
 
 
-_LABEL, _METRIC = "own", "task"
+_LABEL = "own"
 
 
 @dataclass(frozen=True)
@@ -361,7 +361,7 @@ def _runs_of(
     spec = CampaignSpec(
         scenario=task.scenario,
         vary={option: {_LABEL: choice} for option, choice in choices.items()},
-        metrics={_METRIC: _Metric(task)},
+        metrics={METRIC: _Metric(task)},
         runs=runs,
         steps=task.steps,
         seed=seed,
@@ -383,21 +383,14 @@ def _reference(task: Task, runs: int, seed: int) -> CampaignResult:
 
 
 def _numbers(task: Task, result: CampaignResult) -> dict[str, tuple[float, ...]]:
-    missing = [math.nan] * len(result["error"])
-    return {
-        score.name: tuple(map(float, _column(result, score.name, missing))) for score in task.scores
-    }
-
-
-def _column(result: CampaignResult, name: str, missing: list[float]) -> Any:
-    """Return a column of the metric, which is not there if all runs failed."""
-    column = f"{_METRIC}_{name}"
-    return result[column] if column in result.columns else missing
+    columns = numbers_in(result, task).T.tolist()
+    return {score.name: tuple(one) for score, one in zip(task.scores, columns, strict=True)}
 
 
 def _broken(result: CampaignResult) -> tuple[int, ...]:
-    is_broken = np.nan_to_num(_column(result, "broken", [0.0] * len(result["error"])))
-    return tuple(int(run) for run in np.flatnonzero(is_broken))
+    column = f"{METRIC}_broken"  # which is not there if all runs failed
+    is_broken = result[column] if column in result.columns else np.zeros(0)
+    return tuple(np.flatnonzero(np.nan_to_num(is_broken)).tolist())
 
 
 def _trace(result: CampaignResult, run: int) -> Trace:

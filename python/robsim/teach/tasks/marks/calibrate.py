@@ -14,6 +14,7 @@ import numpy as np
 
 from robsim.base.checks import check_bool, check_float, check_int
 from robsim.base.files import as_path
+from robsim.base.files.codec import plain
 from robsim.base.text import listed, quoted
 from robsim.campaigns.engines.engine import engine_value
 from robsim.campaigns.engines.executors import DaskClient
@@ -110,7 +111,7 @@ def calibrate_task(
     after = {name: Sets(one.statistics[begin:], one.through[begin:]) for name, one in sets.items()}
     return TaskCalibration(
         task=task.name,
-        parameters=_plain(task.parameters),
+        parameters={name: plain(value) for name, value in task.parameters.items()},
         limits=limits,
         false_fail=false_fail,
         confidence=confidence,
@@ -178,13 +179,6 @@ def _check_right(runs: Mapping[str, Runs]) -> None:
             raise ValueError(
                 f"the right solution {quoted(name)} must not fail, but so it did: {one.first_error}"
             )
-
-
-def _plain(parameters: dict[str, Any]) -> dict[str, Any]:
-    return {
-        name: list(value) if isinstance(value, (tuple, list)) else value
-        for name, value in parameters.items()
-    }
 
 
 def marks_of(

@@ -18,7 +18,8 @@ from robsim.teach.tasks.definition import Task, solution_folder
 from robsim.teach.tasks.score import Score, ScoreLimit
 from robsim.teach.tasks.solutions import Solution
 
-_METRIC = "task"
+#: The name of the numbers in a campaign.
+METRIC = "task"
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def runs_of(
     result = campaign(
         task.scenario,
         vary={"folder": {one.name: solution_folder(task, one) for one in solutions}},
-        metrics={_METRIC: task.score},
+        metrics={METRIC: task.score},
         runs=tests * task.runs,
         steps=task.steps,
         seed=seed,
@@ -65,14 +66,15 @@ def _runs_in(result: CampaignResult, task: Task, solution: str) -> Runs:
     is_own = result["folder"] == solution
     errors = result["error"][is_own]
     failed = np.array([error is not None for error in errors])
-    columns = [f"{_METRIC}_{score.name}" for score in task.scores]
-    known = [name in result.columns for name in columns]  # none is, where all runs failed
-    values = [
-        result[name][is_own] if is_there else np.full(len(failed), np.nan)
-        for name, is_there in zip(columns, known, strict=True)
-    ]
     first = f"run {failed.argmax()}: {errors[failed][0]}" if failed.any() else ""
-    return Runs(np.stack(values, axis=1), failed, first)
+    return Runs(numbers_in(result, task)[is_own], failed, first)
+
+
+def numbers_in(result: CampaignResult, task: Task) -> Floats:
+    """Return the numbers of runs (N, S), by the scores of their task."""
+    missing = np.full(len(result["error"]), np.nan)  # no column is there, where all runs failed
+    names = (f"{METRIC}_{score.name}" for score in task.scores)
+    return np.stack([result[n] if n in result.columns else missing for n in names], axis=1)
 
 
 @dataclass(frozen=True)
