@@ -11,11 +11,10 @@ from robsim.teach.assignments.results import (
     NOT_RUN,
     SubmissionResult,
     TestResult,
-    fraction_of,
     number,
 )
 from robsim.teach.reports import words
-from robsim.teach.reports.drawings import histogram
+from robsim.teach.reports.drawings import histogram, shade
 from robsim.teach.reports.markup import Html, page, preformatted, tag
 from robsim.teach.reports.similarity import Passage, SimilarPair
 
@@ -127,9 +126,7 @@ def _cell(test: TestResult | None) -> Html:
     if test.status in (ERROR, NOT_RUN):
         return tag("td", f"{sign} {word}", data_value="-1", class_="cell", title=test.sentence)
     points = test.points
-    share = fraction_of(points, test.most)
-    kind = "all" if share == 1 else "some" if share > 0 else "none"
-    look = {"class_": f"cell {kind}", "title": test.sentence or None}
+    look = {"class_": f"cell {shade(points, test.most)}", "title": test.sentence or None}
     return tag("td", f"{sign} {number(points)}", data_value=f"{points:.4f}", **look)
 
 

@@ -58,14 +58,19 @@ def _line(path: DrawnPath, most: float, radius: float) -> Html | None:
     known = _known(path)
     if not len(known):
         return None
-    share = fraction_of(path.points, most)
-    kind = "all" if share == 1 else "some" if share > 0 else "none"
+    kind = shade(path.points, most)
     label = tag("title", f"{path.student}: {number(path.points)} of {number(most)}")
     text = " ".join(f"{x:.1f},{y:.1f}" for x, y in known)
     x, y = known[0]
     at = {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{radius:.1f}"}
     start = tag("circle", class_=kind, **at)
     return tag("g", tag("polyline", label, class_=f"path {kind}", points=text), start)
+
+
+def shade(points: float, most: float) -> str:
+    """Return the class of the style sheet for points."""
+    share = fraction_of(points, most)
+    return "all" if share == 1 else "some" if share > 0 else "none"
 
 
 _PARTS = 10  # between none and all
@@ -126,7 +131,12 @@ def scale_of(score: ScoreResult) -> Html:
     """Return the bar; its axis is the logarithm of the statistic: points are linear in that."""
     runs = list(_values_of_runs(score))
     low, high = _range(score, [*runs, score.statistic])
-    at = _Axis(low, high)
+
+    def at(value: float) -> float:
+        """Return where a value stands, in percent of the width."""
+        logs = np.log([low, high])
+        return 100 * float(np.interp(math.log(value), logs, (0, 1))) if value > 0 else 0.0
+
     zones = [
         tag("i", class_=f"zone {kind}", style=f"left:{at(a):.2f}%;width:{at(b) - at(a):.2f}%")
         for kind, a, b in _zones(score, low, high)
@@ -142,19 +152,6 @@ def scale_of(score: ScoreResult) -> Html:
     bar = tag("div", *zones, *dots, *mark, class_="bar")
     # What it shows stands above it in words.
     return tag("div", bar, tag("div", *ticks, class_="ticks"), class_="scale", aria_hidden="true")
-
-
-class _Axis:
-    """Where a value stands, in percent of the width."""
-
-    def __init__(self, low: float, high: float) -> None:
-        self._low, self._high = math.log(low), math.log(high)
-
-    def __call__(self, value: float) -> float:
-        if value <= 0:
-            return 0.0
-        part = (math.log(value) - self._low) / (self._high - self._low)
-        return 100 * min(max(part, 0.0), 1.0)
 
 
 def _values_of_runs(score: ScoreResult) -> Iterable[float]:

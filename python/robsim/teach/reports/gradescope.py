@@ -11,7 +11,8 @@ from robsim.base.checks import check_choice
 from robsim.base.files import as_path, write_whole
 from robsim.teach.assignments.results import ERROR, PASSED, SubmissionResult, TestResult, of_most
 from robsim.teach.reports import words
-from robsim.teach.reports.markup import Html, data_uri, joined, preformatted, tag
+from robsim.teach.reports.markup import data_uri, joined, listed, tag
+from robsim.teach.reports.student_page import boxes
 from robsim.teach.reports.student_text import for_student
 from robsim.teach.texts import clean_line, clean_text
 
@@ -35,8 +36,8 @@ def gradescope(
     """
     check_choice("hidden", hidden, VISIBILITIES)
     theirs = for_student(result)
-    left = _Room(MOST_PICTURES)
-    tests = [_test(result, test, left.taken(test, pictures or {}), hidden) for test in theirs.tests]
+    shown = _shown(theirs, pictures or {})
+    tests = [_test(result, test, shown.get(test.name), hidden) for test in theirs.tests]
     return {
         "score": theirs.points,
         "execution_time": round(theirs.seconds, 3),
@@ -71,21 +72,17 @@ def write_gradescope(
     write_whole(as_path(path), f"{text}\n".encode("ascii"))
 
 
-class _Room:
-    """What is left for pictures."""
-
-    def __init__(self, most: int) -> None:
-        self._left = most
-
-    def taken(self, test: TestResult, pictures: Mapping[str, bytes]) -> str | None:
-        png = pictures.get(test.name) if test.picture is not None else None
-        if png is None:
-            return None
-        address = data_uri(png)
-        if len(address) > min(MOST_PICTURE, self._left):
-            return None
-        self._left -= len(address)
-        return address
+def _shown(result: SubmissionResult, pictures: Mapping[str, bytes]) -> dict[str, str]:
+    """Return the addresses of the pictures that there is room for, by test."""
+    shown: dict[str, str] = {}
+    left = MOST_PICTURES
+    for test in result.tests:
+        if test.picture is not None and test.name in pictures:
+            address = data_uri(pictures[test.name])
+            if len(address) <= min(MOST_PICTURE, left):
+                shown[test.name] = address
+                left -= len(address)
+    return shown
 
 
 def _output(result: SubmissionResult) -> str:
@@ -132,7 +129,7 @@ def _details(result: SubmissionResult, test: TestResult, picture: str | None) ->
         if test.status in words.STATUS
         else "",
         *(tag("p", text) for text in (test.sentence, words.blame(test)) if text),
-        _listed(
+        listed(
             words.score_line(score, test.most) for score in test.scores if words.has_numbers(test)
         ),
     ]
@@ -140,19 +137,9 @@ def _details(result: SubmissionResult, test: TestResult, picture: str | None) ->
         parts.append(tag("p", tag("img", src=picture, alt="A run")))
     if caption := words.caption_text(test):
         parts.append(tag("p", caption))
-    if test.finding:
-        parts += [tag("p", tag("b", words.FINDING)), preformatted(test.finding)]
-    if test.failed:
-        parts.append(tag("p", tag("b", words.failed_head(test))))
-        parts.append(_listed(words.failed_texts(test)))
-    if output := test.output.rstrip():
-        parts += [tag("p", tag("b", "The submission printed")), preformatted(output)]
+    for head, body in boxes(test):
+        parts += [tag("p", tag("b", head)), body]
     if test.public:
         command = tag("code", words.repeat_command(test))
         parts.append(tag("p", f"{words.REPEAT}: ", command))
     return str(joined(*parts))
-
-
-def _listed(texts: Any) -> Html:
-    items = [tag("li", text) for text in texts]
-    return tag("ul", *items) if items else Html("")

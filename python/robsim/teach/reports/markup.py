@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import html
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +50,11 @@ def tag(name: str, /, *content: object, **attributes: Any) -> Html:
 def preformatted(text: str) -> Html:
     # The first line break after <pre> is no part of the text.
     return Html(f"<pre>\n{escaped(text)}</pre>")
+
+
+def listed(texts: Iterable[str]) -> Html:
+    items = [tag("li", text) for text in texts]
+    return tag("ul", *items) if items else Html("")
 
 
 def data_uri(png: bytes) -> Html:

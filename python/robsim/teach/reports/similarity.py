@@ -6,7 +6,7 @@ import hashlib
 import keyword
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -48,10 +48,7 @@ def tokens_of(source: str) -> list[Token]:
     Names are all one, but for those of others' modules and values, such as ``inv`` in
     ``np.linalg.inv``; so are numbers and texts. Comments and imports are left out.
     """
-    return list(_tokens(source))
-
-
-def _tokens(source: str) -> Iterator[Token]:
+    tokens = []
     line, counted = 1, 0
     before = ("", "")
     for match in _TOKEN.finditer(source):
@@ -60,8 +57,9 @@ def _tokens(source: str) -> Iterator[Token]:
         what, text = match.lastgroup, match.group()
         if what in ("comment", "import"):
             continue
-        yield Token(_kind(what, text, before), line)
+        tokens.append(Token(_kind(what, text, before), line))
         before = (before[1], text)
+    return tokens
 
 
 def _kind(what: str | None, text: str, before: tuple[str, str]) -> str:

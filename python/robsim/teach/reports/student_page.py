@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from robsim.teach.assignments.results import (
     PARTIAL,
@@ -15,7 +15,7 @@ from robsim.teach.assignments.results import (
 )
 from robsim.teach.reports import words
 from robsim.teach.reports.drawings import scale_of
-from robsim.teach.reports.markup import Html, data_uri, joined, page, preformatted, tag
+from robsim.teach.reports.markup import Html, data_uri, joined, listed, page, preformatted, tag
 
 _HIDDEN = (
     "This test is hidden: its worlds are not given out before or after. To see a run of it, ask "
@@ -92,9 +92,7 @@ def _card(
         tag("p", words.blame(test), class_="note") if words.blame(test) else "",
         *_scores(test),
         _figure(test, picture),
-        _finding(test),
-        _failed(test),
-        _output(test),
+        *(_box(head, body) for head, body in boxes(test)),
         _repeat(result, test, for_teacher),
     ]
     return tag("section", *parts, class_="card", aria_labelledby=f"test-{index}")
@@ -120,24 +118,20 @@ def _figure(test: TestResult, picture: bytes | None) -> Html:
     return tag("figure", image, tag("figcaption", caption) if caption else "")
 
 
-def _finding(test: TestResult) -> Html:
-    if not test.finding:
-        return Html("")
-    return tag("div", tag("h3", words.FINDING), preformatted(test.finding), class_="box")
+def boxes(test: TestResult) -> Iterator[tuple[str, Html]]:
+    """Yield what helps to find a mistake: a heading, and what stands below it."""
+    if test.finding:
+        yield words.FINDING, preformatted(test.finding)
+    if test.failed:
+        yield words.failed_head(test), listed(words.failed_texts(test))
+    if output := test.output.rstrip():
+        yield words.OUTPUT, preformatted(output)
 
 
-def _failed(test: TestResult) -> Html:
-    if not test.failed:
-        return Html("")
-    runs = [tag("li", text) for text in words.failed_texts(test)]
-    return tag("div", tag("h3", words.failed_head(test)), tag("ul", *runs), class_="box")
-
-
-def _output(test: TestResult) -> Html:
-    if not test.output.strip():
-        return Html("")
-    summary = tag("summary", "What the submission printed")
-    return tag("details", summary, preformatted(test.output.rstrip()))
+def _box(head: str, body: Html) -> Html:
+    if head == words.OUTPUT:  # which may be long
+        return tag("details", tag("summary", head), body)
+    return tag("div", tag("h3", head), body, class_="box")
 
 
 def _repeat(result: SubmissionResult, test: TestResult, for_teacher: bool) -> Html:

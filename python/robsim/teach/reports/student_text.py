@@ -49,7 +49,7 @@ def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
         for text in words.failed_texts(test):
             yield from _wrapped(text, "  - ", "    ")
     if test.output.strip():
-        yield "  The submission printed:"
+        yield f"  {words.OUTPUT}:"
         yield from _quoted(_cut(test.output.rstrip()))
     if test.public:
         yield f"  {words.REPEAT}:"

@@ -40,6 +40,7 @@ _WHOSE = {
 }
 
 FINDING = "What robsim check finds"
+OUTPUT = "The submission printed"
 REPEAT = "To repeat it, in the folder of the assignment"
 
 HINT = (
