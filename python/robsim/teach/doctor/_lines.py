@@ -43,11 +43,9 @@ def line_of_measurement(estimator: EstimatorUnderTest) -> SourceLine | None:
 
 def line_of_covariance(estimator: EstimatorUnderTest) -> SourceLine | None:
     """Return the last line that sets the covariance that is returned, or else its return."""
-    for _, function in _functions(estimator):
-        calls = [node for node in _walk_within(function) if _is_estimate(node)]
-        if calls:
-            break
-    else:
+    found = ([*filter(_is_estimate, _walk_within(one))] for _, one in _functions(estimator))
+    calls = next(filter(None, found), None)
+    if calls is None:
         return estimator.line
     names = {name for call in calls for name in _covariance_names(call)}
     nodes = list(nodes_of(estimator))
@@ -115,17 +113,23 @@ def _parsed(source: str) -> ast.AST:
         return ast.Module([], [])
 
 
+def _name_of(node: ast.AST) -> str | None:
+    """Return the name of a variable, or of an attribute; None = it is something else."""
+    name: str | None = getattr(node, "attr", getattr(node, "id", None))
+    return name
+
+
 def _is_measured_pose(node: ast.AST) -> bool:
     """Return whether it is the pose of something that is called a measurement."""
     if not isinstance(node, ast.Attribute) or node.attr != "pose":
         return False
-    return getattr(node.value, "attr", getattr(node.value, "id", None)) == "measurement"
+    return _name_of(node.value) == "measurement"
 
 
 def _is_estimate(node: ast.AST) -> bool:
     if not isinstance(node, ast.Call) or len(node.args) + len(node.keywords) < 2:
         return False
-    return getattr(node.func, "attr", getattr(node.func, "id", None)) == "Estimate"
+    return _name_of(node.func) == "Estimate"
 
 
 def _covariance_names(call: ast.AST) -> set[str]:
@@ -140,8 +144,5 @@ def _covariance_names(call: ast.AST) -> set[str]:
 
 def _sets(node: ast.AST, names: Collection[str]) -> bool:
     """Return whether it sets one of the names, or a part of it: P, self.P, self.P[i]."""
-    if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store):
-        return getattr(node.value, "attr", getattr(node.value, "id", None)) in names
-    if not isinstance(node, (ast.Attribute, ast.Name)) or not isinstance(node.ctx, ast.Store):
-        return False
-    return getattr(node, "attr", getattr(node, "id", None)) in names
+    target = node.value if isinstance(node, ast.Subscript) else node
+    return isinstance(getattr(node, "ctx", None), ast.Store) and _name_of(target) in names

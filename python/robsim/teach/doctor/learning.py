@@ -8,6 +8,7 @@ estimators reach 0.01 to 0.2, as the disturbances of the drive are small.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from itertools import permutations
@@ -136,11 +137,12 @@ def _arrays(value: Any, depth: int) -> Iterator[Floats]:
     if isinstance(value, (list, tuple)) and len(value) < _FEW and (of_lists := _matrix(value)):
         yield from of_lists
         return
-    cells = getattr(value, "__closure__", None) or ()
-    inner = [cell.cell_contents for cell in cells if _is_filled(cell)]
-    inner += value if isinstance(value, (list, tuple)) and len(value) < _FEW else ()
-    inner += value.values() if isinstance(value, dict) and len(value) < _FEW else ()
-    inner += _attributes(value).values()
+    inner = [*_attributes(value).values()]
+    for cell in getattr(value, "__closure__", None) or ():
+        with suppress(ValueError):  # it is empty
+            inner.append(cell.cell_contents)
+    if isinstance(value, (list, tuple, dict)) and len(value) < _FEW:
+        inner += value.values() if isinstance(value, dict) else value
     for one in inner:
         yield from _arrays(one, depth - 1)
 
@@ -159,14 +161,6 @@ def _matrix(rows: Sequence[Any]) -> list[Floats]:
         return [np.array(rows, dtype=float)]
     except (TypeError, ValueError):
         return []
-
-
-def _is_filled(cell: Any) -> bool:
-    try:
-        _ = cell.cell_contents
-    except ValueError:
-        return False
-    return True
 
 
 def _is_square(values: Floats) -> bool:

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass, field, replace
-from functools import wraps
+from functools import cache, wraps
 from inspect import unwrap
 from os import PathLike
 from pathlib import Path
@@ -151,17 +151,12 @@ class _Folder:
         self._around = surroundings
         self._files = CallbackFolder(path).files
         self._is_alone = is_alone
-        self._checked: dict[str, CheckReport | str] = {}
-        self._loaded: dict[str, CallbackFolder | Problem | bool] = {}
+        self.check = cache(self._check)
+        self._load = cache(self._load_first)
         self.remarks: dict[str, None] = {}  # in their order, each once
 
-    def check(self, slot: str) -> CheckReport | str:
-        """Return the report on the file of a slot, or what runs in its place."""
-        if slot not in self._checked:
-            self._checked[slot] = self._check(slot)
-        return self._checked[slot]
-
     def _check(self, slot: str) -> CheckReport | str:
+        """Return the report on the file of a slot, or what runs in its place."""
         if slot not in self._around.slots:
             return "not used" if slot in self._files else "default"
         loaded = self._load(slot)
@@ -195,15 +190,10 @@ class _Folder:
             report = replace(report, remarks=(*lacks, *report.remarks))
         return replace(report, name=f"{slot}.py")
 
-    def _load(self, slot: str) -> CallbackFolder | Problem | bool:
+    def _load_first(self, slot: str) -> CallbackFolder | Problem | bool:
         """Return the loaded file of a slot, why it fails, or whether the default is on."""
         if slot not in self._files or slot not in self._around.slots:
             return False
-        if slot not in self._loaded:
-            self._loaded[slot] = self._load_first(slot)
-        return self._loaded[slot]
-
-    def _load_first(self, slot: str) -> CallbackFolder | Problem | bool:
         folder = CallbackFolder(self._path, (slot,), self._around.given)
         with redirect_stdout(StdoutCapture()), warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always", UserWarning)
