@@ -80,11 +80,13 @@ def check_assignment(
     plan = plan_of(assignment)
     with tempfile.TemporaryDirectory(prefix="robsim-check-") as scratch:
         findings += _rehearsed(plan, Path(scratch), engine, progress)
-    rows = [Row(one.what, [one.expected, one.got, one.verdict]) for one in findings]
+    rows = [
+        Row(one.what, [one.expected, one.got, "WRONG" if one.wrong else "well"]) for one in findings
+    ]
     columns = [Column("expected", "should be"), Column("got", "is"), Column("verdict", "")]
     return CheckReport(
         name=assignment.name,
-        problems=tuple(one.problem for one in findings if one.wrong),
+        problems=tuple(Problem(kind=f.what, sentence=f.wrong) for f in findings if f.wrong),
         tables=(Table(key="checks", columns=columns, rows=rows, row_title="what"),),
     )
 
@@ -97,14 +99,6 @@ class Finding:
     expected: str
     got: str
     wrong: str = ""  # the fault and its remedy; "" = no fault
-
-    @property
-    def verdict(self) -> str:
-        return "WRONG" if self.wrong else "well"
-
-    @property
-    def problem(self) -> Problem:
-        return Problem(kind=self.what, sentence=self.wrong)
 
 
 def _still(assignment: Assignment) -> Iterator[Finding]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import string
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -22,7 +22,7 @@ from robsim.teach.assignments.assignment_file import FILE, KEY, SOLUTIONS, load_
 from robsim.teach.grading.keys import Key
 from robsim.teach.tasks.by_name import task
 from robsim.teach.tasks.definition import Task
-from robsim.teach.tasks.solutions import Solution, helpers, starting_files
+from robsim.teach.tasks.solutions import helpers, starting_files
 
 
 def sheet_for(assignment: Assignment) -> str:
@@ -191,24 +191,30 @@ def _fill(folder: Path, task: Task, name: str) -> None:
         "task": task.name,
     }
     Key.new().write(folder / KEY)
-    _write(folder / FILE, _filled("assignment.toml", values | _rules(task)))
-    _write(folder / "README.md", _filled("README.md", values))
-    _write(folder / OWN_TESTS, (_FILES / f"tests/{task.slots[-1]}.py").read_text(encoding="utf-8"))
-    (folder / START).mkdir()
-    for path, content in starting_files(task).items():
-        write_whole(folder / START / path, content)
-    _write_solutions(folder / SOLUTIONS / task.name, task.solutions)
-    _write(folder / SHEET, sheet_for(load_assignment(folder)))
+    files = {
+        FILE: _filled("assignment.toml", values | _rules(task)),
+        "README.md": _filled("README.md", values),
+        OWN_TESTS: (_FILES / f"tests/{task.slots[-1]}.py").read_bytes(),
+        **{f"{START}/{path}": content for path, content in starting_files(task).items()},
+    }
+    write_below(folder, files | dict(_solution_files(task)))
+    write_whole(folder / SHEET, sheet_for(load_assignment(folder)).encode())
 
 
-def _write_solutions(folder: Path, solutions: Sequence[Solution]) -> None:
+def write_below(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files by their paths in a folder."""
+    for path, content in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        write_whole(folder / path, content)
+
+
+def _solution_files(task: Task) -> Iterator[tuple[str, bytes]]:
     shared: dict[str, bytes] = {}
-    for one in solutions:
-        place = folder / ("right" if one.is_right else "wrong") / one.name
-        place.mkdir(parents=True)
+    for one in task.solutions:
+        place = f"{SOLUTIONS}/{task.name}/{'right' if one.is_right else 'wrong'}/{one.name}"
         for name, content in one.files.items() - shared.items():
-            write_whole(place / f"{name}.py", content)
-        shared = helpers(solutions[0])
+            yield f"{place}/{name}.py", content
+        shared = helpers(task.solutions[0])
 
 
 def _rules(task: Task) -> dict[str, str]:
@@ -237,10 +243,6 @@ def _toml(value: Any) -> str:
     return str(tomlkit.item(codec.plain(value)).as_string())
 
 
-def _filled(name: str, values: Mapping[str, str]) -> str:
+def _filled(name: str, values: Mapping[str, str]) -> bytes:
     text = (_FILES / name).read_text(encoding="utf-8")
-    return string.Template(text).substitute(values)
-
-
-def _write(file: Path, text: str) -> None:
-    write_whole(file, text.encode())
+    return string.Template(text).substitute(values).encode()

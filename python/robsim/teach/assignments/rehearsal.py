@@ -24,16 +24,16 @@ _FILES = Path(__file__).parent / "templates/hostile"
 _NOTHING = {"control": "(0.0, 0.0)"}
 
 
-def hostile_submissions(slots: tuple[str, ...]) -> Iterator[tuple[str, dict[str, str]]]:
-    """Yield the name of each, and its files: the text by name."""
+def hostile_submissions(slots: tuple[str, ...]) -> Iterator[tuple[str, dict[str, bytes]]]:
+    """Yield the name of each, and its files by name."""
     at_each_step = [slot for slot in slots if SLOTS[slot].when == STEP] or slots
     for file in sorted(_FILES.glob("*.py")):
         text = file.read_text(encoding="utf-8")
         yield file.stem, {f"{slot}.py": _for_slot(text, slot) for slot in at_each_step}
 
 
-def _for_slot(text: str, slot: str) -> str:
-    return text.replace("SLOT", slot).replace("NOTHING", _NOTHING.get(slot, "None"))
+def _for_slot(text: str, slot: str) -> bytes:
+    return text.replace("SLOT", slot).replace("NOTHING", _NOTHING.get(slot, "None")).encode()
 
 
 #: What should come of a submission.
@@ -61,9 +61,8 @@ def cast_of(assignment: Assignment) -> list[Part]:
         parts += (_part(one, own, is_free=one != ruled) for one in solutions)
         parts.append(_as_notebook(ruled, task, own))
     parts.append(Part("nothing in it", {"notes.txt": b"to do\n"}, NOTHING, tests))
-    for name, files in hostile_submissions(assignment.slots):
-        contents = {file: text.encode() for file, text in files.items()}
-        parts.append(Part(f"hostile: {name}", contents, NOTHING, tests))
+    hostile = hostile_submissions(assignment.slots)
+    parts += (Part(f"hostile: {name}", files, NOTHING, tests) for name, files in hostile)
     return parts
 
 
@@ -89,20 +88,10 @@ def _sources(files: Mapping[str, bytes]) -> dict[str, bytes]:
 def _as_notebook(solution: Solution, task: Task, tests: tuple[str, ...]) -> Part:
     slots = [slot for slot in task.slots if slot in solution.files]
     modules = {name: code for name, code in solution.files.items() if name not in slots}
-    cells = [_cell(solution.files[slot].decode()) for slot in slots]
+    cells = [{"cell_type": "code", "source": solution.files[slot].decode()} for slot in slots]
     notebook = {"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 5}
     files = {f"{task.name}.ipynb": json.dumps(notebook).encode(), **_sources(modules)}
     return Part(f"right: {solution.name}, as a notebook", files, FULL, tests)
-
-
-def _cell(source: str) -> dict[str, object]:
-    return {
-        "cell_type": "code",
-        "execution_count": None,
-        "metadata": {},
-        "outputs": [],
-        "source": source.splitlines(keepends=True),
-    }
 
 
 def graded(

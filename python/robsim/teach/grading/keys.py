@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim.base.checks import check_int
+from robsim.base.checks import check_int, check_text
 from robsim.base.files import as_path
 from robsim.base.seeds import Seed, seed_record, seed_sequence
-from robsim.base.text import one_line, quoted
+from robsim.base.text import one_line
 from robsim.teach.errors import AssignmentError
 
 _MAGIC = "robsim-key-1 "
@@ -183,9 +183,7 @@ def _frame_key(secret: bytes, index: int) -> int:
 
 
 def _name(argument: str, name: str) -> bytes:
-    if not isinstance(name, str):
-        raise TypeError(f"{argument} must be a name, got {quoted(name)}")
-    return unicodedata.normalize("NFC", name).encode("utf-8", "surrogatepass")
+    return unicodedata.normalize("NFC", check_text(argument, name)).encode("utf-8", "surrogatepass")
 
 
 def _private_text(file: Path) -> str:

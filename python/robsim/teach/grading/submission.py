@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeVar
 
 from numpy.typing import ArrayLike
 
-from robsim.base.checks import check_bool, check_choice
+from robsim.base.checks import check_bool, check_choice, check_text
 from robsim.base.files import as_path
 from robsim.base.seeds import Seed
 from robsim.base.spelling import check_names
@@ -135,8 +135,8 @@ class Submission:
         check_choice("isolation", isolation, LEVELS)
         path = as_path(path)
         _check_given(given)
-        given_student = None if student is None else _name("student", student)
-        self._test = None if test is None else _name("test", test)
+        given_student = None if student is None else check_text("student", student)
+        self._test = None if test is None else check_text("test", test)
         limits = limits or WorkerLimits()
         rules = rules_of(slots, functions, imports, masked, limits)
         files = read_submission(path, rules, given)
@@ -304,7 +304,7 @@ class Submission:
         SubmissionError, GraderError, TypeError, ValueError
             As in `call`; nothing is returned if one call fails.
         """
-        if _name("name", name) not in self._task.rules.functions:
+        if check_text("name", name) not in self._task.rules.functions:
             known = ", ".join(self._task.rules.functions) or "none"
             raise ValueError(f"name must be one of functions, {known}, got {quoted(name)}")
         check_bool("finite", finite)
@@ -390,7 +390,7 @@ class Submission:
             test = self._test
         if test is None and self._key is not None and seed is None:
             raise ValueError("with a key a run needs the name of its test: test='drives a square'")
-        return "" if test is None else _name("test", test)
+        return "" if test is None else check_text("test", test)
 
     def _task_with(self, callbacks: Mapping[str, Any], scenario: Scenario) -> Task:
         slots = self._task.rules.slots
@@ -427,12 +427,6 @@ def _check_given(given: Mapping[str, bytes] | None) -> None:
         isinstance(name, str) and isinstance(content, bytes) for name, content in given.items()
     ):
         raise TypeError(f"given must be a mapping of name to bytes, got {quoted(given)}")
-
-
-def _name(argument: str, name: str) -> str:
-    if not isinstance(name, str):
-        raise TypeError(f"{argument} must be a name, got {quoted(name)}")
-    return name
 
 
 def _checked(scenario: Scenario, steps: int) -> int:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from os import PathLike
 from pathlib import Path
 
-from robsim.base.files import as_path, write_whole
+from robsim.base.files import as_path
 from robsim.base.text import one_line
 from robsim.teach.assignments.assignment import Assignment, check_is_assignment
+from robsim.teach.assignments.making import write_below
 from robsim.teach.assignments.packing.gradescope import write_zip
 from robsim.teach.assignments.packing.public_part import public_part
 
@@ -48,7 +49,5 @@ def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
         target.mkdir(parents=True)
     except FileExistsError:
         raise FileExistsError(f"{one_line(target)} exists: give another name") from None
-    for name, content in files.items():
-        (target / name).parent.mkdir(parents=True, exist_ok=True)
-        write_whole(target / name, content)
+    write_below(target, files)
     return target
