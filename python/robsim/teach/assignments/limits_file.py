@@ -10,7 +10,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
-from robsim.base.checks import check_float
 from robsim.base.files import codec
 from robsim.base.text import quoted
 from robsim.teach.errors import AssignmentError
@@ -57,14 +56,6 @@ def read_limits(folder: Path) -> dict[str, RecordedTest]:
         _refuse(error)
 
 
-def _limit(name: str, value: Any) -> float | None:
-    return None if value is None else check_float(name, value, exclusive_minimum=0)
-
-
-def _score_limit(**given: float | None) -> ScoreLimit:
-    return ScoreLimit(**{key: value for key, value in given.items() if value is not None})
-
-
 def _calibration(name: str, record: Any) -> TaskCalibration | None:
     return None if record is None else TaskCalibration.from_record(record)
 
@@ -78,8 +69,8 @@ def _numbers(name: str, value: Any) -> tuple[float, ...]:
 
 
 _SCORE = codec.Table(
-    _score_limit,
-    {key: codec.Entry(_limit, is_needed=key in ("full", "zero")) for key in _LIMIT},
+    ScoreLimit,
+    {key: codec.Entry(codec.anything, is_needed=key in ("full", "zero")) for key in _LIMIT},
 )
 _TEST = codec.Table(
     RecordedTest,

@@ -11,6 +11,7 @@ import zlib
 from robsim.base.text import quoted
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.folder import Intake
+from robsim.teach.submissions.names import refusal_in
 from robsim.teach.submissions.rules import Rules
 
 _ENTRY = b"PK\x01\x02"  # begins each entry of the list of contents
@@ -69,7 +70,7 @@ def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
         problem = "is compressed in an unusual way: pack it as an ordinary zip"
     else:
         return
-    raise SubmissionError(f"{whole}: {quoted(name)} {problem}", file=name)
+    raise refusal_in(whole, name, problem)
 
 
 def _content(
@@ -84,10 +85,7 @@ def _content(
             size += len(part)
             intake.check_size(name, size)
             if size > most:
-                raise SubmissionError(
-                    f"{whole}: {quoted(name)} is more than {rules.ratio} times larger than packed: "
-                    "hand it in without the zip, or make it smaller",
-                    file=name,
-                )
+                said = "times larger than packed: hand it in without the zip, or make it smaller"
+                raise refusal_in(whole, name, f"is more than {rules.ratio} {said}")
             parts.append(part)
     return b"".join(parts)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from robsim.base.text import quoted
 from robsim.teach.errors import SubmissionError
-from robsim.teach.submissions.names import Paths, checked_path
+from robsim.teach.submissions.names import Paths, checked_path, refusal_in
 from robsim.teach.submissions.rules import Rules
 
 _MOST_LEFTOVERS = 20  # times as many as files that count
@@ -54,10 +54,7 @@ class Intake:
         most = self.most_of(path)
         if size > most:
             remedy = "clear its outputs" if path.endswith(".ipynb") else "make it smaller"
-            raise SubmissionError(
-                f"{self._whole}: {quoted(path)} has more than {size_text(most)}: {remedy}",
-                file=path,
-            )
+            raise refusal_in(self._whole, path, f"has more than {size_text(most)}: {remedy}")
         if self._size + size > self._rules.size:
             raise SubmissionError(
                 f"{self._whole} has more than {size_text(self._rules.size)} in all: hand in what "
@@ -71,11 +68,8 @@ class Intake:
             return
         self.check_size(counted, len(content))
         if counted.lower().endswith(_ARCHIVES):
-            raise SubmissionError(
-                f"{self._whole}: {quoted(counted)} is an archive inside the submission: put its "
-                "files in its place",
-                file=counted,
-            )
+            said = "is an archive inside the submission: put its files in its place"
+            raise refusal_in(self._whole, counted, said)
         if len(self.files) >= self._rules.files:
             raise SubmissionError(
                 f"{self._whole} has more than {self._rules.files} files: hand in what counts"
@@ -198,7 +192,7 @@ def _content(where: _Where, whole: str, path: str, most: int) -> bytes:
     descriptor = os.open(where[0], _FLAGS | _SAFE, dir_fd=where[1])
     with open(descriptor, "rb") as file:
         if _kind(os.fstat(descriptor), whole, path) != stat.S_IFREG:
-            raise SubmissionError(f"{whole}: {quoted(path)} changed while it was read", file=path)
+            raise refusal_in(whole, path, "changed while it was read")
         return file.read(most)
 
 

@@ -6,7 +6,7 @@ import io
 import linecache
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import replace
 from importlib import import_module
 from os import PathLike
@@ -54,13 +54,9 @@ def loaded_slots(
     """Load a submission as `load_slots`; inside, its callbacks import each other's modules."""
     where = Path(files.name) if folder is None else Path(folder).absolute()
     own = builtins_for(rules, [*files.modules])
-    with masked(rules):
-        if files.kind == FOLDER:
-            with _folder(files, where, rules, own) as callbacks:
-                yield callbacks
-        else:
-            with _module(files, where, rules, own) as callbacks:
-                yield callbacks
+    load = _folder if files.kind == FOLDER else _module
+    with masked(rules), load(files, where, rules, own) as callbacks:
+        yield callbacks
 
 
 @contextmanager
@@ -85,7 +81,8 @@ def _module(
     main = PurePosixPath(files.main)
     helpers = {name: source for name, source in files.modules.items() if name not in SLOTS}
     modules = FolderModules(Path(), where, helpers, own)
-    with modules.importable(), _removed(module_name(_NOTEBOOK)):
+    with modules.importable(), ExitStack() as after:
+        after.callback(sys.modules.pop, module_name(_NOTEBOOK), None)
         with _failing(files.main, None):
             if files.kind == FILE:
                 module = modules.execute(main.stem)
@@ -108,14 +105,6 @@ def _function(module: ModuleType, name: str, file: str) -> Callable[..., Any]:
     if not callable(function):
         raise TypeError(f"{one_line(file)}: {name} must be a function, got {quoted(function)}")
     return function
-
-
-@contextmanager
-def _removed(name: str) -> Iterator[None]:
-    try:
-        yield
-    finally:
-        sys.modules.pop(name, None)
 
 
 def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]) -> ModuleType:

@@ -24,22 +24,22 @@ def checked_path(name: str, whole: str) -> str | None:
     Raise SubmissionError if the path leads out of the submission, or if a system forbids it.
     """
     if "\0" in name:
-        raise _refused(whole, name, "has a null character in its name", RENAME)
+        raise refusal_in(whole, name, f"has a null character in its name: {RENAME}")
     if name.startswith(("/", "\\")) or _DRIVE.match(name):
-        raise _refused(
-            whole, name, "is an absolute path", "pack the folder itself, and nothing else"
-        )
+        said = "is an absolute path: pack the folder itself, and nothing else"
+        raise refusal_in(whole, name, said)
     parts = [part for part in name.split("/") if part not in ("", ".")]
     if ".." in parts or ".." in re.split(r"[\\/]", name):
-        raise _refused(whole, name, "leads out of the folder", "pack the folder itself")
+        raise refusal_in(whole, name, "leads out of the folder: pack the folder itself")
     if any(part.startswith(".") or part.lower() in _LEFTOVERS for part in parts):
         return None
     if len(name) > _LONGEST or len(parts) > _DEEPEST:
-        raise _refused(whole, name, "has too long a path", "give it a shorter one, near the top")
+        said = "has too long a path: give it a shorter one, near the top"
+        raise refusal_in(whole, name, said)
     parts = [unicodedata.normalize("NFC", part) for part in parts]
     for part in parts:
         if problem := _problem(part):
-            raise _refused(whole, name, problem, RENAME)
+            raise refusal_in(whole, name, f"{problem}: {RENAME}")
     return "/".join(parts)
 
 
@@ -62,35 +62,33 @@ class Paths:
 
     def __init__(self, whole: str) -> None:
         self._whole = whole
-        self._files: dict[str, str] = {}
-        self._folders: dict[str, str] = {}
+        self._known: dict[str, tuple[str, bool]] = {}  # the path, and whether it is a folder
 
     def add(self, path: str) -> None:
         parts = path.split("/")
-        for end in range(1, len(parts)):
-            folder = "/".join(parts[:end])
-            key = _same_for_all(folder)
-            if (other := self._files.get(key)) is None:
-                other = self._folders.setdefault(key, folder)
-            if other != folder or key in self._files:
-                raise self._twice(folder, other)
-        key = _same_for_all(path)
-        taken = self._files.get(key) or self._folders.get(key)
-        if taken is not None:
-            raise self._twice(path, taken)
-        self._files[key] = path
+        for end in range(1, len(parts) + 1):
+            new = "/".join(parts[:end]), end < len(parts)
+            known = self._known.setdefault(_same_for_all(new[0]), new)
+            if known is not new and not (known == new and new[1]):
+                raise self._twice(new[0], known[0])
 
     def _twice(self, path: str, other: str) -> SubmissionError:
         if path == other:
-            return _refused(self._whole, path, "is there twice", "keep one of them")
-        problem = f"and {quoted(other)} are one file on some systems"
-        return _refused(self._whole, path, problem, "rename one of them")
+            return refusal_in(self._whole, path, "is there twice: keep one of them")
+        said = f"and {quoted(other)} are one file on some systems: rename one of them"
+        return refusal_in(self._whole, path, said)
 
 
 def _same_for_all(path: str) -> str:
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", path).casefold())
 
 
-def _refused(whole: str, name: str, problem: str, remedy: str) -> SubmissionError:
-    file = one_line(name[:_LONGEST])
-    return SubmissionError(f"{whole}: {quoted(name)} {problem}: {remedy}", file=file)
+def refusal(place: str, said: str, line: int | None = None) -> SubmissionError:
+    """Return the error of a file or a cell: what is said follows its place."""
+    at = place if line is None else f"{place}, line {line}"
+    return SubmissionError(f"{at}{said}", file=place, line=line)
+
+
+def refusal_in(whole: str, path: str, said: str) -> SubmissionError:
+    """Return the error of a file in a submission."""
+    return SubmissionError(f"{whole}: {quoted(path)} {said}", file=one_line(path[:_LONGEST]))

@@ -13,6 +13,7 @@ from robsim.base.text import one_line, quoted
 from robsim.simulation.callback_folder import misspelled
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
+from robsim.teach.submissions.names import refusal
 
 # Memory and time of Python's own parser: 1 kB a word at worst, and the square of a dotted name.
 _MOST_WORDS = 250_000
@@ -42,11 +43,8 @@ def decoded(content: bytes, place: str) -> str:
             _check_coding(content, place)
             return text.replace("\r\n", "\n").replace("\r", "\n")
     line = content.count(b"\n", 0, offset) + 1
-    raise SubmissionError(
-        f"{place}, line {line}: it is not UTF-8 text, it has {problem}: save it as UTF-8 text",
-        file=place,
-        line=line,
-    )
+    said = f": it is not UTF-8 text, it has {problem}: save it as UTF-8 text"
+    raise refusal(place, said, line)
 
 
 def _check_coding(content: bytes, place: str) -> None:
@@ -54,29 +52,21 @@ def _check_coding(content: bytes, place: str) -> None:
         found = _CODING.match(line)
         name = found[1].decode("ascii", "replace").lower() if found else "utf-8"
         if name.replace("_", "-") not in ("utf-8", "utf8", "ascii", "us-ascii"):
-            raise SubmissionError(
-                f"{place}, line {number}: it says that it is in {quoted(name)}: save it as UTF-8 "
-                "text, and delete this line",
-                file=place,
-                line=number,
-            )
+            said = f"{quoted(name)}: save it as UTF-8 text, and delete this line"
+            raise refusal(place, f": it says that it is in {said}", number)
 
 
 def check_extent(text: str, place: str) -> None:
     words = sum(1 for _ in _WORD.finditer(text))
     if words > _MOST_WORDS:
-        raise SubmissionError(
-            f"{place} has {words} words and signs, and {_MOST_WORDS} are allowed: put large tables "
-            "into a file of their own, such as .npy or .csv",
-            file=place,
+        raise refusal(
+            place,
+            f" has {words} words and signs, and {_MOST_WORDS} are allowed: put large tables into a "
+            "file of their own, such as .npy or .csv",
         )
     if chain := _LONG_CHAIN.search(text):
         line = text.count("\n", 0, chain.start()) + 1
-        raise SubmissionError(
-            f"{place}, line {line}: it has a name with more than 64 dots: shorten it",
-            file=place,
-            line=line,
-        )
+        raise refusal(place, ": it has a name with more than 64 dots: shorten it", line)
 
 
 def check_source(content: bytes, place: str) -> None:
@@ -91,18 +81,12 @@ def check_source(content: bytes, place: str) -> None:
 
 def not_python(error: BaseException, text: str, place: str) -> SubmissionError:
     if not isinstance(error, SyntaxError):
-        return SubmissionError(
-            f"{place} is nested too deeply for Python: split its long expressions", file=place
-        )
+        return refusal(place, " is nested too deeply for Python: split its long expressions")
     lines = text.split("\n")
     line = min(max(error.lineno or 1, 1), len(lines))
     shown = lines[line - 1].strip()
     said = quoted(str(error.msg))[1:-1]
-    return SubmissionError(
-        f"{place}, line {line}: {said}" + (f": {quoted(shown)}" if shown else ""),
-        file=place,
-        line=line,
-    )
+    return refusal(place, f": {said}" + (f": {quoted(shown)}" if shown else ""), line)
 
 
 def imported_words(content: bytes) -> set[str]:
@@ -138,8 +122,5 @@ def no_slot(place: str, defined: set[str], slots: tuple[str, ...]) -> Submission
     ]
     first = next(iter(slots))
     lacks = "fills no slot" if first in SLOTS else "defines no function that is asked for"
-    return SubmissionError(
-        f"{place} {lacks}: define {wanted}, or write {first} = ... for an object that can be "
-        "called" + "".join(hints[:3]),
-        file=place,
-    )
+    said = f"define {wanted}, or write {first} = ... for an object that can be called"
+    return refusal(place, f" {lacks}: {said}" + "".join(hints[:3]))

@@ -10,7 +10,7 @@ from os import PathLike
 from pathlib import Path, PurePosixPath
 
 from robsim.base.files import as_path
-from robsim.base.text import listed, one_line, quoted
+from robsim.base.text import listed, one_line
 from robsim.simulation.callback_folder import TAKEN, imported_names, misspelled, taken_names
 from robsim.simulation.modules import reserved_names
 from robsim.simulation.slots import SLOTS
@@ -25,6 +25,7 @@ from robsim.teach.submissions.folder import (
     read_folder,
     size_text,
 )
+from robsim.teach.submissions.names import refusal, refusal_in
 from robsim.teach.submissions.notebook.cells import reduced
 from robsim.teach.submissions.notebook.choosing import chosen
 from robsim.teach.submissions.python_text import (
@@ -103,11 +104,11 @@ def _opened(path: Path, rules: Rules) -> Contents:
         read_archive(_all_of(path, name, most), name, rules, intake)
         return Contents(name, intake.files)
     if suffix not in (".py", ".ipynb"):
-        raise SubmissionError(f"{name} is none of what can be graded: {_TAKEN}", file=name)
+        raise refusal(name, f" is none of what can be graded: {_TAKEN}")
     file = f"{path.stem}{suffix}"
     intake.add(file, _all_of(path, name, intake.most_of(file)))
     if not intake.files:
-        raise SubmissionError(f"{name} is a hidden file: give it another name", file=name)
+        raise refusal(name, " is a hidden file: give it another name")
     return Contents(name, intake.files, is_one_file=True)
 
 
@@ -115,7 +116,7 @@ def _all_of(path: Path, name: str, most: int) -> bytes:
     content = read_file(str(path), name, most + 1)
     if len(content) > most:
         remedy = "clear its outputs" if path.suffix.lower() == ".ipynb" else "hand in what counts"
-        raise SubmissionError(f"{name} has more than {size_text(most)}: {remedy}", file=name)
+        raise refusal(name, f" has more than {size_text(most)}: {remedy}")
     return content
 
 
@@ -201,11 +202,8 @@ def _check_spelling(
     stems = [PurePosixPath(path).stem for path in _modules(files)]
     for stem, slot in misspelled(stems).items():
         if slot in rules.slots and slot not in slots and f"{stem}.py" not in used:
-            raise SubmissionError(
-                f"{name}: {quoted(f'{stem}.py')} is named after no slot: rename it to {slot}.py, "
-                "or remove it",
-                file=f"{stem}.py",
-            )
+            said = f"is named after no slot: rename it to {slot}.py, or remove it"
+            raise refusal_in(name, f"{stem}.py", said)
 
 
 def _check_helpers(name: str, files: dict[str, bytes]) -> None:
@@ -213,15 +211,12 @@ def _check_helpers(name: str, files: dict[str, bytes]) -> None:
     sources = {PurePosixPath(path).stem: content for path, content in _modules(files).items()}
     if reserved_names(sources):  # of files that have been compiled, or are not imported
         for stem in taken_names(sources, imported_names(sources)):
-            raise SubmissionError(f"{name}: {quoted(f'{stem}.py')} {TAKEN}", file=f"{stem}.py")
+            raise refusal_in(name, f"{stem}.py", TAKEN)
     words = set().union(*map(imported_words, sources.values()))
     folders = {path.partition("/")[0] for path in files if "/" in path and path.endswith(".py")}
     for folder in sorted(folders & words):
-        raise SubmissionError(
-            f"{name}: {quoted(folder)} is a folder of modules, which cannot be imported: put its "
-            "files beside the others",
-            file=folder,
-        )
+        said = "is a folder of modules, which cannot be imported: put its files beside the others"
+        raise refusal_in(name, folder, said)
 
 
 def _of_one_file(name: str, main: str, files: dict[str, bytes], rules: Rules) -> SubmissionFiles:

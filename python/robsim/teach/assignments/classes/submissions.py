@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -81,22 +80,17 @@ def submissions_in(path: str | PathLike[str], assignment: Assignment) -> list[Ha
     names = [name for name in sorted(os.listdir(place)) if not name.startswith((".", "__"))]
     if not names:
         raise FileNotFoundError(2, "there are no submissions in this folder", str(path))
-    found = (Handed(_student_of(place / name), str(place / name)) for name in names)
-    return sorted(_each_once(found), key=lambda handed: handed.student)
+    found: dict[str, Handed] = {}
+    for name in names:
+        handed = Handed(_student_of(place / name), str(place / name))
+        if (other := found.setdefault(handed.student, handed)) is not handed:
+            both = listed([Path(other.path).name, name])
+            raise AssignmentError(
+                f"two submissions of {handed.student}, {both}: keep the one that counts"
+            )
+    return [found[student] for student in sorted(found)]
 
 
 def _student_of(path: Path) -> str:
     is_packed = path.suffix.lower() in _FORMS and not path.is_dir()
     return one_line(path.stem if is_packed else path.name)
-
-
-def _each_once(found: Iterable[Handed]) -> Iterable[Handed]:
-    seen: dict[str, Handed] = {}
-    for handed in found:
-        if handed.student in seen:
-            names = [Path(one.path).name for one in (seen[handed.student], handed)]
-            raise AssignmentError(
-                f"two submissions of {handed.student}, {listed(names)}: keep the one that counts"
-            )
-        seen[handed.student] = handed
-        yield handed

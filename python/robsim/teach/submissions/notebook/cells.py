@@ -12,6 +12,7 @@ from typing import Any
 from robsim.base.text import one_line, quoted
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.folder import size_text
+from robsim.teach.submissions.names import refusal
 from robsim.teach.submissions.python_text import check_extent, not_python, quiet
 
 #: The tags of cells that go in whole, and of those that never count.
@@ -43,9 +44,9 @@ def cells_of(content: bytes, file: str) -> list[Cell]:
     _check_format(notebook, file)
     cells = notebook.get("cells")
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
-        raise SubmissionError(f"{file} is not a notebook: it has no list of cells", file=file)
+        raise refusal(file, " is not a notebook: it has no list of cells")
     if len(cells) > _MOST_CELLS:
-        raise SubmissionError(f"{file} has more than {_MOST_CELLS} cells: hand in what counts")
+        raise refusal(file, f" has more than {_MOST_CELLS} cells: hand in what counts")
     return list(_code_cells(cells, file))
 
 
@@ -59,11 +60,8 @@ def reduced(content: bytes, file: str, most: int) -> bytes:
         cells.append({"cell_type": "code", "metadata": metadata, "source": cell.source})
     text = json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells})
     if len(text) > most:
-        raise SubmissionError(
-            f"{file} has more than {size_text(most)} of code: put large tables into a file of "
-            "their own",
-            file=file,
-        )
+        said = f"{size_text(most)} of code: put large tables into a file of their own"
+        raise refusal(file, f" has more than {said}")
     return text.encode("ascii")
 
 
@@ -71,34 +69,26 @@ def _parsed(content: bytes, file: str) -> Any:
     try:
         text = content.decode("utf-8-sig")
         if text.count("[") + text.count("{") > _MOST_BRACKETS:
-            raise SubmissionError(f"{file} is too involved: clear its outputs", file=file)
+            raise refusal(file, " is too involved: clear its outputs")
         return json.loads(text)
     except (ValueError, RecursionError, MemoryError):
-        raise SubmissionError(
-            f"{file} is not a notebook: it is no JSON text; save it in Jupyter again", file=file
-        ) from None
+        said = " is not a notebook: it is no JSON text; save it in Jupyter again"
+        raise refusal(file, said) from None
 
 
 def _check_format(notebook: Any, file: str) -> None:
     if not isinstance(notebook, dict) or "nbformat" not in notebook:
-        raise SubmissionError(
-            f"{file} is not a notebook: it does not say its format; save it in Jupyter again",
-            file=file,
-        )
+        said = "it does not say its format; save it in Jupyter again"
+        raise refusal(file, f" is not a notebook: {said}")
     number = notebook["nbformat"]
     if type(number) is not int or number != 4:
-        raise SubmissionError(
-            f"{file} is a notebook of format {quoted(number)}, and 4 is read: open it in Jupyter "
-            "and save it again",
-            file=file,
-        )
+        said = f"{quoted(number)}, and 4 is read: open it in Jupyter and save it again"
+        raise refusal(file, f" is a notebook of format {said}")
     metadata = notebook.get("metadata")
     kernel = metadata.get("kernelspec") if isinstance(metadata, dict) else None
     language = kernel.get("language", "python") if isinstance(kernel, dict) else "python"
     if not isinstance(language, str) or language.lower() not in ("python", "ipython", ""):
-        raise SubmissionError(
-            f"{file} is a notebook in {quoted(language)}: it must be in Python", file=file
-        )
+        raise refusal(file, f" is a notebook in {quoted(language)}: it must be in Python")
 
 
 def _code_cells(cells: list[dict[str, Any]], file: str) -> Iterator[Cell]:
@@ -110,10 +100,10 @@ def _code_cells(cells: list[dict[str, Any]], file: str) -> Iterator[Cell]:
         if isinstance(source, list) and all(isinstance(line, str) for line in source):
             source = "".join(source)
         if not isinstance(source, str):
-            raise SubmissionError(f"{place} has no text: save the notebook in Jupyter again")
+            raise refusal(place, " has no text: save the notebook in Jupyter again")
         source = source.replace("\r\n", "\n").replace("\r", "\n")
         if "\0" in source or not _is_unicode(source):
-            raise SubmissionError(f"{place}: it is not UTF-8 text: write the cell anew", file=place)
+            raise refusal(place, ": it is not UTF-8 text: write the cell anew")
         yield Cell(place, number, source, _tag(cell, source))
 
 
@@ -162,13 +152,11 @@ def parsed(cells: Sequence[Cell], file: str) -> list[tuple[Cell, ast.stmt]]:
         while nodes is None:
             spent += len(cell.source)
             if spent > _MOST_PARSED:
-                raise SubmissionError(f"{file} has too many commands: remove some", file=file)
+                raise refusal(file, " has too many commands: remove some")
             nodes = _statements_or_fewer_commands(lines, cell)
         statements += [(cell, node) for node in nodes]
     if len(statements) > _MOST_STATEMENTS:
-        raise SubmissionError(
-            f"{file} has more than {_MOST_STATEMENTS} statements: hand in what counts", file=file
-        )
+        raise refusal(file, f" has more than {_MOST_STATEMENTS} statements: hand in what counts")
     return statements
 
 

@@ -18,17 +18,8 @@ from robsim.teach.submissions.python_text import quiet
 RUNS = frozenset(
     {
         *("Simulation", "Experiment", "from_folder", "campaign", "Camera", "SimulatedLab"),
-        *(
-            "UdpMotors",
-            "SerialMotors",
-            "run",
-            "step",
-            "step_stage",
-            "input",
-            "open",
-            "play",
-            "panel",
-        ),
+        *("UdpMotors", "SerialMotors", "run", "step", "step_stage"),
+        *("input", "open", "play", "panel"),
         *("subplots", "figure", "show", "get_ipython", "interact", "sleep", "system"),
     }
 )
