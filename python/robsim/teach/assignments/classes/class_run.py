@@ -207,7 +207,7 @@ def regrade_class(
         raise FileNotFoundError(2, "there are no results to be marked anew", str(out))
     results = [_again(plan, units, folder, student) for student in students]
     for result in results:  # all of them can be
-        folder.write_whole(result)
+        folder.write(result)
     write_class_files(assignment, None, folder, results, columns=columns, pseudonyms=pseudonyms)
     return ClassResult(name=assignment.name, results=tuple(results))
 

@@ -223,7 +223,7 @@ class Schedule:
             return job
         del self._open[index]
         result = progress.result
-        self._folder.write_whole(result)
+        self._folder.write(result)
         self.results.append(result)
         if self._tell is not None:
             self._tell(result, progress.changed)

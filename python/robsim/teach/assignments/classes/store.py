@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -51,36 +52,21 @@ class ResultFolder:
     def write(
         self,
         result: SubmissionResult,
-        pictures: Mapping[str, bytes],
-        paths: Mapping[str, list[list[float]]],
+        pictures: Mapping[str, bytes] = MappingProxyType({}),
+        paths: Mapping[str, list[list[float]]] = MappingProxyType({}),
     ) -> None:
         place = self.of(result.student)
         place.mkdir(parents=True, exist_ok=True)
-        for test in result.tests:
-            if test.picture and test.name in pictures:
-                write_whole(place / test.picture, pictures[test.name])
         if paths:
-            known = {**self._paths(result.student), **paths}
+            known = {**self.paths(result.student), **paths}
             write_whole(place / PATHS, json.dumps(known).encode())
-        write_whole(place / RESULT, (result.to_json() + "\n").encode())
-        self._tell_gradescope(result)
+        write_student(place, result, pictures=pictures)
+        if self._gradescope is not None:
+            files = {one.name: place / one.picture for one in result.tests if one.picture}
+            there = {name: file.read_bytes() for name, file in files.items() if file.is_file()}
+            write_gradescope(self._gradescope, result, pictures=there)
 
-    def write_whole(self, result: SubmissionResult) -> None:
-        write_student(self.of(result.student), result)
-        self._tell_gradescope(result)
-
-    def _tell_gradescope(self, result: SubmissionResult) -> None:
-        if self._gradescope is None:
-            return
-        place = self.of(result.student)
-        files = {one.name: place / one.picture for one in result.tests if one.picture}
-        pictures = {name: file.read_bytes() for name, file in files.items() if file.is_file()}
-        write_gradescope(self._gradescope, result, pictures=pictures)
-
-    def paths(self, student: str) -> dict[str, Floats]:
-        return {name: np.asarray(path, float) for name, path in self._paths(student).items()}
-
-    def _paths(self, student: str) -> dict[str, list[list[float]]]:
+    def paths(self, student: str) -> dict[str, list[list[float]]]:
         try:
             data = json.loads((self.of(student) / PATHS).read_bytes())
         except (OSError, ValueError):
@@ -128,7 +114,7 @@ def _paths(
     of_students = {result.student: folder.paths(result.student) for result in results}
     return {
         test.name: {
-            student: paths[test.name]
+            student: np.asarray(paths[test.name], float)
             for student, paths in of_students.items()
             if test.name in paths
         }
