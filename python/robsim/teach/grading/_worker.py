@@ -95,10 +95,7 @@ class Worker:
 
     def _hello(self) -> bytes:
         message = [pickle.dumps(self._setup)]
-        kind, body = self._asked(Kind.HELLO, message, self._limits.first_call, (), None)
-        if kind != Kind.READY:
-            self._refuse_kind(kind, body, None, None)
-        return body
+        return self._asked(Kind.HELLO, Kind.READY, message, self._limits.first_call)
 
     def exchange(
         self, message: bytes, pixels: NDArray[np.uint8] | None, slot: str, k: int
@@ -109,24 +106,22 @@ class Worker:
         parts: list[bytes | memoryview] = [message]
         if pixels is not None:
             parts.append(pixels.data)
-        kind, body = self._asked(Kind.STEP, parts, call * len(group), group, k)
-        if kind != Kind.ANSWER:
-            self._refuse_kind(kind, body, slot, k)
-        return body
+        return self._asked(Kind.STEP, Kind.ANSWER, parts, call * len(group), group, k)
 
     def _asked(
         self,
         kind: Kind,
+        due: Kind,
         parts: Sequence[bytes | memoryview],
         seconds: float,
-        group: tuple[str, ...],
-        k: int | None,
-    ) -> tuple[Kind, bytes]:
-        """Send a message, and return what comes within so many seconds."""
+        group: tuple[str, ...] = (),
+        k: int | None = None,
+    ) -> bytes:
+        """Send a message, and return the body of the one that is due within so many seconds."""
         slot = group[0] if group else None
         patience = min(seconds, max(self._deadline - time.monotonic(), 1e-3))
         try:
-            return self._channel.exchange(kind, *parts, patience=patience)
+            came, body = self._channel.exchange(kind, *parts, patience=patience)
         except TimeoutError:
             what = " and ".join(group) or "loading the submission"
             if patience < seconds:
@@ -138,6 +133,9 @@ class Worker:
             self.refuse(slot, k, f"the worker has sent {error}")
         except (EOFError, OSError):
             self._refuse_death(slot, k)
+        if came != due:
+            self._refuse_kind(came, body, slot, k)
+        return body
 
     def _refuse_death(self, slot: str | None, k: int | None) -> NoReturn:
         ending = self.process.wait(_DYING)

@@ -102,9 +102,7 @@ class CallWorker(Worker):
         seconds = self._limits.call if self._called else self._limits.first_call
         self._called = True
         parts = [NUMBER.pack(self._names.index(name)), *to_parts(arguments)]
-        kind, body = self._asked(Kind.CALL, parts, seconds, (name,), k)
-        if kind != Kind.RESULT:
-            self._refuse_kind(kind, body, name, k)
+        body = self._asked(Kind.CALL, Kind.RESULT, parts, seconds, (name,), k)
         try:
             arrays = from_message(body)
         except ValueError as error:
@@ -204,9 +202,7 @@ class JudgeWorker(Worker):
     def said(self, seconds: float) -> str:
         """Return what the judge says, within so many seconds, as text that is harmless."""
         parts = [pickle.dumps(self._setup)]
-        kind, body = self._asked(Kind.HELLO, parts, seconds, (), None)
-        if kind != Kind.RESULT:
-            self._refuse_kind(kind, body, None, None)
+        body = self._asked(Kind.HELLO, Kind.RESULT, parts, seconds)
         try:
             (text,) = from_message(body)
         except ValueError as error:

@@ -95,19 +95,14 @@ class Task:
     def only(self, names: Iterable[str]) -> Task:
         """Return the same for some of its slots and functions, so that no others are loaded."""
         names = {*names}
-        rules = self.rules
-        return dataclasses.replace(
-            self,
-            rules=dataclasses.replace(
-                rules,
-                slots=tuple(name for name in rules.slots if name in names),
-                functions=tuple(name for name in rules.functions if name in names),
-            ),
-            submission=dataclasses.replace(
-                self.submission,
-                slots=tuple(name for name in self.submission.slots if name in names),
-            ),
-        )
+
+        def some(known: tuple[str, ...]) -> tuple[str, ...]:
+            return tuple(name for name in known if name in names)
+
+        slots, functions = some(self.rules.slots), some(self.rules.functions)
+        rules = dataclasses.replace(self.rules, slots=slots, functions=functions)
+        files = dataclasses.replace(self.submission, slots=some(self.submission.slots))
+        return dataclasses.replace(self, rules=rules, submission=files)
 
     @property
     def limits_of_worker(self) -> WorkerLimits:
