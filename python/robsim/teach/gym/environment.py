@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -27,64 +26,45 @@ from robsim.teach.tasks.kinds.park import ParkTask
 _LENGTH = 100.0  # px of the work area that count as 1
 
 
-class Reward(ABC):
-    """What is left to do in a run; its decrease is the reward of a step."""
-
-    def __init__(self, pose: Floats) -> None:
-        self._left = self.left(pose)
-
-    @abstractmethod
-    def left(self, pose: Floats) -> float:
-        """Return what is left to do from a pose on, 0 at the goal."""
-
-    def step(self, pose: Floats) -> float:
-        before, self._left = self._left, self.left(pose)
-        # reward = left(k) - left(k + 1): the sum over a run is what was done of it
-        return before - self._left
+#: What is left to do in a run from a pose on, 0 at the goal; its decrease is the reward of a step.
+Left = Callable[[Floats], float]
 
 
-class ParkReward(Reward):
-    """The distance from the goal, and near it the heading error."""
+def _left_to_park(task: ParkTask, start: Floats) -> Left:
+    """Return distance / 100 px + |heading error| exp(-distance / 100 px), of a pose."""
+    x, y, heading = task.goal
 
-    def __init__(self, task: ParkTask, pose: Floats) -> None:
-        self._goal = task.goal
-        super().__init__(pose)
-
-    def left(self, pose: Floats) -> float:
-        """Return distance / 100 px + |heading error| exp(-distance / 100 px)."""
-        x, y, heading = self._goal
+    def left(pose: Floats) -> float:
         distance = math.hypot(pose[0] - x, pose[1] - y) / _LENGTH
         error: float = abs(wrap_angle(pose[2] - heading))
         return distance + error * math.exp(-distance)
 
+    return left
 
-class FollowReward(Reward):
-    """The way that is left along the path, and the distance from it."""
 
-    def __init__(self, task: FollowTask, pose: Floats) -> None:
-        self._points = np.vstack((pose[:2], task.waypoints))
-        self._radius: float = task.values["WAYPOINT_RADIUS"]
-        self._next = 1  # the number of the waypoint that is driven to
-        super().__init__(pose)
+def _left_to_follow(task: FollowTask, start: Floats) -> Left:
+    """Return (way left along the path + distance from it) / 100 px, of a pose."""
+    points = np.vstack((start[:2], task.waypoints))
+    radius: float = task.values["WAYPOINT_RADIUS"]
+    number = 1  # of the waypoint that is driven to
 
-    def left(self, pose: Floats) -> float:
-        """Return (way left along the path + distance from it) / 100 px."""
-        points, position = self._points, pose[:2]
-        while self._next < len(points) - 1:
-            if math.dist(position, points[self._next]) > self._radius:
-                break
-            self._next += 1
-        start, end = points[self._next - 1 : self._next + 1]
-        nearest = nearest_on_segment(position, start, end)
-        rest = points[self._next :]
-        way = math.dist(nearest, end) + sum(map(math.dist, rest, rest[1:]))
+    def left(pose: Floats) -> float:
+        nonlocal number
+        position = pose[:2]
+        while number < len(points) - 1 and math.dist(position, points[number]) <= radius:
+            number += 1
+        nearest = nearest_on_segment(position, points[number - 1], points[number])
+        rest = points[number:]
+        way = math.dist(nearest, rest[0]) + sum(map(math.dist, rest, rest[1:]))
         return (way + math.dist(position, nearest)) / _LENGTH
 
+    return left
 
-#: By the kind of task: what makes the reward of a run from the task and the first pose.
-REWARDS: Mapping[type[Task], Callable[[Any, Floats], Reward]] = {
-    ParkTask: ParkReward,
-    FollowTask: FollowReward,
+
+#: By the kind of task: what makes it from the task and the first pose.
+REWARDS: Mapping[type[Task], Callable[[Any, Floats], Left]] = {
+    ParkTask: _left_to_park,
+    FollowTask: _left_to_follow,
 }
 
 
@@ -159,7 +139,8 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self._input = (0.0, 0.0)
         self._simulation: Simulation | None = None
         self._pose = np.zeros(4)
-        self._reward: Reward
+        self._left_of: Left
+        self._left = 0.0
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -179,7 +160,8 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self._pose = np.array([area[0] / 2, area[1] / 2, 0, 0])
         step = self._next_step()
         pose = self._simulation._world.pose
-        self._reward = REWARDS[type(self.task)](self.task, pose)
+        self._left_of = REWARDS[type(self.task)](self.task, pose)
+        self._left = self._left_of(pose)
         return self._observed(step), {"pose_true": pose}
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
@@ -197,7 +179,9 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         info: dict[str, Any] = {"pose_true": pose}
         if is_over:
             info["scores"] = self.task.score(simulation.trace)
-        return self._observed(step), self._reward.step(pose), False, is_over, info
+        before, self._left = self._left, self._left_of(pose)
+        # reward = left(k) - left(k + 1): the sum over a run is what was done of it
+        return self._observed(step), before - self._left, False, is_over, info
 
     def render(self) -> NDArray[Any] | None:
         """Return the frame, uint8 (H, W, 3), if `render_mode` says so."""
