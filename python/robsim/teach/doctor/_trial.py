@@ -275,10 +275,7 @@ class _TrialRun:
             self._clock.check(self._estimator.budget)
 
     def run(self) -> Trial:
-        try:
-            self._simulation.run(len(self._situation.u))
-        except (Exception, SystemExit) as error:
-            self._error = error
+        self._attempt(self._simulation.run, len(self._situation.u))
         return self.trial()
 
     def watched(self) -> AbstractContextManager[None]:
@@ -286,8 +283,12 @@ class _TrialRun:
         return self._simulation._watched()
 
     def step(self) -> bool:
+        """Do a step; return whether that fails."""
+        return self._attempt(self._simulation.step)
+
+    def _attempt(self, act: Callable[..., Any], *given: Any) -> bool:
         try:
-            self._simulation.step()
+            act(*given)
         except (Exception, SystemExit) as error:
             self._error = error
         return self._error is not None

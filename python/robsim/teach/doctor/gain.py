@@ -35,6 +35,11 @@ def named(chosen: npt.NDArray[np.bool_]) -> str:
     return " and ".join(name for name, one in zip(AXES, chosen, strict=True) if one)
 
 
+def delays(changed: npt.NDArray[np.bool_]) -> list[int | None]:
+    """Return the first step in which each column is set; None = there is none."""
+    return [int(one.argmax()) if one.any() else None for one in changed.T]
+
+
 @dataclass(frozen=True, eq=False)
 class Response:
     """The changes of an estimate after measurements are displaced, from that step on."""
@@ -49,8 +54,7 @@ class Response:
     @property
     def delay(self) -> list[int | None]:
         """The number of steps until each component changes; None = it does not."""
-        moved = abs(self.change) > _RESPONSE
-        return [int(one.argmax()) if one.any() else None for one in moved.T]
+        return delays(abs(self.change) > _RESPONSE)
 
 
 class Gains:

@@ -24,6 +24,7 @@ from robsim.base.source_line import SourceLine
 from robsim.teach.doctor._lines import line_that_reads, line_that_sets
 from robsim.teach.doctor._situations import Situation
 from robsim.teach.doctor._trial import EstimatorUnderTest, Trial
+from robsim.teach.doctor.gain import AXES, delays, named
 
 DISPLACED_AT = 200  # the step
 _OFFSET = (3.0, 3.0, 0.1)  # px, px, rad: far beyond the noise, so that no dead zone hides it
@@ -49,12 +50,12 @@ class Influence:
         """Steps until each row of the parameters changes with an input in phi; None = never."""
         u = self._usual.situation.u.copy()
         u[DISPLACED_AT - 1] += _VOLTS
-        return _delays(self._changed(replace(self._usual.situation, u=u)))
+        return delays(self._changed(replace(self._usual.situation, u=u)))
 
     @cached_property
     def of_pose(self) -> list[Delays]:
         """The same for a pose, first in y: a list for each component that is displaced."""
-        return [_delays(self._changed(self._displaced(axis))) for axis in range(3)]
+        return [delays(self._changed(self._displaced(axis))) for axis in range(3)]
 
     @cached_property
     def memory(self) -> int | None:
@@ -98,10 +99,6 @@ class Influence:
         before = self._usual.outputs[steps][: len(after)]
         differs = abs(after - before) > _CHANGE * (1 + abs(before))
         return np.asarray(differs.reshape(-1, 3, 5).any(axis=2))
-
-
-def _delays(changed: npt.NDArray[np.bool_]) -> Delays:
-    return [int(one.argmax()) if one.any() else None for one in changed.T]
 
 
 # P grows by 1 / lambda at each sample that brings nothing new. Beyond 1e15 times its size a double
@@ -176,7 +173,6 @@ _UNKNOWNS = 5  # of an axis
 _RUNAWAY = 1e6  # right ones are below 10
 _FITTED = 0.02  # share of an error that is left after the update; least squares leave about 1
 _ORDINARY = 0.95  # share of the samples whose error an update reduces
-_NAMES = ("x", "y", "heading")
 _COLUMNS = ("a1", "a2", "b1", "b2", "d1")
 _GOES_ON = np.tile((2.0, -1.0, 0.0, 0.0, 0.0), (3, 1))
 
@@ -250,9 +246,8 @@ def learning_items(trial: Trial, influence: Influence) -> Iterator[Problem | str
     is_bad = ~(error < _LEARNED) | has_no_inputs
     if not is_bad.any():
         return
-    worst = " and ".join(name for name, bad in zip(_NAMES, is_bad, strict=True) if bad)
     result = (
-        f"after {len(trial.outputs)} samples its parameters predict {worst} with "
+        f"after {len(trial.outputs)} samples its parameters predict {named(is_bad)} with "
         f"{error[is_bad].max():.3g} times the error of 2 x(k-1) - x(k-2), which learns nothing"
     )
     found = _cause(learning, influence)
@@ -329,7 +324,7 @@ def _from_displacements(learning: Learning, influence: Influence) -> Iterator[tu
     for i, j in influence.mixed:
         yield (
             "axes mixed",
-            f"a displaced {_NAMES[i]} changes the parameters of {_NAMES[j]}: each axis has its own "
+            f"a displaced {AXES[i]} changes the parameters of {AXES[j]}: each axis has its own "
             "phi[i], y[i], theta[i] and P, (5, 5); one P, one phi or one filter for all three, and "
             "exchanged rows of y, do this",
         )

@@ -104,7 +104,12 @@ def report_of(
     folder = _Folder(file.parent if is_file else file, around, is_alone=is_file)
     checks = {slot: folder.check(slot) for slot in SLOTS if slot in wanted}
     reports = {slot: one for slot, one in checks.items() if isinstance(one, CheckReport)}
-    report = FolderReport(
+    rows = [
+        Row(slot, (_verdict(check), f"{slot}.py" if slot in reports else ""))
+        for slot, check in checks.items()
+    ]
+    columns = (Column("verdict", "verdict", ""), Column("file", "file", ""))
+    return FolderReport(
         name=str(file),
         checks=checks,
         problems=tuple(
@@ -116,19 +121,15 @@ def report_of(
             *(f"{slot}.py: {remark}" for slot, one in reports.items() for remark in one.remarks),
             *folder.remarks,
         ),
+        tables=(
+            Table(key="callbacks", columns=columns, rows=rows, row_title="slot"),
+            *(
+                replace(table, key=f"{slot}_{table.key}")
+                for slot, one in reports.items()
+                for table in one.tables
+            ),
+        ),
     )
-    rows = [
-        Row(slot, (_verdict(check), f"{slot}.py" if slot in reports else ""))
-        for slot, check in checks.items()
-    ]
-    columns = (Column("verdict", "verdict", ""), Column("file", "file", ""))
-    table = Table(key="callbacks", columns=columns, rows=rows, row_title="slot")
-    others = (
-        replace(table, key=f"{slot}_{table.key}")
-        for slot, one in reports.items()
-        for table in one.tables
-    )
-    return replace(report, tables=(table, *others))
 
 
 def _slot_of(file: Path, wanted: tuple[str, ...]) -> str:
