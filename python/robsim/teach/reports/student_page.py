@@ -21,6 +21,7 @@ _HIDDEN = (
     "This test is hidden: its worlds are not given out before or after. To see a run of it, ask "
     "your teacher, who can repeat each one."
 )
+_FOR_TEACHER = "For the teacher: with hidden tests. Students get index.html."
 _SCALE = "Bars: green = all points, red = none; the line is the result, dots are single runs."
 
 
@@ -39,13 +40,8 @@ def student_page(
 def _head(result: SubmissionResult, for_teacher: bool) -> Html:
     points, most = result.points, result.most
     share = 100 * fraction_of(points, most)
-    notes = [tag("p", note, class_="note") for note in words.notes(result)]
-    if words.not_graded(result):
-        notes.insert(0, tag("p", words.not_graded(result), class_="note"))
-    if not result.is_done:
-        notes.insert(0, tag("p", "Not all tests have been run yet.", class_="note"))
-    if for_teacher:
-        notes.insert(0, tag("p", "For the teacher: with hidden tests. Students get index.html."))
+    waiting = "" if result.is_done else "Not all tests have been run yet."
+    notes = [waiting, words.not_graded(result), *words.notes(result)]
     total = tag("b", number(points)), tag("span", f" of {number(most)} points")
     return tag(
         "header",
@@ -53,7 +49,8 @@ def _head(result: SubmissionResult, for_teacher: bool) -> Html:
         tag("h1", words.person(result.student)),
         tag("p", *total, class_="total"),
         tag("div", tag("i", style=f"width:{share:.2f}%"), class_="meter", aria_hidden="true"),
-        *notes,
+        tag("p", _FOR_TEACHER) if for_teacher else "",
+        *(tag("p", note, class_="note") for note in notes if note),
     )
 
 

@@ -158,9 +158,9 @@ class TaskTrial(Report):
     @property
     def remarks(self) -> tuple[str, ...]:
         """What the numbers mean, what failed, and what the limits are worth."""
-        return (*self._on_runs(), *self._on_numbers(), *self._on_limits())
+        return tuple(self._remarks())
 
-    def _on_runs(self) -> Iterator[str]:
+    def _remarks(self) -> Iterator[str]:
         for run, sentence in list(self.failed.items())[:_MOST_SHOWN]:
             yield f"run {run} failed: {sentence}"
         if len(self.failed) > _MOST_SHOWN:
@@ -168,8 +168,6 @@ class TaskTrial(Report):
         if self.broken:
             runs = count(len(self.broken), self.runs)
             yield f"runs against the rules: {runs}; run {self.broken[0]}: {self.rule}"
-
-    def _on_numbers(self) -> Iterator[str]:
         yield (
             "yours and the reference's are medians of the runs; what they come to is how many "
             "times the reference's yours are, as the geometric mean over the runs"
@@ -178,13 +176,9 @@ class TaskTrial(Report):
             yield "what should be 1, a consistency, is the geometric mean of yours alone"
         if self.worst is not None:
             yield f"the worst run is number {self.worst}"
-
-    def _on_limits(self) -> Iterator[str]:
-        if not self.limits:
-            return
-        if not self.has_own_limits:
+        if self.limits and not self.has_own_limits:
             yield "the limits are those of the task with its default parameters"
-        if self.runs < self.task.runs:
+        if self.limits and self.runs < self.task.runs:
             yield (
                 f"the limits are for {self.task.runs} runs: with fewer there is more chance in "
                 "what they come to"

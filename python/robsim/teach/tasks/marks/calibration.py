@@ -137,25 +137,14 @@ class TaskCalibration(Report):
     @property
     def tables(self) -> tuple[Table, ...]:
         """The limits, and what the solutions come to."""
-        return self._limits_table, self._solutions_table
-
-    @property
-    def _limits_table(self) -> Table:
-        columns = [
+        of_limits = [
             Column("full", "full points up to", ""),
             Column("zero", "none from", ""),
             Column("low", "full points down to", ""),
             Column("low_zero", "none from there down", ""),
         ]
-        rows = [
-            Row(name, [limit.full, limit.zero, limit.low, limit.low_zero])
-            for name, limit in self.limits.items()
-        ]
-        return Table(key="limits", columns=columns, rows=rows, row_title="score")
-
-    @property
-    def _solutions_table(self) -> Table:
-        columns = [
+        limits = [Row(name, [*vars(limit).values()]) for name, limit in self.limits.items()]
+        of_solutions = [
             Column("kind", "is", ""),
             Column("tests", "tests", ""),
             Column("rate", "fails", "", percent),
@@ -163,21 +152,15 @@ class TaskCalibration(Report):
             Column("points", "points", "", percent),
             *(Column(name, name, "", ".3g") for name in self.limits),
         ]
-        rows = [
-            Row(
-                one.name,
-                [
-                    "right" if one.is_right else "wrong",
-                    one.tests,
-                    one.rate,
-                    one.rate_interval,
-                    one.points,
-                    *one.statistics.values(),
-                ],
-            )
-            for one in self.solutions
-        ]
-        return Table(key="solutions", columns=columns, rows=rows, row_title="solution")
+        solutions = []
+        for one in self.solutions:
+            kind, found = "right" if one.is_right else "wrong", one.statistics.values()
+            numbers = [one.tests, one.rate, one.rate_interval, one.points, *found]
+            solutions.append(Row(one.name, [kind, *numbers]))
+        return (
+            Table(key="limits", columns=of_limits, rows=limits, row_title="score"),
+            Table(key="solutions", columns=of_solutions, rows=solutions, row_title="solution"),
+        )
 
     @property
     def remarks(self) -> tuple[str, ...]:
