@@ -54,7 +54,6 @@ class Channel:
     def __init__(self, connection: socket.socket, limits: dict[Kind, int] | None = None) -> None:
         self._socket = connection
         self._limits = limits
-        self._buffer = bytearray(_BUFFER)
         self._patience: float | None = None
         connection.settimeout(None)
         self._native: _core.MessageSocket | None = None
@@ -64,22 +63,13 @@ class Channel:
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def send(self, kind: Kind, *parts: bytes | memoryview, patience: float | None = None) -> None:
-        """Send a message, in one call where possible.
+        """Send a message.
 
         Raise TimeoutError after the patience (s), OSError if the connection fails.
         """
         self._wait_at_most(patience)
-        views = [memoryview(part).cast("B") for part in parts]
-        length = sum(map(len, views))
-        message = [memoryview(_HEAD.pack(kind, 0, length)), *views]
-        if not hasattr(self._socket, "sendmsg"):  # Windows
-            self._socket.sendall(b"".join(message))
-            return
-        sent = self._socket.sendmsg(message)
-        for view in message:
-            if sent < len(view):
-                self._socket.sendall(view[sent:])
-            sent = max(0, sent - len(view))
+        body = b"".join(parts)
+        self._socket.sendall(_HEAD.pack(kind, 0, len(body)) + body)
 
     def receive(self, patience: float | None = None) -> tuple[Kind, bytes]:
         """Return the next message.
@@ -89,21 +79,15 @@ class Channel:
         """
         deadline = None if patience is None else time.monotonic() + patience
         self._wait_at_most(patience)
-        have = self._socket.recv_into(self._buffer)
-        while have < _HEAD.size:
-            have += self._more(memoryview(self._buffer)[have:], deadline, have)
-        kind, length = self._head()
-        end = _HEAD.size + length
-        if have > end:
+        have = bytearray()
+        while len(have) < _HEAD.size:
+            self._read(have, deadline)
+        kind, length = self._head(have)
+        while len(have) < _HEAD.size + length:
+            self._read(have, deadline)
+        if len(have) > _HEAD.size + length:
             raise WireError("more than one message at a time")
-        if have == end:
-            return kind, bytes(memoryview(self._buffer)[_HEAD.size : end])
-        body = bytearray(length)
-        body[: have - _HEAD.size] = self._buffer[_HEAD.size : have]
-        view = memoryview(body)[have - _HEAD.size :]
-        while len(view):
-            view = view[self._more(view, deadline, have) :]
-        return kind, bytes(body)
+        return kind, bytes(memoryview(have)[_HEAD.size :])
 
     def exchange(
         self, kind: Kind, *parts: bytes | memoryview, patience: float | None = None
@@ -124,8 +108,8 @@ class Channel:
             self._socket.settimeout(patience)
             self._patience = patience
 
-    def _head(self) -> tuple[Kind, int]:
-        number, zero, length = _HEAD.unpack_from(self._buffer)
+    def _head(self, message: bytearray) -> tuple[Kind, int]:
+        number, zero, length = _HEAD.unpack_from(message)
         try:
             kind = Kind(number)
         except ValueError:
@@ -136,18 +120,17 @@ class Channel:
             raise WireError(f"a message of {length} bytes, more than {self._limits[kind]}")
         return kind, length
 
-    def _more(self, view: memoryview, deadline: float | None, have: int) -> int:
-        if have == 0:
-            raise EOFError("the other side has closed the connection")
-        if deadline is not None:
+    def _read(self, have: bytearray, deadline: float | None) -> None:
+        """Read more of a message, behind what is there of it."""
+        if have and deadline is not None:
             left = deadline - time.monotonic()
             if left <= 0:
                 raise TimeoutError("no whole message in time")
             self._wait_at_most(left)
-        count = self._socket.recv_into(view)
-        if count == 0:
-            raise EOFError("the other side has closed the connection in the middle of a message")
-        return count
+        if not (more := self._socket.recv(_BUFFER)):
+            where = " in the middle of a message" if have else ""
+            raise EOFError(f"the other side has closed the connection{where}")
+        have += more
 
     def close(self) -> None:
         self._native = None

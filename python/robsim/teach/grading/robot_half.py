@@ -115,18 +115,15 @@ class RobotHalf(Runner):
         self._core.set_controller_seed(setup.controller_seed)
         self._core.set_given(given_to(filled, setup.frames), samples=True)
         self._fill_slots(estimate_parameters=setup.estimates_parameters or None)
-        self._fill(callbacks)
+        for slot in self.SLOTS:
+            if slot in callbacks:
+                callback = callbacks[slot]
+                is_default = callback is False or (callback is True and slot == "measure")
+                self._set_slot(slot, None if is_default else callback)
         for stage in self._told(filled):
             self._core.set_slot(stage, world)
         self._core.set_observer(world)
         self._ready = self._readiness(callbacks, filled)
-
-    def _fill(self, callbacks: Mapping[str, Any]) -> None:
-        for slot in SLOTS:
-            if slot in callbacks and slot in self.SLOTS:
-                callback = callbacks[slot]
-                is_default = callback is False or (callback is True and slot == "measure")
-                self._set_slot(slot, None if is_default else callback)
 
     def _told(self, filled: tuple[str, ...]) -> tuple[str, ...]:
         """Return the grader's stages whose results this half is told before its own last one."""
