@@ -7,7 +7,6 @@ the displacement, is the gain of the filter, whatever its inside looks like.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -40,69 +39,63 @@ def delays(changed: npt.NDArray[np.bool_]) -> list[int | None]:
     return [int(one.argmax()) if one.any() else None for one in changed.T]
 
 
-@dataclass(frozen=True, eq=False)
-class Response:
-    """The changes of an estimate after measurements are displaced, from that step on."""
-
-    change: Floats  # (N, 3), in units of the displacement
-
-    @property
-    def gain(self) -> Floats:
-        """The share of the displacement that the estimate takes over at once, (3,)."""
-        return np.asarray(self.change[0])
-
-    @property
-    def delay(self) -> list[int | None]:
-        """The number of steps until each component changes; None = it does not."""
-        return delays(abs(self.change) > _RESPONSE)
-
-
 class Gains:
-    """The responses of an estimator to measurements."""
+    """The responses of an estimator to measurements.
+
+    A gain is the share of the displacement of a measurement that the estimate takes over at once.
+    """
 
     def __init__(self, trials: Trials) -> None:
         self._trials = trials
 
     @cached_property
-    def usual(self) -> Response:
-        """When the robot has been seen for a long time."""
-        return self._response(self._trials.seen, SEEN_AT, _OFFSET, _WATCHED)
+    def _usual(self) -> Floats:
+        return self._changes(self._trials.seen, SEEN_AT, _OFFSET, _WATCHED)
+
+    @property
+    def usual(self) -> Floats:
+        """The gain when the robot has been seen for a long time, (3,)."""
+        return np.asarray(self._usual[0])
+
+    @property
+    def delay(self) -> list[int | None]:
+        """The number of steps until each component changes then; None = it does not."""
+        return delays(abs(self._usual) > _RESPONSE)
 
     @cached_property
     def far(self) -> Floats:
         """The gain (2, 3) of measurements that are displaced far, to either side."""
         offsets = (_FAR * _OFFSET, -_FAR * _OFFSET)
-        return np.array(
-            [self._response(self._trials.seen, SEEN_AT, one, 1).gain for one in offsets]
-        )
+        return np.array([self._changes(self._trials.seen, SEEN_AT, one, 1)[0] for one in offsets])
 
     @cached_property
     def after_gap(self) -> Floats:
         """The gain of the first measurement after a while out of sight, (3,)."""
-        return self._response(self._trials.gap, UNSEEN.stop, _OFFSET, 1).gain
+        return np.asarray(self._changes(self._trials.gap, UNSEEN.stop, _OFFSET, 1)[0])
 
     @cached_property
     def first(self) -> Floats:
         """The gain of the second measurement (3, 3): of each component on each."""
         columns = [
-            self._response(self._trials.seen, 1, offset, 1).change[0] * _OFFSET
+            self._changes(self._trials.seen, 1, offset, 1)[0] * _OFFSET
             for offset in np.diag(_OFFSET)
         ]
         # K(i, j) = change of i / displacement of j
         return np.asarray(np.array(columns).T / _OFFSET)
 
-    def _response(self, usual: Trial, start: int, offset: Floats, steps: int) -> Response:
+    def _changes(self, usual: Trial, start: int, offset: Floats, steps: int) -> Floats:
+        """Return the changes of an estimate (N, 3) from a step on, in units of `_OFFSET`."""
         situation = usual.situation.displaced(offset, start).first(start + steps)
         trial = self._trials.estimator.try_in(situation)
         before, after = (one.outputs[start : start + steps, :3] for one in (usual, trial))
         if len(after) == 0:
-            return Response(np.zeros((1, 3)))
+            return np.zeros((1, 3))
         with np.errstate(all="ignore"):
-            return Response(pose_difference(after, before[: len(after)]) / _OFFSET)
+            return np.asarray(pose_difference(after, before[: len(after)]) / _OFFSET)
 
 
 def ignored_problem(trials: Trials, gains: Gains) -> Problem | None:
-    if any(one is not None for one in gains.usual.delay):
+    if any(one is not None for one in gains.delay):
         return None
     if trials.diverged_at is not None and (abs(gains.first) > _RESPONSE).any():
         return None
@@ -114,12 +107,11 @@ def ignored_problem(trials: Trials, gains: Gains) -> Problem | None:
 
 
 def unused_problem(trials: Trials, gains: Gains) -> Problem | None:
-    delays = gains.usual.delay
     if trials.diverged_at is not None:
         return None
     # A gate may leave out one that is displaced little, but not all.
     reaches = np.max(abs(gains.far), axis=0) > _RESPONSE
-    is_unused = np.array([one is None for one in delays]) & ~reaches
+    is_unused = np.array([one is None for one in gains.delay]) & ~reaches
     if not is_unused.any():
         return None
     return trials.seen.problem(
@@ -131,14 +123,13 @@ def unused_problem(trials: Trials, gains: Gains) -> Problem | None:
 
 
 def late_problem(trials: Trials, gains: Gains) -> Problem | None:
-    delays = gains.usual.delay
-    if trials.diverged_at is not None or not any(delays):
+    if trials.diverged_at is not None or not any(gains.delay):
         return None
     # The median of some measurements does not move with one that stays the largest.
     at_once = np.max(abs(gains.far), axis=0).tolist()
     late = [
         (name, n)
-        for name, n, gain in zip(AXES, delays, at_once, strict=True)
+        for name, n, gain in zip(AXES, gains.delay, at_once, strict=True)
         if n and gain < _RESPONSE
     ]
     if not late:
@@ -201,7 +192,7 @@ def _cause(gains: Gains, *, is_near: bool) -> tuple[str, str]:
             f"displaced by 1, {named(own > 1.5)} moves by {own.max():.3g} at the second step: a "
             "gain K is at most 1; check K = P H' / (H P H' + R)",
         )
-    usual = gains.usual.gain
+    usual = gains.usual
     if is_near and (abs(usual) < _HARDLY).all():
         return (
             _NO_Q,
@@ -220,13 +211,13 @@ def _cause(gains: Gains, *, is_near: bool) -> tuple[str, str]:
 def gain_remarks(trials: Trials, gains: Gains) -> Iterator[str]:
     if trials.diverged_at is not None:
         return
-    gain = gains.usual.gain
+    gain = gains.usual
     if np.allclose(gain, 1, atol=1e-9):
         yield (
             "it hands the measurement on (its gain is 1): nothing is filtered while the robot is "
             "seen"
         )
-    elif (abs(gain) < 0.05).all() and not any(gains.usual.delay):
+    elif (abs(gain) < 0.05).all() and not any(gains.delay):
         yield (
             f"it hardly listens to measurements any more (its gain is {abs(gain).max():.2g}): "
             "correct only if its model is exact, without disturbances, slip and walls"

@@ -250,8 +250,9 @@ def learning_items(trial: Trial, influence: Influence) -> Iterator[Problem | str
         f"after {len(trial.outputs)} samples its parameters predict {named(is_bad)} with "
         f"{error[is_bad].max():.3g} times the error of 2 x(k-1) - x(k-2), which learns nothing"
     )
-    found = _cause(learning, influence)
-    if found is None:
+    looks = (_from_values, _from_displacements, _from_updates)
+    found = next((one for look in looks for one in look(learning, influence)), None)
+    if found is None:  # they come slowly
         yield (
             f"{result}; each update reduces the error of its sample by "
             f"{1 - np.median(learning.left):.2g} of it, as a gradient method (LMS, NLMS) does: "
@@ -262,12 +263,6 @@ def learning_items(trial: Trial, influence: Influence) -> Iterator[Problem | str
     kind, cause = found
     line = line_of_matrix(trial.estimator) if kind == _NOTHING else None
     yield trial.problem(kind, f"{result}: {cause}", len(trial.outputs) - 1, line)
-
-
-def _cause(learning: Learning, influence: Influence) -> tuple[str, str] | None:
-    """Return kind and sentence of parameters that predict nothing; None = they come slowly."""
-    looks = (_from_values, _from_displacements, _from_updates)
-    return next((found for look in looks for found in look(learning, influence)), None)
 
 
 def _from_values(learning: Learning, influence: Influence) -> Iterator[tuple[str, str]]:
