@@ -70,13 +70,9 @@ class Paths:
             new = "/".join(parts[:end]), end < len(parts)
             known = self._known.setdefault(_same_for_all(new[0]), new)
             if known is not new and not (known == new and new[1]):
-                raise self._twice(new[0], known[0])
-
-    def _twice(self, path: str, other: str) -> SubmissionError:
-        if path == other:
-            return refusal_in(self._whole, path, "is there twice: keep one of them")
-        said = f"and {quoted(other)} are one file on some systems: rename one of them"
-        return refusal_in(self._whole, path, said)
+                said = f"and {quoted(known[0])} are one file on some systems: rename one of them"
+                twice = "is there twice: keep one of them"
+                raise refusal_in(self._whole, new[0], twice if known[0] == new[0] else said)
 
 
 def _same_for_all(path: str) -> str:

@@ -77,16 +77,14 @@ def arranged(contents: Contents, rules: Rules, given: Mapping[str, bytes]) -> Su
     paths = [f"/{path}" for path in contents.files]
     copies = frozenset(name for name in given if any(path.endswith(f"/{name}") for path in paths))
     if (rules, copies) not in contents.found:
-        contents.found[rules, copies] = _found(contents, rules, copies)
+        if contents.is_one_file:
+            (main,) = contents.files
+            found = _of_one_file(contents.name, main, contents.files, rules)
+        else:
+            found = _arranged(contents.name, contents.files, rules, copies)
+        contents.found[rules, copies] = found
     files = contents.found[rules, copies]
     return replace(files, sources={**files.sources, **given}) if given else files
-
-
-def _found(contents: Contents, rules: Rules, given: Collection[str]) -> SubmissionFiles:
-    if contents.is_one_file:
-        (main,) = contents.files
-        return _of_one_file(contents.name, main, contents.files, rules)
-    return _arranged(contents.name, contents.files, rules, given)
 
 
 def _opened(path: Path, rules: Rules) -> Contents:

@@ -19,6 +19,7 @@ from robsim.teach.submissions.python_text import check_extent, not_python, quiet
 WHOLE, SKIP = "robsim", "robsim-skip"
 _MOST_CELLS = 1000
 _MOST_BRACKETS = 200_000  # 100 bytes of memory each
+_UNREADABLE = re.compile("[\0\ud800-\udfff]")  # null characters, and halves of characters
 _MARK = re.compile(r"#\s*(robsim-skip\b|robsim\s*:)", re.IGNORECASE)
 
 
@@ -102,17 +103,9 @@ def _code_cells(cells: list[dict[str, Any]], file: str) -> Iterator[Cell]:
         if not isinstance(source, str):
             raise refusal(place, " has no text: save the notebook in Jupyter again")
         source = source.replace("\r\n", "\n").replace("\r", "\n")
-        if "\0" in source or not _is_unicode(source):
+        if _UNREADABLE.search(source):
             raise refusal(place, ": it is not UTF-8 text: write the cell anew")
         yield Cell(place, number, source, _tag(cell, source))
-
-
-def _is_unicode(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:  # half a character
-        return False
-    return True
 
 
 def _tag(cell: dict[str, Any], source: str) -> str:
@@ -183,7 +176,11 @@ def _without_cell_command(cell: Cell) -> list[str]:
 def _statements_or_fewer_commands(lines: list[str], cell: Cell) -> list[ast.stmt] | None:
     """Return the statements of a cell; or take one command out of its lines, and return None."""
     try:
-        return _statements("\n".join(lines), cell.place)
+        flags = ast.PyCF_ONLY_AST | AWAIT
+        with quiet():
+            tree = compile("\n".join(lines), cell.place, "exec", flags, dont_inherit=True)
+        assert isinstance(tree, ast.Module)
+        return tree.body
     except SyntaxError as error:
         line = _command_at(lines, error.lineno)
         if line is None:
@@ -193,13 +190,6 @@ def _statements_or_fewer_commands(lines: list[str], cell: Cell) -> list[ast.stmt
         return None
     except (ValueError, OverflowError, RecursionError, MemoryError) as error:
         raise _told(error, cell) from None
-
-
-def _statements(text: str, place: str) -> list[ast.stmt]:
-    with quiet():
-        tree = compile(text, place, "exec", ast.PyCF_ONLY_AST | AWAIT, dont_inherit=True)
-    assert isinstance(tree, ast.Module)
-    return tree.body
 
 
 def _command_at(lines: list[str], number: int | None) -> int | None:
