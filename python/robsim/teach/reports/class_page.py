@@ -47,7 +47,9 @@ def class_page(
     if floors:
         parts += [tag("h2", "Best runs", id="paths"), tag("div", *floors, class_="charts large")]
     if pairs is not None:
-        parts += [tag("h2", "Similar programs", id="similar"), *_similar(pairs)]
+        none = [tag("p", "No two programs have a striking part in common.")]
+        parts += [tag("h2", "Similar programs", id="similar"), tag("p", words.HINT, class_="note")]
+        parts += map(_pair, pairs) if pairs else none
     body = tag("div", *parts, class_="page wide")
     return page(f"{title}: the class", body, script="class.js")
 
@@ -163,13 +165,6 @@ def _hard(test: TestResult, graded: Sequence[tuple[str, TestResult]]) -> Html:
         tag("td", runs),
         tag("td", names, class_="names"),
     )
-
-
-def _similar(pairs: Sequence[SimilarPair]) -> list[Html]:
-    parts = [tag("p", words.HINT, class_="note")]
-    if not pairs:
-        return [*parts, tag("p", "No two programs have a striking part in common.")]
-    return [*parts, *map(_pair, pairs)]
 
 
 def _pair(pair: SimilarPair) -> Html:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import keyword
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from hashlib import blake2b
 from itertools import combinations
 from typing import NamedTuple
 
@@ -139,7 +139,8 @@ def winnowed(tokens: Sequence[Token], piece: int) -> list[Print]:
     Wilkerson, Aiken: Winnowing: Local Algorithms for Document Fingerprinting. SIGMOD 2003.
     """
     kinds = [token.kind for token in tokens]
-    hashes = [_hash(kinds[i : i + RUN]) for i in range(len(kinds) - RUN + 1)]
+    texts = ("\0".join(kinds[i : i + RUN]) for i in range(len(kinds) - RUN + 1))
+    hashes = [blake2b(one.encode(errors="replace"), digest_size=8).digest() for one in texts]
     kept: list[int] = []
     for start in range(max(len(hashes) - WINDOW + 1, min(len(hashes), 1))):
         window = hashes[start : start + WINDOW]
@@ -148,10 +149,6 @@ def winnowed(tokens: Sequence[Token], piece: int) -> list[Print]:
         if not kept or kept[-1] != at:
             kept.append(at)
     return [Print(hashes[i], piece, tokens[i].line, tokens[i + RUN - 1].line) for i in kept]
-
-
-def _hash(kinds: Sequence[str]) -> bytes:
-    return hashlib.blake2b("\0".join(kinds).encode(errors="replace"), digest_size=8).digest()
 
 
 _LEAST_SHARE = 0.3

@@ -90,18 +90,14 @@ def for_student(result: SubmissionResult) -> SubmissionResult:
     return replace(result, tests=tests, isolation="")
 
 
+#: What students see of a hidden test.
+_THEIRS = ("name", "title", "number", "points", "most", "status", "sentence")
+
+
 def _hidden(test: TestResult) -> TestResult:
-    return TestResult(
-        name=test.name,
-        title=test.title,
-        number=test.number,
-        public=False,
-        points=test.points,
-        most=test.most,
-        status=test.status,
-        sentence=test.sentence,
-        whose=test.whose if test.status == ERROR else None,
-    )
+    whose = test.whose if test.status == ERROR else None
+    theirs = {name: getattr(test, name) for name in _THEIRS}
+    return TestResult(**theirs, public=False, whose=whose)
 
 
 def pseudonymous(

@@ -64,18 +64,16 @@ def _cell(value: Any) -> Any:
 
 def _for_robsim(results: Sequence[SubmissionResult], _: str) -> _Rows:
     names = list(dict.fromkeys(test.name for result in results for test in result.tests))
-    head = ["student", "points", "most", "percent", *names, "is_done", "notes"]
-    return [head, *(_row(result, names) for result in results)]
-
-
-def _row(result: SubmissionResult, names: Sequence[str]) -> list[Any]:
-    points, most = result.points, result.most
-    graded = (test for test in result.tests if test.status not in (ERROR, NOT_RUN))
-    tests = {test.name: test.points for test in graded}
-    each = [tests.get(name) for name in names]
-    share = round(100 * fraction_of(points, most), 2)
-    done = "yes" if result.is_done else "no"
-    return [result.student, points, most, share, *each, done, " ".join(result.notes)]
+    rows: _Rows = [["student", "points", "most", "percent", *names, "is_done", "notes"]]
+    for result in results:
+        points, most = result.points, result.most
+        graded = (test for test in result.tests if test.status not in (ERROR, NOT_RUN))
+        tests = {test.name: test.points for test in graded}
+        each = [tests.get(name) for name in names]
+        share = round(100 * fraction_of(points, most), 2)
+        done = "yes" if result.is_done else "no"
+        rows.append([result.student, points, most, share, *each, done, " ".join(result.notes)])
+    return rows
 
 
 def _for_moodle(results: Sequence[SubmissionResult], _: str) -> _Rows:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
-from pathlib import Path
 
 from robsim.base.checks import Floats
 from robsim.base.files import as_folder, write_whole
@@ -45,7 +44,8 @@ def write_student(
     files = {test.name: test.picture for test in result.tests if test.picture}
     for name, png in (pictures or {}).items():
         write_whole(folder / files[name], png)
-    found = {name: old for name, file in files.items() if (old := _read(folder / file))}
+    places = {name: folder / file for name, file in files.items()}
+    found = {name: file.read_bytes() for name, file in places.items() if file.is_file()}
     theirs = for_student(result)
     write_whole(folder / PAGE, _utf8(student_page(theirs, found)))
     write_whole(folder / TEXT, _utf8(student_text(theirs)))
@@ -117,10 +117,3 @@ def _renamed(pair: SimilarPair, pseudonym: Callable[[str], str]) -> SimilarPair:
 
 def _utf8(text: str) -> bytes:
     return text.encode("utf-8", "backslashreplace")
-
-
-def _read(file: Path) -> bytes | None:
-    try:
-        return file.read_bytes()
-    except FileNotFoundError:
-        return None
