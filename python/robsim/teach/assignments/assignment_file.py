@@ -161,7 +161,7 @@ def _assignment(values: dict[str, Any], folder: Path, isolation: Isolation | Non
         slots=_slots_for(values, tests),
         functions=values.get("functions", ()),
         imports=values.get("imports"),
-        masked=_renamed(values.get("masked", _masked(tests))),
+        masked=_masked(values, tests),
         given=_given(values, tests),
         given_files=_given_files(folder),
         own_seeds=values.get("seeds", SEEDS[0]) == SEEDS[0],
@@ -264,13 +264,10 @@ def _given(values: dict[str, Any], tests: tuple[TaskTest, ...]) -> str:
     return given
 
 
-def _masked(tests: tuple[TaskTest, ...]) -> tuple[str, ...]:
-    names = [name for test in tests for name in test.task.masked]
-    return tuple(dict.fromkeys([*(names or Task.masked), "robsim.teach.assignments"]))
-
-
-def _renamed(masked: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(_OLD_MASKS.get(name, name) for name in masked))
+def _masked(values: dict[str, Any], tests: tuple[TaskTest, ...]) -> tuple[str, ...]:
+    of_tests = [name for test in tests for name in test.task.masked]
+    names = values.get("masked", [*(of_tests or Task.masked), "robsim.teach.assignments"])
+    return tuple(dict.fromkeys(_OLD_MASKS.get(name, name) for name in names))
 
 
 def _given_files(folder: Path) -> dict[str, bytes]:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 from robsim.base.checks import check_bool, check_callable
@@ -70,8 +69,14 @@ def calibrate_assignment(
     check_callable("on_begin", on_begin)
     if on_begin is not None:
         processes = executor if isinstance(executor, int) else 1
-        shares = {"false_fail": false_fail, "confidence": confidence}
-        on_begin(_seconds(assignment, **shares, processes=processes), kept.is_dir())
+        options: dict[str, Any] = {"false_fail": false_fail, "confidence": confidence}
+        seconds = sum(
+            calibration_seconds(
+                test.task, _usable(assignment, test.task), **options, processes=processes
+            )
+            for test, _ in _by_task(assignment)
+        )
+        on_begin(seconds, kept.is_dir())
     found: dict[str, TaskCalibration] = {}
     for test, names in _by_task(assignment):
         solutions = _usable(assignment, test.task)
@@ -87,16 +92,13 @@ def calibrate_assignment(
             progress=progress,
         )
         found |= dict.fromkeys(names, made)
-    _write(assignment.folder, {test.name: found[test.name] for test in assignment.tests})
+    records = {test.name: found[test.name].as_record() for test in assignment.tests}
+    tests = {name: {"limits": one["limits"], "calibration": one} for name, one in records.items()}
+    content = {"format": limits_file.FORMAT, "tests": tests}
+    text = json.dumps(content, indent=1, allow_nan=False)
+    write_whole(assignment.folder / limits_file.FILE, f"{text}\n".encode())
     shutil.rmtree(kept, ignore_errors=True)
     return found
-
-
-def _seconds(assignment: Assignment, **options: Any) -> float:
-    return sum(
-        calibration_seconds(test.task, _usable(assignment, test.task), **options)
-        for test, _ in _by_task(assignment)
-    )
 
 
 def _usable(assignment: Assignment, task: Task) -> tuple[Solution, ...]:
@@ -117,11 +119,3 @@ def _by_task(assignment: Assignment) -> Iterator[tuple[TaskTest, list[str]]]:
         tests.setdefault(task_digest(test.task), []).append(test)
     for same in tests.values():
         yield same[0], [test.name for test in same]
-
-
-def _write(folder: Path, calibrations: Mapping[str, TaskCalibration]) -> None:
-    records = {name: one.as_record() for name, one in calibrations.items()}
-    tests = {name: {"limits": one["limits"], "calibration": one} for name, one in records.items()}
-    content = {"format": limits_file.FORMAT, "tests": tests}
-    text = json.dumps(content, indent=1, allow_nan=False)
-    write_whole(folder / limits_file.FILE, f"{text}\n".encode())

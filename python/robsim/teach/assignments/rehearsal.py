@@ -58,7 +58,10 @@ def cast_of(assignment: Assignment) -> list[Part]:
         own = tuple(one.name for one in assignment.tests if one.task.name == task.name)
         solutions = solutions_for(assignment.folder, task)
         ruled = _ruled(solutions, assignment.masked)
-        parts += (_part(one, own, is_free=one != ruled) for one in solutions)
+        for one in solutions:
+            kind, expected = ("right", FULL) if one.is_right else ("wrong", LESS)
+            files, is_free = _sources(one.files), one != ruled
+            parts.append(Part(f"{kind}: {one.name}", files, expected, own, is_free=is_free))
         parts.append(_as_notebook(ruled, task, own))
     parts.append(Part("nothing in it", {"notes.txt": b"to do\n"}, NOTHING, tests))
     hostile = hostile_submissions(assignment.slots)
@@ -73,12 +76,6 @@ def _ruled(solutions: Sequence[Solution], masked: tuple[str, ...]) -> Solution:
         if not any(name in text for name in masked):
             return one
     return right[0]
-
-
-def _part(solution: Solution, tests: tuple[str, ...], *, is_free: bool) -> Part:
-    kind, expected = ("right", FULL) if solution.is_right else ("wrong", LESS)
-    name = f"{kind}: {solution.name}"
-    return Part(name, _sources(solution.files), expected, tests, is_free=is_free)
 
 
 def _sources(files: Mapping[str, bytes]) -> dict[str, bytes]:

@@ -238,7 +238,7 @@ class SubmissionResult:
 
     def to_json(self) -> str:
         """Return it as JSON; numbers that are not finite are null."""
-        return json.dumps(_finite({"format": FORMAT} | asdict(self)), indent=1, allow_nan=False)
+        return json.dumps(finite({"format": FORMAT} | asdict(self)), indent=1, allow_nan=False)
 
     @classmethod
     def from_json(cls, text: str) -> SubmissionResult:
@@ -268,12 +268,12 @@ def _score(data: Mapping[str, Any]) -> ScoreResult:
     return ScoreResult(**{**data, **runs, "statistic": statistic})
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """Return data with None in place of numbers that JSON does not have."""
     if isinstance(value, dict):
-        return {key: _finite(one) for key, one in value.items()}
+        return {key: finite(one) for key, one in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_finite(one) for one in value]
+        return [finite(one) for one in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

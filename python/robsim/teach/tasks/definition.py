@@ -192,7 +192,8 @@ class Task(ABC):
     @property
     def sheet(self) -> str:
         """What students read, with these values, in Markdown."""
-        return _sheet_of(self)
+        own = (_SHEETS / f"{self.name}.md").read_text(encoding="utf-8")
+        return "\n\n".join([own.format_map(self.parameters).strip(), *_common(self)]) + "\n"
 
     @property
     def solutions(self) -> tuple[Solution, ...]:
@@ -260,12 +261,6 @@ _GIVEN = {
     "blobs": "The coloured blobs in the camera's frame, `step.blobs`, but not the frame itself.",
     "pose": "The measured pose, `step.measurement`, or None where the robot was not seen.",
 }
-
-
-def _sheet_of(task: Task) -> str:
-    own = (_SHEETS / f"{task.name}.md").read_text(encoding="utf-8")
-    parts = [own.format_map(task.parameters).strip(), *_common(task)]
-    return "\n\n".join(parts) + "\n"
 
 
 def _common(task: Task) -> Iterator[str]:

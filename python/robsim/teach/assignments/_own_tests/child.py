@@ -18,7 +18,7 @@ from typing import Any, TextIO
 import pytest
 
 from robsim.teach.assignments._own_tests.listing import OwnTest
-from robsim.teach.assignments.assignment import Assignment
+from robsim.teach.assignments.assignment import RULES
 from robsim.teach.assignments.assignment_file import load_assignment
 from robsim.teach.assignments.grading.references import key_for, student_for
 from robsim.teach.assignments.results import ERROR, FAILED, NOT_RUN, PASSED
@@ -156,22 +156,12 @@ def main() -> int:
         arguments += [f"--robsim-submission={path}", f"--robsim-isolation={assignment.isolation}"]
         key = key_for(assignment, public=test.public)
         student = student_for(assignment, request["student"], public=test.public)
-        options = _options(assignment) | {"student": student}
+        options = {name: getattr(assignment, name) for name in (*RULES, "limits")}
+        options |= {"frames": assignment._frames, "given": assignment.files_of_all}
+        options["student"] = student
     with open(request["out"], "w", encoding="utf-8") as out:
         plugin = Points(out, public=test.public, key=key, options=options)
         return pytest.main([*arguments, str(test.path)], plugins=[plugin])
-
-
-def _options(assignment: Assignment) -> dict[str, Any]:
-    return {
-        "slots": assignment.slots,
-        "functions": assignment.functions,
-        "imports": assignment.imports,
-        "masked": assignment.masked,
-        "frames": assignment._frames,
-        "limits": assignment.limits,
-        "given": assignment.files_of_all,
-    }
 
 
 if __name__ == "__main__":

@@ -195,16 +195,13 @@ class Schedule:
         for index, handed in self._waiting:
             old = self._folder.read(handed.student)
             self._open[index] = progress = Progress(index, handed, self._plan, old)
-            self._note_program(handed.student, progress.contents)
+            if self._is_class and progress.contents is not None:
+                with suppress(SubmissionError):
+                    files = arranged(progress.contents, self._plan.assignment._rules(), {})
+                    self.programs[handed.student] = program_of(files.sources)
             if job := self._next(index):
                 return [job]
         return []
-
-    def _note_program(self, student: str, contents: Contents | None) -> None:
-        with suppress(SubmissionError):
-            if self._is_class and contents is not None:
-                files = arranged(contents, self._plan.assignment._rules(), {})
-                self.programs[student] = program_of(files.sources)
 
     def note(self, rows: Sequence[Any], /) -> None:
         """Do nothing: all tests are handed out one by one, however long they take."""

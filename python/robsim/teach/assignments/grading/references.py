@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
+from robsim.teach.assignments.assignment import RULES, Assignment, FileTests, TaskTest
 from robsim.teach.errors import AssignmentError
 from robsim.teach.grading.graded_run import all_here
 from robsim.teach.grading.keys import Key, RunSeeds
@@ -113,19 +113,17 @@ def of_submission(files: SubmissionFiles) -> str:
 def of_test(assignment: Assignment, test: TaskTest | FileTests) -> str:
     """Return the digest of what the numbers of a test rest on: points and limits are no part."""
     rules = {
-        "name": assignment.name,
-        "slots": assignment.slots,
-        "functions": assignment.functions,
-        "imports": assignment.imports,
-        "masked": assignment.masked,
-        "given": assignment.given,
+        **{name: getattr(assignment, name) for name in ("name", *RULES, "given")},
         "given files": _of_files(assignment.files_of_all),
         "own seeds": assignment.own_seeds,
         "limits": asdict(assignment.limits),
         "seconds": assignment.seconds,
     }
     if isinstance(test, TaskTest):
-        own = _of_task(test)
+        reference = {} if test.reference is None else _of_files(test.reference.files)
+        known = {name: list(values) for name, values in test.reference_values.items()}
+        source = module_source(test.task).hex()
+        own = [test.name, repr(test.task), source, reference, known]
     else:
         own = [test.path.name, hashlib.sha256(test.path.read_bytes()).hexdigest()]
     key = None if test.public or assignment.key is None else assignment.key.pseudonym("its digest")
@@ -139,13 +137,6 @@ def of_assignment(assignment: Assignment) -> str:
     ]
     tests = [of_test(assignment, test) for test in assignment.all_tests]
     return _of([tests, marks])
-
-
-def _of_task(test: TaskTest) -> list[Any]:
-    reference = {} if test.reference is None else _of_files(test.reference.files)
-    known = {name: list(values) for name, values in test.reference_values.items()}
-    task = test.task
-    return [test.name, repr(task), module_source(task).hex(), reference, known]
 
 
 def _of_files(files: Mapping[str, bytes]) -> dict[str, str]:

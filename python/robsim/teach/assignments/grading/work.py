@@ -112,13 +112,11 @@ class Grader:
         try:
             if isinstance(unit.test, TaskTest):
                 return self._by_task(job, unit.test, unit.digest)
-            return self._own(job, unit, unit.test)
+            given = (unit.own, job.path, job.student, job.seconds, unit.digest)
+            results = run_own_tests(self._work.assignment, unit.test, *given)
+            return Row(job.submission, job.unit, results)
         except Exception as error:
             return Row(job.submission, job.unit, unit.failed_by(error))
-
-    def _own(self, job: Job, unit: Unit, test: FileTests) -> Row:
-        given = (unit.own, job.path, job.student, job.seconds, unit.digest)
-        return Row(job.submission, job.unit, run_own_tests(self._work.assignment, test, *given))
 
     def _by_task(self, job: Job, test: TaskTest, digest: str) -> Row:
         assert job.files is not None

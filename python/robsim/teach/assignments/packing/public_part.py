@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from robsim.teach.assignments.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
 from robsim.teach.assignments.grading.marking import limit_of
 from robsim.teach.assignments.grading.references import References
 from robsim.teach.assignments.making import SHEET, START
+from robsim.teach.assignments.results import finite
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.solutions import NAIVE
 
@@ -71,16 +71,11 @@ def _all_points(assignment: Assignment) -> float:
 def _public_limits(assignment: Assignment) -> str:
     """Return limits and the numbers of the reference: students do not have its code."""
     references = References(assignment)
-    tests = {
-        test.name: {
-            **_limits(test),
-            "reference": _columns(
-                [references.numbers(test, "", run) for run in range(test.task.runs)]
-            ),
-        }
-        for test in assignment.tests
-        if test.public
-    }
+    tests = {}
+    for test in (one for one in assignment.tests if one.public):
+        runs = [references.numbers(test, "", run) for run in range(test.task.runs)]
+        columns = {name: [finite(run[name]) for run in runs] for name in runs[0]}
+        tests[test.name] = {**_limits(test), "reference": columns}
     return json.dumps({"format": limits_file.FORMAT, "tests": tests}, indent=1)
 
 
@@ -91,12 +86,6 @@ def limits_alone(assignment: Assignment) -> str:
 
 def _limits(test: TaskTest) -> dict[str, Any]:
     return {"limits": {s.name: asdict(limit_of(test, s)) for s in test.task.scores}}
-
-
-def _columns(runs: list[Mapping[str, float]]) -> dict[str, list[float | None]]:
-    return {
-        name: [None if math.isnan(run[name]) else run[name] for run in runs] for name in runs[0]
-    }
 
 
 def _below(folder: Path, name: str) -> Iterator[tuple[str, bytes]]:
