@@ -7,9 +7,7 @@ import stat
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 
-from robsim.base.text import quoted
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.names import Paths, checked_path, refusal_in
 from robsim.teach.submissions.rules import Rules
@@ -93,31 +91,24 @@ _KINDS = {
     stat.S_IFBLK: "a device: remove it",
     stat.S_IFCHR: "a device: remove it",
 }
+#: An open folder: its descriptor, or its path where there are none.
+_Folder = int | str
+#: A path, and the descriptor of the folder that it begins at.
 _Where = tuple[str, int | None]
 
 
-@dataclass(frozen=True)
-class _Folder:
-    """An open folder: its descriptor, or its path where there are none."""
-
-    place: int | str
-
-    def where(self, name: str) -> _Where:
-        """Return a path, and the descriptor of the folder that it begins at."""
-        if isinstance(self.place, int):
-            return name, self.place
-        return os.path.join(self.place, name), None
+def _where(folder: _Folder, name: str) -> _Where:
+    return (name, folder) if isinstance(folder, int) else (os.path.join(folder, name), None)
 
 
 @contextmanager
-def _opened_folder(path: str, above: _Folder | None = None) -> Iterator[_Folder]:
-    path, start = above.where(path) if above else (path, None)
+def _opened_folder(path: str, start: int | None = None) -> Iterator[_Folder]:
     if sys.platform == "win32" or not _BY_DESCRIPTOR:
-        yield _Folder(path)
+        yield path
         return
     descriptor = os.open(path, _FLAGS | _SAFE | os.O_DIRECTORY, dir_fd=start)
     try:
-        yield _Folder(descriptor)
+        yield descriptor
     finally:
         os.close(descriptor)
 
@@ -143,7 +134,7 @@ def lone_zip(path: str, whole: str, intake: Intake) -> str | None:
     So platforms pack what somebody has uploaded as a zip. None = there is no such zip.
     """
     found = []
-    with _told(whole, whole), _opened_folder(path) as folder, os.scandir(folder.place) as entries:
+    with _told(whole, whole), _opened_folder(path) as folder, os.scandir(folder) as entries:
         for entry in entries:
             intake.count_entry()
             is_folder = entry.is_dir(follow_symlinks=False)
@@ -158,10 +149,10 @@ def _read(folder: _Folder, prefix: str, whole: str, intake: Intake) -> None:
         if not intake.wants(path):
             continue
         with _told(whole, path):
-            where = folder.where(name)
+            where = _where(folder, name)
             status = os.stat(where[0], dir_fd=where[1], follow_symlinks=False)
             if _kind(status, whole, path) == stat.S_IFDIR:
-                with _opened_folder(name, folder) as inner:
+                with _opened_folder(*where) as inner:
                     _read(inner, f"{path}/", whole, intake)
             else:
                 intake.check_size(path, status.st_size)
@@ -170,7 +161,7 @@ def _read(folder: _Folder, prefix: str, whole: str, intake: Intake) -> None:
 
 def _names(folder: _Folder, intake: Intake) -> list[str]:
     names = []
-    with os.scandir(folder.place) as entries:
+    with os.scandir(folder) as entries:
         for entry in entries:
             intake.count_entry()
             names.append(entry.name)
@@ -182,9 +173,7 @@ def _kind(status: os.stat_result, whole: str, path: str) -> int:
     if getattr(status, "st_reparse_tag", 0):  # a junction, of Windows
         kind = stat.S_IFLNK
     if kind not in (stat.S_IFREG, stat.S_IFDIR):
-        problem = _KINDS.get(kind, "no file: remove it")
-        named = whole if path == whole else f"{whole}: {quoted(path)}"
-        raise SubmissionError(f"{named} is {problem}", file=path)
+        raise refusal_in(whole, path, f"is {_KINDS.get(kind, 'no file: remove it')}")
     return kind
 
 
@@ -202,11 +191,10 @@ def _told(whole: str, path: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        named = whole if path == whole else f"{whole}: {quoted(path)}"
         if isinstance(error, FileNotFoundError):
             problem = "is not there"
         elif isinstance(error, PermissionError):
             problem = "cannot be read: give the permission to read it (chmod -R u+rX)"
         else:
             problem = f"cannot be read: {error.strerror}"
-        raise SubmissionError(f"{named} {problem}", file=path) from None
+        raise refusal_in(whole, path, problem) from None

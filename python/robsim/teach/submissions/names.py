@@ -86,5 +86,6 @@ def refusal(place: str, said: str, line: int | None = None) -> SubmissionError:
 
 
 def refusal_in(whole: str, path: str, said: str) -> SubmissionError:
-    """Return the error of a file in a submission."""
-    return SubmissionError(f"{whole}: {quoted(path)} {said}", file=one_line(path[:_LONGEST]))
+    """Return the error of a file in a submission, or of all of it."""
+    at = whole if path == whole else f"{whole}: {quoted(path)}"
+    return SubmissionError(f"{at} {said}", file=one_line(path[:_LONGEST]))

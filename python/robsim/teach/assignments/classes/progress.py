@@ -22,7 +22,6 @@ from robsim.teach.assignments.grading.work import Job, Row, Unit
 from robsim.teach.assignments.results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult
 from robsim.teach.errors import SubmissionError
 from robsim.teach.reports.similarity import Program, program_of
-from robsim.teach.submissions import SubmissionFiles
 from robsim.teach.submissions.reading import Contents, arranged, open_submission
 from robsim.teach.texts import clean_text
 
@@ -106,18 +105,16 @@ class Progress:
             seconds = self._assignment.seconds - self._seconds
             try:
                 if seconds >= _LEAST:
-                    handed, files = self.handed, self._files_for(unit)
+                    files = None
+                    if self.contents is not None and isinstance(unit.test, TaskTest):
+                        files = files_for(self._assignment, unit.test, self.contents)
+                    handed = self.handed
                     return Job(self._index, number, handed.student, handed.path, files, seconds)
                 self._end(unit, NOT_RUN, _OUT_OF_TIME)
             except Exception as error:  # such as that nothing of it is for this test
                 self._take(unit.failed_by(error))
             del self._left[0]
         return None
-
-    def _files_for(self, unit: Unit) -> SubmissionFiles | None:
-        if self.contents is None or not isinstance(unit.test, TaskTest):
-            return None
-        return files_for(self._assignment, unit.test, self.contents)
 
     def take(self, row: Row) -> None:
         self._take(row.results)

@@ -22,7 +22,7 @@ from robsim.teach.doctor._situations import DT
 from robsim.teach.doctor._trial import EstimatorUnderTest, Trial, finite_numbers
 from robsim.teach.doctor.callbacks.own_covariance import covariance_findings
 from robsim.teach.doctor.callbacks.pose_mistakes import are_right, errors, mistakes
-from robsim.teach.doctor.callbacks.scenes import Scene, Setting, scripted, simulate
+from robsim.teach.doctor.callbacks.scenes import Scene, Setting, simulate
 from robsim.teach.doctor.callbacks.single_calls import under_test
 from robsim.trace.trace import Bools
 from robsim.vision.imaging.images import Pixels
@@ -141,7 +141,7 @@ def _checks(
         if tour[-1].error is not None:
             yield problem_of(tour[-1])
             return
-    drive = scripted("robot drives through the area", _through(setting), **setting.options, **floor)
+    drive = setting.scripted("robot drives through the area", _through(setting), **floor)
     alone = measurement.try_in(drive)
     cause = None
     if alone.error is None:

@@ -70,10 +70,6 @@ class Setting:
         robot, size = scenario._robot_definition, frame_size(scenario)
         return cls(robot=robot, area=scenario.area, resolution=size, noise=noise)
 
-    @property
-    def options(self) -> dict[str, Any]:
-        return {"robot": self.robot, "area": self.area, "resolution": self.resolution}
-
     def place(self, place: Place) -> Place:
         x, y = self.places(np.array(place))
         return float(x), float(y)
@@ -91,27 +87,36 @@ class Setting:
         hidden: Collection[int] = (),
     ) -> Scene:
         poses = np.tile((*self.place(start[:2]), start[2]), (steps, 1))
-        return scripted(name, poses, hidden=hidden, is_driven=True, **self.options)
+        return self.scripted(name, poses, hidden=hidden, is_driven=True)
 
     def turned(self, name: str, place: Place, headings: ArrayLike, **options: Any) -> Scene:
         turns = np.asarray(headings, dtype=float)
         poses = np.column_stack((np.tile(self.place(place), (len(turns), 1)), turns))
-        return scripted(name, poses, **self.options, **options)
+        return self.scripted(name, poses, **options)
+
+    def scripted(
+        self, name: str, poses: ArrayLike, *, hidden: Collection[int] = (), **options: Any
+    ) -> Scene:
+        """Return a scene in which the robot stands at given poses, whatever the inputs are."""
+        path = np.array(poses, dtype=float)
+        path[:, 2] = [wrap_angle(heading) for heading in path[:, 2]]
+        return Scene(
+            name=name,
+            dt=DT,
+            poses=path,
+            u=np.zeros((len(path), 2)),
+            measurements=tuple(None if k in hidden else Measurement(p) for k, p in enumerate(path)),
+            robot=self.robot,
+            area=self.area,
+            resolution=self.resolution,
+            **options,
+        )
 
 
 @cache
 def default_robot() -> RobotDefinition:
     """Return the robot that the user has chosen."""
     return load_robot()
-
-
-def scripted(name: str, poses: ArrayLike, *, hidden: Collection[int] = (), **options: Any) -> Scene:
-    """Return a scene in which the robot stands at given poses, whatever the inputs are."""
-    path = np.array(poses, dtype=float)
-    path[:, 2] = [wrap_angle(heading) for heading in path[:, 2]]
-    seen = tuple(None if k in hidden else Measurement(pose) for k, pose in enumerate(path))
-    given: dict[str, Any] = {"robot": default_robot(), "dt": DT, "u": np.zeros((len(path), 2))}
-    return Scene(name=name, poses=path, measurements=seen, **given | options)
 
 
 def simulate(

@@ -74,7 +74,8 @@ def _by_running(
     if len(names) > 1:
         way += f", which needs {', which needs '.join(names[1:][-_MOST_TOLD:])}"
     exists = "exists only" if names[-1] in each.binds else "has its value only"
-    number = next(name for name in (*names, names[-1]) if _is_value(name, touching))
+    values = (n for n in names if not all(one.is_harmless for one in touching.get(n, ())))
+    number = next(values, names[-1])
     return SubmissionError(
         f"{file}: {way}; {names[-1]} {exists} by running {each.place} ({each.text}), which the "
         f"grader does not run: give {number} a value that needs no run, or tag the cells that "
@@ -83,10 +84,6 @@ def _by_running(
         file=each.cell.place,
         line=each.node.lineno,
     )
-
-
-def _is_value(name: str, touching: Mapping[str, list[Statement]]) -> bool:
-    return not all(each.is_harmless for each in touching.get(name, ()))
 
 
 def _names_that_run(statements: list[Statement]) -> frozenset[str]:
@@ -177,10 +174,11 @@ def _one_each(
     for slot in slots:
         explicit, given = values_of(statements, slot)
         candidates = explicit or given
-        if len({value.identity for value in candidates}) > 1:
+        first = {value.identity: value for value in reversed(candidates)}
+        if len(first) > 1:
             raise SubmissionError(
                 f"{file}: {slot} has more than one value: "
-                f"{' and '.join(value.told for value in _first_of_each(candidates)[:4])}: {_TAG}",
+                f"{' and '.join(value.told for value in [*first.values()][::-1][:4])}: {_TAG}",
                 slot=slot,
                 file=candidates[-1].statement.cell.place,
             )
@@ -198,10 +196,6 @@ def _no_slot(
     unread = [cell.title for cell in cells if is_command(cell)]
     hint = f"; {unread[0]} is a command of the notebook, and does not count" if unread else ""
     return SubmissionError(f"{no_slot(file, defined, slots)}{hint}", file=file)
-
-
-def _first_of_each(values: Iterable[Value]) -> list[Value]:
-    return list({value.identity: value for value in reversed(list(values))}.values())[::-1]
 
 
 def _assembled(

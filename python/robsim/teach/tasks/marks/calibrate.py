@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from os import PathLike
@@ -28,7 +28,7 @@ from robsim.teach.tasks.marks.calibration import (
     task_digest,
 )
 from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from
-from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
+from robsim.teach.tasks.marks.sets import Sets, runs_of, sets_of
 from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import NAIVE, REFERENCE, Solution
 
@@ -100,7 +100,11 @@ def calibrate_task(
     wrong = [one for one in chosen if not one.is_right]
     play = partial(runs_of, task, seed=seed, executor=executor, progress=progress)
     runs = play(right, PILOT_TESTS + count, store=_file(folder, "right"))
-    _check_right(runs)
+    for name, one in runs.items():
+        if one.failed.any():
+            raise ValueError(
+                f"the right solution {quoted(name)} must not fail, but so it did: {one.first_error}"
+            )
     runs |= play(wrong, WRONG_TESTS, store=_file(folder, "wrong"))
     reference = runs[REFERENCE]
     known = reference.first(WRONG_TESTS * task.runs)
@@ -171,14 +175,6 @@ def _file(folder: Path | None, name: str) -> Path | None:
         return None
     folder.mkdir(parents=True, exist_ok=True)
     return folder / f"{name}.sqlite"
-
-
-def _check_right(runs: Mapping[str, Runs]) -> None:
-    for name, one in runs.items():
-        if one.failed.any():
-            raise ValueError(
-                f"the right solution {quoted(name)} must not fail, but so it did: {one.first_error}"
-            )
 
 
 def marks_of(
