@@ -6,7 +6,6 @@ import mmap
 import os
 import sys
 import tempfile
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,12 +50,6 @@ class FrameMemory:
         """Give it back, as soon as nobody looks at the images any more."""
         os.close(self.descriptor)
         self.images = []
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def _made(size: int) -> tuple[int, mmap.mmap]:

@@ -121,7 +121,7 @@ class Channel:
         return kind, length
 
     def _read(self, have: bytearray, deadline: float | None) -> None:
-        """Read more of a message, behind what is there of it."""
+        """Append more of a message to the part that has come."""
         if have and deadline is not None:
             left = deadline - time.monotonic()
             if left <= 0:

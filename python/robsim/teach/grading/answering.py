@@ -40,7 +40,7 @@ class CallSetup:
 def serving(
     connection: socket.socket, told: Callable[[BaseException], ErrorText]
 ) -> Iterator[tuple[Channel, Any]]:
-    """Give the channel and the setup of a worker; what ends the work is told to the grader."""
+    """Give the channel and the setup of a worker; send the grader the error that ends its work."""
     channel = Channel(connection)
     kind, body = channel.receive()
     if kind != Kind.HELLO:

@@ -23,12 +23,11 @@ from robsim.teach.errors import ERROR, SubmissionError
 from robsim.teach.grading._wire import LIMITS, Kind
 from robsim.teach.grading._worker import Worker, done
 from robsim.teach.grading.answering import NUMBER, CallSetup, serving, world_arrays
-from robsim.teach.grading.arrays import MOST_MESSAGE, as_array, as_arrays, from_message, to_parts
+from robsim.teach.grading.arrays import MOST_MESSAGE, as_arrays, from_message, to_parts
 from robsim.teach.grading.task import Done, Task
 from robsim.teach.submissions import load_slots
 from robsim.teach.texts import clean_text, error_text
 
-_LIMITS = LIMITS | {Kind.RESULT: MOST_MESSAGE}
 _FARTHEST = 1e9  # px, rad: no robot gets there
 #: A shape, with None for an axis of any length; of several results a list of shapes.
 Shape = tuple[int | None, ...]
@@ -80,7 +79,7 @@ class CallWorker(Worker):
     """A process that answers calls; it knows what each call gives it, and nothing else."""
 
     _ENTRY = "robsim.teach.grading.answering:work"
-    _LIMITS = _LIMITS
+    _LIMITS = LIMITS | {Kind.RESULT: MOST_MESSAGE}
 
     def refuse(self, slot: str | None, k: int | None, what: str, cause: str = ERROR) -> NoReturn:
         if slot in self._setup.rules.functions:
@@ -113,7 +112,7 @@ class CallWorker(Worker):
 
 
 def calling(task: Task) -> CallWorker:
-    """Return a worker that answers calls of what a task has."""
+    """Return a worker that answers calls of the functions and slots of a task."""
     return CallWorker(CallSetup(task.submission, task.rules), task)
 
 
@@ -180,8 +179,8 @@ class JudgeSetup(CallSetup):
 
 
 def work(connection: socket.socket, memory: Sequence[int]) -> None:
-    told = lambda error: replace(error_text(error), slot=None)  # noqa: E731
-    with serving(connection, told) as (channel, setup):
+    with serving(connection, lambda error: replace(error_text(error), slot=None)) as served:
+        channel, setup = served
         module, _, name = setup.judge.partition(":")
         judge: Callable[..., str] = getattr(importlib.import_module(module), name)
 
@@ -189,27 +188,20 @@ def work(connection: socket.socket, memory: Sequence[int]) -> None:
             return load_slots(setup.submission, setup.rules, os.getcwd())
 
         said = judge(make, setup.submission.slots).encode("utf-8", "backslashreplace")
-        text = np.frombuffer(said[:_MOST_SAID], np.uint8)
-        channel.send(Kind.RESULT, *to_parts([as_array("text", text)]))
+        channel.send(Kind.RESULT, said[:_MOST_SAID])
 
 
 class JudgeWorker(Worker):
     """A process in which a judge looks at a submission."""
 
     _ENTRY = "robsim.teach.grading.calling:work"
-    _LIMITS = LIMITS | {Kind.RESULT: 2 * _MOST_SAID}
+    _LIMITS = LIMITS | {Kind.RESULT: _MOST_SAID}
 
     def said(self, seconds: float) -> str:
         """Return what the judge says, within so many seconds, as text that is harmless."""
         parts = [pickle.dumps(self._setup)]
-        body = self._asked(Kind.HELLO, Kind.RESULT, parts, seconds)
-        try:
-            (text,) = from_message(body)
-        except ValueError as error:
-            self.refuse(None, None, f"the worker has sent {error}")
-        if text.dtype != np.uint8 or text.ndim != 1:
-            self.refuse(None, None, "the worker has sent no text")
-        return clean_text(text.tobytes().decode("utf-8", "replace"))
+        said = self._asked(Kind.HELLO, Kind.RESULT, parts, seconds)
+        return clean_text(said.decode("utf-8", "replace"))
 
 
 def judged(task: Task, judge: str, seconds: float) -> Done[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import pickle
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -30,7 +30,7 @@ from robsim.teach.grading._worker import Worker, done
 from robsim.teach.grading.calling import calling, world_slots
 from robsim.teach.grading.keys import Key, RunSeeds
 from robsim.teach.grading.robot_half import STAGES, Setup
-from robsim.teach.grading.task import WORLD_SLOTS, Done, Frames, Task, given_to
+from robsim.teach.grading.task import WORLD_SLOTS, Done, Task, given_to
 from robsim.teach.submissions import loaded_slots
 from robsim.teach.texts import error_text
 from robsim.trace import RunInfo, Trace
@@ -54,12 +54,7 @@ class GradedSimulation(Simulation):
         set_noise_keys(self, seeds)
         # Samples of the truth tell where the robot is: they are for an estimator of parameters.
         self._gives_samples = are_samples_given(scenario.identify_from, filled)
-        self._ask(worker, filled, ready, frames=task.frames)
-
-    def _ask(
-        self, worker: Worker, filled: tuple[str, ...], ready: Ready, *, frames: Frames
-    ) -> None:
-        sends_frames = given_to(filled, frames) != "pose"
+        sends_frames = given_to(filled, task.frames) != "pose"
         if worker.memory is not None and sends_frames:
             self._world.set_frame_memory(worker.memory.images)
         robot = _core.RemoteRobot(
@@ -111,7 +106,7 @@ def started(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Worker]
         memory = None
         may_see = given_to(task.rules.slots, task.frames) != "pose"
         if may_see and has_frame_memory():
-            memory = stack.enter_context(FrameMemory(frame_size(scenario)))
+            memory = stack.enter_context(closing(FrameMemory(frame_size(scenario))))
         yield stack.enter_context(Worker(_setup(task, scenario, seeds), task, memory))
 
 
@@ -119,7 +114,14 @@ def asking(worker: Worker, task: Task, scenario: Scenario, seeds: RunSeeds) -> G
     """Return the simulation whose robot half a worker has."""
     scenario = _with_model(scenario)
     ready = worker.ready()
-    _check_dt(ready.model, scenario)
+    known = scenario._model
+    assert known is not None
+    if ready.model.dt != known.dt:
+        raise SubmissionError(
+            f"in define_model at the start: the model must have the dt of the world, {known.dt:g} "
+            f"s, got {ready.model.dt:g}",
+            slot="define_model",
+        )
     return GradedSimulation(task, scenario, seeds, worker, ready)
 
 
@@ -167,17 +169,6 @@ def set_noise_keys(simulation: Simulation, seeds: RunSeeds) -> None:
 
 def _with_model(scenario: Scenario) -> Scenario:
     return scenario if scenario.model is not None else scenario.replace(model=RobotModel())
-
-
-def _check_dt(model: RobotModel, scenario: Scenario) -> None:
-    known = scenario._model
-    assert known is not None
-    if model.dt != known.dt:
-        raise SubmissionError(
-            f"in define_model at the start: the model must have the dt of the world, {known.dt:g} "
-            f"s, got {model.dt:g}",
-            slot="define_model",
-        )
 
 
 def _setup(task: Task, scenario: Scenario, seeds: RunSeeds) -> Setup:
