@@ -17,11 +17,10 @@ from robsim.base.report import Table
 from robsim.base.text import quoted
 from robsim.simulation.callback_folder import CallbackFolder, Callbacks
 from robsim.simulation.callbacks.slot import SlotHandle
-from robsim.simulation.time_limit import TimeLimit
 from robsim.teach.doctor._errors import problem_of, problem_of_make
 from robsim.teach.doctor._lines import line_of_covariance
 from robsim.teach.doctor._situations import Situation
-from robsim.teach.doctor._trial import TIME_LIMIT, EstimatorUnderTest, NoEstimator, Slot, Trial
+from robsim.teach.doctor._trial import EstimatorUnderTest, NoEstimator, Slot, Trial, in_time
 
 BUDGET = 0.02  # s per call: a tenth of the default dt
 Make = Callable[[], Any] | str | PathLike[str]
@@ -69,9 +68,7 @@ def _from_file(path: Path, slot: Slot) -> Callable[[], Any]:
 
 def load(folder: CallbackFolder) -> Callbacks:
     """Load the callbacks of a folder; raises TimeoutError if that takes too long."""
-    limit = TimeLimit(TIME_LIMIT)
-    with limit.watching():
-        callbacks: Callbacks = limit.limited(folder.load)()
+    callbacks: Callbacks = in_time(folder.load)
     return callbacks
 
 

@@ -65,6 +65,13 @@ def finite_numbers(
     return numbers
 
 
+def in_time(function: Callable[..., Any], *given: Any) -> Any:
+    """Call a function; raise TimeoutError if that takes too long."""
+    limit = TimeLimit(TIME_LIMIT)
+    with limit.watching():
+        return limit.limited(function)(*given)
+
+
 class NoEstimator(Exception):
     """make() returned no estimator; the cause is the error."""
 
@@ -201,9 +208,8 @@ class EstimatorUnderTest:
 
     def fresh(self) -> Callable[[Step], Any]:
         try:
-            limit = TimeLimit(TIME_LIMIT)
-            with self.observed(), limit.watching():
-                estimator = limit.limited(lambda: self.make())()
+            with self.observed():
+                estimator = in_time(lambda: self.make())
                 if isinstance(estimator, SlotHandle):  # sim.estimate_state
                     estimator = estimator.callback
             function = self.slot.entry(estimator)

@@ -35,7 +35,7 @@ def named(chosen: npt.NDArray[np.bool_]) -> str:
 
 
 def delays(changed: npt.NDArray[np.bool_]) -> list[int | None]:
-    """Return the first step in which each column is set; None = there is none."""
+    """Return the first step in which each column is set; None = it never is."""
     return [int(one.argmax()) if one.any() else None for one in changed.T]
 
 

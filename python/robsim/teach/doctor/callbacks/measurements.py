@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import islice
 from os import PathLike
 from typing import Any
 
@@ -250,11 +251,8 @@ def _hidden_problems(
     if is_square:
         empty = replace(scenes[-1], name="only a red square is there", background=None)
         scenes.append(empty)
-    for scene in scenes:
-        problem = _hidden_problem(measurement.try_in(scene), scene)
-        if problem is not None:
-            yield problem
-            return
+    found = (_hidden_problem(measurement.try_in(scene), scene) for scene in scenes)
+    yield from islice(filter(None, found), 1)
 
 
 def _hidden_problem(trial: Trial, scene: Any) -> Problem | None:

@@ -11,10 +11,9 @@ from robsim.base.source_line import line_of_error
 from robsim.base.text import quoted
 from robsim.simulation.callbacks.checks import check_callback
 from robsim.simulation.callbacks.slot import Slot
-from robsim.simulation.time_limit import TimeLimit
 from robsim.teach.doctor._errors import explained
 from robsim.teach.doctor._run_checks import BUDGET, Make, run_checks
-from robsim.teach.doctor._trial import TIME_LIMIT, BadResult, CallClock, EstimatorUnderTest
+from robsim.teach.doctor._trial import BadResult, CallClock, EstimatorUnderTest, in_time
 from robsim.teach.doctor._trial import Slot as UnderTest
 
 
@@ -62,10 +61,9 @@ class CallbackCalls:
     ) -> Any:
         """Return the result of a fresh callback, after `read`, which may raise BadResult."""
         function = self._callback.fresh()
-        limit = TimeLimit(TIME_LIMIT)
         try:
-            with self._callback.observed(), limit.watching(), self._clock.timed():
-                result = limit.limited(function)(*arguments)
+            with self._callback.observed():
+                result = in_time(self._clock.timed()(function), *arguments)
             return read(result)
         except (Exception, SystemExit) as error:
             problem = self.problem(*explained(error), situation, line_of_error(error))
