@@ -18,7 +18,7 @@ from robsim.teach.tasks.solutions import MODULE, Solution, module_source
 
 #: Who has the public tests has their key, too: they are the same for all.
 SEEDS = ("student", "class")
-#: What a submission may do, as of `robsim.teach.Submission`.
+#: The attributes that bound a submission, as of `robsim.teach.Submission`.
 RULES = ("slots", "functions", "imports", "masked")
 #: s that the tests of a submission may take: Gradescope's 10 minutes less one.
 SECONDS = 540.0

@@ -62,17 +62,14 @@ class ClassResult(Report):
         return tuple(self._remarks())
 
     def _remarks(self) -> Iterator[str]:
-        broken = [one.student for one in self.results if one.has_errors]
-        if broken:
+        if broken := [one for one in self.results if one.has_errors]:
             yield (
                 f"not all could be graded, which is no fault of theirs: {_listed(broken)}; the "
                 "same call tries them again"
             )
-        unread = [one.student for one in self.results if one.is_unread]
-        if unread:
+        if unread := [one for one in self.results if one.is_unread]:
             yield f"could not be read, which gives no points, as their pages say: {_listed(unread)}"
-        left = [one.student for one in self.results if not one.is_done and not one.has_errors]
-        if left:
+        if left := [one for one in self.results if not one.is_done and not one.has_errors]:
             yield f"some tests were not asked for: {_listed(left)}"
 
     @property
@@ -98,6 +95,7 @@ def _row(result: SubmissionResult, names: Sequence[str]) -> list[float | None]:
     return [result.points, *(points.get(name) for name in names)]
 
 
-def _listed(students: Sequence[str]) -> str:
-    more = len(students) - _MOST_LISTED
-    return ", ".join(students[:_MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
+def _listed(results: Sequence[SubmissionResult]) -> str:
+    more = len(results) - _MOST_LISTED
+    names = ", ".join(one.student for one in results[:_MOST_LISTED])
+    return names + (f" and {more} more" if more > 0 else "")

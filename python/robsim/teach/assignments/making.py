@@ -80,9 +80,6 @@ class Range:
     most: float
     digits: int = 0  # decimal places
 
-    def draw(self, rng: np.random.Generator) -> float:
-        return round(float(rng.uniform(self.least, self.most)), self.digits)
-
 
 _HEADING = Range(-3.1, 3.1, 2)  # rad
 _DRIVING = {
@@ -124,7 +121,7 @@ def draw(name: str, rng: np.random.Generator) -> Task:
 
 def _drawn(ranges: Range | tuple[Any, ...], rng: np.random.Generator) -> Any:
     if isinstance(ranges, Range):
-        return ranges.draw(rng)
+        return round(float(rng.uniform(ranges.least, ranges.most)), ranges.digits)
     return tuple(_drawn(one, rng) for one in ranges)
 
 

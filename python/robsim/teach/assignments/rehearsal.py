@@ -15,6 +15,7 @@ from robsim.teach.assignments.classes.class_run import grade_all
 from robsim.teach.assignments.classes.plan import Plan
 from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import Handed
+from robsim.teach.assignments.making import write_below
 from robsim.teach.assignments.results import SubmissionResult
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import Solution
@@ -109,9 +110,7 @@ def graded(
     handed = []
     for number, part in enumerate(parts):
         place = folder / f"handed/{number}"
-        place.mkdir(parents=True)
-        for name, content in part.files.items():
-            (place / name).write_bytes(content)
+        write_below(place, part.files)
         handed.append(Handed(f"{number} {again}", str(place)))
     out = ResultFolder(folder / "out")
     done = grade_all(plan, handed, out, executor=executor, tell=lambda result, changed: tell())

@@ -12,7 +12,6 @@ from robsim.teach.grading.calling import judged
 
 _DOCTOR = "robsim.teach.doctor._finding:first_finding"
 _SECONDS = 20.0  # that it may take
-_MOST_KEPT = 100  # submissions
 
 
 class Doctor:
@@ -29,8 +28,6 @@ class Doctor:
             return ""
         place = (of_submission(run.task.submission), run.task.rules.slots)
         if place not in self._kept:
-            if len(self._kept) >= _MOST_KEPT:
-                self._kept.clear()
             self._kept[place] = ""
             if left > 0:
                 with suppress(SubmissionError):  # that it fails is known

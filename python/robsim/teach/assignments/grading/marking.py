@@ -53,7 +53,7 @@ def mark_of(
     runs = test.task.runs
     share = (1 - len(failed) / runs) * sum(score.share * score.fraction for score in scores)
     points = test.points if share >= _ALL else test.points * share
-    status = status_of(points, test.points)
+    status = PASSED if points >= test.points else PARTIAL if points > 0 else FAILED
     return Mark(
         runs=runs,
         failed=tuple(failed),
@@ -76,12 +76,6 @@ def marked_anew(test: TaskTest, result: TestResult) -> TestResult:
 def labels_of(test: TaskTest) -> dict[str, Any]:
     """Return the attributes that a result has from its test, except the name."""
     return {"title": test.title, "number": test.number, "public": test.public, "most": test.points}
-
-
-def status_of(points: float, most: float) -> str:
-    if points >= most:
-        return PASSED
-    return PARTIAL if points > 0 else FAILED
 
 
 def limit_of(test: TaskTest, score: Score) -> ScoreLimit:

@@ -47,9 +47,6 @@ def seeds_of(assignment: Assignment, test: TaskTest, student: str, run: int) -> 
     )
 
 
-_MOST_KEPT = 10_000  # runs
-
-
 class References:
     """Numbers of the references of an assignment, each computed once."""
 
@@ -64,8 +61,6 @@ class References:
         known = student_for(self._assignment, student, public=test.public)
         place = (test.name, known, run)
         if place not in self._kept:
-            if len(self._kept) >= _MOST_KEPT:
-                self._kept.clear()
             self._kept[place] = numbers_of(test, self.trace(test, student, run))
         return self._kept[place]
 
