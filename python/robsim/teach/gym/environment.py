@@ -26,7 +26,7 @@ from robsim.teach.tasks.kinds.park import ParkTask
 _LENGTH = 100.0  # px of the work area that count as 1
 
 
-#: What is left to do in a run from a pose on, 0 at the goal; its decrease is the reward of a step.
+#: The rest of a run from a pose on, 0 at the goal; its decrease is the reward of a step.
 Left = Callable[[Floats], float]
 
 
@@ -61,7 +61,7 @@ def _left_to_follow(task: FollowTask, start: Floats) -> Left:
     return left
 
 
-#: By the kind of task: what makes it from the task and the first pose.
+#: By the kind of task: its maker, from the task and the first pose.
 REWARDS: Mapping[type[Task], Callable[[Any, Floats], Left]] = {
     ParkTask: _left_to_park,
     FollowTask: _left_to_follow,

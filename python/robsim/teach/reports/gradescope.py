@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from os import PathLike
 from typing import Any
 
@@ -87,11 +88,9 @@ def _shown(result: SubmissionResult, pictures: Mapping[str, bytes]) -> dict[str,
 
 def _output(result: SubmissionResult) -> str:
     public = [test for test in result.tests if test.public]
-    points = of_most(
-        round(sum(test.points for test in public), 2), round(sum(test.most for test in public), 2)
-    )
+    shown = replace(result, tests=tuple(public))
     hidden = result.most - sum(test.most for test in public)
-    lines = [f"Public tests: {points}."] if public else []
+    lines = [f"Public tests: {of_most(shown.points, shown.most)}."] if public else []
     if hidden > 0:
         lines.append("There are hidden tests, too.")
     if not result.is_done:

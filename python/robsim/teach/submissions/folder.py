@@ -91,7 +91,7 @@ _KINDS = {
     stat.S_IFBLK: "a device: remove it",
     stat.S_IFCHR: "a device: remove it",
 }
-#: An open folder: its descriptor, or its path where there are none.
+#: An open folder: its descriptor, or its path on a system without such.
 _Folder = int | str
 #: A path, and the descriptor of the folder that it begins at.
 _Where = tuple[str, int | None]

@@ -80,7 +80,7 @@ def _same_for_all(path: str) -> str:
 
 
 def refusal(place: str, said: str, line: int | None = None) -> SubmissionError:
-    """Return the error of a file or a cell: what is said follows its place."""
+    """Return the error of a file or a cell: its place, and then the rest of the sentence."""
     at = place if line is None else f"{place}, line {line}"
     return SubmissionError(f"{at}{said}", file=place, line=line)
 

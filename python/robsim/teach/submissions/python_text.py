@@ -61,8 +61,8 @@ def check_extent(text: str, place: str) -> None:
     if words > _MOST_WORDS:
         raise refusal(
             place,
-            f" has {words} words and signs, and {_MOST_WORDS} are allowed: put large tables into a "
-            "file of their own, such as .npy or .csv",
+            f" has {words} words and signs, and {_MOST_WORDS} are allowed: put large tables "
+            "into another file, such as .npy or .csv",
         )
     if chain := _LONG_CHAIN.search(text):
         line = text.count("\n", 0, chain.start()) + 1

@@ -102,7 +102,7 @@ def _opened(path: Path, rules: Rules) -> Contents:
         read_archive(_all_of(path, name, most), name, rules, intake)
         return Contents(name, intake.files)
     if suffix not in (".py", ".ipynb"):
-        raise refusal(name, f" is none of what can be graded: {_TAKEN}")
+        raise refusal(name, f" cannot be graded: {_TAKEN}")
     file = f"{path.stem}{suffix}"
     intake.add(file, _all_of(path, name, intake.most_of(file)))
     if not intake.files:

@@ -61,7 +61,7 @@ def reduced(content: bytes, file: str, most: int) -> bytes:
         cells.append({"cell_type": "code", "metadata": metadata, "source": cell.source})
     text = json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells})
     if len(text) > most:
-        said = f"{size_text(most)} of code: put large tables into a file of their own"
+        said = f"{size_text(most)} of code: put large tables into another file"
         raise refusal(file, f" has more than {said}")
     return text.encode("ascii")
 
@@ -104,7 +104,7 @@ def _code_cells(cells: list[dict[str, Any]], file: str) -> Iterator[Cell]:
             raise refusal(place, " has no text: save the notebook in Jupyter again")
         source = source.replace("\r\n", "\n").replace("\r", "\n")
         if _UNREADABLE.search(source):
-            raise refusal(place, ": it is not UTF-8 text: write the cell anew")
+            raise refusal(place, ": it is not UTF-8 text: write the cell again")
         yield Cell(place, number, source, _tag(cell, source))
 
 

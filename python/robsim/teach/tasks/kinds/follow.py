@@ -46,10 +46,19 @@ class FollowTask(DrivingTask):
 
     name: ClassVar[str] = "follow"
     title: ClassVar[str] = "follow a path with the robot"
-    scores: ClassVar[tuple[Score, ...]] = scores_of(
-        ("error", "distance from the path, rms", "px", 0.4, 1.0, 200.0),
-        ("time", "time until the last waypoint", "s", 0.4, 0.2, 120.0),
-        ("left", "waypoints that are not reached", "%", 0.2, 5.0, 100.0),
+    scores: ClassVar[tuple[Score, ...]] = (
+        *scores_of(
+            ("error", "distance from the path, rms", "px", 0.4, 1.0, 200.0),
+            ("time", "time until the last waypoint", "s", 0.4, 0.2, 120.0),
+        ),
+        Score(
+            name="left",
+            title="waypoints that are not reached",
+            unit="%",
+            share=0.2,
+            floor=5.0,
+            worst=100.0,
+        ),
     )
     masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.FollowPath", "robsim.control.FollowPath")
 
