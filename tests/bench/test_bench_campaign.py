@@ -44,9 +44,9 @@ def test_what_many_workers_would_give_follows_from_the_costs():
     assert found["workers_rate"]["1000"]["chunk_1"] == pytest.approx(1 / 1.01e-3, rel=0.02)
     assert found["workers_rate"]["10"]["chunk_1"] == pytest.approx(10, rel=0.03)
     assert found["workers_parent"]["1000"]["chunk_100"] == pytest.approx(0.02, rel=0.03)
-    # Chunks of 500 runs of 1 ms: 6 ms for each
+    # Chunks of 250 runs of 1 ms: 3.5 ms for each
     short = found["durations"]["0.001_s"]
-    assert (short["chunk"], short["most"], short["chunk_needed"]) == (500, 83, None)
-    assert short["rate"] == pytest.approx(500 / 6e-3, rel=0.02)
+    assert (short["chunk"], short["most"], short["chunk_needed"]) == (250, 71, None)
+    assert short["rate"] == pytest.approx(250 / 3.5e-3, rel=0.02)
     # 1 ms over 0.1 ms less 10 us
     assert found["durations"]["1_s"]["chunk_needed"] == 12

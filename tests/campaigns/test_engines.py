@@ -2,7 +2,6 @@
 
 import multiprocessing
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ import pytest
 import robsim
 from campaign_code import Faster, Inline, failing_in_some, final, steady
 from robsim.campaigns import campaign
-from robsim.campaigns.engines import chunks
 
 SCENARIO = robsim.Scenario(
     area=(300, 300),
@@ -74,8 +72,10 @@ def test_the_order_of_completion_does_not_matter(serial):
     class Backwards(Inline):
         """Gives the rows of each chunk in another order."""
 
-        def submit(self, function, /, spec, jobs):
-            return super().submit(function, spec, jobs[::-1])
+        def submit(self, function, /, *args):
+            future = super().submit(function, *args)
+            future.result().reverse()
+            return future
 
     result = run(executor=Backwards())
     assert result.checksum == serial.checksum
@@ -107,16 +107,3 @@ def test_an_executor_that_fails_says_how_to_go_on(tmp_path):
     with pytest.raises(RuntimeError, match="the cluster is gone") as caught:
         run(executor=Broken(), store=tmp_path / "store.sqlite")
     assert any("the same call goes on" in note for note in caught.value.__notes__)
-
-
-def test_chunks_are_longer_while_enough_is_left_for_all():
-    left = chunks.Chunks(((0, run) for run in range(10_000)), 10_000)
-    first = left.take(25, 2000)
-    left.note([SimpleNamespace(seconds=1.0) for _ in first])
-    sizes = [len(first)]
-    while chunk := left.take(25, 100):
-        sizes.append(len(chunk))
-    assert sum(sizes) == 10_000
-    assert sizes[1] == 25
-    assert sizes[1:] == sorted(sizes[1:], reverse=True)
-    assert sizes[-150:] == [1] * 150  # a hundred workers come to the end together

@@ -13,11 +13,10 @@ from robsim.base.files import as_path
 from robsim.base.seeds import Seed
 from robsim.base.text import one_line
 from robsim.campaigns._store import Store
-from robsim.campaigns.engines.campaign_work import CampaignWork
+from robsim.campaigns.engines.campaign_work import DIED, CampaignWork, check_can_be_sent
 from robsim.campaigns.engines.chunks import Chunks
 from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
 from robsim.campaigns.engines.executors import DaskClient
-from robsim.campaigns.engines.processes import DIED
 from robsim.campaigns.result import CampaignResult, result_of
 from robsim.campaigns.runs import CaseRuns, Row
 from robsim.campaigns.spec import CampaignSpec
@@ -176,7 +175,9 @@ def _run(spec: CampaignSpec, engine: Engine, store: Store, *, shows: bool, stops
     bar = progress_bar(total=total, initial=done, unit="run") if shows else None
     failed = 0
     try:
-        jobs = Chunks(store.missing(), total - done)
+        if isinstance(engine, int):
+            check_can_be_sent(spec)
+        jobs = Chunks(store.missing())
         with closing(rows_by(engine, CampaignWork(spec), jobs)) as chunks:
             for rows in chunks:
                 wrong = [row for row in rows if row.error is not None]

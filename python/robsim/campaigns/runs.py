@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
 from contextlib import ExitStack
 from typing import NamedTuple
 
@@ -113,14 +112,11 @@ class Worker:
         self._spec = spec
         self._runs: CaseRuns | None = None
 
-    def rows(self, jobs: Iterable[Job]) -> list[Row]:
-        """Return the rows of some runs."""
-        rows = []
-        for case, run in jobs:
-            if self._runs is None or self._runs.case.index != case:
-                self._runs = CaseRuns(self._spec, self._spec.cases[case])
-            rows.append(self._runs.row(run))
-        return rows
+    def row(self, job: Job) -> Row:
+        case, run = job
+        if self._runs is None or self._runs.case.index != case:
+            self._runs = CaseRuns(self._spec, self._spec.cases[case])
+        return self._runs.row(run)
 
 
 def _line_of(error: BaseException) -> str | None:

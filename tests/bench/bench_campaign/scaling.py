@@ -12,7 +12,6 @@ from bench_campaign.parent import ParentCost
 from robsim.base.report import Column, Quantity, Row, Table, percent
 from robsim.base.report.table import Format
 from robsim.campaigns.engines.chunks import size_for
-from robsim.campaigns.engines.executors import seconds_of_chunk
 
 _WORKERS = (1, 10, 100, 1000)
 _MOST = max(_WORKERS)
@@ -96,7 +95,7 @@ class Scaling:
         rows = []
         for seconds, found in self.by_duration.items():
             most, needed = self._most_workers(seconds), self.chunk_needed(seconds)
-            cells = [_size(seconds), found.rate, found.workers, most, found.parent, needed]
+            cells = [size_for(seconds), found.rate, found.workers, most, found.parent, needed]
             rows.append(Row(f"{seconds:g}_s", cells))
         return Table(key="durations", columns=columns, rows=rows, row_title=f"run, {_MOST} workers")
 
@@ -106,7 +105,7 @@ class Scaling:
 
     def _most_workers(self, seconds: float) -> int:
         """Return how many workers the calling process and the scheduler can keep busy."""
-        chunk = _size(seconds)
+        chunk = size_for(seconds)
         slowest = max(self._each() + chunk * self.parent.row, self.task.scheduler)
         return max(int(chunk * seconds / slowest), 1)
 
@@ -136,11 +135,6 @@ class Scaling:
         )
 
 
-def _size(seconds: float) -> int:
-    """Return how many runs of a duration (s) a campaign gives to each of the most workers."""
-    return size_for(seconds, seconds_of_chunk(_MOST))
-
-
 def scaling_of(parent: ParentCost, task: TaskCost) -> Scaling:
     """Simulate campaigns with many workers."""
     whole = parent._replace(submit=parent.submit + task.client)
@@ -152,5 +146,5 @@ def scaling_of(parent: ParentCost, task: TaskCost) -> Scaling:
         parent=parent,
         task=task,
         by_workers={w: {n: found(w, n, _SECONDS) for n in _CHUNKS} for w in _WORKERS},
-        by_duration={each: found(_MOST, _size(each), each) for each in _DURATIONS},
+        by_duration={each: found(_MOST, size_for(each), each) for each in _DURATIONS},
     )

@@ -8,36 +8,28 @@ from itertools import islice
 from robsim.campaigns.runs import Job, Row
 
 SECONDS = 0.25  # of a chunk: what is lost when a worker, or the whole program, is killed
-_FIRST, _MOST = 4, 500  # runs
+_MOST = 500  # runs
 
 
-def size_for(seconds: float, whole: float = SECONDS) -> int:
-    """Return how many runs of a duration (s) make a chunk of another (s)."""
-    return min(max(int(whole / max(seconds, 1e-9)), 1), _MOST)
+def size_for(seconds: float) -> int:
+    """Return how many runs of a duration (s) make a chunk."""
+    return min(max(int(SECONDS / max(seconds, 1e-9)), 1), _MOST)
 
 
 class Chunks:
-    """The `count` runs that are still to be done, in their order: case and number of each."""
+    """The runs that are still to be done, in their order: case and number of each."""
 
-    def __init__(self, jobs: Iterable[Job], count: int) -> None:
-        self._jobs, self._left = iter(jobs), count
+    def __init__(self, jobs: Iterable[Job]) -> None:
+        self._jobs, self._size = iter(jobs), 1
         self._runs, self._seconds = 0, 0.0
 
-    def take(self, whole: float = SECONDS, room: int = 1) -> list[Job]:
-        """Take the next chunk of `whole` seconds at most; empty = nothing is left.
-
-        Near the end chunks are smaller, so that enough runs are left for `room` chunks at a time.
-        """
-        size = _FIRST
-        if self._runs:
-            each = self._seconds / self._runs
-            size = max(size_for(each), min(size_for(each, whole), self._left // room))
-        chunk = list(islice(self._jobs, size))
-        self._left -= len(chunk)
-        return chunk
+    def take(self) -> list[Job]:
+        """Take the next chunk; empty = nothing is left."""
+        return list(islice(self._jobs, self._size))
 
     def note(self, rows: Sequence[Row]) -> None:
-        """Learn from the rows of a chunk how long a run takes."""
+        """Learn from the rows of a chunk how many runs the next ones may have."""
         # What is long ago counts less: another case may take another time.
         self._runs = self._runs // 2 + len(rows)
         self._seconds = self._seconds / 2 + sum(row.seconds for row in rows)
+        self._size = size_for(self._seconds / self._runs)

@@ -13,11 +13,11 @@ from robsim.base.text import quoted
 from robsim.campaigns.engines.executors import (
     DaskClient,
     DaskWorkers,
-    ExecutorWorkers,
-    check_dask_client,
+    Workers,
     is_dask_client,
+    rows_of_workers,
 )
-from robsim.campaigns.engines.processes import Processes, rows_of_workers
+from robsim.campaigns.engines.processes import Processes
 from robsim.campaigns.engines.work import JobT, RowT, Supply, Work
 
 #: A number of processes, "threads", an executor, a Dask client; None = here.
@@ -28,14 +28,11 @@ _MOST_WORKERS = 1024
 
 def engine_value(executor: Any) -> Engine:
     """Return the option ``executor``; else raise TypeError or ValueError."""
-    if executor is None or isinstance(executor, Executor):
+    if executor is None or isinstance(executor, Executor) or is_dask_client(executor):
         return executor
     if is_int(executor):
         return check_int("executor", executor, minimum=1, maximum=_MOST_WORKERS)
     if isinstance(executor, str) and executor == "threads":
-        return executor
-    if is_dask_client(executor):
-        check_dask_client(executor)
         return executor
     expected = (
         "executor must be None, a number of processes, 'threads', a concurrent.futures.Executor or "
@@ -51,14 +48,17 @@ def rows_by(
 ) -> Generator[list[RowT], None, None]:
     """Yield the rows of all jobs, in the order in which they are done."""
     if engine is None:
-        return _rows_here(work, chunks)
-    if isinstance(engine, int):
-        return _rows_in_processes(work, chunks, engine)
-    if isinstance(engine, str):
-        return _rows_in_threads(work, chunks)
-    if isinstance(engine, Executor):
-        return rows_of_workers(ExecutorWorkers(work, engine), chunks)
-    return rows_of_workers(DaskWorkers(work, engine), chunks)
+        yield from _rows_here(work, chunks)
+    elif isinstance(engine, int):
+        with closing(Processes(work, engine)) as processes:
+            yield from rows_of_workers(processes, chunks)
+    elif isinstance(engine, str):
+        with ThreadPoolExecutor(_processors()) as pool:
+            yield from rows_of_workers(Workers(work, pool), chunks)
+    elif isinstance(engine, Executor):
+        yield from rows_of_workers(Workers(work, engine), chunks)
+    else:
+        yield from rows_of_workers(DaskWorkers(work, engine), chunks)
 
 
 def _rows_here(
@@ -66,24 +66,10 @@ def _rows_here(
 ) -> Generator[list[RowT], None, None]:
     doer = work.doer()
     while chunk := chunks.take():
-        rows = doer.rows(chunk)
+        rows = list(map(doer, chunk))
         chunks.note(rows)
         yield rows
 
 
-def _rows_in_threads(
-    work: Work[JobT, RowT], chunks: Supply[JobT, RowT]
-) -> Generator[list[RowT], None, None]:
-    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    pool = ThreadPoolExecutor(workers)
-    try:
-        yield from rows_of_workers(ExecutorWorkers(work, pool), chunks)
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _rows_in_processes(
-    work: Work[JobT, RowT], chunks: Supply[JobT, RowT], count: int
-) -> Generator[list[RowT], None, None]:
-    with closing(Processes(work, count)) as processes:
-        yield from rows_of_workers(processes, chunks)
+def _processors() -> int | None:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()

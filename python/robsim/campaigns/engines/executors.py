@@ -1,20 +1,17 @@
-"""Runs in the executor of somebody else, or in the cluster of a Dask client."""
+"""Work in an executor or in the cluster of a Dask client, whose workers may die."""
 
 from __future__ import annotations
 
 import pickle
 import time
-from concurrent.futures import Executor, Future
+from collections.abc import Generator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from typing import Any, Generic, Protocol, TypeGuard
 
-from robsim.campaigns.engines.chunks import SECONDS
-from robsim.campaigns.engines.work import JobT, RowT, Work, rows_of
+from robsim.campaigns.engines.work import JobT, RowT, Supply, Work
 
 _WORKERS_OF_UNKNOWN = 64  # of an executor that does not say how many it has
 _EACH = 2  # chunks of a worker, so that the next one waits for it
-#: s that a chunk may take, for each worker there is: a chunk takes a client of Dask about a
-#: millisecond, and its scheduler as much, and they are to be busy for a tenth of their time.
-SECONDS_OF_WORKER = 0.025
 _PATIENCE = 1.0  # s for which a cluster is taken to stay as large as it is
 
 
@@ -31,26 +28,25 @@ class DaskClient(Protocol):
         """Return the number of threads of each worker."""
 
 
-class ExecutorWorkers(Generic[JobT, RowT]):
-    """The workers of an executor; they receive the work, or its form `sent`, with each chunk."""
+class Workers(Generic[JobT, RowT]):
+    """The workers of an executor, which is used as it is.
 
-    deaths = 1  # Dask itself has tried a run four times by then: its allowed-failures
+    They receive the work, or `sent`, another form of it, with each chunk.
+    """
+
+    deaths = 1  # of a run alone make it count as failed; Dask itself has tried it four times
 
     def __init__(self, work: Work[JobT, RowT], executor: Executor, sent: Any = None) -> None:
-        self._work, self._executor = work, executor
+        self.work, self._executor = work, executor
         self._sent: Any = work if sent is None else sent
 
     def room(self) -> int:
+        """Return how many chunks they may have at a time."""
         return _EACH * int(getattr(self._executor, "_max_workers", None) or _WORKERS_OF_UNKNOWN)
 
-    def seconds(self) -> float:
-        return SECONDS
-
-    def lost(self, job: JobT, /) -> RowT:
-        return self._work.lost(job)
-
     def submit(self, jobs: list[JobT], /) -> Future[list[RowT]]:
-        return self._executor.submit(rows_of, self._sent, jobs)
+        """Hand over a chunk: as bytes, for Dask looks into each tuple of a list for its futures."""
+        return self._executor.submit(_rows_of, self._sent, pickle.dumps(jobs))
 
     def is_death(self, error: Exception, /) -> bool:
         """Whether Dask gave a chunk up; an executor that is broken stays so."""
@@ -60,7 +56,7 @@ class ExecutorWorkers(Generic[JobT, RowT]):
         return getattr(error, "task", None) != getattr(self._sent, "key", "")
 
 
-class DaskWorkers(ExecutorWorkers[JobT, RowT]):
+class DaskWorkers(Workers[JobT, RowT]):
     """The workers of a Dask client, which may come and go."""
 
     def __init__(self, work: Work[JobT, RowT], client: DaskClient) -> None:
@@ -71,46 +67,87 @@ class DaskWorkers(ExecutorWorkers[JobT, RowT]):
         self._client = client
         self._count, self._asked = 0, -_PATIENCE
 
-    def submit(self, jobs: list[JobT], /) -> Future[list[RowT]]:
-        """Hand over a chunk: as bytes, for Dask looks into each tuple of a list for its futures."""
-        return self._executor.submit(_rows_of, self._sent, pickle.dumps(jobs))
-
     def room(self) -> int:
-        """Return how many chunks they may have at a time."""
         if (now := time.monotonic()) >= self._asked + _PATIENCE:
             self._count, self._asked = sum(self._client.nthreads().values()), now
         return _EACH * max(self._count, 1)
 
-    def seconds(self) -> float:
-        """Return how long a chunk may take (s): longer, where there are more workers."""
-        return seconds_of_chunk(self._count)
+
+def _same(work: Work[JobT, RowT]) -> Work[JobT, RowT]:
+    return work
 
 
-def seconds_of_chunk(workers: int) -> float:
-    """Return how long a chunk may take (s) that Dask hands to one of so many workers."""
-    return max(SECONDS, SECONDS_OF_WORKER * workers)
+def _rows_of(work: Work[Any, RowT], jobs: bytes) -> list[RowT]:
+    return list(map(work.doer(), pickle.loads(jobs)))
+
+
+def rows_of_workers(
+    workers: Workers[JobT, RowT], chunks: Supply[JobT, RowT]
+) -> Generator[list[RowT], None, None]:
+    """Yield the rows of all chunks.
+
+    A worker that dies takes chunks with it that are not to blame. All that are in flight are few;
+    the runs of those that are lost are done again one by one, alone. Not by halves: the chunk of a
+    run that kills would cost a worker each time.
+    """
+    flying: dict[Future[list[RowT]], list[JobT]] = {}
+    lost: list[JobT] = []
+    try:
+        while True:
+            while not lost and len(flying) < workers.room() and (chunk := chunks.take()):
+                flying[workers.submit(chunk)] = chunk
+            if not flying and not lost:
+                return
+            for future in wait(flying, return_when=FIRST_COMPLETED).done:
+                chunk = flying.pop(future)
+                if (rows := _rows_unless_lost(workers, future)) is None:
+                    lost += chunk
+                else:
+                    chunks.note(rows)
+                    yield rows
+            if lost and not flying:
+                for job in lost:
+                    yield _alone(workers, job)
+                lost = []
+    finally:
+        for future in flying:
+            future.cancel()
+
+
+def _alone(workers: Workers[JobT, RowT], job: JobT) -> list[RowT]:
+    """Do one job, and return its row; a job that kills its worker has one, too."""
+    for _ in range(workers.deaths):
+        future = workers.submit([job])
+        try:
+            rows = _rows_unless_lost(workers, future)
+        finally:
+            future.cancel()
+        if rows is not None:
+            return rows
+    return [workers.work.lost(job)]
+
+
+def _rows_unless_lost(
+    workers: Workers[JobT, RowT], future: Future[list[RowT]]
+) -> list[RowT] | None:
+    try:
+        return future.result()
+    except Exception as error:
+        if workers.is_death(error):
+            return None
+        raise
 
 
 def is_dask_client(value: Any) -> TypeGuard[DaskClient]:
-    """Whether a value is a Dask client, told by what it can do."""
+    """Whether a value is a Dask client, by its methods; raise for one of no use."""
     names = ("get_executor", "submit", "nthreads")
-    return not isinstance(value, type) and all(callable(getattr(value, n, None)) for n in names)
-
-
-def check_dask_client(client: DaskClient) -> None:
-    """Raise ValueError for a client that cannot be waited for."""
-    if getattr(client, "asynchronous", False):
+    if isinstance(value, type) or not all(callable(getattr(value, n, None)) for n in names):
+        return False
+    if getattr(value, "asynchronous", False):
         raise ValueError(
             "executor is a Dask client with asynchronous=True, whose event loop would wait for "
             "itself: give one without"
         )
-    if (status := getattr(client, "status", "running")) != "running":
+    if (status := getattr(value, "status", "running")) != "running":
         raise ValueError(f"executor is a Dask client that is {status}: give one that is connected")
-
-
-def _rows_of(work: Work[Any, RowT], jobs: bytes) -> list[RowT]:
-    return rows_of(work, pickle.loads(jobs))
-
-
-def _same(work: Work[JobT, RowT]) -> Work[JobT, RowT]:
-    return work
+    return True

@@ -184,7 +184,7 @@ class Schedule:
         self.results: list[SubmissionResult] = []
         self.programs: dict[str, Program] = {}
 
-    def take(self, whole: float = 0.0, room: int = 1) -> list[Job]:
+    def take(self) -> list[Job]:
         """Return the next test, as a list; an empty one where there is none just now."""
         for index in sorted(self._open.keys() - self._busy):
             if job := self._next(index):

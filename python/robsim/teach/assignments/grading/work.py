@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -84,16 +84,13 @@ class GradingWork:
     assignment: Assignment
     units: tuple[Unit, ...]
 
-    def doer(self) -> Grader:
-        return Grader(self)
+    def doer(self) -> Callable[[Job], Row]:
+        return Grader(self).row
 
     def lost(self, job: Job, /) -> Row:
         """Return the row of a job whose process ends, whenever it is tried."""
         told = {"status": ERROR, "sentence": _DIED, "whose": GraderError.whose}
         return Row(job.submission, job.unit, self.units[job.unit].unmarked(**told))
-
-    def check_can_be_sent(self) -> None:
-        """Do nothing: an assignment is plain data."""
 
 
 class Grader:
@@ -104,10 +101,7 @@ class Grader:
         self._references = References(work.assignment)
         self._doctor = Doctor()
 
-    def rows(self, jobs: Sequence[Job], /) -> list[Row]:
-        return [self._row(job) for job in jobs]
-
-    def _row(self, job: Job) -> Row:
+    def row(self, job: Job) -> Row:
         unit = self._work.units[job.unit]
         try:
             if isinstance(unit.test, TaskTest):
