@@ -399,20 +399,18 @@ def result_of(
     spec: CampaignSpec, stored: Mapping[str, NDArray[Any]], file: Path | None
 ) -> CampaignResult:
     """Return the result of columns as a store, or a file of one, has them."""
-    case_ids = stored["case_id"]
+    labels = [_labels(list(choices)) for choices in spec.vary.values()]
+    places = np.unravel_index(stored["case_id"], [len(one) for one in labels]) if labels else ()
     options = {
-        name: _labels(list(choices))[_places(spec, name)][case_ids]
-        for name, choices in spec.vary.items()
+        name: known[place] for name, known, place in zip(spec.vary, labels, places, strict=True)
     }
     # In the order of the metrics, whatever came first.
     order = list(spec.metrics)
     numbers = sorted(
         (name for name in stored if name not in ROW_COLUMNS), key=lambda name: _place(name, order)
     )
-    names = ("case_id", "run", *numbers, "error", "line", "seconds")
-    columns = {name: stored[name] for name in names}
-    first = {name: columns.pop(name) for name in ("case_id", "run")}
-    columns = first | options | columns
+    names = ("case_id", "run", *options, *numbers, "error", "line", "seconds")
+    columns = {name: options[name] if name in options else stored[name] for name in names}
     for column in columns.values():
         column.setflags(write=False)
     return CampaignResult(spec=spec, columns=columns, store=file and file.absolute())
@@ -422,12 +420,6 @@ def _labels(labels: list[Any]) -> NDArray[Any]:
     """Return labels as numbers, if all are, else as texts."""
     are_numbers = not any(isinstance(label, str) for label in labels)
     return np.array(labels if are_numbers else list(map(str, labels)))
-
-
-def _places(spec: CampaignSpec, name: str) -> NDArray[np.int64]:
-    """Return the place that the label of each case has among those of its option."""
-    places = {label: place for place, label in enumerate(spec.vary[name])}
-    return np.array([places[case.labels[name]] for case in spec.cases])
 
 
 def _place(column: str, metrics: list[str]) -> int:

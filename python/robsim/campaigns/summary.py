@@ -119,20 +119,11 @@ class CampaignSummary(Report):
         return self.groups[0] if len(self.groups[0]) <= _WIDEST else "the first"
 
     def _values(self, group: int, index: int) -> list[object]:
-        at = group, index
-        values: list[object] = [
-            float(self.mean[at]),
-            float(self.half_width[at]),
-            float(self.sd[at]),
-            int(self.n[at]),
-        ]
-        if not group:
-            return [*values, None, None, None]
+        differences = (self.difference, self.difference_half_width, self.more_runs)
         return [
-            *values,
-            float(self.difference[at]),
-            float(self.difference_half_width[at]),
-            float(self.more_runs[at]),
+            *(float(table[group, index]) for table in (self.mean, self.half_width, self.sd)),
+            int(self.n[group, index]),
+            *(float(table[group, index]) if group else None for table in differences),
         ]
 
     @property
