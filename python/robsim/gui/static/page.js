@@ -1,18 +1,17 @@
-// @ts-check
 // The host without a notebook: a model over a WebSocket, which is opened anew when it breaks.
 import view from "./view.js";
 
 const PAUSES = [0.3, 1, 2, 4, 8]; // s before each try
 
-const decoder = new TextDecoder();
+const fill = (length) => -length & 3; // bytes to the next multiple of 4, where a part begins
 
 function unpack(data) {
   const length = new DataView(data).getUint32(0, true);
-  const head = JSON.parse(decoder.decode(new Uint8Array(data, 4, length)));
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
   let at = 4 + length;
   const buffers = head.buffers.map((size) => {
     const buffer = new Uint8Array(data, at, size);
-    at += size + ((4 - (size % 4)) % 4);
+    at += size + fill(size);
     return buffer;
   });
   return [head, buffers];
@@ -21,19 +20,12 @@ function unpack(data) {
 /** Pack a message as Python does, see PROTOCOL.md. */
 function pack(message, buffers) {
   const lengths = buffers.map(({ byteLength }) => byteLength);
-  const head = new TextEncoder().encode(JSON.stringify({ ...message, buffers: lengths }));
-  const room = (length) => length + ((4 - (length % 4)) % 4);
-  const start = 4 + room(head.length);
-  const packed = new Uint8Array(lengths.reduce((sum, length) => sum + room(length), start));
-  packed.fill(0x20, 4, start);
-  new DataView(packed.buffer).setUint32(0, start - 4, true);
-  packed.set(head, 4);
-  let at = start;
-  for (const buffer of buffers) {
-    packed.set(new Uint8Array(buffer), at);
-    at += room(buffer.byteLength);
-  }
-  return packed;
+  const json = new TextEncoder().encode(JSON.stringify({ ...message, buffers: lengths }));
+  const head = [json, " ".repeat(fill(json.length))];
+  const start = new DataView(new ArrayBuffer(4));
+  start.setUint32(0, json.length + fill(json.length), true);
+  const filled = (buffer) => [buffer, new Uint8Array(fill(buffer.byteLength))];
+  return new Blob([start, ...head, ...buffers.flatMap(filled)]);
 }
 
 /** What the view needs of its host; what it says is kept until the line is open. */
@@ -86,11 +78,6 @@ function retry(el, [pause, ...later]) {
     socket.onclose = () => retry(el, later);
   }, 1000 * pause);
 }
-
-// A file that is dropped beside the view, or while that is lost, must not be opened in its place.
-for (const type of ["dragover", "drop"])
-  addEventListener(type, (event) => event.dataTransfer?.types.includes("Files") &&
-    event.preventDefault());
 
 show(open());
 // A page out of the browser's cache has a line that is closed.

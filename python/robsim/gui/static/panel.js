@@ -1,7 +1,6 @@
-// @ts-check
 // The main panel: its parts, and what is done with messages.
-import { asPicture } from "./base/buffers.js";
-import { make } from "./base/dom.js";
+import { markChosen, moveByArrows } from "./base/buttons.js";
+import { make, set, text } from "./base/dom.js";
 import { makeFlow } from "./base/flow.js";
 import { makeParameterCharts } from "./charts/parameters.js";
 import { makeTraces } from "./charts/traces.js";
@@ -12,7 +11,6 @@ import { makeInspector } from "./parts/inspector.js";
 import { makeKeyboard } from "./parts/keyboard.js";
 import { makeNotes } from "./parts/notes.js";
 import { makeResult } from "./parts/result.js";
-import { makeTabs } from "./parts/tabs.js";
 import { makeTimeline } from "./parts/timeline.js";
 import { makeTitle } from "./parts/title.js";
 import { makeToolPlace } from "./parts/tool_place.js";
@@ -27,21 +25,18 @@ export function renderPanel({ el, send }) {
   const place = makeToolPlace(context);
   el.append(...layOut(context, camera, place));
 
-  let newest = null; // the head of the last frame that has come
   const arrived = (head) => {
-    if (head.type == "frame") newest = head;
+    context.arrived(head);
     if (head.type == "tool") place.arrived(head.message);
   };
-  // While one was decoded a newer one of the same kind has come: it is late already.
-  const isLate = (head) => head.type == "frame" && head != newest && head.past == newest.past;
   const receive = async (head, buffers) => {
-    if (head.type == "setup") context.setup = head;
-    if (head.type == "state") takeState(context, head);
-    if (head.type == "rows" || head.type == "frame") takeRows(context, head, buffers);
-    if (isLate(head)) return head.rows.length && context.emit("rows", head, buffers);
-    if (head.type == "frame") return takeFrame(context, head, buffers);
     if (head.type == "tool") return place.receive(head.message, buffers);
-    context.emit(head.type, head, buffers);
+    if (head.type == "rows") takeRows(context, head, buffers);
+    if (head.type != "frame") return context.receive(head, buffers);
+    takeRows(context, head, buffers.slice(1));
+    if (!head.past) context.newest = head.k;
+    await context.receive(head, buffers);
+    if (head.rows.length) context.emit("rows", head, buffers);
   };
   const begin = () => {
     send({ type: "hello", width: camera.width() });
@@ -61,38 +56,48 @@ function layOut(context, camera, place) {
     inspector: makeInspector(context),
     result: makeResult(context),
   });
-  const view = make("div", { className: "robsim-view" }, camera.element, trouble.element);
+  const view = make("div.robsim-view.robsim-surface", camera.element, trouble.element);
   const left = [makeTitle(context), { element: view }, transport, timeline, makeControls(context)];
   const over = [makeKeyboard(context, transport, timeline).element, makeNotes(context).element,
     trouble.lost];
-  const panel = make("div", { className: "robsim-panel", tabIndex: -1 },
-    make("div", { className: "robsim-left robsim-column" }, ...left.map((part) => part.element)),
-    make("div", { className: "robsim-right robsim-column" },
-      make("div", { className: "robsim-right-top" }, tabs.list, place.buttons), tabs.sheets));
+  const panel = make("div.robsim-panel", { tabIndex: -1 },
+    make("div.robsim-left.robsim-column", ...left.map((part) => part.element)),
+    make("div.robsim-right.robsim-column",
+      make("div.robsim-right-top", tabs.list, place.buttons), tabs.sheets));
   return [panel, place.element, ...over]; // what lies over it is seen beside a tool, too
 }
 
-function takeState(context, head) {
-  const isAnew = head.resets != context.state.resets;
-  context.state = head;
-  context.newest = head.k;
-  context.el.dataset.state = head.state;
-  if (isAnew) context.emit("reset");
-  if (isAnew && context.looking != null) context.look(null);
-}
-
-function takeRows(context, { rows, type }, buffers) {
-  context.store.take(rows, buffers, type == "frame" ? 1 : 0);
+function takeRows(context, { rows }, buffers) {
+  context.store.take(rows, buffers);
   // Whoever looks back gets no new frames, but rows.
   const counts = rows.map(({ column }) => context.store.get(column).count);
   context.newest = Math.max(context.newest, ...counts.map((count) => count - 1));
 }
 
-async function takeFrame(context, head, buffers) {
-  if (!head.past) context.newest = head.k;
-  head.picture = buffers[0].byteLength ? await asPicture(buffers[0], "image/jpeg") : null;
-  context.frame?.picture?.close();
-  context.frame = head;
-  context.emit("frame", head, buffers);
-  if (head.rows.length) context.emit("rows", head, buffers);
+/** The tabs of the right side; `sheets`: {name of the tab: its part}. */
+function makeTabs(context, sheets) {
+  const names = Object.keys(sheets);
+  const choose = (name) => context.choose("tab", name);
+  const tabs = names.map((name) => {
+    const [id, sheet] = ["tab", "sheet"].map((what) => `robsim-${context.id}-${name}-${what}`);
+    set(sheets[name].element, { id: sheet, tabIndex: 0, role: "tabpanel", "aria-labelledby": id });
+    const about = { type: "button", role: "tab", id, value: name, "aria-controls": sheet };
+    return make("button", { ...about, onclick: () => choose(name) }, text(name));
+  });
+  const about = { role: "tablist", ariaLabel: text("tabs") };
+  const list = make("div.robsim-tabs.robsim-cut", about, ...tabs);
+  const elements = names.map((name) => sheets[name].element);
+  moveByArrows(list, (button) => choose(button.value));
+
+  const show = () => {
+    const chosen = names.includes(context.local.tab) ? context.local.tab : names[0];
+    markChosen(list, "aria-selected", (button) => button.value == chosen);
+    names.forEach((name, i) => (elements[i].hidden = name != chosen));
+  };
+  context.on("local", (name) => name == "tab" && show());
+  const callbacks = tabs[names.indexOf("callbacks")];
+  context.on("state", ({ error }) => (callbacks.dataset.mark = error ? "bad" : ""));
+  context.on("result", ({ again }) => again || choose("result")); // not one from before
+  show();
+  return { list, sheets: make("div.robsim-sheets", ...elements) };
 }

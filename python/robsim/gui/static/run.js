@@ -1,7 +1,7 @@
-// @ts-check
 // What the parts of the panel of a run share, beside what all panels have.
+import { asFloats } from "./base/buffers.js";
 import { makeContext } from "./base/context.js";
-import { Store } from "./charts/store.js";
+import { StepAxis } from "./charts/axis.js";
 
 const CHOICES = {
   tab: "traces", overlays: {},
@@ -15,9 +15,10 @@ const CHOICES = {
 export function makeRunContext(el, send) {
   const wanted = new Set(); // groups of columns
   const wanting = []; // those that are asked for next
+  let known = 0; // resets
   const context = makeContext(el, send, CHOICES);
-  return Object.assign(context, {
-    state: { state: "paused", k: -1, steps: 0, resets: 0, values: {} },
+  Object.assign(context, {
+    state: { state: "paused", k: -1, steps: 0, values: {} },
     store: new Store(), // rows of the trace
     newest: -1, // the newest step
     looking: null, // the past step that is shown; null = the newest
@@ -37,4 +38,61 @@ export function makeRunContext(el, send) {
       wanting.push(...lacking);
     },
   });
+  context.on("state", ({ k, resets }) => {
+    context.newest = k;
+    if (resets == known) return;
+    known = resets;
+    context.emit("reset");
+    if (context.looking != null) context.look(null);
+  });
+  context.axis = new StepAxis(context); // which steps all charts show
+  return context;
+}
+
+/** Rows of float32 that grow: `get(row, field)`. `epoch` changes when a row that was there does. */
+export class Rows {
+  constructor(width) {
+    this.width = width;
+    this.count = 0;
+    this.epoch = 0;
+    this.data = new Float32Array(64 * width);
+  }
+
+  put(first, block) {
+    const need = first * this.width + block.length;
+    if (need > this.data.length) {
+      const larger = new Float32Array(Math.max(2 * this.data.length, need));
+      larger.set(this.data);
+      this.data = larger;
+    }
+    if (first < this.count) this.epoch += 1;
+    this.data.set(block, first * this.width);
+    this.count = this.width ? need / this.width : 0;
+  }
+
+  get(row, field) {
+    return this.data[row * this.width + field];
+  }
+}
+
+class Store {
+  columns = new Map();
+
+  /** Take in the entries of a message, and the buffers of these. */
+  take(entries, buffers) {
+    entries.forEach(({ column, first, width }, i) => {
+      let rows = this.columns.get(column);
+      if (rows?.width != width) this.columns.set(column, (rows = new Rows(width)));
+      rows.put(first, asFloats(buffers[i]));
+    });
+  }
+
+  get(column) {
+    return this.columns.get(column);
+  }
+
+  /** The number of steps of which there is something. */
+  get count() {
+    return Math.max(0, ...[...this.columns.values()].map((rows) => rows.count));
+  }
 }

@@ -1,10 +1,9 @@
-// @ts-check
 // What a host calls: render({model, el}). Of the model it uses get, send, on and off alone.
 import { renderColors } from "./tools/colors.js";
 import { renderFloor } from "./tools/floor.js";
 import { renderPanel } from "./panel.js";
 import { renderRobots } from "./tools/robots.js";
-import { make } from "./base/dom.js";
+import { isPage, make } from "./base/dom.js";
 import { guardFromDrops } from "./tools/load.js";
 
 const VIEWS =
@@ -18,11 +17,11 @@ function render({ model, el }) {
   const hides = `.robsim-still-${still} { display: none !important; }`;
   if (still) el.append(make("style", { textContent: hides }));
   const send = (message, buffers) => model.send({ ...message, id }, undefined, buffers);
-  guardFromDrops(el);
+  guardFromDrops(isPage() ? window : el); // beside the view, too, and while that is lost
   const view = VIEWS[model.get("kind")]({ el, send });
   let queue = Promise.resolve();
   const receive = (head, buffers) => {
-    view.arrived?.(head);
+    view.arrived(head);
     const take = () => view.receive(head, buffers ?? []);
     queue = queue.then(take).catch((error) => console.error(error));
     return queue; // for tests

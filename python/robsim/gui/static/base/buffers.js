@@ -1,4 +1,3 @@
-// @ts-check
 // Binary buffers, which come as DataView, ArrayBuffer or Uint8Array.
 
 export const asBytes = (buffer) =>

@@ -1,9 +1,9 @@
-// @ts-check
 // Buttons and groups of them.
-import { make, set } from "./dom.js";
+import { isPage, make, set, text } from "./dom.js";
+import { listenToKeys } from "./gestures.js";
 import { icon } from "./icons.js";
-import { listenToKeys } from "./keys.js";
-import { text } from "./texts.js";
+
+const THEMES = ["auto", "light", "dark"];
 
 /** A button with an icon, its text, and what it does in more words. */
 export function makeButton(name, kind, onclick) {
@@ -25,7 +25,7 @@ export function showButton(button, name) {
   button.name = name;
   button.title = text(`${name}.title`, {}, text(name));
   button.setAttribute("aria-label", text(name));
-  const label = make("span", { className: "robsim-button-text", textContent: text(name) });
+  const label = make("span.robsim-button-text", text(name));
   button.replaceChildren(icon(name), ...(button.classList.contains("robsim-icon") ? [] : [label]));
 }
 
@@ -73,4 +73,21 @@ export function markChosen(group, attribute, isChosen) {
     button.setAttribute(attribute, String(button == chosen));
     button.tabIndex = button == (chosen ?? buttons[0]) ? 0 : -1;
   }
+}
+
+/** Switches for the looks, and further buttons. */
+export function makeLooks(context, ...others) {
+  const { local } = context;
+  const palette = makeButton("palette", "robsim-plain robsim-icon", () =>
+    context.choose("palette", local.palette == "distinct" ? "historical" : "distinct"));
+  const theme = makeButton(local.theme, "robsim-plain robsim-icon", () =>
+    context.choose("theme", THEMES[(THEMES.indexOf(local.theme) + 1) % THEMES.length]));
+  theme.hidden = !isPage();
+  const show = () => {
+    palette.setAttribute("aria-pressed", String(local.palette == "distinct"));
+    showButton(theme, local.theme);
+  };
+  context.on("local", show);
+  show();
+  return make("span.robsim-title-looks", palette, theme, ...others);
 }

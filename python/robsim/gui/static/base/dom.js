@@ -1,11 +1,14 @@
-// @ts-check
 // Elements, and painting once per animation frame.
 
-/** Make an element with attributes and children. */
-export function make(tag, attributes = {}, ...children) {
+const CALM = 100; // ms; what changes faster cannot be read, and each change lays the page out
+
+/** Make an element, "tag.class.class", with attributes, if there are such, and children. */
+export function make(what, ...content) {
+  const [tag, ...classes] = what.split(".");
   const element = document.createElement(tag);
-  set(element, attributes);
-  element.append(...children);
+  element.classList.add(...classes);
+  if (content[0]?.constructor == Object) set(element, content.shift());
+  element.append(...content);
   return element;
 }
 
@@ -22,6 +25,12 @@ export function say(element, words) {
   if (element.textContent != words) element.textContent = words;
 }
 
+/** Let an element say something; it is hidden while it says nothing. */
+export function sayOrHide(element, words) {
+  say(element, words);
+  element.hidden = !words;
+}
+
 /** Give a canvas the pixels of its box; return whether it had others. */
 export function fitCanvas(canvas) {
   const { width, height } = canvas.getBoundingClientRect();
@@ -36,17 +45,13 @@ export function fitCanvas(canvas) {
 /** Return a function that asks for a paint in the next animation frame, however often called. */
 export function painter(paint) {
   let asked = 0;
-  const later = () => {
+  return () => {
     asked ||= requestAnimationFrame(() => {
       asked = 0;
       paint();
     });
   };
-  later.cancel = () => cancelAnimationFrame(asked);
-  return later;
 }
-
-const CALM = 100; // ms; what changes faster cannot be read, and each change lays the page out
 
 /** As `painter`, but not oftener than ten times a second. */
 export function calmPainter(paint) {
@@ -55,16 +60,18 @@ export function calmPainter(paint) {
     last = performance.now();
     paint();
   });
-  const calm = () => {
+  return () => {
     clearTimeout(timer);
     timer = setTimeout(later, Math.max(0, last + CALM - performance.now()));
   };
-  calm.cancel = () => {
-    clearTimeout(timer);
-    later.cancel();
-  };
-  return calm;
 }
 
 /** Whether this is the page of its own, not a notebook. */
 export const isPage = () => document.body.classList.contains("robsim-page");
+
+/** Return a text of texts.json by its name, with {fields} filled in; without one `instead`. */
+export function text(name, fields = {}, instead = name) {
+  // eslint-disable-next-line no-undef
+  const found = TEXTS[name] ?? instead;
+  return found.replace(/\{(\w+)\}/g, (_, field) => fields[field]);
+}

@@ -1,12 +1,10 @@
-// @ts-check
 // Controls as Python describes them: a choice, a range, a switch.
 import { makeRadios } from "./buttons.js";
-import { make } from "./dom.js";
-import { heldValue } from "./held_value.js";
-import { makeSlider, showSlider } from "./slider.js";
-import { text } from "./texts.js";
+import { make, painter, text } from "./dom.js";
 
 const MOST_SEGMENTS = 3; // more of them become a list that opens
+const MAKERS = { segments: makeSegments, choice: makeSelect, range: makeRange, switch: makeSwitch };
+const ANSWER_TIME = 1000; // ms in which Python's answer to a value is to come
 
 /**
  * Make the field of a control: `show` a value that Python tells, `allow` it to be set unless a
@@ -15,34 +13,32 @@ const MOST_SEGMENTS = 3; // more of them become a list that opens
 export function makeField(control, send, refuse = () => {}) {
   const { name, kind, choices, tip } = control;
   const isShort = kind == "choice" && choices.length <= MOST_SEGMENTS;
-  const made = MAKERS[isShort ? "segments" : kind](control, refuse);
+  const made = MAKERS[isShort ? "segments" : kind](control, (value) => held.set(value), refuse);
   const label = text(`control.${name}`, {}, name);
   const parts = [make("span", { textContent: label }), made.element, made.output];
-  const about = { className: "robsim-field", title: text(`control.${name}.title`, {}, tip ?? "") };
+  const title = text(`control.${name}.title`, {}, tip ?? "");
   // A label passes a click on to its control, which is right for one control, not for a group.
-  const element = make(isShort ? "div" : "label", about, ...parts.filter(Boolean));
+  const element = make(`${isShort ? "div" : "label"}.robsim-field.robsim-row`, { title },
+    ...parts.filter(Boolean));
   made.element.setAttribute("aria-label", text(`control.${name}.whole`, {}, label));
-  const value = heldValue(made.element, made.show, send);
-  made.listen(value.set);
+  const held = heldValue(made.show, send);
+  if (kind == "range") made.element.addEventListener("pointerdown", held.hold);
   const allow = (reason) => {
     made.element.disabled = Boolean(reason);
     element.classList.toggle("robsim-off", Boolean(reason));
-    element.title = reason || about.title;
+    element.title = reason || title;
   };
-  return { name, element, show: value.tell, allow, end: value.end };
+  return { name, element, show: held.tell, allow };
 }
-
-const MAKERS = { segments: makeSegments, choice: makeSelect, range: makeRange, switch: makeSwitch };
 
 const choiceText = (name, value) =>
   text(`control.${name}.${value}`, {}, text(`choice.${value}`, {}, value));
 
-function makeSegments({ name, choices }, refuse) {
-  let told = () => {};
+function makeSegments({ name, choices }, set, refuse) {
   const choose = (wanted) => {
     const { value, disabled } = choices.find((choice) => String(choice.value) == wanted);
     if (disabled) refuse(disabled);
-    else told(value);
+    else set(value);
   };
   const { element, show } = makeRadios("robsim-segments", "", choose);
   const options = choices.map(({ value, disabled }) => ({
@@ -50,38 +46,102 @@ function makeSegments({ name, choices }, refuse) {
     title: disabled ?? text(`control.${name}.${value}.title`, {}, ""),
     ...(disabled && { ariaDescription: disabled }),
   }));
-  const listen = (set) => (told = set);
-  return { element, listen, show: (value) => show(options, value) };
+  return { element, show: (value) => show(options, value) };
 }
 
-function makeSelect({ name, choices }) {
+function makeSelect({ name, choices }, set) {
   const options = choices.map(({ value, disabled }) => {
     const textContent = choiceText(name, value) + (disabled ? ` (${disabled})` : "");
-    return make("option",
-      { value, disabled: disabled != null, title: disabled ?? "", textContent });
+    const about = { value, disabled: disabled != null, title: disabled ?? "" };
+    return make("option", about, textContent);
   });
-  const element = make("select", { className: "robsim-select", name }, ...options);
-  const listen = (set) => element.addEventListener("change", () => set(element.value));
-  return { element, listen, show: (value) => (element.value = value) };
+  const onchange = ({ target }) => set(target.value);
+  const element = make("select.robsim-select", { name, onchange }, ...options);
+  return { element, show: (value) => (element.value = value) };
 }
 
 /** A slider; its places may be other numbers than the values: `valueAt`, `placeOf`. */
-function makeRange({ name, low, high, step, unit, valueAt = Number, placeOf = Number, wordsOf }) {
+function makeRange(control, set) {
+  const { name, low, high, step, unit, valueAt = Number, placeOf = Number, wordsOf } = control;
   const element = makeSlider(name, { min: low, max: high, step });
   const output = make("output");
   const digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
-  const listen = (set) => element.addEventListener("input", () => set(valueAt(element.value)));
+  element.oninput = () => set(valueAt(element.value));
   const show = (value) => {
     output.textContent = wordsOf?.(value)
       ?? [value.toFixed(digits), unit].filter(Boolean).join("\u202f");
     showSlider(element, placeOf(value), output.textContent);
   };
-  return { element, output, listen, show };
+  return { element, output, show };
 }
 
-function makeSwitch({ name }) {
-  const element = make("input",
-    { type: "checkbox", role: "switch", className: "robsim-switch", name });
-  const listen = (set) => element.addEventListener("change", () => set(element.checked));
-  return { element, listen, show: (value) => (element.checked = value) };
+function makeSwitch({ name }, set) {
+  const onchange = ({ target }) => set(target.checked);
+  const element = make("input.robsim-switch", { type: "checkbox", role: "switch", name, onchange });
+  return { element, show: (value) => (element.checked = value) };
+}
+
+/** A slider from `min` to `max`. */
+export function makeSlider(name, { min, max, step }) {
+  const slider = make("input.robsim-slider", { type: "range", name });
+  return Object.assign(slider, { min: String(min), max: String(max), step: String(step) });
+}
+
+/** Show a value, which `words` say for screen readers. */
+export function showSlider(slider, value, words) {
+  const [min, max] = [Number(slider.min), Number(slider.max)];
+  slider.value = String(value);
+  const part = max > min ? (100 * (value - min)) / (max - min) : 0;
+  slider.style.setProperty("--robsim-part", `${part}%`);
+  slider.setAttribute("aria-valuetext", words);
+}
+
+/**
+ * Keep a value: what was set here last is shown, not an older one that is still on its way from
+ * Python (`tell`); it is sent once per animation frame at most, by `send(value, goesOn)`: whether
+ * in the same drag as before. A drag lasts from `hold` to the end of the press. Values may be
+ * arrays.
+ */
+export function heldValue(show, send) {
+  let [mine, told, isHeld, waitsUntil] = [undefined, undefined, false, 0];
+  let timer = 0;
+  let goesOn = false;
+  const sendMine = painter(() => {
+    send(mine, goesOn);
+    goesOn = isHeld;
+  });
+  const isAnswered = () => JSON.stringify(told) == JSON.stringify(mine);
+  const settle = () => {
+    clearTimeout(timer);
+    if (isHeld) return;
+    const rest = waitsUntil - performance.now();
+    if (rest > 0 && !isAnswered()) timer = setTimeout(settle, rest);
+    else if (told !== undefined) show((mine = told));
+  };
+  const hold = () => {
+    [isHeld, goesOn] = [true, false];
+    addEventListener("pointerup", release, { once: true });
+    addEventListener("pointercancel", release, { once: true });
+  };
+  const release = () => {
+    if (!isHeld) return;
+    isHeld = false;
+    setTimeout(settle); // after the last change, which comes behind it
+    requestAnimationFrame(() => (goesOn = false)); // after that is sent
+  };
+  return {
+    hold,
+    set(value) {
+      mine = value;
+      waitsUntil = performance.now() + ANSWER_TIME;
+      show(value);
+      sendMine();
+      settle();
+    },
+    tell(value) {
+      told = value;
+      if (isAnswered()) waitsUntil = 0;
+      settle();
+    },
+  };
 }

@@ -1,4 +1,3 @@
-// @ts-check
 // Room for frames that this view grants to Python.
 
 // Few grants: each message to a kernel makes a notebook redraw its indicators, which costs it more

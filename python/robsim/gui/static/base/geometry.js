@@ -1,4 +1,3 @@
-// @ts-check
 // Points [x, y] under plane maps (3 x 3, row by row), poses, and lines made simpler.
 
 /** Return the inverse of a plane map, up to a factor. */

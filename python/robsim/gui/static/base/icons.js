@@ -1,5 +1,5 @@
-// @ts-check
 // The icons: paths on a grid of 16.
+import { make } from "./dom.js";
 
 const ICONS = {
   start: "M4 2.3v11.4c0 .6.6 1 1.1.7l8.6-5.7c.4-.3.4-1 0-1.3L5.1 1.7C4.6 1.3 4 1.7 4 2.3z",
@@ -34,4 +34,11 @@ export function icon(name) {
   path.setAttribute("fill-rule", "evenodd");
   element.append(path);
   return element;
+}
+
+/** `kind` "line", "stairs", "dots", "cross", or "box" for one that is filled. */
+export function makeSwatch(kind, color) {
+  const swatch = make(`i.robsim-swatch.robsim-swatch-${kind}`);
+  swatch.style.setProperty("--robsim-swatch", color);
+  return swatch;
 }

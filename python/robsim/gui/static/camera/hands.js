@@ -1,8 +1,6 @@
-// @ts-check
 // Hands on a picture: each has things there that are clicked, dragged, and moved by keys.
-import { watchGestures } from "../base/gestures.js";
 import { distance } from "../base/geometry.js";
-import { listenToKeys } from "../base/keys.js";
+import { listenToKeys, watchGestures } from "../base/gestures.js";
 
 const REACH = 10; // px on the screen that a point takes
 const FINGER = 2.2; // times the reach of a mouse

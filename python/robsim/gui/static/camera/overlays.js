@@ -1,19 +1,18 @@
-// @ts-check
 // What is drawn over the camera's picture: each overlay has a name, and can be switched.
 import { ellipse, fromRobot } from "../base/geometry.js";
-import { drawArrow, drawBox, drawDot, drawLine } from "./strokes.js";
-import { makeTrail } from "./trail.js";
+import { drawArrow, drawBox, drawDot, drawLine, haloOf } from "./strokes.js";
 
 const TRACED_STEPS = 150; // steps of which the objects are shown
 const ELLIPSE_SIGMAS = 2;
 const DASH = [5, 4]; // px on the screen
+const LONGEST_TRAIL = 2000; // steps; more would cover the floor
 
 /**
  * The overlays from the lowest to the highest: `shown` at first, the theme's `color`, what is
  * drawn, the `columns` of the trace that it needs, and whether there `is` such a thing in a run.
  *
  * A scene has `pen` (of the canvas), `lens`, `unit` (device pixels a px), `place` (work area to
- * canvas), `pixel` (camera to canvas), `frame`, `context`, `colors` (of the theme, by name),
+ * canvas), `pixel` (camera to canvas), `frame`, `context`, `ink(name)` (of the theme),
  * `classColors`.
  */
 export const makeOverlays = () => [
@@ -51,10 +50,11 @@ function drawGoal(scene, goal, color) {
   drawArrow(scene, begin, tip, color, { width: 2.5 });
 }
 
-function outlineAt(scene, pose, color, options) {
+function outlineAt(scene, pose, ink, options) {
+  if (!pose) return;
   const points = scene.context.setup.robot.outline.map((point) =>
     scene.place(fromRobot(pose, point)));
-  drawLine(scene, points, color, { isClosed: true, ...options });
+  drawLine(scene, points, scene.ink(ink), { isClosed: true, ...options });
 }
 
 const UNKNOWN_REACH = 40; // px, of a robot of which nobody has the outline
@@ -65,34 +65,30 @@ function robotReach({ context }) {
 }
 
 function drawOutline(scene) {
-  if (scene.frame.measured)
-    outlineAt(scene, scene.frame.measured, scene.colors.measured, { width: 2 });
+  outlineAt(scene, scene.frame.measured, "measured", { width: 2 });
 }
 
 /** Draw the centre of the robot, and a line from there to where it looks. */
-function headingAt(scene, pose, color, options) {
+function headingAt(scene, pose, ink, options) {
+  if (!pose) return;
   const reach = 1.35 * robotReach(scene);
   const ends = [[0, 0], [reach, 0]].map((point) => scene.place(fromRobot(pose, point)));
-  drawLine(scene, ends, color, options);
-  drawDot(scene, ends[0], color, 3);
+  drawLine(scene, ends, scene.ink(ink), options);
+  drawDot(scene, ends[0], scene.ink(ink), 3);
 }
 
 function drawHeading(scene) {
-  const { frame, colors } = scene;
-  if (frame.measured) headingAt(scene, frame.measured, colors.measured, { width: 2.5 });
+  headingAt(scene, scene.frame.measured, "measured", { width: 2.5 });
 }
 
 function drawHeld(scene) {
-  const { frame, colors } = scene;
-  if (frame.held && !frame.measured)
-    outlineAt(scene, frame.held, colors.held, { dash: DASH, width: 2 });
+  const { held, measured } = scene.frame;
+  if (!measured) outlineAt(scene, held, "held", { dash: DASH, width: 2 });
 }
 
 function drawTruth(scene) {
-  const { frame, colors } = scene;
-  if (!frame.truth) return;
-  outlineAt(scene, frame.truth, colors.true, { dash: DASH }); // what is below shows
-  headingAt(scene, frame.truth, colors.true, { dash: DASH });
+  outlineAt(scene, scene.frame.truth, "true", { dash: DASH }); // lower lines show
+  headingAt(scene, scene.frame.truth, "true", { dash: DASH });
 }
 
 function drawBoxes(scene) {
@@ -130,7 +126,7 @@ function drawObjectTrace(scene) {
 
 function drawPlanned(scene) {
   const { path, goal } = scene.context.state;
-  const color = scene.colors["other-5"];
+  const color = scene.ink("other-5");
   if (path?.length) {
     const points = path.map(scene.place);
     drawLine(scene, points, color, { dash: [7, 5], width: 2 });
@@ -142,7 +138,7 @@ function drawPlanned(scene) {
 
 /** The ellipse of the position, and the wedge of the heading, within 2 standard errors. */
 function drawCovariance(scene) {
-  const { pen, frame, colors } = scene;
+  const { pen, frame, ink } = scene;
   if (!frame.estimate) return;
   const { pose, covariance } = frame.estimate;
   const center = scene.place(pose);
@@ -153,12 +149,12 @@ function drawCovariance(scene) {
     const turn = Math.min(ELLIPSE_SIGMAS * Math.sqrt(Math.max(covariance[8], 0)), Math.PI);
     const arc = Array.from({ length: 13 }, (_, i) =>
       scene.place(fromRobot([pose[0], pose[1], pose[2] + turn * (i / 6 - 1)], reach)));
-    fillArea(pen, [center, ...arc], colors["estimated-band"]);
-    fillArea(pen, around, colors["estimated-band"]);
-    drawLine(scene, around, colors.estimated, { isClosed: true });
+    fillArea(pen, [center, ...arc], ink("estimated-band"));
+    fillArea(pen, around, ink("estimated-band"));
+    drawLine(scene, around, ink("estimated"), { isClosed: true });
   }
-  drawLine(scene, [center, scene.place(fromRobot(pose, reach))], colors.estimated);
-  drawDot(scene, center, colors.estimated);
+  drawLine(scene, [center, scene.place(fromRobot(pose, reach))], ink("estimated"));
+  drawDot(scene, center, ink("estimated"));
 }
 
 function fillArea(pen, points, color) {
@@ -166,4 +162,59 @@ function fillArea(pen, points, color) {
   for (const [x, y] of points) pen.lineTo(x, y);
   pen.fillStyle = color;
   pen.fill();
+}
+
+/**
+ * Return a function that draws the measured positions up to the frame's step. The trail has its own
+ * canvas, and each frame adds a piece.
+ */
+function makeTrail() {
+  const layer = document.createElement("canvas");
+  const pen = layer.getContext("2d");
+  let first = 0; // row that is drawn
+  let drawn = 0; // rows up to which it is
+  let known = null; // rows of which it is
+  let key = "";
+
+  const prepare = (scene, rows, upto) => {
+    const { canvas } = scene.pen;
+    const { scale, left, top } = scene.lens;
+    const { map, intrinsics } = scene.frame;
+    const view = [canvas.width, canvas.height, scale, left, top, ...map, intrinsics];
+    const now = [...view, scene.ink("measured"), rows.epoch].join();
+    const isShort = upto - first <= 1.25 * LONGEST_TRAIL;
+    if (now == key && rows == known && drawn <= upto && isShort) return;
+    known = rows;
+    [layer.width, layer.height] = [canvas.width, canvas.height]; // clears it
+    [key, first] = [now, Math.max(0, upto - LONGEST_TRAIL)];
+    drawn = first;
+  };
+  const add = ({ place, unit, ink }, rows, upto) => {
+    pen.beginPath();
+    let isUp = true;
+    for (let row = Math.max(first, drawn - 1); row < upto; row++) {
+      const [x, y] = place([rows.get(row, 0), rows.get(row, 1)]);
+      if (isUp) pen.moveTo(x, y);
+      else pen.lineTo(x, y);
+      isUp = !(x === x); // not seen: a gap
+    }
+    pen.lineJoin = "round";
+    pen.strokeStyle = haloOf(pen, ink("measured"));
+    pen.lineWidth = 2.5 * unit;
+    pen.stroke();
+    pen.strokeStyle = ink("measured");
+    pen.lineWidth = 1.25 * unit;
+    pen.stroke();
+  };
+  return (scene) => {
+    const rows = scene.context.store.get("pose_measured");
+    if (!rows) return;
+    const upto = Math.min(rows.count, scene.frame.k + 1);
+    prepare(scene, rows, upto);
+    if (upto > drawn) add(scene, rows, upto);
+    drawn = upto;
+    scene.pen.globalAlpha = 0.8;
+    scene.pen.drawImage(layer, 0, 0);
+    scene.pen.globalAlpha = 1;
+  };
 }

@@ -1,25 +1,22 @@
-// @ts-check
 // A picture on a canvas: zoomed, moved, drawn on. What else the pointer does there is its owner's.
 import { makeTextButton } from "../base/buttons.js";
-import { fitCanvas, make, painter } from "../base/dom.js";
-import { text } from "../base/texts.js";
-import { color } from "../base/theme.js";
+import { fitCanvas, make, painter, text } from "../base/dom.js";
 import { makeHands } from "./hands.js";
-import { makeLens } from "./lens.js";
-import { makeWidthTeller } from "./width.js";
 
 // times as large as they are, the pixels of a picture are to be seen as such
 const COARSE_PIXELS = 3;
+const USUAL_CAMERA_WIDTH = 600; // px, where nothing is laid out yet
+const SIZE_REST = 200; // ms without a change before Python is told
+const MOST_ZOOM = 20; // times
 
 /**
- * Show the picture of `context.frame`. The owner gives `label`, a name in the texts; `inks`, names
- * of colours; the `hands` on it, see hands.js, an array that may still grow.
+ * Show the picture of `context.frame`. The owner gives `label`, a name in the texts, and the
+ * `hands` on it, see hands.js, an array that may still grow.
  */
-export function makePicture(context, { label, inks = [], hands }) {
+export function makePicture(context, { label, hands }) {
   const canvas = make("canvas", { tabIndex: 0, role: "application", ariaLabel: text(label) });
   const lens = makeLens();
-  const colors = {};
-  const paint = () => paintPicture(context, { canvas, lens, colors, draw: handed.draw });
+  const paint = () => paintPicture(context, { canvas, lens, draw: handed.draw });
   const later = painter(paint);
   const widths = makeWidthTeller(context, () => shownWidth(context, canvas, lens));
 
@@ -47,23 +44,17 @@ export function makePicture(context, { label, inks = [], hands }) {
     paint();
     widths.tell();
   };
-  const resizes = new ResizeObserver(fit);
-  resizes.observe(canvas);
-  const recolor = () => {
-    for (const name of [...inks, "sunken"]) colors[name] = color(context.el, `--robsim-${name}`);
-    later();
-  };
-  context.on("setup local theme", recolor);
+  new ResizeObserver(fit).observe(canvas);
+  context.on("setup local theme", later);
   context.on("state", changed);
   context.on("frame", paint); // at once: an animation frame later would be one more
   context.on("frame", widths.tell);
-  context.onEnd(() => resizes.disconnect(), later.cancel);
   return { ...handed, canvas, lens, whole, later, changed, width: () => (fit(), widths.first()) };
 }
 
-function paintPicture(context, { canvas, lens, colors, draw }) {
+function paintPicture(context, { canvas, lens, draw }) {
   const pen = canvas.getContext("2d");
-  pen.fillStyle = colors.sunken ?? "gray";
+  pen.fillStyle = context.ink("sunken");
   pen.fillRect(0, 0, canvas.width, canvas.height);
   const { frame, setup } = context;
   if (!frame?.picture || !setup) return;
@@ -75,7 +66,8 @@ function paintPicture(context, { canvas, lens, colors, draw }) {
   pen.beginPath();
   pen.rect(lens.left, lens.top, width, height);
   pen.clip();
-  draw({ pen, context, frame, lens, colors, unit: devicePixelRatio, pixel: lens.toCanvas });
+  const [{ ink }, unit] = [context, devicePixelRatio];
+  draw({ pen, context, frame, lens, ink, unit, pixel: lens.toCanvas });
   pen.restore();
 }
 
@@ -89,4 +81,80 @@ function drawWhole(pen, { picture, size }, { left, top, scale }) {
 function shownWidth({ frame }, canvas, lens) {
   if (!frame?.picture) return canvas.width > 1 ? canvas.width : 0;
   return Math.min(Math.round(frame.size[0] * lens.scale), frame.size[0]);
+}
+
+/** How wide the picture is on the screen (device pixels): as fine as Python needs to send it. */
+function makeWidthTeller(context, width) {
+  let told = 0;
+  let timer = 0;
+  const known = () => width() || Math.round(USUAL_CAMERA_WIDTH * devicePixelRatio);
+  const send = () => {
+    if (!context.setup || known() == told) return;
+    context.send({ type: "size", width: (told = known()) });
+    // comes again too
+    if (context.looking != null) context.send({ type: "look", k: context.looking });
+  };
+  return {
+    /** What is said with hello. */
+    first: () => (told = known()),
+    tell: () => {
+      clearTimeout(timer);
+      timer = setTimeout(send, SIZE_REST);
+    },
+  };
+}
+
+/**
+ * Where the camera's pixels, counted at their centres, lie on the canvas, which has device pixels:
+ * letterboxed, zoomed, moved.
+ */
+function makeLens() {
+  const lens = { zoom: 1, scale: 1, left: 0, top: 0 };
+  let box = [1, 1]; // of the canvas
+  let size = [1, 1]; // of the picture
+  let middle = [0.5, 0.5]; // what of the picture is in the middle, as parts of it
+
+  const hold = (i, zoomed) => {
+    // half of what there is room for
+    const shown = Math.min(box[i] / zoomed, size[i]) / size[i] / 2;
+    return Math.min(Math.max(middle[i], shown), 1 - shown);
+  };
+  const place = () => {
+    lens.scale = lens.zoom * Math.min(box[0] / size[0], box[1] / size[1]);
+    middle = [hold(0, lens.scale), hold(1, lens.scale)];
+    lens.left = Math.round(box[0] / 2 - middle[0] * size[0] * lens.scale);
+    lens.top = Math.round(box[1] / 2 - middle[1] * size[1] * lens.scale);
+  };
+
+  lens.fit = (newBox, newSize) => {
+    [box, size] = [newBox, newSize];
+    place();
+  };
+  lens.toCanvas = ([u, v]) =>
+    [lens.left + (u + 0.5) * lens.scale, lens.top + (v + 0.5) * lens.scale];
+  lens.toPixel = ([x, y]) =>
+    [(x - lens.left) / lens.scale - 0.5, (y - lens.top) / lens.scale - 0.5];
+  lens.holds = ([x, y]) => {
+    const [u, v] = lens.toPixel([x, y]);
+    return u >= -0.5 && v >= -0.5 && u < size[0] - 0.5 && v < size[1] - 0.5;
+  };
+
+  /** Move the picture by so many pixels of the canvas. */
+  lens.move = ([dx, dy]) => {
+    middle = [middle[0] - dx / (lens.scale * size[0]), middle[1] - dy / (lens.scale * size[1])];
+    place();
+  };
+  /** Zoom so that what is at a point of the canvas stays there. */
+  lens.zoomAt = (at, factor) => {
+    const [u, v] = lens.toPixel(at);
+    lens.zoom = Math.min(Math.max(lens.zoom * factor, 1), MOST_ZOOM);
+    place();
+    const [x, y] = lens.toCanvas([u, v]);
+    lens.move([at[0] - x, at[1] - y]);
+  };
+  lens.reset = () => {
+    lens.zoom = 1;
+    place();
+  };
+  return lens;
 }

@@ -1,8 +1,7 @@
-// @ts-check
 // What is under the pointer: the place on the work area, and on the robot its poses.
-import { make } from "../base/dom.js";
+import { make, text } from "../base/dom.js";
 import { distance, isInside, toRobot } from "../base/geometry.js";
-import { text } from "../base/texts.js";
+import { makeSwatch } from "../base/icons.js";
 
 const toDegrees = (radians) => (radians * 180) / Math.PI;
 const digits = (value) => value.toFixed(1).replace("-", "\u2212");
@@ -28,13 +27,12 @@ function poseRows(frame) {
 }
 
 export function makeReadout(context) {
-  const element = make("div", { className: "robsim-camera-readout", role: "status" });
+  const element = make("div.robsim-camera-readout", { role: "status" });
   const row = (first, cells) =>
     [first, ...cells.map((textContent) => make("span", { textContent }))];
   const poseRow = ([name, cells]) => {
-    const mark = make("span", { className: "robsim-swatch" });
-    mark.style.setProperty("--robsim-swatch", `var(--robsim-${name})`);
-    return row(make("span", { className: "robsim-quiet" }, mark, text(`readout.${name}`)), cells);
+    const mark = makeSwatch("box", `var(--robsim-${name})`);
+    return row(make("span.robsim-quiet", mark, text(`readout.${name}`)), cells);
   };
   const isOnRobot = (at) => {
     const { frame, setup } = context;

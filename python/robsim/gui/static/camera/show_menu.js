@@ -1,13 +1,12 @@
-// @ts-check
 // The menu in which the overlays are switched.
 import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, text } from "../base/dom.js";
+import { makeSwatch } from "../base/icons.js";
 import { isShown } from "./overlays.js";
 
 export function makeShowMenu(context, overlays) {
-  const list = make("div", { role: "group", ariaLabel: text("show"), hidden: true });
-  list.className = "robsim-surface robsim-card robsim-show-list";
+  const list = make("div.robsim-surface.robsim-afloat.robsim-card.robsim-show-list",
+    { role: "group", ariaLabel: text("show") });
   const open = (isOpen) => {
     list.hidden = !isOpen;
     button.setAttribute("aria-expanded", String(isOpen));
@@ -25,10 +24,8 @@ export function makeShowMenu(context, overlays) {
       onchange: () =>
         context.choose("overlays", { ...context.local.overlays, [overlay.name]: box.checked }),
     });
-    const swatch = make("span", { className: "robsim-swatch" });
     const colors = overlay.color ? `var(--robsim-${overlay.color})` : classStripes();
-    swatch.style.setProperty("--robsim-swatch", colors);
-    return make("label", {}, box, swatch, text(`overlay.${overlay.name}`));
+    return make("label", box, makeSwatch("box", colors), text(`overlay.${overlay.name}`));
   };
   const fill = () => {
     const there = overlays.filter(({ is }) => !context.setup || !is || is(context.setup));
@@ -37,14 +34,13 @@ export function makeShowMenu(context, overlays) {
   open(false);
   fill();
   context.on("setup", fill);
-  const element = make("div", { className: "robsim-show" }, button, list);
+  const element = make("div.robsim-show", button, list);
   element.onkeydown = (event) => {
     if (event.key != "Escape" || list.hidden) return;
     open(false);
     button.focus();
   };
   const outside = (event) => event.composedPath().includes(element) || open(false);
-  document.addEventListener("pointerdown", outside);
-  context.onEnd(() => document.removeEventListener("pointerdown", outside));
+  document.addEventListener("pointerdown", outside, { signal: context.signal });
   return element;
 }

@@ -1,4 +1,3 @@
-// @ts-check
 // Lines and dots over the camera's picture, set off against any floor.
 
 const OVERLAY_WIDTH = 1.5; // px on the screen
@@ -69,14 +68,12 @@ export function drawCross(scene, [x, y], color, { long, width, isRinged = false 
 
 /** Draw a dot at a point of the canvas, with its halo. */
 export function drawDot({ pen, unit }, [x, y], color, radius = 2.5) {
-  pen.beginPath();
-  pen.arc(x, y, (radius + 1) * unit, 0, 2 * Math.PI);
-  pen.fillStyle = haloOf(pen, color);
-  pen.fill();
-  pen.beginPath();
-  pen.arc(x, y, radius * unit, 0, 2 * Math.PI);
-  pen.fillStyle = color;
-  pen.fill();
+  for (const [size, ink] of [[radius + 1, haloOf(pen, color)], [radius, color]]) {
+    pen.beginPath();
+    pen.arc(x, y, size * unit, 0, 2 * Math.PI);
+    pen.fillStyle = ink;
+    pen.fill();
+  }
 }
 
 /** Write a text beside a pixel, on a dark ground; not over those that are `taken`. */

@@ -1,16 +1,15 @@
-// @ts-check
 // Where the robot is to go: a point that is clicked, a path that is drawn, both also by keys.
 import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { distance } from "../base/geometry.js";
-import { ARROWS } from "../base/keys.js";
-import { text } from "../base/texts.js";
-import { makeDraft } from "./draft.js";
+import { make, text } from "../base/dom.js";
+import { distance, simplified } from "../base/geometry.js";
+import { ARROWS } from "../base/gestures.js";
 import { areaOf, pixelToArea } from "./projection.js";
-import { drawLine } from "./strokes.js";
+import { drawDot, drawLine } from "./strokes.js";
 
 const CROSS_STEP = 10; // px of the work area; with Shift ten times as many
 const TOOLS = ["go_to", "draw_path"];
+const MOST_PATH_POINTS = 200;
+const DRAW_TOLERANCE = 2; // px on the screen that a drawn line may be simplified by
 
 /** Make the tools of the pointer on a picture: "look", "go_to" and "draw_path". */
 export function makeTools(context, picture) {
@@ -148,7 +147,7 @@ function makeCross(context) {
     if (!cross.at) return;
     const [x, y] = scene.place(cross.at);
     const long = 12 * scene.unit;
-    const color = scene.colors["other-2"];
+    const color = scene.ink("other-2");
     drawLine(scene, [[x - long, y], [x + long, y]], color);
     drawLine(scene, [[x, y - long], [x, y + long]], color);
   };
@@ -160,7 +159,7 @@ function makeHint(finish, leave) {
   const words = make("span");
   const done = makeTextButton("path_done", "robsim-primary", finish);
   const cancel = makeTextButton("path_cancel", "", leave);
-  const element = make("div", { className: "robsim-camera-hint robsim-row", hidden: true }, words,
+  const element = make("div.robsim-camera-hint.robsim-row.robsim-afloat", { hidden: true }, words,
     done, cancel);
   const show = (tool, isPath) => {
     element.hidden = tool == "look";
@@ -168,4 +167,51 @@ function makeHint(finish, leave) {
     done.hidden = !isPath;
   };
   return { element, show };
+}
+
+/**
+ * A path that is being drawn: corners that are clicked, lines that are drawn with the button down.
+ * Points are on the work area; `size` = the size of a screen pixel there.
+ */
+function makeDraft() {
+  const draft = { points: [] };
+  let stroke = null; // the point with which the line under way begins
+
+  draft.clear = () => [draft.points, stroke] = [[], null];
+  draft.add = (point) => {
+    if (draft.points.length < MOST_PATH_POINTS) draft.points.push(point);
+  };
+  draft.begin = (point) => {
+    stroke = draft.points.length;
+    draft.points.push(point);
+  };
+  draft.extend = (point, size) => {
+    if (distance(draft.points.at(-1), point) > size) draft.points.push(point);
+  };
+  /** End the line under way; return whether it is all that there is. */
+  draft.end = (size) => {
+    const [before, drawn] = [draft.points.slice(0, stroke), draft.points.slice(stroke)];
+    const room = MOST_PATH_POINTS - before.length;
+    const simple = simplified(drawn, DRAW_TOLERANCE * size, Math.max(room, 2));
+    draft.points = [...before, ...simple.slice(0, room)];
+    stroke = null;
+    return !before.length;
+  };
+  draft.giveUp = () => {
+    if (stroke != null) draft.points.length = stroke;
+    stroke = null;
+  };
+  /** Drop corners that were set twice, as by a double click. */
+  draft.settle = () => {
+    draft.points = draft.points.filter((point, i, all) => !i || distance(point, all[i - 1]) > 1);
+  };
+  draft.draw = (scene, end) => {
+    if (!draft.points.length) return;
+    const isOpen = stroke == null;
+    const color = scene.ink("other-2");
+    const line = isOpen && end ? [...draft.points, end] : draft.points;
+    drawLine(scene, line.map(scene.place), color, { width: 2 });
+    if (isOpen) for (const point of draft.points) drawDot(scene, scene.place(point), color, 3);
+  };
+  return draft;
 }

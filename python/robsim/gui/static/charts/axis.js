@@ -1,4 +1,3 @@
-// @ts-check
 // The steps that all charts of a panel show, and the one under the cursor.
 
 const SHORTEST_SPAN = 10; // steps on the whole width
@@ -8,13 +7,16 @@ const FIRST_SPANS = [100, 200, 400, 600, 1000];
 /**
  * Emits "cursor", and "axis" when other steps are shown, with whether that is for new rows alone.
  */
-class StepAxis {
+export class StepAxis {
   constructor(context) {
     this.context = context;
     this.count = 0; // steps that there are
     this.follows = true;
     this.cursor = null; // a step
     this.toNewest();
+    context.on("rows", () => this.grow(context.store.count));
+    context.on("reset", () => this.follow());
+    context.on("local", (name) => name == "window" && this.follow());
   }
 
   /** How many steps it follows; 0 = all. */
@@ -82,18 +84,4 @@ class StepAxis {
     }
     this.context.emit("cursor");
   }
-}
-
-const axes = new WeakMap();
-
-/** Return the axis that all charts of a panel share. */
-export function axisOf(context) {
-  if (!axes.has(context)) {
-    const axis = new StepAxis(context);
-    axes.set(context, axis);
-    context.on("rows", () => axis.grow(context.store.count));
-    context.on("reset", () => axis.follow());
-    context.on("local", (name) => name == "window" && axis.follow());
-  }
-  return axes.get(context);
 }

@@ -1,21 +1,19 @@
-// @ts-check
 // Some charts that are painted together, at most once for each animation frame, and only if they
 // are seen. While a run goes on they take turns with new rows, so that the camera's picture never
 // waits for all.
-import { painter } from "../base/dom.js";
-import { axisOf } from "./axis.js";
+import { make, painter, set, text } from "../base/dom.js";
+import { makeSwatch } from "../base/icons.js";
 import { layerName, layerText } from "./frame.js";
 import { listenToGestures } from "./gestures.js";
-import { inksOf } from "./inks.js";
-import { makeTip, stepText } from "./tip.js";
 
 const AT_ONCE = 2; // charts in an animation frame, of those that grow
 const REST = 50; // ms without new rows, after which the next ones are painted all the same
+const TIP_GAP = 12; // px from the cursor
 
 /** Make the charts of a tab; `seen` is called when the tab is shown. */
 export function makeBoard(context, element, seen) {
   const charts = new Map(); // what is measured -> chart
-  const [axis, ink] = [axisOf(context), inksOf(context)];
+  const { axis } = context;
   const tip = makeTip(context);
   const growing = new Set(); // charts that have got rows which they do not show yet
   let rest = 0;
@@ -24,8 +22,8 @@ export function makeBoard(context, element, seen) {
 
   const paintChart = (chart, isWhole) => {
     if (!chart.isSeen || !chart.size[0]) return;
-    if (isWhole || !chart.plot) chart.paint(board);
-    chart.paintOver(board);
+    if (isWhole || !chart.plot) chart.paint(context);
+    chart.paintOver(context);
   };
   const paint = () => {
     for (const chart of charts.values()) paintChart(chart, isStale);
@@ -71,7 +69,7 @@ export function makeBoard(context, element, seen) {
   sight.observe(element);
 
   const board = {
-    context, axis, ink, later,
+    context, later,
     add(chart) {
       charts.set(chart.main, chart);
       sizes.observe(chart.main);
@@ -90,7 +88,7 @@ export function makeBoard(context, element, seen) {
     point(k, chart, isKept = false) {
       pointed = chart;
       axis.point(k, isKept);
-      if (chart && axis.cursor !== null) describe(chart, axis, context);
+      if (chart && axis.cursor !== null) describe(chart, context);
     },
   };
 
@@ -99,24 +97,60 @@ export function makeBoard(context, element, seen) {
   context.on("theme", later);
   context.on("local", (name) => name == "unseen" && later());
   context.on("cursor looking", paintLater);
-  context.onEnd(() => {
-    paintLater.cancel();
-    paintSome.cancel();
-    clearTimeout(rest);
-    sizes.disconnect();
-    sight.disconnect();
-  });
   return board;
 }
 
 /** Say to a screen reader what the cursor of a chart is on. */
-function describe(chart, axis, context) {
-  const set = (name, value) => chart.over.setAttribute(name, value);
+function describe(chart, context) {
+  const { axis } = context;
   const readings = chart.layers
     .filter(({ series }) => Number.isFinite(series.value(axis.cursor)))
     .map((layer) => `${layerName(layer)} ${layerText(layer, axis.cursor)}`);
-  set("aria-valuemin", 0);
-  set("aria-valuemax", axis.count - 1);
-  set("aria-valuenow", axis.cursor);
-  set("aria-valuetext", [stepText(context, axis.cursor), ...readings].join(", "));
+  set(chart.over, { ariaValueMin: "0", ariaValueMax: axis.count - 1, ariaValueNow: axis.cursor,
+    ariaValueText: [stepText(context, axis.cursor), ...readings].join(", ") });
+}
+
+/** Return a step and its time as a text. */
+function stepText(context, k) {
+  const t = context.store.get("t")?.get(k, 0) ?? k * context.setup.dt;
+  return text("chart.step_and_time", { k, t: t.toFixed(2) });
+}
+
+/** The values of a chart at the step under the cursor, next to it. */
+function makeTip(context) {
+  const element = make("div.robsim-tip.robsim-surface.robsim-afloat", { hidden: true });
+  const row = (layer, unit, k) => {
+    const color = layer.ink ? context.ink(layer.ink) : "transparent";
+    const swatch = makeSwatch(layer.kind ?? "none", color);
+    const value = make("b", `${layerText(layer, k)} ${unit}`);
+    return make("div", swatch, make("span", { textContent: layerName(layer) }), value);
+  };
+  const fill = (chart, k) => {
+    const known = [...chart.shown, ...chart.reads].filter(({ series }) =>
+      Number.isFinite(series.value(k)));
+    const isMissed = known.some(({ name }) => name == "held");
+    element.replaceChildren(
+      make("strong", { textContent: stepText(context, k) }),
+      ...known.map((layer) => row(layer, layer.unit ?? chart.unit, k)),
+      ...(isMissed ? [make("em", text("chart.missed"))] : []),
+    );
+  };
+  const place = (chart, k) => {
+    const { box, plot } = chart;
+    const [x, width, room] = [plot.x(k), element.offsetWidth, chart.size[0]];
+    const isRight = x + width + TIP_GAP <= room || x < width + TIP_GAP;
+    const left = isRight ? x + TIP_GAP : x - width - TIP_GAP;
+    element.style.left = `${Math.max(0, Math.min(left, room - width))}px`;
+    element.style.top = `${box.top + 6}px`;
+  };
+  return {
+    /** Show what a chart says of a step; null = nothing. */
+    show(chart, k) {
+      element.hidden = !chart || k === null;
+      if (element.hidden) return;
+      if (element.parentNode != chart.main) chart.main.append(element);
+      fill(chart, k);
+      place(chart, k);
+    },
+  };
 }

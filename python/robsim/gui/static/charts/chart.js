@@ -1,11 +1,9 @@
-// @ts-check
 // One chart over the steps: a canvas for what changes with the rows, and one over it for the
 // cursor.
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, text } from "../base/dom.js";
 import { drawFrame, drawReadings } from "./frame.js";
 import { paintBand, paintBeyond, paintCrosses, paintDots, paintLine, Plot } from "./plot.js";
-import { autoRange } from "./range.js";
+import { autoRange } from "./scale.js";
 
 const CHART_MARGIN = { left: 44, right: 9, top: 22, bottom: 8 };
 const NARROW = 150; // px of a chart that reads off below its title
@@ -53,8 +51,8 @@ export class Chart {
     this.over = make("canvas", { tabIndex: 0, role: "slider" });
     this.over.setAttribute("aria-label",
       text("chart.label", { title: this.title, unit: this.unit }));
-    this.main = make("div", { className: "robsim-chart-main" }, this.base, this.over);
-    this.element = make("div", { className: "robsim-chart robsim-surface" }, this.main);
+    this.main = make("div.robsim-chart-main", this.base, this.over);
+    this.element = make("div.robsim-chart.robsim-surface", this.main);
     if (this.beside) this.element.append(this.beside.element);
   }
 
@@ -71,12 +69,12 @@ export class Chart {
       height: Math.max(height - top - below, 1) };
   }
 
-  paint({ axis, ink, context }) {
+  paint({ axis, ink, local }) {
     for (const { series, spread } of [...this.layers, ...this.reads]) {
       series.update();
       spread?.update();
     }
-    this.shown = this.layers.filter(({ name }) => !context.local.unseen.includes(name));
+    this.shown = this.layers.filter(({ name }) => !local.unseen.includes(name));
     const range = this.range ?? autoRange(this.shown, axis, this);
     const g = cleanCanvas(this.base, this.size);
     this.plot = new Plot(g, this.box, axis, range ?? [-1, 1], devicePixelRatio);
@@ -101,50 +99,48 @@ export class Chart {
   }
 
   /** Draw the cursor and the step that is looked at. */
-  paintOver({ axis, ink, context }) {
+  paintOver({ axis, ink, looking }) {
     if (!this.plot) return;
-    const k = axis.cursor ?? context.looking ?? (this.readsNewest ? axis.count - 1 : null);
+    const k = axis.cursor ?? looking ?? (this.readsNewest ? axis.count - 1 : null);
     const bare = k === null ? String(this.size) : "";
     if (bare && bare == this.bare) return;
     this.bare = bare;
     if (bare) return emptyCanvas(this.over, this.size);
     const g = cleanCanvas(this.over, this.size);
-    if (context.looking !== null) this.drawLooked(g, context.looking, ink);
+    if (looking !== null) this.drawLooked(g, looking, ink);
     if (axis.cursor !== null) this.drawCursor(g, axis.cursor, ink);
     if (k !== null) drawReadings(g, this, this.shown, k, ink);
   }
 
   drawLooked(g, k, ink) {
-    const { box } = this;
+    const { top } = this.box;
     const x = this.plot.x(k);
-    if (x < box.left || x > box.left + box.width) return;
-    g.strokeStyle = g.fillStyle = ink("accent");
-    g.lineWidth = 1.5;
+    if (!this.drawUpright(g, x, ink("accent"), 1.5)) return;
     g.beginPath();
-    g.moveTo(x, box.top);
-    g.lineTo(x, box.top + box.height);
-    g.stroke();
-    g.beginPath();
-    g.moveTo(x - 5, box.top);
-    g.lineTo(x + 5, box.top);
-    g.lineTo(x, box.top + 7);
+    g.moveTo(x - 5, top);
+    g.lineTo(x + 5, top);
+    g.lineTo(x, top + 7);
     g.fill();
   }
 
   drawCursor(g, k, ink) {
-    const { box, plot } = this;
+    const { plot } = this;
     const x = plot.x(k);
-    if (x < box.left || x > box.left + box.width) return;
-    g.strokeStyle = ink("quiet");
-    g.lineWidth = 1;
-    g.beginPath();
-    g.moveTo(plot.crisp(x), box.top);
-    g.lineTo(plot.crisp(x), box.top + box.height);
-    g.stroke();
+    if (!this.drawUpright(g, plot.crisp(x), ink("quiet"), 1)) return;
     g.strokeStyle = ink("raised");
     g.lineWidth = 1.5;
     for (const { series, ink: name } of this.shown)
       this.drawPoint(g, x, plot.y(series.value(k)), ink(name));
+  }
+
+  /** Draw a line from the top to the bottom; return whether its place is seen. */
+  drawUpright(g, x, color, width) {
+    const { left, top, width: wide, height } = this.box;
+    if (x < left || x > left + wide) return false;
+    g.strokeStyle = g.fillStyle = color;
+    g.lineWidth = width;
+    g.stroke(new Path2D(`M${x} ${top}v${height}`));
+    return true;
   }
 
   drawPoint(g, x, y, fill) {

@@ -1,7 +1,5 @@
-// @ts-check
 // Charts of single columns of the trace, which the user adds.
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, text } from "../base/dom.js";
 import { Chart } from "./chart.js";
 import { DEGREES, Series } from "./series.js";
 
@@ -20,13 +18,11 @@ function makeColumnChart(context, { group, field, unit, i }, remove) {
   const layers = [{ name: field, series, ink: "other-1", kind: group == "u" ? "stairs" : "line" }];
   const shown = isAngle ? "\u00b0" : unit;
   const chart = new Chart({ title: field, unit: shown, layers, isAngle, reserved: REMOVE_WIDTH });
-  const button = make("button", {
-    type: "button", className: "robsim-button robsim-plain robsim-icon robsim-remove",
-    name: `remove_${field}`, textContent: "\u00d7", onclick: remove,
-    ariaLabel: text("chart.remove_column", { name: field }),
-  });
   chart.element.classList.add("robsim-chart-added");
-  chart.element.append(button);
+  chart.element.append(make("button.robsim-button.robsim-plain.robsim-icon.robsim-remove", {
+    type: "button", name: `remove_${field}`, onclick: remove,
+    ariaLabel: text("chart.remove_column", { name: field }),
+  }, "\u00d7"));
   return chart;
 }
 
@@ -41,8 +37,8 @@ function columnOf(context, field) {
 
 /** Make the menu of all columns; `add(field)` is called with the one that is chosen. */
 function makeColumnMenu(add) {
-  const menu = make("select", {
-    className: "robsim-select", name: "add_column", ariaLabel: text("chart.add_column"),
+  const menu = make("select.robsim-select", {
+    name: "add_column", ariaLabel: text("chart.add_column"),
     onchange: () => {
       add(menu.value);
       menu.value = "";

@@ -1,4 +1,3 @@
-// @ts-check
 // Extremes of a sequence that grows, by blocks of rows: a million rows are drawn as a few thousand,
 // and no outlier is lost.
 

@@ -1,6 +1,5 @@
-// @ts-check
 // What stands around the data of a chart: grid, ticks, title, numbers read off.
-import { text } from "../base/texts.js";
+import { text } from "../base/dom.js";
 import { numberText, tickGap, ticksOf, tickText, uncertainText } from "./scale.js";
 
 const TICK_ROOM = { x: 80, y: 34 }; // px for a tick
@@ -46,10 +45,7 @@ function drawValues(plot, { isAngle, hasZero }, ink) {
   for (const value of ticksOf(low, high, gap)) {
     const y = plot.crisp(plot.y(value));
     g.strokeStyle = ink(hasZero && Math.abs(value) < gap * 1e-6 ? "faint" : "grid");
-    g.beginPath();
-    g.moveTo(box.left, y);
-    g.lineTo(box.left + box.width, y);
-    g.stroke();
+    g.stroke(new Path2D(`M${box.left} ${y}h${box.width}`));
     const inside = Math.min(Math.max(y, box.top + 5), box.top + box.height - 4);
     g.fillText(tickText(value, gap), box.left - 6, inside, box.left - 9);
   }

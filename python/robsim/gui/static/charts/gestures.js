@@ -1,7 +1,5 @@
-// @ts-check
 // Mouse, fingers, wheel and keys on a chart.
-import { watchGestures } from "../base/gestures.js";
-import { listenToKeys } from "../base/keys.js";
+import { listenToKeys, watchGestures } from "../base/gestures.js";
 
 const DOT_REACH = 8; // px to a dot that is meant
 const KEY_ZOOM = 0.7;
@@ -14,7 +12,7 @@ export function listenToGestures(chart, board) {
   watchGestures(over, {
     hover: painted(pointAt), click: painted(pickStep), doubleClick: painted(resetChart),
     drag: painted(dragChart), zoom: painted(zoomChart),
-    slide: painted((_, { axis }, by) => axis.pan(by / chart.plot.perStep)),
+    slide: painted((_, { context }, by) => context.axis.pan(by / chart.plot.perStep)),
     takesWheel: () => true,
   });
   listenToKeys(over, (event) => pressKey(chart, board, event));
@@ -36,14 +34,14 @@ function dragChart(chart, board, before, now) {
     const shift = plot.value(before[1]) - plot.value(now[1]);
     chart.range = [plot.low + shift, plot.high + shift];
     board.later();
-  } else board.axis.pan((before[0] - now[0]) / chart.plot.perStep);
+  } else board.context.axis.pan((before[0] - now[0]) / chart.plot.perStep);
 }
 
 /** Show the frame of the step under the pointer, or of a black dot near it. */
 function pickStep(chart, board, at) {
   if (isOnValues(chart, at)) return;
   const k = Math.round(nearestHeld(chart, at) ?? chart.plot.step(at[0]));
-  if (k >= 0 && k < board.axis.count) board.context.look(k);
+  if (k >= 0 && k < board.context.axis.count) board.context.look(k);
 }
 
 function nearestHeld({ shown, plot }, [x, y]) {
@@ -61,19 +59,20 @@ function nearestHeld({ shown, plot }, [x, y]) {
 function resetChart(chart, board) {
   chart.range = null;
   if (board.context.looking !== null) board.context.look(null);
-  board.axis.follow();
+  board.context.axis.follow();
 }
 
 function zoomChart(chart, board, at, factor) {
   const { plot } = chart;
-  if (!isOnValues(chart, at)) return board.axis.zoom(plot.step(at[0]), 1 / factor);
+  if (!isOnValues(chart, at)) return board.context.axis.zoom(plot.step(at[0]), 1 / factor);
   const about = plot.value(at[1]);
   chart.range = [plot.low, plot.high].map((end) => about + (end - about) / factor);
   board.later();
 }
 
 function pressKey(chart, board, event) {
-  const { axis, context } = board;
+  const { context } = board;
+  const { axis } = context;
   if (!chart.plot) return false;
   const here = axis.cursor ?? context.looking ?? Math.min(axis.count - 1, Math.floor(axis.last));
   const move = (k) => board.point(k, chart, true);

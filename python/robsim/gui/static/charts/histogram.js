@@ -1,8 +1,6 @@
-// @ts-check
 // The histogram of an error, lying on its side: it shares the values of the chart that it stands
 // beside.
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, text } from "../base/dom.js";
 import { cleanCanvas, clipped } from "./chart.js";
 import { decimalText, numberText } from "./scale.js";
 
@@ -15,7 +13,7 @@ const NUMBERS_WIDTH = 82; // px
 const SOURCE_LAYERS = { measurement: "measured", estimate: "estimated" };
 
 export class Histogram {
-  element = make("canvas", { className: "robsim-histogram", role: "img" });
+  element = make("canvas.robsim-histogram", { role: "img" });
   errors = []; // {of, n, mean, std, low, high, counts}
 
   paint(chart, ink) {

@@ -1,11 +1,9 @@
-// @ts-check
 // The tab of the parameters: the history of each of the 15, with the truth and two standard errors.
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, text } from "../base/dom.js";
+import { makeSwatch } from "../base/icons.js";
 import { makeBoard } from "./board.js";
 import { Chart } from "./chart.js";
 import { fieldSeries } from "./columns.js";
-import { makeSwatch } from "./swatch.js";
 import { makeStepControls } from "./toolbar.js";
 
 const PARAMETER_GROUPS = ["parameters", "standard_errors_unscaled"];
@@ -14,12 +12,12 @@ const LEAST_RANGE = 1e-4; // where that is 0, or not known
 
 export function makeParameterCharts(context) {
   const verdict = make("span", { role: "status" });
-  const tools = make("div", { className: "robsim-chart-tools robsim-row" });
-  const grid = make("div", { className: "robsim-chart-grid robsim-parameter-grid" });
-  const element = make("div", { className: "robsim-parameters robsim-column" }, tools, grid);
+  const tools = make("div.robsim-chart-tools.robsim-row");
+  const grid = make("div.robsim-chart-grid.robsim-parameter-grid");
+  const element = make("div.robsim-parameters.robsim-column", tools, grid);
   const board = makeBoard(context, element, () => context.want(PARAMETER_GROUPS));
-  tools.append(...makeStepControls(context, board.axis), makeParameterKey(context),
-    make("div", { className: "robsim-verdict-line" }, verdict));
+  tools.append(...makeStepControls(context), makeParameterKey(context),
+    make("div.robsim-verdict-line", verdict));
   let charts = [];
   let newest = null; // message
 
@@ -74,9 +72,8 @@ function isLowest({ element }) {
 /** Make the key: what the crosses, the line and the band are. */
 function makeParameterKey(context) {
   const entry = (kind, ink, name) =>
-    make("span", {}, makeSwatch(kind, `var(--robsim-${ink})`), text(`chart.${name}`));
+    make("span", makeSwatch(kind, `var(--robsim-${ink})`), text(`chart.${name}`));
   const truth = entry("cross", "true", "true");
   context.on("setup", ({ theta_true: values }) => (truth.hidden = values == null));
-  return make("div", { className: "robsim-legend robsim-quiet" },
-    truth, entry("line", "estimated", "parameter_key"));
+  return make("div.robsim-legend.robsim-quiet", truth, entry("line", "estimated", "parameter_key"));
 }

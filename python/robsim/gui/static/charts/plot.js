@@ -1,4 +1,3 @@
-// @ts-check
 // Lines, dots and bands of one chart. Where many rows fall on a pixel, their extremes are drawn.
 import { BLOCK, eachColumn } from "./decimate.js";
 import { folded } from "./series.js";

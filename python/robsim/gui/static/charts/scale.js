@@ -1,8 +1,9 @@
-// @ts-check
 // Ticks of axes, and numbers as texts.
+import { BAND } from "./plot.js";
 
 const MANTISSAS = [1, 2, 5, 10];
 const ANGLES = [15, 30, 45, 90, 180]; // degrees, above 10
+const WILD_PART = 0.04; // of the steps on each side, for a robust range
 
 /** Return the distance of ticks so that there are about `count`, at least `least`. */
 export function tickGap(length, count, { least = 0, isAngle = false } = {}) {
@@ -71,4 +72,32 @@ export function uncertainText(value, error) {
 function exponential(value, digits) {
   const [mantissa, exponent] = value.toExponential(Math.max(0, digits - 1)).split("e");
   return signed(`${mantissa}e`) + signed(String(Number(exponent)));
+}
+
+/** Return [low, high] for some layers over the steps of an axis; null if nothing is known. */
+export function autoRange(layers, axis, { least, isRobust, isAngle, truth }) {
+  let [low, high] = [Infinity, -Infinity];
+  const include = (value) => {
+    if (!Number.isFinite(value)) return;
+    low = Math.min(low, value);
+    high = Math.max(high, value);
+  };
+  for (const layer of layers) {
+    const { series, spread } = layer;
+    const { first, last } = axis;
+    const range = isRobust ? series.robustRange(first, last, WILD_PART) : series.range(first, last);
+    range.forEach(include);
+    if (spread && !isRobust && !series.period) newestBand(layer, axis).forEach(include);
+    // The band of a heading, or one that is wide at first, must not squash the rest: it is cut.
+  }
+  if (truth !== null) include(truth);
+  const full = layers.find(({ series }) => series.period && high - low >= series.period * 0.999);
+  if (full) return [-full.series.period / 2, full.series.period / 2];
+  return airyRange(low, high, least, { isAngle });
+}
+
+function newestBand({ series, spread, sigma }, axis) {
+  const k = Math.min(Math.floor(axis.last), series.count - 1);
+  const half = BAND * spread.value(k) * (sigma?.() ?? 1);
+  return [series.value(k) - half, series.value(k) + half];
 }

@@ -1,4 +1,3 @@
-// @ts-check
 // What a chart draws: numbers that are computed from the rows of the trace, step by step.
 import { Extremes } from "./decimate.js";
 

@@ -1,22 +1,21 @@
-// @ts-check
 // What stands above the charts of a tab: which steps are shown, what the colours mean.
 import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
-import { makeSwatch } from "./swatch.js";
+import { make, text } from "../base/dom.js";
+import { makeSwatch } from "../base/icons.js";
 
 const WINDOWS = [200, 600, 2000, 0]; // steps; 0 = all
 
 /** Make the button that follows the newest step, and the choice of how many are shown. */
-export function makeStepControls(context, axis) {
+export function makeStepControls(context) {
+  const { axis } = context;
   const follow = makeTextButton("follow", "", () =>
     (axis.follows ? axis.hold() : axis.follow()), "chart.follow");
   const choices = WINDOWS.map((n) => {
     const textContent = n ? text("chart.last_steps", { n }) : text("chart.all_steps");
     return make("option", { value: String(n), textContent });
   });
-  const select = make("select", {
-    className: "robsim-select", name: "window", ariaLabel: text("chart.window"),
+  const select = make("select.robsim-select", {
+    name: "window", ariaLabel: text("chart.window"),
     onchange: () => context.choose("window", Number(select.value)),
   }, ...choices);
   const renew = (isGrowth) => {
@@ -40,16 +39,14 @@ export function makeLegend(context, layers, isThere) {
     context.choose("unseen", isShown(name) ? [...others, name] : others);
   };
   const buttons = layers.map(({ name, ink, kind }) =>
-    make("button", {
-      type: "button", className: "robsim-button robsim-plain", name: `show_${name}`,
+    make("button.robsim-button.robsim-plain", {
+      type: "button", name: `show_${name}`,
       title: text(`chart.${name}.title`), onclick: () => toggle(name),
     }, makeSwatch(kind, `var(--robsim-${ink})`), text(`chart.${name}`)));
   const renew = () =>
     layers.forEach(({ name }, i) => buttons[i].setAttribute("aria-pressed", String(isShown(name))));
   context.on("local", (name) => name == "unseen" && renew());
-  context.on("setup", () =>
-    layers.forEach(({ name }, i) => (buttons[i].hidden = !isThere(name))));
+  context.on("setup", () => layers.forEach(({ name }, i) => (buttons[i].hidden = !isThere(name))));
   renew();
-  const about = { className: "robsim-legend", role: "group", ariaLabel: text("chart.legend") };
-  return make("div", about, ...buttons);
+  return make("div.robsim-legend", { role: "group", ariaLabel: text("chart.legend") }, ...buttons);
 }

@@ -1,9 +1,7 @@
-// @ts-check
 // The tab of the traces: true, measured, held and estimated poses, their errors, and any other
 // column.
-import { make } from "../base/dom.js";
+import { make, text } from "../base/dom.js";
 import { makeField } from "../base/fields.js";
-import { text } from "../base/texts.js";
 import { makeBoard } from "./board.js";
 import { Chart } from "./chart.js";
 import { fieldSeries, makeColumnCharts } from "./columns.js";
@@ -24,7 +22,6 @@ const SOURCES = {
   estimated: { name: "estimated", ink: "estimated", kind: "line" },
   held: { name: "held", ink: "held", kind: "dots", size: 3 },
 };
-const isLowestRow = (i) => i == QUANTITIES.length - 1; // it names the steps
 
 /** Return the layers of x (i = 0), y or the heading. */
 function poseLayers({ store }, i) {
@@ -71,8 +68,8 @@ function objectLayers(context, i) {
 function errorCharts(context) {
   return QUANTITIES.map(({ name, unit }, i) => {
     const title = text("chart.error_of", { name: text(`chart.${name}`) });
-    const about = { title, unit, least: 0.1, hasZero: true, namesSteps: () => isLowestRow(i) };
-    return new Chart({ ...about, layers: errorLayers(context, i), beside: new Histogram() });
+    const about = { title, unit, least: 0.1, hasZero: true, layers: errorLayers(context, i) };
+    return new Chart({ ...about, beside: new Histogram() });
   });
 }
 
@@ -87,14 +84,13 @@ function inputCharts(context) {
     { title: text("chart.interval"), unit: "ms", least: 2,
       layers: [{ name: "interval", ...interval }] },
   ];
-  return charts.map((about, i) => new Chart({ ...about, namesSteps: () => isLowestRow(i) }));
+  return charts.map((about) => new Chart(about));
 }
 
 /** Return a chart of each quantity; the errors can be read off there too. */
 function poseCharts(context, errors) {
   return QUANTITIES.map(({ name, unit, least, isAngle }, i) => {
-    const namesSteps = () => isLowestRow(i);
-    const about = { title: text(`chart.${name}`), unit, least, isAngle, namesSteps };
+    const about = { title: text(`chart.${name}`), unit, least, isAngle };
     const found = errors[i]?.layers ?? [];
     const reads = found.map(({ name: source, series }) => ({ name: `error_${source}`, series }));
     return new Chart({ ...about, layers: poseLayers(context, i), reads });
@@ -102,9 +98,9 @@ function poseCharts(context, errors) {
 }
 
 export function makeTraces(context) {
-  const grid = make("div", { className: "robsim-chart-grid" });
-  const tools = make("div", { className: "robsim-chart-tools robsim-row" });
-  const element = make("div", { className: "robsim-traces robsim-column" }, tools, grid);
+  const grid = make("div.robsim-chart-grid");
+  const tools = make("div.robsim-chart-tools.robsim-row");
+  const element = make("div.robsim-traces.robsim-column", tools, grid);
   let isSeen = false;
   const ask = () => isSeen && context.setup && context.want(traceGroups(context));
   const board = makeBoard(context, element, () => {
@@ -115,7 +111,7 @@ export function makeTraces(context) {
   const menu = makeColumnCharts(context, board, grid);
   const legend = makeLegend(context, Object.values(SOURCES),
     (name) => name != "true" || context.setup.has_truth);
-  tools.append(...makeStepControls(context, board.axis), legend, makeObjectSwitch(context), menu);
+  tools.append(...makeStepControls(context), legend, makeObjectSwitch(context), menu);
 
   context.on("setup", () => {
     charts.build();
@@ -154,6 +150,8 @@ function makeTraceCharts(context, board, grid) {
     const hasTruth = context.setup.has_truth;
     beside = hasTruth ? errorCharts(context) : inputCharts(context);
     poses = poseCharts(context, hasTruth ? beside : []);
+    for (const charts of [poses, beside]) // the lowest row names the steps
+      charts.forEach((chart, i) => (chart.namesSteps = () => i == charts.length - 1));
     grid.prepend(...poses.flatMap((chart, i) => [chart.element, beside[i].element]));
     [...poses, ...beside].forEach((chart, i) => {
       chart.element.style.setProperty("--robsim-place", String(i)); // one below the other
@@ -176,6 +174,5 @@ function makeObjectSwitch(context) {
   const field = makeField({ name: "objects", kind: "switch" }, (on) =>
     context.choose("objects", on));
   field.show(context.local.objects);
-  context.onEnd(field.end);
   return field.element;
 }

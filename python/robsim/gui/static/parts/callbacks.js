@@ -1,9 +1,7 @@
-// @ts-check
 // The callbacks in the order of the calls: whose they are, what they take, what went wrong;
 // Animate.
 import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, sayOrHide, text } from "../base/dom.js";
 import { makeSource } from "./source.js";
 
 const GROUPS = ["once", "step"];
@@ -14,7 +12,7 @@ export function makeCallbacks(context) {
   const groups = GROUPS.map(makeGroup);
   const source = makeSource(context);
   const sections = groups.map((group) => group.element);
-  const element = make("div", { className: "robsim-callbacks" });
+  const element = make("div.robsim-callbacks");
   element.append(animate.element, ...sections, source.element);
   let rows = new Map(); // slot -> row
   let stage = null;
@@ -49,25 +47,19 @@ export function makeCallbacks(context) {
 
 /** The switch, and the stage that runs if none of the rows is its own. */
 function makeAnimate(context) {
-  const input = make("input", { type: "checkbox", role: "switch", name: "animate" });
-  input.className = "robsim-switch";
+  const input = make("input.robsim-switch", { type: "checkbox", role: "switch", name: "animate" });
   input.onchange = () => context.send({ type: "animate", on: input.checked });
-  const words = make("span", {}, make("b", { textContent: text("animate") }),
-    ` ${text("animate.title")}`);
-  const chip = make("span", { className: "robsim-chip robsim-active", hidden: true });
-  const label = make("label", {}, input, words);
-  const element = make("div", { className: "robsim-animate robsim-row" }, label, chip);
+  const words = make("span", make("b", text("animate")), ` ${text("animate.title")}`);
+  const chip = make("span.robsim-chip.robsim-active", { hidden: true });
+  const label = make("label", input, words);
+  const element = make("div.robsim-animate.robsim-row", label, chip);
   context.on("state", ({ animate: isOn }) => (input.checked = isOn));
-  const show = (stage) => {
-    chip.hidden = !stage;
-    chip.textContent = stage ? text(`slot.${stage}`) : "";
-  };
-  return { element, show };
+  return { element, show: (stage) => sayOrHide(chip, stage ? text(`slot.${stage}`) : "") };
 }
 
 function makeGroup(when) {
   const title = text(`when.${when}`);
-  const list = make("ol", { className: "robsim-surface", ariaLabel: title });
+  const list = make("ol.robsim-surface", { ariaLabel: title });
   const element = make("section", { hidden: true }, make("h3", { textContent: title }), list);
   const fill = (rows) => {
     list.replaceChildren(...rows);
@@ -78,15 +70,14 @@ function makeGroup(when) {
 
 function makeSlotRow(context, source, slot) {
   const title = text(`slot.${slot}`);
-  const chip = make("span", { className: "robsim-chip" });
+  const chip = make("span.robsim-chip");
   const what = makeSlotPlace();
   const time = makeSlotTime();
   const buttons = makeSlotButtons(context, source, slot, title);
   const error = makeSlotError();
-  const name = make("span", { className: "robsim-slot-name", textContent: title });
+  const name = make("span.robsim-slot-name", { textContent: title });
   const parts = [what, time, buttons, error];
-  const element = make("li", { className: "robsim-slot" }, name, chip,
-    ...parts.map((part) => part.element));
+  const element = make("li.robsim-slot", name, chip, ...parts.map((part) => part.element));
   const show = (facts, slowest) => {
     chip.textContent = text(`owner.${facts.owner}`);
     chip.dataset.owner = element.dataset.owner = facts.owner;
@@ -100,9 +91,9 @@ function makeSlotRow(context, source, slot) {
 }
 
 function makeSlotPlace() {
-  const [called, place] = ["", " robsim-quiet"].map((more) =>
-    make("span", { className: `robsim-code robsim-clipped${more}` }));
-  const element = make("span", { className: "robsim-slot-what robsim-column" }, called, place);
+  const called = make("span.robsim-code.robsim-clipped");
+  const place = make("span.robsim-code.robsim-clipped.robsim-quiet");
+  const element = make("span.robsim-slot-what.robsim-column", called, place);
   const show = ({ name, file, line }) => {
     called.textContent = name ?? "";
     place.textContent = file ? file.split(/[\\/]/).at(-1) + (line ? `:${line}` : "") : "";
@@ -113,9 +104,9 @@ function makeSlotPlace() {
 
 /** The time of a call, and how much that is of the slowest one's. */
 function makeSlotTime() {
-  const words = make("span", { className: "robsim-number robsim-quiet" });
-  const bar = make("div", { className: "robsim-slot-time", role: "presentation" });
-  const element = make("span", { className: "robsim-slot-took" }, words, bar);
+  const words = make("span.robsim-number.robsim-quiet");
+  const bar = make("div.robsim-slot-time", { role: "presentation" });
+  const element = make("span.robsim-slot-took", words, bar);
   const show = ({ ms, calls }, slowest) => {
     element.hidden = ms == null;
     if (ms == null) return;
@@ -135,11 +126,9 @@ function makeSlotButtons(context, source, slot, title) {
     named(makeTextButton(`${name}_${slot}`, "robsim-plain", press, name), name);
   const edit = button("edit", () => context.send({ type: "edit", slot }));
   const read = button("source", () => source.ask(slot, read));
-  const link = make("a",
-    { className: "robsim-button robsim-plain", target: "_blank", rel: "noopener" });
+  const link = make("a.robsim-button.robsim-plain", { target: "_blank", rel: "noopener" });
   link.textContent = text("edit");
-  const element = make("span", { className: "robsim-slot-buttons" }, named(link, "edit"), edit,
-    read);
+  const element = make("span.robsim-slot-buttons", named(link, "edit"), edit, read);
   const show = ({ owner, link: address, can_edit: canEdit }) => {
     link.hidden = !address;
     link.href = address ?? "";
@@ -151,9 +140,9 @@ function makeSlotButtons(context, source, slot, title) {
 
 /** The last error in one line, which opens. */
 function makeSlotError() {
-  const summary = make("summary", { className: "robsim-clipped" });
-  const whole = make("pre", { className: "robsim-code" });
-  const element = make("details", { className: "robsim-slot-error", hidden: true }, summary, whole);
+  const summary = make("summary.robsim-clipped");
+  const whole = make("pre.robsim-code");
+  const element = make("details.robsim-slot-error", { hidden: true }, summary, whole);
   const show = ({ error }) => {
     element.hidden = !error;
     if (!error) return;

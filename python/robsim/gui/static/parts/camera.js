@@ -1,7 +1,5 @@
-// @ts-check
 // The camera's picture, and what is drawn over it.
-import { make } from "../base/dom.js";
-import { makeBadges } from "../camera/badges.js";
+import { make, sayOrHide, text } from "../base/dom.js";
 import { isShown, makeOverlays } from "../camera/overlays.js";
 import { makePicture } from "../camera/picture.js";
 import { areaOf, areaToPixel } from "../camera/projection.js";
@@ -9,15 +7,11 @@ import { makeReadout } from "../camera/readout.js";
 import { makeShowMenu } from "../camera/show_menu.js";
 import { makeTools } from "../camera/tools.js";
 
-const CAMERA_COLORS = [
-  "measured", "held", "true", "estimated", "estimated-band", "other-2", "other-5",
-];
-
 export function makeCamera(context) {
   const overlays = makeOverlays();
   const readout = makeReadout(context);
   const hands = [];
-  const picture = makePicture(context, { label: "camera_label", inks: CAMERA_COLORS, hands });
+  const picture = makePicture(context, { label: "camera_label", hands });
   const tools = makeTools(context, picture);
   let hovered = null; // a pixel
   const hover = (pixel) => {
@@ -35,9 +29,9 @@ export function makeCamera(context) {
   context.on("setup local", subscribe);
 
   const bar = [picture.whole, ...tools.buttons, makeShowMenu(context, overlays)];
-  const element = make("div", { className: "robsim-camera" }, picture.canvas, makeBadges(context),
-    make("div", { className: "robsim-camera-bar" }, ...bar),
-    make("div", { className: "robsim-camera-foot" }, readout.element, tools.hint));
+  const element = make("div.robsim-camera", picture.canvas, makeBadges(context),
+    make("div.robsim-camera-bar", ...bar),
+    make("div.robsim-camera-foot", readout.element, tools.hint));
   return { element, width: picture.width };
 }
 
@@ -56,4 +50,22 @@ function columnsFor(overlays, context) {
   const there = new Set((setup.columns ?? []).map(({ name }) => name));
   const shown = overlays.filter((overlay) => isShown(context, overlay));
   return shown.flatMap(({ columns }) => columns?.(setup) ?? []).filter((name) => there.has(name));
+}
+
+/** Remarks on the picture: that it is a past one, that the robot was not seen. */
+function makeBadges(context) {
+  const words = text("past_step.title");
+  const past = make("button.robsim-chip.robsim-active", { type: "button", name: "past_step",
+    title: words, ariaLabel: words, hidden: true, onclick: () => context.look(null) });
+  const missed = make("div.robsim-chip.robsim-warning", { hidden: true });
+  context.on("frame", (frame) => {
+    sayOrHide(past, frame.past ? text("past_step", { k: frame.k }) : "");
+    sayOrHide(missed, pictureRemark(frame));
+  });
+  return make("div.robsim-camera-badges", past, missed);
+}
+
+function pictureRemark({ picture, missed }) {
+  if (!picture) return text("no_frame");
+  return missed ? text("not_seen", { why: missed }) : "";
 }

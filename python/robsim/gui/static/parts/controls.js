@@ -1,10 +1,11 @@
-// @ts-check
 // The settings, as cards. What they are comes from Python, and so do their values.
-import { make } from "../base/dom.js";
+import { make, text } from "../base/dom.js";
 import { makeField } from "../base/fields.js";
-import { text } from "../base/texts.js";
-import { makeCameraRate } from "./camera_rate.js";
-import { SPEED } from "./speed.js";
+
+const KINDS = { noise_level: "noise", disturbance_level: "disturbance" }; // of the levels
+const FASTEST = 0; // what stands for "as fast as it goes"
+const SPEEDS = [0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100, FASTEST];
+const LONGEST_GAP = 1; // s, or three frames, after which a camera is taken to hang
 
 /**
  * The cards and the controls on them, in their order; what stands in none of them comes on the
@@ -17,10 +18,8 @@ const CARDS = {
   more: [],
 };
 
-const KINDS = { noise_level: "noise", disturbance_level: "disturbance" }; // of the levels
-
 export function makeControls(context) {
-  const element = make("div", { className: "robsim-controls robsim-column" });
+  const element = make("div.robsim-controls.robsim-column");
   const rate = makeCameraRate(context);
   const fields = new Map();
 
@@ -37,7 +36,6 @@ export function makeControls(context) {
     if (old?.kind == kind) return old.show(value);
     const field = { ...makeOne(control), kind };
     field.show(value);
-    old?.end();
     old?.element.replaceWith(field.element);
     fields.set(control.name, field);
   };
@@ -63,7 +61,6 @@ export function makeControls(context) {
     for (const [name, field] of fields) if (name in values) field.show(values[name]);
     allowLevels(values);
   });
-  context.onEnd(() => fields.forEach((field) => field.end()));
   return { element };
 }
 
@@ -72,7 +69,44 @@ const cardOf = (name) => Object.keys(CARDS).find((card) => CARDS[card].includes(
 function makeCard(card, fields) {
   const place = ({ name }) => CARDS[card].indexOf(name);
   const elements = fields.toSorted((a, b) => place(a) - place(b)).map((field) => field.element);
-  const className = `robsim-surface robsim-card robsim-card-${card}`;
-  const about = { className, ariaLabel: text(`card.${card}`), hidden: !elements.length };
-  return make("section", about, ...elements);
+  const about = { ariaLabel: text(`card.${card}`), hidden: !elements.length };
+  return make(`section.robsim-surface.robsim-card.robsim-card-${card}`, about, ...elements);
+}
+
+/** The control, see `makeField`: its slider has the places of the speeds. */
+const SPEED = {
+  name: "speed", kind: "range", low: 0, high: SPEEDS.length - 1, step: 1,
+  valueAt: (place) => SPEEDS[place],
+  placeOf: nearest,
+  wordsOf: (speed) => (speed == FASTEST ? text("speed.fastest") : text("speed.times", { speed })),
+};
+
+function nearest(speed) {
+  if (speed == FASTEST) return SPEEDS.length - 1;
+  const distance = (other) => Math.abs(Math.log(other / speed));
+  const slow = SPEEDS.slice(0, -1);
+  return slow.reduce((best, other, i) => (distance(other) < distance(slow[best]) ? i : best), 0);
+}
+
+/** The rate of a live camera instead of the speed, which the camera sets. */
+function makeCameraRate(context) {
+  const part = (name) => make(`span.robsim-${name}`);
+  const parts = ["rate", "dropped", "age"].map(part); // the last one comes and goes
+  const [rateOf, droppedOf, ageOf] = parts;
+  const output = make("span.robsim-number.robsim-camera-rate", ...parts);
+  const label = make("span", text("camera"));
+  const element = make("div.robsim-field.robsim-row.robsim-camera-field",
+    { title: text("camera.title") }, label, output);
+  context.on("state", ({ camera }) => {
+    if (!camera) return;
+    const { rate, age, dropped } = camera;
+    const hangs = age > Math.max(LONGEST_GAP, 3 * (context.setup?.dt ?? 0));
+    rateOf.textContent = text("camera.rate", { rate: rate?.toFixed(1) ?? "\u2013" });
+    droppedOf.textContent = text("camera.dropped", { dropped });
+    ageOf.textContent = age == null ? "" : hangs
+      ? text("camera.age.s", { age: age.toFixed(0) })
+      : text("camera.age.ms", { age: (1000 * age).toFixed(0) });
+    output.classList.toggle("robsim-hangs", hangs);
+  });
+  return { name: "camera", element };
 }

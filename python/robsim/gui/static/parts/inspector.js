@@ -1,8 +1,6 @@
-// @ts-check
 // What a step holds, as a tree; each level is asked for when it is opened.
-import { make, say } from "../base/dom.js";
-import { listenToKeys } from "../base/keys.js";
-import { text } from "../base/texts.js";
+import { make, say, text } from "../base/dom.js";
+import { listenToKeys } from "../base/gestures.js";
 import { makeCopyButton } from "./source.js";
 
 const ASK_GAP = 200; // ms between two looks while the steps go on
@@ -12,15 +10,14 @@ const ROOT = { python: "step", kind: "object" };
 const keyOf = (path) => JSON.stringify(path);
 
 export function makeInspector(context) {
-  const step = make("span", { className: "robsim-card-title" });
-  const note = make("span", { className: "robsim-quiet" });
-  const python = make("span", { className: "robsim-code robsim-inspector-path robsim-clipped" });
+  const step = make("span.robsim-card-title");
+  const note = make("span.robsim-quiet");
+  const python = make("span.robsim-code.robsim-inspector-path.robsim-clipped");
   const copy = makeCopyButton(() => python.textContent);
-  const about = { className: "robsim-inspector-head robsim-row" };
-  const head = make("div", about, step, note, python, copy);
+  const head = make("div.robsim-inspector-head.robsim-row", step, note, python, copy);
   const send = (path) => context.send({ type: "inspect", k: context.looking, path });
   const tree = makeTree(send, (item) => (python.textContent = item.python));
-  const element = make("div", { className: "robsim-inspector robsim-column" }, head, tree.element);
+  const element = make("div.robsim-inspector.robsim-column", head, tree.element);
 
   const isReadable = () => {
     const { state, speed } = context.state;
@@ -37,7 +34,6 @@ export function makeInspector(context) {
       tree.opened().forEach(send);
     }, Math.max(0, asked + ASK_GAP - performance.now()));
   };
-  context.onEnd(() => clearTimeout(waiting));
   context.on("tree", ({ k, path, nodes }) => {
     step.textContent = k == null || k < 0 ? text("inspector.start") : text("inspector.step", { k });
     tree.fill(path, nodes);
@@ -52,8 +48,8 @@ export function makeInspector(context) {
  * focus.
  */
 function makeTree(ask, chosen) {
-  const element = make("ul", { role: "tree", ariaLabel: text("inspector") });
-  element.className = "robsim-tree robsim-code robsim-surface";
+  const about = { role: "tree", ariaLabel: text("inspector") };
+  const element = make("ul.robsim-tree.robsim-code.robsim-surface", about);
   const opened = new Map([[keyOf([]), []]]); // key -> path of what is open
   const lists = new Map([[keyOf([]), element]]); // key -> the list that shows it
 
@@ -134,9 +130,9 @@ const TREE_KEYS = {
 };
 
 function makeTreeItem(path, python) {
-  const names = ["robsim-node-name", "robsim-node-value robsim-clipped", "robsim-quiet"];
-  const cells = names.map((className) => make("span", { className }));
-  const line = make("div", { className: "robsim-node" }, ...cells);
+  const cells = [make("span.robsim-node-name"), make("span.robsim-node-value.robsim-clipped"),
+    make("span.robsim-quiet")];
+  const line = make("div.robsim-node", ...cells);
   const list = make("ul", { role: "group" });
   const item = make("li", { role: "treeitem", tabIndex: -1, ariaLevel: String(path.length) }, line,
     list);

@@ -1,8 +1,6 @@
-// @ts-check
 // The keys. They belong to the panel only while it has the focus or the pointer, and nobody types.
 import { makeButton } from "../base/buttons.js";
-import { isPage, make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { isPage, make, text } from "../base/dom.js";
 
 const TYPING =
   "textarea, select, [contenteditable], .cm-editor, input:not([type=range], [type=checkbox])";
@@ -49,10 +47,8 @@ export function makeKeyboard(context, transport, timeline) {
   const first = ({ ctrlKey, metaKey, altKey }) =>
     el.toggleAttribute("data-lm-suppress-shortcuts", !(ctrlKey || metaKey || altKey));
 
-  addEventListener("keydown", first, { capture: true });
-  addEventListener("keydown", down);
-  context.onEnd(() => removeEventListener("keydown", first, { capture: true }),
-    () => removeEventListener("keydown", down));
+  addEventListener("keydown", first, { capture: true, signal: context.signal });
+  addEventListener("keydown", down, { signal: context.signal });
   el.addEventListener("pointerenter", () => (isOver = true));
   el.addEventListener("pointerleave", () => (isOver = isPage()));
   el.addEventListener("click", (event) => {
@@ -69,13 +65,12 @@ function makeList() {
   const close = makeButton("close", "robsim-plain robsim-icon", () => (element.hidden = true));
   const rows = LISTED.map((name) => {
     const keys = text(`key.${name}`).split(" / ").map((key) => make("kbd", { textContent: key }));
-    return make("tr", {}, make("td", {}, ...keys),
-      make("td", { textContent: text(`key.${name}.does`) }));
+    return make("tr", make("td", ...keys), make("td", text(`key.${name}.does`)));
   });
-  const title = make("h3", { className: "robsim-card-title", textContent: text("keys") });
-  const className = "robsim-keys robsim-surface robsim-card";
-  const about = { className, role: "dialog", ariaLabel: text("keys") };
-  const top = make("div", { className: "robsim-keys-top robsim-row" }, title, close);
-  const element = make("section", { ...about, hidden: true }, top, make("table", {}, ...rows));
+  const title = make("h3.robsim-card-title", text("keys"));
+  const about = { role: "dialog", ariaLabel: text("keys"), hidden: true };
+  const top = make("div.robsim-keys-top.robsim-row", title, close);
+  const element = make("section.robsim-keys.robsim-surface.robsim-afloat.robsim-card", about, top,
+    make("table", ...rows));
   return { element };
 }

@@ -1,4 +1,3 @@
-// @ts-check
 // Notes: short texts that come and go; those on errors stay longer.
 import { makeButton } from "../base/buttons.js";
 import { make } from "../base/dom.js";
@@ -7,7 +6,7 @@ const STAY = { info: 6000, warning: 10000, error: 15000 }; // ms
 const MOST_NOTES = 3;
 
 export function makeNotes(context) {
-  const element = make("div", { className: "robsim-toasts", role: "status", ariaLive: "polite" });
+  const element = make("div.robsim-toasts", { role: "status", ariaLive: "polite" });
   const shown = new Map(); // by text, so that what comes again is not shown twice
   const drop = (words) => {
     clearTimeout(shown.get(words)?.timer);
@@ -29,8 +28,8 @@ export function makeNotes(context) {
   context.on("note", ({ level, text: words }) => {
     if (!shown.has(words)) {
       const close = makeButton("close", "robsim-plain robsim-icon", () => drop(words));
-      const about = { className: `robsim-surface robsim-toast robsim-toast-${level}` };
-      const toast = make("div", about, make("span", { textContent: words }), close);
+      const toast = make(`div.robsim-surface.robsim-afloat.robsim-toast.robsim-toast-${level}`,
+        make("span", words), close);
       toast.addEventListener("pointerenter", () => clearTimeout(shown.get(words)?.timer));
       toast.addEventListener("pointerleave", () => shown.has(words) && wait(words, level));
       shown.set(words, { toast, timer: 0 });

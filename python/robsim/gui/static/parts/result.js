@@ -1,9 +1,7 @@
-// @ts-check
 // What Finish gives: the parameters estimated from the whole record, as a table and a figure.
 import { asBytes } from "../base/buffers.js";
 import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, text } from "../base/dom.js";
 import { aboutVerdict } from "../charts/parameters.js";
 
 const MOST_ERRORS = 4; // standard errors to each side in the bars
@@ -33,9 +31,8 @@ export function makeResult(context) {
     finish.disabled = false;
     finish.textContent = text(isFirst ? "result.begin" : "result.again");
   };
-  const why = make("p", { textContent: text("result.none") });
-  const element = make("div", { className: "robsim-result" },
-    make("div", { className: "robsim-empty" }, why, finish));
+  const why = make("p", text("result.none"));
+  const element = make("div.robsim-result", make("div.robsim-empty", why, finish));
   const forget = () => url && URL.revokeObjectURL(url);
 
   const show = ({ rows, text: remarks, verdict, good }, [picture]) => {
@@ -45,11 +42,11 @@ export function makeResult(context) {
     const blob = picture?.byteLength && new Blob([asBytes(picture)], { type: "image/png" });
     url = blob ? URL.createObjectURL(blob) : "";
     const chip = make("span", { ...aboutVerdict({ text: verdict, good }), hidden: !verdict });
-    const head = make("div", { className: "robsim-result-head robsim-row" }, chip, finish);
+    const head = make("div.robsim-result-head.robsim-row", chip, finish);
     element.replaceChildren(head, ...(rows.length ? [makeResultTable(rows)] : []));
     if (remarks)
-      element.append(make("p", { className: "robsim-result-remarks", textContent: remarks }));
-    if (url) element.append(make("img", { src: url, alt: text("result.figure") }));
+      element.append(make("p.robsim-result-remarks", { textContent: remarks }));
+    if (url) element.append(make("img.robsim-surface", { src: url, alt: text("result.figure") }));
   };
   context.on("result", show);
   context.on("note", ({ level }) => level == "error" && rest());
@@ -66,26 +63,25 @@ function makeResultTable(rows) {
     const words = { textContent: text(`result.${name}`), title: text(`result.${name}.title`) };
     return make("th", { scope: "col", ...words });
   };
-  const head = make("thead", {}, make("tr", {}, ...shown.map(heading)));
+  const head = make("thead", make("tr", ...shown.map(heading)));
   const largest = Math.max(...rows.map(([, truth]) => Math.abs(truth ?? 0)));
-  const body = make("tbody", {}, ...rows.map((row) => makeResultRow(row, isTrueKnown, largest)));
-  const className = `robsim-table ${isTrueKnown ? "robsim-compared" : ""}`;
-  const table = make("table", { className }, head, body);
-  return make("div", { className: "robsim-result-table robsim-cut" }, table);
+  const body = make("tbody", ...rows.map((row) => makeResultRow(row, isTrueKnown, largest)));
+  const table = make("table.robsim-table", head, body);
+  table.classList.toggle("robsim-compared", isTrueKnown);
+  return make("div.robsim-result-table.robsim-surface.robsim-cut", table);
 }
 
 function makeResultRow([name, truth, batch, error, online], isTrueKnown, largest) {
   const cell = (value) =>
-    make("td", { className: "robsim-number", textContent: shortNumber(value) });
-  const row = make("tr", {},
-    make("th", { scope: "row", className: "robsim-code", textContent: name }));
+    make("td.robsim-number", { textContent: shortNumber(value) });
+  const row = make("tr", make("th.robsim-code", { scope: "row", textContent: name }));
   if (isTrueKnown) row.append(cell(truth));
   row.append(...[batch, error, online].map(cell));
   const isExact = Math.max(error ?? 0, Math.abs(batch - truth)) < ROUNDING * largest;
   const words = { textContent: text("result.exact"), title: text("result.exact.title") };
-  const exact = make("span", { className: "robsim-quiet", ...words });
+  const exact = make("span.robsim-quiet", { ...words });
   const deviation = isExact ? exact : makeDeviation(truth, batch, error, online);
-  if (isTrueKnown) row.append(make("td", {}, deviation));
+  if (isTrueKnown) row.append(make("td", deviation));
   return row;
 }
 
@@ -93,18 +89,18 @@ function makeResultRow([name, truth, batch, error, online], isTrueKnown, largest
  * How many standard errors from the truth: a bar for the batch estimate, a mark for the online one.
  */
 function makeDeviation(truth, batch, error, online) {
-  const scale = make("div", { className: "robsim-deviation", role: "img" });
+  const scale = make("div.robsim-deviation", { role: "img" });
   if (truth == null || batch == null || !(error > 0)) return scale;
   const errorsOff = (value) => (value == null ? null : (value - truth) / error);
   const at = (off) => 50 + (50 * Math.max(-MOST_ERRORS, Math.min(MOST_ERRORS, off))) / MOST_ERRORS;
   const [far, mark] = [batch, online].map(errorsOff);
   const level = Math.abs(far) <= 2 ? "good" : Math.abs(far) <= 3 ? "warning" : "bad";
-  const bar = make("span", { className: `robsim-deviation-bar robsim-${level}` });
+  const bar = make(`span.robsim-deviation-bar.robsim-${level}`);
   bar.style.left = `${Math.min(50, at(far))}%`;
   bar.style.width = `${Math.abs(at(far) - 50)}%`;
   scale.append(bar);
   if (mark != null) {
-    scale.append(make("span", { className: "robsim-deviation-mark" }));
+    scale.append(make("span.robsim-deviation-mark"));
     scale.lastChild.style.left = `${at(mark)}%`;
   }
   const [batchOff, onlineOff] = [far, mark].map((off) =>

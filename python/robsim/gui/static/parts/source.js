@@ -1,20 +1,17 @@
-// @ts-check
 // The source of a callback, with the line that failed.
 import { makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, text } from "../base/dom.js";
 
 /** `ask(slot, asker)` shows a source; the focus goes back to who asked. */
 export function makeSource(context) {
-  const title = make("span", { className: "robsim-card-title" });
-  const file = make("span", { className: "robsim-code robsim-quiet robsim-clipped" });
+  const title = make("span.robsim-card-title");
+  const file = make("span.robsim-code.robsim-quiet.robsim-clipped");
   const copy = makeCopyButton(() => shown?.text ?? "");
   const close = makeTextButton("close_source", "", () => hide(), "close");
-  const lines = make("ol", { className: "robsim-code robsim-lines", tabIndex: 0 });
-  const about = { className: "robsim-source-head robsim-row" };
-  const head = make("div", about, title, file, copy, close);
-  const className = "robsim-source robsim-column robsim-surface";
-  const element = make("div", { className, role: "dialog", hidden: true }, head, lines);
+  const lines = make("ol.robsim-code.robsim-lines", { tabIndex: 0 });
+  const head = make("div.robsim-source-head.robsim-row", title, file, copy, close);
+  const element = make("div.robsim-source.robsim-column.robsim-surface",
+    { role: "dialog", hidden: true }, head, lines);
   let shown = null;
   let asker = null;
   let errors = new Map(); // slot -> the line that failed

@@ -1,25 +1,21 @@
-// @ts-check
 // The time line: which step is shown, any past one or the newest, and where the robot was not seen.
 import { makeButton } from "../base/buttons.js";
-import { calmPainter, make, painter } from "../base/dom.js";
-import { makeSlider, showSlider } from "../base/slider.js";
-import { text } from "../base/texts.js";
-import { inksOf } from "../charts/inks.js";
+import { calmPainter, make, painter, text } from "../base/dom.js";
+import { makeSlider, showSlider } from "../base/fields.js";
 
 const TICK_HEIGHT = 6; // px, as in timeline.css
 const NARROWEST_TICK = 2; // px
 
 export function makeTimeline(context) {
   const unseen = makeUnseen();
-  const ink = inksOf(context);
   const ticks = makeTicks();
   const slider = makeSlider("timeline", { min: 0, max: 0, step: 1 });
   Object.assign(slider, { ariaLabel: text("timeline"), title: text("timeline.title") });
-  const place = make("output", { className: "robsim-number robsim-quiet robsim-timeline-place" });
+  const place = make("output.robsim-number.robsim-quiet.robsim-timeline-place");
   const newest = makeButton("newest", "robsim-plain robsim-timeline-newest", () =>
     context.look(null));
-  const element = make("div", { className: "robsim-timeline" },
-    make("div", { className: "robsim-timeline-track" }, slider, ticks.canvas), place, newest);
+  const element = make("div.robsim-timeline",
+    make("div.robsim-timeline-track", slider, ticks.canvas), place, newest);
 
   let moved = null; // where the slider was just put; Infinity = at its end, though the run goes on
 
@@ -49,16 +45,14 @@ export function makeTimeline(context) {
     newest.disabled = context.looking == null;
     newest.setAttribute("aria-pressed", String(context.looking != null));
     const poses = ["pose_measured", "pose_held"].map((name) => context.store.get(name));
-    ticks.paint(unseen(...poses), to, ink("held"));
+    ticks.paint(unseen(...poses), to, context.ink("held"));
   });
   context.on("setup state frame rows looking theme", show);
   context.on("setup", () => context.want(["pose_measured", "pose_held"]));
-  const watcher = new ResizeObserver(([{ contentRect }]) => {
+  new ResizeObserver(([{ contentRect }]) => {
     ticks.resize(contentRect.width);
     show();
-  });
-  watcher.observe(ticks.canvas);
-  context.onEnd(look.cancel, show.cancel, () => watcher.disconnect());
+  }).observe(ticks.canvas);
 
   /** Go so many steps to and fro, from what is shown. */
   const move = (by) => {
@@ -91,7 +85,7 @@ function makeUnseen() {
 
 /** Make a canvas that shows runs of steps by ticks. */
 function makeTicks() {
-  const canvas = make("canvas", { className: "robsim-timeline-ticks", ariaHidden: "true" });
+  const canvas = make("canvas.robsim-timeline-ticks", { ariaHidden: "true" });
   const pen = canvas.getContext("2d");
   let isBare = false;
   /** Draw a tick for each of the runs, from step 0 to the last one. */

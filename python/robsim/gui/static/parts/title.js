@@ -1,20 +1,17 @@
-// @ts-check
 // The top line: what runs, its state, step and time; theme and colours of this view.
-import { makeButton } from "../base/buttons.js";
-import { calmPainter, isPage, make } from "../base/dom.js";
+import { makeButton, makeLooks } from "../base/buttons.js";
+import { calmPainter, isPage, make, text } from "../base/dom.js";
 import { icon } from "../base/icons.js";
-import { makeLooks } from "../base/looks.js";
-import { text } from "../base/texts.js";
 
 const MOODS = { running: "good", failed: "bad", stopped: "bad", ended: "warning" };
 
 export function makeTitle(context) {
-  const name = make("span", { className: "robsim-title-name robsim-clipped" });
-  const state = make("span", { className: "robsim-chip robsim-title-state", role: "status" });
-  const step = make("output", { className: "robsim-number robsim-title-step" });
-  const time = make("output", { className: "robsim-number robsim-title-time" });
+  const name = make("span.robsim-title-name.robsim-clipped");
+  const state = make("span.robsim-chip.robsim-title-state", { role: "status" });
+  const step = make("output.robsim-number.robsim-title-step");
+  const time = make("output.robsim-number.robsim-title-time");
   const keys = makeButton("keys", "robsim-plain robsim-icon", () => context.emit("keys"));
-  const element = make("header", { className: "robsim-title" },
+  const element = make("header.robsim-title",
     icon("robot"), name, state, step, time, makeLooks(context, keys));
 
   const count = calmPainter(() => {
@@ -36,6 +33,5 @@ export function makeTitle(context) {
     count();
   });
   context.on("frame", count);
-  context.onEnd(count.cancel);
   return { element };
 }

@@ -1,8 +1,6 @@
-// @ts-check
 // The tools on the run: their buttons, and the place where one is shown instead of the panel.
 import { makeButton, makeTextButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, text } from "../base/dom.js";
 import { renderColors } from "../tools/colors.js";
 import { renderRobots } from "../tools/robots.js";
 
@@ -15,16 +13,16 @@ export function makeToolPlace(context) {
   const choose = (name) => context.send({ type: "tool", name });
   const opening = Object.entries(TOOLS_OF_RUN).map(([name, { button }]) =>
     [name, makeTextButton(button, "", () => choose(name))]);
-  const buttons = make("div", { className: "robsim-open-tools", hidden: true },
+  const buttons = make("div.robsim-open-tools", { hidden: true },
     ...opening.map(([, button]) => button));
   const use = makeTextButton("use_tool", "robsim-primary", () =>
     context.send({ type: "use_tool" }));
   const stop = makeButton("stop", "robsim-danger robsim-stop", () =>
     context.send({ type: "press", button: "stop" }));
-  const bar = make("div", { className: "robsim-tool-bar robsim-row" },
+  const bar = make("div.robsim-tool-bar.robsim-row",
     makeTextButton("discard_tool", "", () => choose(null)),
     use, stop);
-  const element = make("div", { className: "robsim-tool-place robsim-column", hidden: true });
+  const element = make("div.robsim-tool-place.robsim-column", { hidden: true });
   let shown = null; // the tool: its name and its view
 
   const close = () => {
@@ -34,7 +32,7 @@ export function makeToolPlace(context) {
     shown = null;
   };
   const open = (name) => {
-    const el = make("div", { className: "robsim" });
+    const el = make("div.robsim");
     const send = (message, buffers) => context.send({ type: "tell_tool", name, message }, buffers);
     element.replaceChildren(bar, el);
     shown = { name, send, view: TOOLS_OF_RUN[name].render({ el, send }) };

@@ -1,8 +1,6 @@
-// @ts-check
 // Start, Pause, Step and their like; Stop for what moves outside of the computer.
 import { makeButton, showButton } from "../base/buttons.js";
-import { make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, text } from "../base/dom.js";
 
 const isOver = ({ state }) => ["ended", "closed"].includes(state);
 // While it runs, `steps` are those with which it started: Python pauses before these.
@@ -25,8 +23,8 @@ export function makeTransport(context) {
   const others = Object.keys(NEEDS).map((name) => makeButton(name, "", () => press(name)));
   const stop = makeButton("stop", "robsim-danger robsim-stop", () => press("stop"));
   stop.hidden = true;
-  const about = { className: "robsim-transport", role: "toolbar", ariaLabel: text("transport") };
-  const element = make("div", about, start, ...others, stop);
+  const about = { role: "toolbar", ariaLabel: text("transport") };
+  const element = make("div.robsim-transport", about, start, ...others, stop);
 
   const show = () => {
     const { state } = context;

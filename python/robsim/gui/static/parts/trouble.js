@@ -1,26 +1,23 @@
-// @ts-check
 // What is wrong, or to be done first: over the picture, where the eye is.
 import { makeButton } from "../base/buttons.js";
-import { isPage, make, say } from "../base/dom.js";
+import { isPage, make, sayOrHide, text } from "../base/dom.js";
 import { icon } from "../base/icons.js";
-import { text } from "../base/texts.js";
 
 export function makeTrouble(context, press) {
   const error = makeError(context, press);
-  const remark = make("p",
-    { className: "robsim-remark robsim-surface", role: "status", hidden: true });
-  const first = makeButton("first", "robsim-first-button", () => press("start"));
-  const how = make("span", { textContent: text("first.hint") });
-  const hint = make("div", { className: "robsim-first", hidden: true }, first, how);
-  const element = make("div", { className: "robsim-trouble" }, hint, remark, error.element);
+  const remark = make("p.robsim-remark.robsim-surface.robsim-afloat",
+    { role: "status", hidden: true });
+  const first = makeButton("first", "robsim-primary robsim-first-button robsim-afloat", () => press("start"));
+  const how = make("span", text("first.hint"));
+  const hint = make("div.robsim-first", { hidden: true }, first, how);
+  const element = make("div.robsim-trouble", hint, remark, error.element);
   let noPicture = null; // why, and of which step
   const show = () => {
     const { state, steps, error: what } = context.state;
     error.show(what);
     hint.hidden = state != "paused" || steps > 0;
     const words = noPicture ? text("remark.no_picture", noPicture) : remarkOf(context);
-    remark.hidden = !words || what != null;
-    say(remark, words);
+    sayOrHide(remark, what ? "" : words);
   };
   context.on("state", show);
   const miss = (head) => {
@@ -41,20 +38,19 @@ function remarkOf({ state: { state, stopped }, setup }) {
 
 /** The error of a callback: whose, where, in which step, the line; the traceback on demand. */
 function makeError(context, press) {
-  const title = make("strong", {});
-  const words = make("p", { className: "robsim-error-text" });
-  const place = make("span", { className: "robsim-code robsim-quiet" });
-  const code = make("pre", { className: "robsim-code robsim-error-code" });
-  const traceback = make("pre", { className: "robsim-code robsim-error-traceback" });
-  const details = make("details", {}, make("summary", { textContent: text("traceback") }),
-    traceback);
+  const title = make("strong");
+  const words = make("p.robsim-error-text");
+  const place = make("span.robsim-code.robsim-quiet");
+  const code = make("pre.robsim-code.robsim-error-code");
+  const traceback = make("pre.robsim-code.robsim-error-traceback");
+  const details = make("details", make("summary", text("traceback")), traceback);
   const edit = makeButton("edit", "", () => context.send({ type: "edit", slot: edit.value }));
   const jump = makeButton("to_callbacks", "", () => context.choose("tab", "callbacks"));
   const again = makeButton("go_on", "robsim-primary", () => press("start"));
-  const className = "robsim-error robsim-surface robsim-column";
-  const element = make("section", { className, role: "alert", hidden: true },
-    make("div", { className: "robsim-error-title robsim-row" }, icon("warning"), title, place),
-    words, code, details, make("div", { className: "robsim-error-buttons" }, again, jump, edit));
+  const element = make("section.robsim-error.robsim-surface.robsim-afloat.robsim-column",
+    { role: "alert", hidden: true },
+    make("div.robsim-error-title.robsim-row", icon("warning"), title, place),
+    words, code, details, make("div.robsim-error-buttons", again, jump, edit));
   let slots = [];
   context.on("callbacks", (head) => (slots = head.slots));
 
@@ -82,8 +78,8 @@ function makeError(context, press) {
 function makeLost() {
   const where = isPage() ? "page" : "notebook";
   const card = (state, what, todo) =>
-    make("div", { className: `robsim-surface robsim-card robsim-lost-${state}` },
-      make("strong", { textContent: text(what) }), make("p", { textContent: text(todo) }));
+    make(`div.robsim-surface.robsim-afloat.robsim-card.robsim-lost-${state}`,
+      make("strong", text(what)), make("p", text(todo)));
   const cards = [card("lost", "lost", "lost.again"), card("gone", "gone", `gone.${where}`)];
-  return make("div", { className: "robsim-lost", role: "alert" }, ...cards);
+  return make("div.robsim-lost", { role: "alert" }, ...cards);
 }

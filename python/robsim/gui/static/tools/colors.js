@@ -1,15 +1,13 @@
-// @ts-check
 // The panel that trains colours: a region of the picture, ranges, what they find.
-import { make, say } from "../base/dom.js";
+import { make, text } from "../base/dom.js";
 import { makeField } from "../base/fields.js";
-import { text } from "../base/texts.js";
+import { makeCopyButton } from "../parts/source.js";
 import { makeChannels } from "./colors/channels.js";
 import { makeClasses } from "./colors/classes.js";
-import { drawFound } from "./colors/found.js";
 import { makeRegion } from "./colors/region.js";
 import { makeScore } from "./colors/score.js";
-import { makeThresholds } from "./colors/thresholds.js";
-import { makeFields, makePart, makeRow } from "./pieces.js";
+import { makeAct, makeFields, makePart, makeRow, makeTextField, makeVerdict,
+  showIn } from "./pieces.js";
 import { renderTool } from "./tool.js";
 
 const OPTIONS = [
@@ -23,8 +21,7 @@ export const renderColors = (host) => renderTool(host, "colors", (tool) => {
   let isMore = false; // regions stay when another one is marked
   const more = makeField({ name: "more_regions", kind: "switch" }, (on) => (isMore = on));
   more.show(false);
-  const className = "robsim-camera-hint robsim-row";
-  const hint = make("div", { className, textContent: text("region_hint") });
+  const hint = make("div.robsim-camera-hint.robsim-row.robsim-afloat", text("region_hint"));
   context.on("state", ({ region }) => (hint.hidden = Boolean(region)));
   const [tests, ...options] = [{ name: "tests", kind: "switch" }, ...OPTIONS].map((option) =>
     makeField(option, (value, goesOn) =>
@@ -33,7 +30,6 @@ export const renderColors = (host) => renderTool(host, "colors", (tool) => {
     tests.show(state.tests);
     for (const field of options) field.show(state.options[field.name]);
   });
-  context.onEnd(...[more, tests, ...options].map(({ end }) => end));
   const fields = makeFields(...options.map(({ element }) => element));
   return {
     hands: [{ draw: drawFound }, makeRegion(context, picture, () => isMore)],
@@ -47,13 +43,60 @@ export const renderColors = (host) => renderTool(host, "colors", (tool) => {
 
 /** Say whether the robot was found, and if not, why. */
 function makeFoundVerdict(context) {
-  const chip = make("div", { className: "robsim-chip", role: "status" });
-  context.on("frame", ({ found, missed }) => {
-    chip.hidden = !found && !missed;
-    chip.classList.toggle("robsim-good", Boolean(found));
-    chip.classList.toggle("robsim-warning", !found);
-    const seen = missed ? text("found_robot_why", { why: missed }) : text("found_robot");
-    say(chip, found ? seen : text("not_seen", { why: missed ?? "" }));
+  const { element, show } = makeVerdict();
+  context.on("frame", ({ found, missed: why }) => {
+    if (found) show("good", text(why ? "found_robot_why" : "found_robot", { why }));
+    else show("poor", why ? text("not_seen", { why }) : "");
   });
-  return make("div", { className: "robsim-camera-badges" }, chip);
+  return make("div.robsim-camera-badges", element);
+}
+
+/** The classes' finds in the picture: the pixels of each class, and the boxes of the blobs. */
+function drawFound(scene) {
+  const { pen, frame, lens, context } = scene;
+  pen.imageSmoothingEnabled = false;
+  if (frame.mask) drawMask(pen, frame, lens);
+  if (context.state.tests) drawBoxes(scene);
+}
+
+/** Draw the mask, which has each pixel of the picture, or each second one, and so on. */
+function drawMask(pen, { mask, size }, { left, top, scale }) {
+  const side = Math.round(Math.max(...size) / Math.max(mask.width, mask.height)) * scale;
+  pen.drawImage(mask, left, top, mask.width * side, mask.height * side);
+}
+
+function drawBoxes({ pen, frame, pixel, unit, context }) {
+  const css = new Map(context.state.classes.map((one) => [one.name, one.css]));
+  pen.lineWidth = unit;
+  for (const [name, left, top, right, bottom] of frame.boxes) {
+    const [x, y] = pixel([left - 0.5, top - 0.5]);
+    const [x2, y2] = pixel([right + 0.5, bottom + 0.5]);
+    pen.strokeStyle = css.get(name) ?? "magenta";
+    pen.strokeRect(x, y, x2 - x, y2 - y);
+  }
+}
+
+/** The ranges as text, as they stand in a colour file: edited, copied, saved. */
+function makeThresholds(context) {
+  let isMine = false; // edited here, and not taken yet
+  let last = ""; // what Python told; what it refuses stays, to be mended
+  const take = () => {
+    if (isMine) context.send({ type: "thresholds", text: area.value });
+    isMine = false;
+  };
+  const area = make("textarea.robsim-code.robsim-thresholds", { name: "thresholds",
+    spellcheck: false, ariaLabel: text("thresholds"),
+    onchange: take, oninput: () => (isMine = true),
+    onkeydown: ({ key, ctrlKey, metaKey }) => key == "Enter" && (ctrlKey || metaKey) && take() });
+  const copy = makeCopyButton(() => area.value);
+  const file = makeTextField("file", () => {}, { maxLength: 200, ariaLabel: text("color_file") });
+  const save = makeAct(context, "save_colors", "robsim-primary", () =>
+    ({ type: "save", file: file.value.trim() }));
+  context.on("state", ({ text: told, file: name, classes }) => {
+    if (!isMine && told != last) area.value = last = told;
+    showIn(file, name);
+    save.disabled = !classes.length;
+  });
+  const heading = make("div.robsim-card-title", text("thresholds"));
+  return makePart(heading, area, makeRow(copy, file, save));
 }

@@ -1,10 +1,9 @@
-// @ts-check
 // A picture from a file: chosen, dropped anywhere on the tool, or pasted; back from it.
 import { makeButton, makeTextButton } from "../base/buttons.js";
-import { isPage, make } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { isPage, make, text } from "../base/dom.js";
 import { makeRow } from "./pieces.js";
-import { makeSender } from "./sender.js";
+
+const PART = 1 << 19; // bytes
 
 /** `element` stands below the picture; `listen(panel)` lets files be dropped on the panel. */
 export function makeLoad(context) {
@@ -35,16 +34,15 @@ export function makeLoad(context) {
 
 /** How a file goes: what has come of it, or why it was refused. */
 function makeWay(giveUp) {
-  const hint = make("span", { className: "robsim-quiet robsim-load-hint",
-    textContent: text("load_hint") });
+  const hint = make("span.robsim-quiet.robsim-load-hint", text("load_hint"));
   const bar = make("progress", { max: 1 });
-  const words = make("span", { className: "robsim-load-words robsim-clipped" });
-  const going = make("div", { className: "robsim-load-going robsim-row" }, bar, words,
+  const words = make("span.robsim-load-words.robsim-clipped");
+  const going = make("div.robsim-load-going.robsim-row", bar, words,
     makeTextButton("give_up", "", giveUp));
   const why = make("span");
-  const refused = make("div", { className: "robsim-load-refused robsim-row", role: "alert" }, why,
+  const refused = make("div.robsim-load-refused.robsim-row", { role: "alert" }, why,
     makeButton("close", "robsim-plain robsim-icon", () => show(null)));
-  const element = make("div", { className: "robsim-load-way" }, hint, going, refused);
+  const element = make("div.robsim-load-way", hint, going, refused);
   const show = (about) => {
     const state = about?.state;
     going.hidden = state != "more" && state != "read";
@@ -66,8 +64,7 @@ const holdsFiles = ({ dataTransfer }) => Boolean(dataTransfer?.types.includes("F
 
 /** Where a file is dropped: all of the panel, which says so while one is held over it. */
 function makeDropPlace(panel, take) {
-  const place = make("div", { className: "robsim-drop", hidden: true },
-    make("span", { textContent: text("drop_here") }));
+  const place = make("div.robsim-drop", { hidden: true }, make("span", text("drop_here")));
   const over = (event) => {
     if (!holdsFiles(event)) return;
     event.preventDefault();
@@ -96,17 +93,62 @@ function listenToPaste(context, target, take) {
     event.stopPropagation();
     take(files);
   };
-  target.addEventListener("paste", paste);
-  context.onEnd(() => target.removeEventListener("paste", paste));
+  target.addEventListener("paste", paste, { signal: context.signal });
 }
 
 /** Let no file that is dropped where nothing takes it be shown in place of the page. */
-export function guardFromDrops(el) {
+export function guardFromDrops(target) {
   const guard = (event) => {
     if (event.defaultPrevented || !holdsFiles(event)) return;
     event.preventDefault();
     event.dataTransfer.dropEffect = "none";
   };
-  el.addEventListener("dragover", guard);
-  el.addEventListener("drop", guard);
+  target.addEventListener("dragover", guard);
+  target.addEventListener("drop", guard);
+}
+
+/**
+ * Send a file in parts, each when the previous one was answered.
+ * `tell(about)` is told how it goes, or null where nothing comes any more: `name`, `state`, which
+ * is "more", "read", "taken" or "refused", `share` that has come, `why` it was refused. A file
+ * that the browser cannot read is "unreadable".
+ */
+function makeSender(context, tell) {
+  let now = null; // the file that is sent, its key, its name
+  const end = (about) => {
+    now = null;
+    tell(about);
+  };
+  const sendPart = async (sent, at) => {
+    const { file, key, name } = sent;
+    let part;
+    try {
+      part = await file.slice(at, at + PART).arrayBuffer();
+    } catch { // a folder, or one that has gone
+      if (sent == now) end({ name, state: "unreadable" });
+      return;
+    }
+    if (sent == now) context.send({ type: "upload", key, name, size: file.size, at }, [part]);
+  };
+  const giveUp = () => {
+    if (now) context.send({ type: "give_up", key: now.key });
+    end(null);
+  };
+  context.on("uploaded", ({ key, state, at, text: why }) => {
+    if (key != now?.key) return;
+    const about = { name: now.name, state, share: at / now.file.size, why };
+    if (state == "taken" || state == "refused") return end(about);
+    tell(about);
+    if (state == "more") sendPart(now, at);
+  });
+  return {
+    giveUp,
+    send(file) {
+      giveUp();
+      const key = crypto.getRandomValues(new Uint32Array(2)).join("");
+      now = { file, key, name: file.name.slice(0, 100) };
+      tell({ name: now.name, state: "more", share: 0 });
+      sendPart(now, 0);
+    },
+  };
 }

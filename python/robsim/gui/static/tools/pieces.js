@@ -1,19 +1,17 @@
-// @ts-check
 // The pieces of all tools' sides: rows, words, buttons, fields, tables, lists of problems.
 import { makeTextButton } from "../base/buttons.js";
-import { make, say } from "../base/dom.js";
-import { text } from "../base/texts.js";
+import { make, sayOrHide, text } from "../base/dom.js";
 
-const box = (className) => (...children) => make("div", { className }, ...children);
-export const makePart = box("robsim-tool-part robsim-surface robsim-column");
-export const makeRow = box("robsim-tool-row robsim-row");
-export const makeFields = box("robsim-tool-fields");
+const box = (what) => (...children) => make(what, ...children);
+export const makePart = box("div.robsim-tool-part.robsim-surface.robsim-column");
+export const makeRow = box("div.robsim-tool-row.robsim-row");
+export const makeFields = box("div.robsim-tool-fields");
 
 export const makeWords = (name) =>
-  make("span", { className: "robsim-quiet", textContent: text(name) });
+  make("span.robsim-quiet", text(name));
 
 export const makeHint = (name) =>
-  make("p", { className: "robsim-quiet robsim-tool-hint", textContent: text(name) });
+  make("p.robsim-quiet.robsim-tool-hint", text(name));
 
 /** Make a button that sends `message()`, if there is one; the default type is the `name`. */
 export const makeAct = (context, name, kind = "", message = () => ({ type: name }), words = name) =>
@@ -24,7 +22,7 @@ export const makeAct = (context, name, kind = "", message = () => ({ type: name 
 
 /** A field; `take(words)` is called after a change. */
 export const makeTextField = (name, take, about = {}) =>
-  make("input", { className: "robsim-text-field", name, ariaLabel: text(name),
+  make("input.robsim-text-field", { name, ariaLabel: text(name),
     onchange: ({ target }) => take(target.value.trim()), ...about });
 
 /** A field with arrows for a number, which `take` gets. */
@@ -69,14 +67,13 @@ export function makePlaceFields({ number, prefix, label, known, tell }, about = 
   return fields;
 }
 
-export const makeCell = (...children) => make("td", {}, ...children);
+export const makeCell = (...children) => make("td", ...children);
 
 export function makeTable(columns) {
   const body = make("tbody");
   const head = columns.map((name) =>
     make("th", { scope: "col", textContent: name && text(`floor_column.${name}`) }));
-  const table = make("table", { className: "robsim-table robsim-points" },
-    make("thead", {}, make("tr", {}, ...head)), body);
+  const table = make("table.robsim-table.robsim-points", make("thead", make("tr", ...head)), body);
   return { table, body };
 }
 
@@ -100,11 +97,10 @@ const LOOKS = { good: "robsim-good", poor: "robsim-warning", bad: "robsim-bad" }
 
 /** How good something is, in a word or a few. */
 export function makeVerdict() {
-  const element = make("span", { className: "robsim-chip", role: "status" });
+  const element = make("span.robsim-chip", { role: "status" });
   const show = (kind, words) => {
     element.className = `robsim-chip ${LOOKS[kind] ?? ""}`;
-    element.hidden = !words;
-    say(element, words);
+    sayOrHide(element, words);
   };
   return { element, show };
 }

@@ -1,16 +1,15 @@
-// @ts-check
 // The frame of all tools: a picture with hands, parts below and next to the picture, messages,
 // keys and files.
-import { asPicture } from "../base/buffers.js";
+import { makeLooks, makeTextButton } from "../base/buttons.js";
 import { makeContext } from "../base/context.js";
-import { make } from "../base/dom.js";
+import { isPage, make, sayOrHide, text } from "../base/dom.js";
+import { makeSlider, showSlider } from "../base/fields.js";
 import { makeFlow } from "../base/flow.js";
+import { icon } from "../base/icons.js";
 import { makePicture } from "../camera/picture.js";
 import { makeNotes } from "../parts/notes.js";
-import { makeFilm } from "./film.js";
-import { makeHistory } from "./history.js";
 import { makeLoad } from "./load.js";
-import { makeToolTitle } from "./title.js";
+import { makeAct } from "./pieces.js";
 
 const TYPING = "textarea, input:not([type=range], [type=checkbox])";
 
@@ -20,7 +19,7 @@ const TYPING = "textarea, input:not([type=range], [type=checkbox])";
  * `below` it.
  */
 export function renderTool({ el, send }, name, build) {
-  const context = makeContext(el, send);
+  const context = Object.assign(makeContext(el, send), { pictures: ["picture", "mask"] });
   makeFlow(context, () => begin());
   const hands = [];
   const picture = makePicture(context, { label: `${name}_picture`, hands });
@@ -29,50 +28,88 @@ export function renderTool({ el, send }, name, build) {
   hands.push(...made.hands);
   el.append(layOut(context, name, picture, made));
 
-  let newest = null; // the head of the last frame that has come
-  const arrived = (head) => {
-    if (head.type == "frame") newest = head;
-  };
-  const receive = async (head, buffers) => {
-    if (head.type == "setup") context.setup = head;
-    if (head.type == "state") takeToolState(context, head);
-    if (head.type == "frame" && !(await takePictures(context, head, buffers, () => newest)))
-      return;
-    context.emit(head.type, head, buffers);
-  };
   const begin = () => send({ type: "hello", width: picture.width() });
-  return { arrived, receive, begin, end: context.end };
+  return Object.assign(context, { begin });
 }
 
 function layOut(context, name, picture, { over = [], foot = [], below, beside }) {
   const load = makeLoad(context);
-  const view = make("div", { className: "robsim-camera" }, picture.canvas,
-    make("div", { className: "robsim-camera-bar" }, picture.whole), ...over,
-    make("div", { className: "robsim-camera-foot" }, ...foot));
-  const left = make("div", { className: "robsim-left robsim-column" }, makeToolTitle(context, name),
-    make("div", { className: "robsim-view" }, view), load.element, below);
-  const right = make("div",
-    { className: "robsim-right robsim-column robsim-tool-side" }, ...beside);
-  const about = { className: `robsim-panel robsim-tool robsim-tool-${name}`, tabIndex: -1 };
-  const panel = make("div", about, left, right, makeNotes(context).element);
+  const view = make("div.robsim-camera", picture.canvas,
+    make("div.robsim-camera-bar", picture.whole), ...over,
+    make("div.robsim-camera-foot", ...foot));
+  const left = make("div.robsim-left.robsim-column", makeToolTitle(context, name),
+    make("div.robsim-view.robsim-surface", view), load.element, below);
+  const right = make("div.robsim-right.robsim-column.robsim-tool-side", ...beside);
+  const panel = make(`div.robsim-panel.robsim-tool.robsim-tool-${name}`, { tabIndex: -1 }, left,
+    right, makeNotes(context).element);
   panel.addEventListener("keydown", (event) =>
     event.target.matches(TYPING) && event.stopPropagation()); // typed keys are no shortcuts
   load.listen(panel);
   return panel;
 }
 
-function takeToolState(context, head) {
-  context.state = head;
-  context.el.dataset.state = head.state;
+/** Return the buttons of undo and redo. The keys act everywhere but in text fields. */
+function makeHistory(context) {
+  const [undo, redo] = ["undo", "redo"].map((name) => makeAct(context, name));
+  context.on("state", (state) => {
+    undo.disabled = !state.can_undo;
+    redo.disabled = !state.can_redo;
+  });
+  context.el.addEventListener("keydown", (event) => {
+    const type = wayOf(event);
+    if (!type) return;
+    context.send({ type });
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  return [undo, redo];
 }
 
-/** Take the picture and the mask of a frame; false if a newer one has come meanwhile. */
-async function takePictures(context, head, [picture, mask], newest) {
-  if (head != newest()) return false;
-  head.picture = await asPicture(picture, "image/jpeg");
-  head.mask = mask?.byteLength ? await asPicture(mask, "image/png") : null;
-  context.frame?.picture?.close();
-  context.frame?.mask?.close();
-  context.frame = head;
-  return true;
+function wayOf({ ctrlKey, metaKey, altKey, shiftKey, key }) {
+  if (!(ctrlKey || metaKey) || altKey) return null;
+  if (key.toLowerCase() == "z") return shiftKey ? "redo" : "undo";
+  return key == "y" && ctrlKey ? "redo" : null;
+}
+
+/** The top line: name of the tool, source of its pictures, looks of this view. */
+function makeToolTitle(context, tool) {
+  const name = make("span.robsim-title-name.robsim-clipped");
+  const source = make("span.robsim-quiet.robsim-tool-source.robsim-clipped");
+  context.on("setup", () => {
+    name.textContent = text(`tool_title.${tool}`);
+    if (isPage()) document.title = `${name.textContent} – robsim`;
+  });
+  context.on("state", ({ mode, name: drawn }) => {
+    const shown = mode == "draw" ? drawn : context.setup.title;
+    if (source.title != shown) source.textContent = source.title = shown;
+  });
+  return make("header.robsim-title", icon("robot"), name, source, makeLooks(context));
+}
+
+/** Which picture is shown: live or frozen, or one of a recording. */
+function makeFilm(context) {
+  const freeze = makeTextButton("freeze", "", () =>
+    context.send({ type: "freeze", on: !context.state.frozen }));
+  const slider = makeSlider("picture", { min: 0, max: 1, step: 1 });
+  slider.setAttribute("aria-label", text("film"));
+  slider.oninput = () => context.send({ type: "look", k: Number(slider.value) });
+  const name = make("output.robsim-number.robsim-quiet");
+  const ended = make("span.robsim-chip.robsim-warning", { hidden: true });
+  const parts = [freeze, slider, name, ended];
+  const element = make("div.robsim-tool-row.robsim-row.robsim-film", ...parts);
+  const show = () => {
+    const { setup, state } = context;
+    if (!setup) return;
+    freeze.hidden = !setup.is_live;
+    freeze.setAttribute("aria-pressed", String(Boolean(state.frozen)));
+    slider.hidden = !(setup.count > 1);
+    slider.max = String(Math.max((setup.count ?? 1) - 1, 1));
+    if (state.k != null && document.activeElement != slider)
+      showSlider(slider, state.k, state.name);
+    element.hidden = freeze.hidden && slider.hidden;
+  };
+  context.on("state", ({ over }) => sayOrHide(ended, over));
+  context.on("setup state", show);
+  context.on("frame", (head) => (name.textContent = head.name));
+  return element;
 }

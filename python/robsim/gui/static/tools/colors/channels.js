@@ -1,11 +1,8 @@
-// @ts-check
 // The histograms of Y, U and V of a region, with the ranges of a class, whose ends are dragged.
 import { asFloats } from "../../base/buffers.js";
-import { fitCanvas, make, painter } from "../../base/dom.js";
-import { heldValue } from "../../base/held_value.js";
-import { ARROWS, listenToDrags, listenToKeys } from "../../base/keys.js";
-import { text } from "../../base/texts.js";
-import { color } from "../../base/theme.js";
+import { fitCanvas, make, painter, text } from "../../base/dom.js";
+import { heldValue } from "../../base/fields.js";
+import { ARROWS, listenToDrags, listenToKeys } from "../../base/gestures.js";
 
 const CHANNELS = ["y", "u", "v"];
 const LEVELS = 256;
@@ -16,11 +13,12 @@ export function makeChannels(context) {
   let counts = null; // 3 x 256
   let ranges = null; // of the chosen class
   const canvases = CHANNELS.map((name) =>
-    make("canvas", { className: "robsim-channel", tabIndex: 0, role: "slider",
+    make("canvas.robsim-channel", { tabIndex: 0, role: "slider",
       ariaLabel: text(`channel.${name}`) }));
-  const outputs = CHANNELS.map(() => make("output", { className: "robsim-number" }));
+  const outputs = CHANNELS.map(() => make("output.robsim-number"));
+  const countsOf = (i) => counts?.subarray(LEVELS * i, LEVELS * (i + 1));
   const later = painter(() => canvases.forEach((canvas, i) =>
-    paintChannel(canvas, context.el, counts?.subarray(LEVELS * i, LEVELS * (i + 1)), ranges?.[i])));
+    paintChannel(canvas, context.ink, countsOf(i), ranges?.[i])));
   const show = (shown) => {
     ranges = shown;
     outputs.forEach((output, i) => {
@@ -29,15 +27,13 @@ export function makeChannels(context) {
     });
     later();
   };
-  // Compared as texts: Python's answer is another array.
-  const held = heldValue(make("span"), (words) => show(words && JSON.parse(words)),
-    (words, goesOn) =>
-      context.send({ type: "ranges", ranges: JSON.parse(words), goes_on: goesOn }));
+  const held = heldValue(show, (next, goesOn) =>
+    context.send({ type: "ranges", ranges: next, goes_on: goesOn }));
   const setEnd = (i, end, level) => {
     const next = ranges.map((range) => [...range]);
     const inside = Math.min(Math.max(Math.round(level), 0), LEVELS - 1);
     next[i][end] = end == 0 ? Math.min(inside, next[i][1]) : Math.max(inside, next[i][0]);
-    held.set(JSON.stringify(next));
+    held.set(next);
   };
   canvases.forEach((canvas, i) => listen(canvas, { hold: held.hold, range: () => ranges?.[i],
     set: (end, level) => setEnd(i, end, level) }));
@@ -47,20 +43,18 @@ export function makeChannels(context) {
     later();
   });
   context.on("state", ({ region, classes, chosen }) => {
-    const told = classes.find(({ name }) => name == chosen)?.ranges;
-    held.tell(told ? JSON.stringify(told) : null);
+    held.tell(classes.find(({ name }) => name == chosen)?.ranges ?? null);
     if (!region) counts = null;
     later();
   });
   context.on("theme", later);
   const resizes = new ResizeObserver(later);
   canvases.forEach((canvas) => resizes.observe(canvas));
-  context.onEnd(() => resizes.disconnect(), later.cancel, held.end);
   const rows = CHANNELS.map((name, i) =>
-    make("div", { className: "robsim-channel-row", title: text(`channel.${name}.title`) },
-      make("span", { className: "robsim-quiet", textContent: name.toUpperCase() }),
+    make("div.robsim-channel-row", { title: text(`channel.${name}.title`) },
+      make("span.robsim-quiet", { textContent: name.toUpperCase() }),
       canvases[i], outputs[i]));
-  return make("div", { className: "robsim-channels" }, ...rows);
+  return make("div.robsim-channels", ...rows);
 }
 
 /** Let the ends of a range be dragged; arrow keys move the lower one, with Shift the upper one. */
@@ -95,11 +89,10 @@ function listen(canvas, { hold, range, set }) {
   });
 }
 
-function paintChannel(canvas, el, counts, range) {
+function paintChannel(canvas, ink, counts, range) {
   fitCanvas(canvas);
   const { width, height } = canvas;
   const pen = canvas.getContext("2d");
-  const ink = (name) => color(el, `--robsim-${name}`);
   pen.fillStyle = ink("raised");
   pen.fillRect(0, 0, width, height);
   const x = (level) => (level / LEVELS) * width;

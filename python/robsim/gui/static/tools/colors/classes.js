@@ -1,8 +1,6 @@
-// @ts-check
 // The colour classes: which one is trained, a new one, how each region that it has fits it.
 import { makeRadios, makeTextButton } from "../../base/buttons.js";
-import { make } from "../../base/dom.js";
-import { text } from "../../base/texts.js";
+import { make, text } from "../../base/dom.js";
 import { makeAct, makePart, makeRow, makeTextField } from "../pieces.js";
 
 const WELL = 0.5; // of a region that is in the class
@@ -18,7 +16,7 @@ export function makeClasses({ context, history }) {
     name.value = "";
   };
   const remove = makeAct(context, "remove_class", "", () => ({ type: "remove" }));
-  const drift = make("div", { className: "robsim-drift" });
+  const drift = make("div.robsim-drift");
   context.on("state", ({ classes, chosen }) => {
     const current = classes.find((one) => one.name == chosen);
     const shown = current ? classes : [...classes, { name: chosen, css: "transparent" }];
@@ -41,7 +39,6 @@ function driftRows(drift) {
     const words = text("drift", {
       picture, y: medians[0], u: medians[1], v: medians[2], share: Math.round(100 * share),
     });
-    const className = share < WELL ? "robsim-warning-text" : "robsim-quiet";
-    return make("div", { className, textContent: words });
+    return make(share < WELL ? "div.robsim-warning-text" : "div.robsim-quiet", words);
   });
 }

@@ -1,8 +1,6 @@
-// @ts-check
 // The region of a colour: a rectangle that is drawn on the picture, or moved by keys.
-import { make } from "../../base/dom.js";
-import { heldValue } from "../../base/held_value.js";
-import { arrowStep } from "../../base/keys.js";
+import { heldValue } from "../../base/fields.js";
+import { arrowStep } from "../../base/gestures.js";
 import { drawBox } from "../../camera/strokes.js";
 
 const FIRST = 0.05; // of the picture: a region that the keys begin with
@@ -17,15 +15,13 @@ export function makeRegion(context, picture, isMore) {
     Math.min(Math.max(Math.round(at), 0), size()[i] - 1));
   const between = ([a, b], [c, d]) =>
     [Math.min(a, c), Math.min(b, d), Math.max(a, c), Math.max(b, d)];
-  const show = (words) => {
-    region = JSON.parse(words);
+  const show = (shown) => {
+    region = shown;
     picture.later();
   };
-  const held = heldValue(make("span"), show, (words, goesOn) =>
-    context.send({ type: "region", region: JSON.parse(words), keep: kept, goes_on: goesOn }));
-  const set = (next) => held.set(JSON.stringify(next));
-  context.on("state", ({ region: told }) => held.tell(JSON.stringify(told)));
-  context.onEnd(held.end);
+  const { set, tell, hold } = heldValue(show, (next, goesOn) =>
+    context.send({ type: "region", region: next, keep: kept, goes_on: goesOn }));
+  context.on("state", ({ region: told }) => tell(told));
   const beginOther = () => {
     const { classes, chosen } = context.state;
     kept = (isMore() && classes.find(({ name }) => name == chosen)?.drift.length) || 0;
@@ -46,7 +42,7 @@ export function makeRegion(context, picture, isMore) {
     grab: (at) => {
       if (!picture.has(at)) return null;
       beginOther();
-      held.hold();
+      hold();
       return { at, move: (to) => set(between(inside(at), inside(to))) };
     },
     key: (event) => {

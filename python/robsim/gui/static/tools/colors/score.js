@@ -1,7 +1,5 @@
-// @ts-check
 // How a colour would do in other light and noise, and what would do better.
-import { make } from "../../base/dom.js";
-import { text } from "../../base/texts.js";
+import { make, text } from "../../base/dom.js";
 import { makeAct, makePart, makeRow } from "../pieces.js";
 
 const PARTS = 100; // %
@@ -9,11 +7,11 @@ const PARTS = 100; // %
 export function makeScore(context) {
   const ask = makeAct(context, "score");
   ask.addEventListener("click", () => (said.textContent = text("score_wait")));
-  const said = make("span", { className: "robsim-quiet", role: "status" });
+  const said = make("span.robsim-quiet", { role: "status" });
   const take = makeAct(context, "take_proposed", "", () =>
     ({ type: "ranges", ranges: proposed, goes_on: false }));
   take.hidden = true;
-  const table = make("table", { className: "robsim-table robsim-score", hidden: true });
+  const table = make("table.robsim-table.robsim-score", { hidden: true });
   let proposed = null;
   let [of, asked] = ["", ""]; // the class that it is of, and its ranges
 
@@ -48,7 +46,7 @@ const rangesOf = ({ classes }, wanted) =>
 function levelRow({ name, levels, rates }) {
   const cells = levels.map((level, i) =>
     make("td", { title: text("score_level", { level, rate: percent(rates[i]) }) },
-      make("span", { className: "robsim-quiet", textContent: `${level} ` }),
+      make("span.robsim-quiet", `${level} `),
       `${percent(rates[i])}\u202f%`));
-  return make("tr", {}, make("th", { scope: "row", textContent: name }), ...cells);
+  return make("tr", make("th", { scope: "row", textContent: name }), ...cells);
 }

@@ -1,8 +1,6 @@
-// @ts-check
 // The lens: pictures of a board, where in the picture it was, how well it fits.
-import { make, say } from "../../base/dom.js";
+import { make, say, text } from "../../base/dom.js";
 import { makeField } from "../../base/fields.js";
-import { text } from "../../base/texts.js";
 import { drawDot } from "../../camera/strokes.js";
 import { makeAct, makeCell, makeCut, makeFields, makeHint, makeList, makeNumberField, makeRow,
   makeTable, makeVerdict, makeWords } from "../pieces.js";
@@ -19,9 +17,8 @@ export function makeLensBoard(context) {
   const drop = act("drop_boards", { type: "drop", picture: null });
   const watch = makeField({ name: "watch", kind: "switch" }, (on) =>
     context.send({ type: "watch", on }));
-  context.onEnd(watch.end);
   const [verdict, problems] = [makeVerdict(), makeList()];
-  const figures = make("span", { className: "robsim-number" });
+  const figures = make("span.robsim-number");
   context.on("setup", ({ is_live: isLive, count }) => {
     watch.element.hidden = !isLive;
     all.hidden = !(count > 1);
@@ -63,7 +60,7 @@ function makeBoardFields(context) {
     if (![columns, rows].every(Number.isInteger) || !Number.isFinite(square)) return;
     context.send({ type: "board", pattern: kind.value, columns, rows, square });
   };
-  const kind = make("select", { className: "robsim-select", name: "board_kind", onchange: tell,
+  const kind = make("select.robsim-select", { name: "board_kind", onchange: tell,
     ariaLabel: text("board_kind") }, ...BOARD_KINDS.map((value) =>
     make("option", { value, textContent: text(`board_kind.${value}`) })));
   const makeOne = (name) => makeNumberField(name, () => {}, {
@@ -71,7 +68,7 @@ function makeBoardFields(context) {
     step: name == "board_square" ? "any" : "1",
     onchange: tell, oninput: ({ target }) => typed.add(target) });
   const fields = ["board_columns", "board_rows", "board_square"].map(makeOne);
-  const unit = make("span", { className: "robsim-quiet" });
+  const unit = make("span.robsim-quiet");
   context.on("board", (board) => {
     kind.value = board.pattern;
     unit.textContent = text(`board_unit.${board.pattern}`);
@@ -97,7 +94,7 @@ function makePictureTable(context) {
     body.replaceChildren(...pictures.map(rowOf));
     table.hidden = !pictures.length;
   });
-  return make("div", { className: "robsim-points-box" }, table);
+  return make("div.robsim-points-box", table);
 }
 
 /** Draw where the boards were: what has no dots is not covered yet. */

@@ -1,9 +1,7 @@
-// @ts-check
 // The two magnifying glasses: one beside the pointer, and one on the chosen point, in which it is
 // dragged by parts of a pixel.
-import { make } from "../../base/dom.js";
-import { listenToDrags, listenToKeys } from "../../base/keys.js";
-import { text } from "../../base/texts.js";
+import { make, text } from "../../base/dom.js";
+import { listenToDrags, listenToKeys } from "../../base/gestures.js";
 import { makeRow } from "../pieces.js";
 import { makeGlass } from "./glass.js";
 
@@ -49,8 +47,7 @@ export function makeChosenGlass(context, picture, marks) {
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "application");
   canvas.classList.add("robsim-glass-chosen");
-  const [words, zooms] = [1, 2].map(() =>
-    make("output", { className: "robsim-number robsim-quiet" }));
+  const [words, zooms] = [1, 2].map(() => make("output.robsim-number.robsim-quiet"));
   const zoomBy = (steps) => {
     const to = ZOOMS.indexOf(zoom) + steps;
     zoom = ZOOMS[Math.min(Math.max(to, 0), ZOOMS.length - 1)];
@@ -93,7 +90,7 @@ export function makeChosenGlass(context, picture, marks) {
   });
   const row = makeRow(words, zooms);
   row.classList.add("robsim-glass-words");
-  const element = make("div", { className: "robsim-glass-box", hidden: true }, canvas, row);
+  const element = make("div.robsim-glass-box", { hidden: true }, canvas, row);
   context.on("state", show);
   return element;
 }

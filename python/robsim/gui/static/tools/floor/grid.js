@@ -1,4 +1,3 @@
-// @ts-check
 // The floor's grid on the picture: lines each so many mm, numbers, axes; bent as the lens bends it.
 import { areaToPixel, pixelToArea } from "../../camera/projection.js";
 import { drawLabel, strokePath } from "../../camera/strokes.js";

@@ -1,8 +1,7 @@
-// @ts-check
 // The points of a floor on its picture: put by a click, dragged, moved by keys, removed; arrows to
 // where the map has them.
 import { distance } from "../../base/geometry.js";
-import { ARROWS } from "../../base/keys.js";
+import { ARROWS } from "../../base/gestures.js";
 import { drawArrow, drawCross, drawLabel } from "../../camera/strokes.js";
 
 const SNAP_REACH = 10; // px on the screen, of a click
@@ -37,6 +36,7 @@ export function makeMarks(context, picture, snaps, hovered) {
   const nearest = (at) => points()[picture.nearest(at, points().map(placeOf))];
   const reach = () => (snaps() ? Math.max(picture.pixels(SNAP_REACH), LEAST_SNAP) : 0);
   const choose = (number) => context.send({ type: "choose", point: number });
+  const tell = (type, more = {}) => context.send({ type, point: state().chosen, ...more });
   const add = (at, within) => context.send({ type: "add", at, reach: within });
   /** Return a point as a thing to drag, also in a magnifying glass. */
   const thing = ({ number, at }) => ({ key: number, at, move: (to, goesOn) => {
@@ -53,17 +53,14 @@ export function makeMarks(context, picture, snaps, hovered) {
   const nudge = ({ key, shiftKey, repeat }) => {
     const far = repeat ? Math.max(1, picture.pixels(2)) : 1;
     const by = ARROWS[key].map((side) => side * (shiftKey ? far : 0.1));
-    context.send({ type: "nudge", point: state().chosen, by, goes_on: repeat });
+    tell("nudge", { by, goes_on: repeat });
   };
-  const cut = () => context.send({ type: "cut", point: state().chosen });
-  const snap = () =>
-    context.send({ type: "snap", point: state().chosen, reach: Math.max(reach(), 12) });
   /** Apply a key to the chosen point; return whether the key has an effect. */
   const press = (event) => {
     if (!chosen()) return false;
-    if (event.key == "Delete" || event.key == "Backspace") cut();
+    if (event.key == "Delete" || event.key == "Backspace") tell("cut");
     else if (event.key in ARROWS) nudge(event);
-    else if (event.key == "s") snap();
+    else if (event.key == "s") tell("snap", { reach: Math.max(reach(), 12) });
     else if (event.key == "Escape") choose(null);
     else return false;
     return true;
@@ -98,8 +95,7 @@ export function makeMarks(context, picture, snaps, hovered) {
       drawResiduals(scene, state());
       for (const point of points()) {
         const [at, ink, isIt] = [placeOf(point), inkOf(state(), point), point == chosen()];
-        drawCross(scene, scene.pixel(at), ink,
-          { long: isIt ? 13 : 8, width: 1.8, isRinged: isIt });
+        drawCross(scene, scene.pixel(at), ink, { long: isIt ? 13 : 8, width: 1.8, isRinged: isIt });
         drawLabel(scene, { at, words: String(point.number), beside: [1, -1], ink, isStrong: isIt });
       }
     },

@@ -1,9 +1,7 @@
-// @ts-check
 // The points in a list: their places on the floor, which are typed in, and how well each fits.
-import { make } from "../../base/dom.js";
-import { text } from "../../base/texts.js";
-import { asWords, makeAct, makeCell, makeCut, makeDecimalField, makePlaceFields, makeRow, makeTable,
-  makeWords, readNumber, showIn } from "../pieces.js";
+import { make, text } from "../../base/dom.js";
+import { asWords, makeAct, makeCell, makeCut, makeDecimalField, makeFields, makeHint,
+  makePlaceFields, makeRow, makeTable, makeWords, readNumber, showIn } from "../pieces.js";
 import { fitsOf, standing } from "./marks.js";
 
 /** The numbers that are typed on the `canvas` of the picture are the place of the chosen point. */
@@ -22,13 +20,13 @@ export function makePointTable(context, canvas) {
       known: () => context.state.points.find((one) => one.number == number)?.place,
       tell: (x, y) => context.send({ type: "place", point: number, x, y }),
     }, { onkeydown: keys, onfocus: () => number == context.state.chosen || choose(number) });
-    const name = make("button", { type: "button", className: "robsim-point",
+    const name = make("button.robsim-point", { type: "button",
       textContent: String(number), title: text("point.title", { number }),
       onclick: () => choose(number) });
     const [mm, px] = [makeCell(), makeCell()];
     const cut = makeCut(text("point.cut", { number }), () =>
       context.send({ type: "cut", point: number }));
-    const row = make("tr", {}, makeCell(name), ...fields.map((field) => makeCell(field)), mm, px,
+    const row = make("tr", makeCell(name), ...fields.map((field) => makeCell(field)), mm, px,
       makeCell(cut));
     body.append(row);
     return { row, fields, mm, px };
@@ -63,7 +61,7 @@ export function makePointTable(context, canvas) {
     input.focus();
     input.value = event.key;
   }, { capture: true });
-  return make("div", { className: "robsim-points-box" }, table);
+  return make("div.robsim-points-box", table);
 }
 
 /** What is done with all points: undo, redo, clear, corners of a grid. */
@@ -81,4 +79,37 @@ export function makePointBar(context, history) {
   const grid = makeRow(fill, step, makeWords("fill_unit"));
   grid.classList.add("robsim-together");
   return makeRow(...history, clear, grid);
+}
+
+/** The sheets that were found: where the cross of each lies, if it was measured. */
+export function makeSheets(context) {
+  const find = makeAct(context, "find_sheets", "robsim-primary", () => ({ type: "sheets" }));
+  const mark = makeDecimalField("mark", (value) =>
+    value != null && context.send({ type: "set", name: "mark", value }),
+  { className: "robsim-text-field robsim-short", ariaLabel: text("sheet_mark") });
+  const { table, body } = makeTable(["sheet", "x", "y", "mm", "px"]);
+  const makeSheet = ({ number, place }, points) => {
+    const fields = makePlaceFields({
+      number, prefix: "sheet_", label: "sheet",
+      known: () => context.state.sheets.found.find((one) => one.number == number)?.place,
+      tell: (x, y) => context.send({ type: "sheet", number, x, y }),
+    }, { placeholder: text("sheet_anywhere") });
+    fields.forEach((field, i) => (field.value = asWords(place[i])));
+    const mine = points.filter(({ name }) => name == `sheet ${number}`);
+    const rms = (key, digits) => (mine.length
+      ? Math.sqrt(mine.reduce((sum, one) => sum + one[key] ** 2, 0) / mine.length).toFixed(digits)
+      : "");
+    const cells = [String(number), ...fields, rms("mm", 1), rms("px", 2)];
+    return make("tr", ...cells.map((cell) => makeCell(cell)));
+  };
+  context.on("state", ({ sheets, fit, by, pending }) => {
+    showIn(mark, asWords(sheets.mark));
+    find.disabled = pending;
+    if (body.matches(":focus-within")) return; // nothing is taken from under the hands
+    const points = (by == "sheets" && fit?.points) || [];
+    body.replaceChildren(...sheets.found.map((sheet) => makeSheet(sheet, points)));
+    table.hidden = !sheets.found.length;
+  });
+  return makeFields(makeRow(find, makeWords("sheet_mark"), mark, makeWords("unit_mm")),
+    makeHint("sheet_hint"), table);
 }

@@ -1,7 +1,6 @@
-// @ts-check
 // The polygons of a robot on its picture: corners that are dragged, put on edges, removed.
 import { distance } from "../../base/geometry.js";
-import { arrowStep } from "../../base/keys.js";
+import { arrowStep } from "../../base/gestures.js";
 import { drawArrow, drawDot, drawLine } from "../../camera/strokes.js";
 
 const CORNER = 4.5; // px on the screen

@@ -1,8 +1,7 @@
-// @ts-check
 // Two points of known distance on the picture, from which its size follows.
 import { makeTextButton } from "../../base/buttons.js";
+import { text } from "../../base/dom.js";
 import { distance } from "../../base/geometry.js";
-import { text } from "../../base/texts.js";
 import { drawDot, drawLabel, drawLine } from "../../camera/strokes.js";
 import { makeNumberField, makeRow, makeWords } from "../pieces.js";
 

@@ -1,6 +1,5 @@
-// @ts-check
 // The yellow square of what is captured: it is dragged, and its corners make it larger.
-import { arrowStep } from "../../base/keys.js";
+import { arrowStep } from "../../base/gestures.js";
 import { drawBox } from "../../camera/strokes.js";
 
 const REACH_OF_CORNER = 16; // px on the screen
