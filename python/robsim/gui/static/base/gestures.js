@@ -30,8 +30,8 @@ export function watchGestures(canvas, handlers) {
     const ratio = handlers.ratio?.() ?? 1;
     return [(event.clientX - left) * ratio, (event.clientY - top) * ratio];
   };
-  const end = () => {
-    if (isDrag) handlers.giveUp?.();
+  const end = (dropped) => {
+    if (isDrag) dropped?.();
     isDrag = false;
     pressed = null;
   };
@@ -49,7 +49,7 @@ export function watchGestures(canvas, handlers) {
       return; // it has gone already
     }
     pointers.set(event.pointerId, point(event));
-    if (pointers.size > 1) end();
+    if (pointers.size > 1) end(handlers.giveUp);
     else {
       const slop = (handlers.ratio?.() ?? 1) * (CLICK_SLOP[event.pointerType] ?? 4);
       pressed = { at: point(event), slop };
@@ -70,14 +70,12 @@ export function watchGestures(canvas, handlers) {
   };
   canvas.onpointerup = (event) => {
     if (!pointers.delete(event.pointerId)) return;
-    if (isDrag) handlers.dragEnd?.();
-    else if (pressed) handlers.click(pressed.at);
-    isDrag = false;
-    pressed = null;
+    if (pressed && !isDrag) handlers.click(pressed.at);
+    end(handlers.dragEnd);
   };
   canvas.onpointercancel = (event) => {
     pointers.delete(event.pointerId);
-    end();
+    end(handlers.giveUp);
   };
   canvas.onpointerleave = (event) => pointers.has(event.pointerId) || handlers.hover(null);
   canvas.ondblclick = (event) => handlers.doubleClick(point(event));
