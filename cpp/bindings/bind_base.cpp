@@ -1,27 +1,28 @@
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
-#include <stdexcept>
-#include <string>
-#include <vector>
-
-#include "python/numpy.hpp"
 #include "python/signature.hpp"
 #include "robsim/base/elementary/elementary.hpp"
 #include "robsim/base/geometry.hpp"
 #include "robsim/base/simd/cpu_path.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 using namespace robsim::simd;
+
+namespace {
+
+// A function of a number, which takes arrays, too.
+void bind_function(Module module, const char* name, double (*function)(double),
+                   const char* argument, const std::string& unit, const char* doc) {
+  const auto call = [=](const ArrayLike& value) {
+    return for_each_number(value, argument, "a number or an array of numbers" + unit, function);
+  };
+  module.def(name, call, py::arg(argument), doc);
+}
 
 void bind_simd(py::module_& module) {
   public_in(module, "robsim._core")
       .def(
           "cpu_path", [] { return std::string(name_of(cpu_path())); },
-          "Return which instructions the hot loops use: \"baseline\", \"avx2\" or \"avx512\".");
-  public_in(module, "robsim._core")
+          "Return which instructions the hot loops use: \"baseline\", \"avx2\" or \"avx512\".")
       .def(
           "cpu_paths",
           [] {
@@ -29,21 +30,17 @@ void bind_simd(py::module_& module) {
             for (const CpuPath path : cpu_paths()) names.emplace_back(name_of(path));
             return names;
           },
-          "Return the paths available on this processor, the fastest last.");
-  public_in(module, "robsim._core")
+          "Return the paths available on this processor, the fastest last.")
       .def(
           "force_cpu_path",
           [](const std::string& name) {
             for (const CpuPath path : cpu_paths()) {
-              if (name == name_of(path)) {
-                force_cpu_path(path);
-                return;
-              }
+              if (name == name_of(path)) return force_cpu_path(path);
             }
             throw std::invalid_argument("path must be one that this processor has, got '" + name +
                                         "'");
           },
-          py::arg("path"), R"(
+          "path"_a, R"(
 Use other instructions from now on. The results are identical, bit for bit.
 
 Parameters
@@ -61,14 +58,8 @@ ValueError
 // What excitations and worlds are computed with in Python: the same bits on every machine, where
 // the functions of math and numpy differ in the last digit.
 void bind_elementary(py::module_& module) {
-  const auto bind = [&](const char* name, double (*function)(double), const char* documentation) {
-    public_in(module, "robsim._core")
-        .def(
-            name,
-            [function](const ArrayLike& x) {
-              return for_each_number(x, "x", "a number or an array of numbers", function);
-            },
-            py::arg("x"), documentation);
+  const auto bind = [&](const char* name, double (*function)(double), const char* doc) {
+    bind_function(public_in(module, "robsim._core"), name, function, "x", "", doc);
   };
   bind("sin", &elementary::sin, "Return the sine of an angle (rad), or of each in an array.");
   bind("cos", &elementary::cos, "Return the cosine of an angle (rad), or of each in an array.");
@@ -76,31 +67,22 @@ void bind_elementary(py::module_& module) {
   bind("log", &elementary::log,
        "Return the natural logarithm of a number, or of each in an array.");
   public_in(module, "robsim._core")
-      .def("atan2", &elementary::atan2, py::arg("y"), py::arg("x"),
-           "Return the angle of the point (x, y) from the x axis (rad), in [-pi, pi].");
-  public_in(module, "robsim._core")
-      .def("hypot", &elementary::hypot, py::arg("x"), py::arg("y"),
-           "Return the length of the vector (x, y).");
-  public_in(module, "robsim._core")
-      .def("random_uniform", &random_uniform, py::arg("seed"), py::arg("counter"),
-           "Return the number in [0, 1) at a place of the stream of a seed.");
-  public_in(module, "robsim._core")
-      .def("random_normal", &random_normal, py::arg("seed"), py::arg("counter"),
+      .def("atan2", &elementary::atan2, "y"_a, "x"_a,
+           "Return the angle of the point (x, y) from the x axis (rad), in [-pi, pi].")
+      .def("hypot", &elementary::hypot, "x"_a, "y"_a, "Return the length of the vector (x, y).")
+      .def("random_uniform", &random_uniform, "seed"_a, "counter"_a,
+           "Return the number in [0, 1) at a place of the stream of a seed.")
+      .def("random_normal", &random_normal, "seed"_a, "counter"_a,
            "Return the standard normal number at a place of the stream of a seed.");
-}
-
-namespace {
-
-// A number for a number, an array for an array.
-py::object wrapped(const ArrayLike& angle) {
-  return for_each_number(angle, "angle", "a number or an array of numbers (rad)",
-                         &robsim::wrap_angle);
 }
 
 }  // namespace
 
-void bind_geometry(py::module_& module) {
-  public_in(module, "robsim").def("wrap_angle", &wrapped, py::arg("angle"), R"(
+void bind_base(py::module_& module) {
+  bind_simd(module);
+  bind_elementary(module);
+  bind_function(public_in(module, "robsim"), "wrap_angle", &robsim::wrap_angle, "angle", " (rad)",
+                R"(
 Return the angle in (-pi, pi] that differs by full turns.
 
 Parameters

@@ -1,26 +1,15 @@
-#include <pybind11/stl.h>
-
 #include <tuple>
 
 #include "python/interpreter.hpp"
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/vision/marker_width.hpp"
 #include "robsim/vision/pixels/relative_classifier.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
 namespace {
-
-std::string repr(const Blob& blob) {
-  return py::str("<Blob {}: area {} px, centroid ({:.2f}, {:.2f})>")
-      .format(blob.color, blob.area, blob.centroid.x, blob.centroid.y)
-      .cast<std::string>();
-}
 
 using Box = std::tuple<int, int, int, int>;
 
@@ -28,36 +17,34 @@ Box box_of(const Blob& blob) {
   return {blob.box.left, blob.box.top, blob.box.right - 1, blob.box.bottom - 1};
 }
 
-Blob make_blob(const std::string& color, std::int64_t area, const ArrayLike& centroid,
-               const Region& bounding_box, bool at_border) {
+Blob make_blob(const std::string& color, std::int64_t area, const Point& centroid,
+               const PixelBox& bounding_box, bool at_border) {
   if (area < 1) throw py::value_error("area must be at least 1 px");
-  const PixelBox box = region_from(bounding_box, "bounding_box");
-  if (box.left >= box.right || box.top >= box.bottom) {
+  const Blob blob{color, area, centroid, bounding_box, at_border};
+  if (bounding_box.empty()) {
     throw py::value_error("bounding_box must have u_min <= u_max and v_min <= v_max, got " +
-                          describe(bounding_box));
+                          describe(py::cast(box_of(blob))));
   }
-  return {color, area, point_from(centroid, "centroid"), box, at_border};
+  return blob;
 }
 
-PlaneMap plane_map_of(const ImageLike& image) {
-  return py::isinstance<Frame>(image) ? image.cast<const Frame&>().plane_map : PlaneMap();
+// A default finds any blobs, or with markers these.
+BlobOptions options_for(const ImageLike& image, const std::optional<MarkerLayout>& markers) {
+  return markers ? marker_blobs(*markers, image.plane_map(), image.view) : BlobOptions();
 }
 
 BlobsByColor find(const ImageLike& image, const std::vector<ColorClass>& colors,
                   const std::optional<MarkerLayout>& markers,
                   std::optional<std::int64_t> minimum_area, std::optional<int> maximum_count,
-                  std::optional<int> smoothing, const std::optional<Region>& region) {
-  const ImageView view = view_from(image, "image");
-  BlobOptions options;
-  if (markers) options = marker_blobs(*markers, plane_map_of(image), view);
-  if (minimum_area) options.minimum_area = *minimum_area;
-  if (maximum_count) options.maximum_count = *maximum_count;
-  if (smoothing) options.smoothing = *smoothing;
+                  std::optional<int> smoothing, const std::optional<PixelBox>& region) {
+  BlobOptions options = options_for(image, markers);
+  options.minimum_area = minimum_area.value_or(options.minimum_area);
+  options.maximum_count = maximum_count.value_or(options.maximum_count);
+  options.smoothing = smoothing.value_or(options.smoothing);
   BlobFinder finder(colors, options);
-  const PixelBox part =
-      region ? region_from(*region, "region") : PixelBox{0, 0, view.width, view.height};
   const WithoutInterpreter native;
-  return finder.find(view, part);
+  return finder.find(image.view,
+                     region.value_or(PixelBox{0, 0, image.view.width, image.view.height}));
 }
 
 using Masks = std::map<std::string, py::array_t<bool>>;
@@ -84,18 +71,15 @@ Masks masks_from(Classifier& classifier, const ImageView& view,
 
 Masks masks_of(const ImageLike& image, const std::vector<ColorClass>& colors,
                const std::optional<MarkerLayout>& markers, std::optional<int> smoothing) {
-  const ImageView view = view_from(image, "image");
-  BlobOptions options;
-  if (markers) options = marker_blobs(*markers, plane_map_of(image), view);
-  pixels::RowClassifier classifier(colors, smoothing.value_or(options.smoothing));
-  classifier.begin(view);
-  return masks_from(classifier, view, colors);
+  pixels::RowClassifier classifier(colors,
+                                   smoothing.value_or(options_for(image, markers).smoothing));
+  classifier.begin(image.view);
+  return masks_from(classifier, image.view, colors);
 }
 
 // The masks of the second chance, for tests.
 Masks relative_masks_of(const ImageLike& image, const std::vector<ColorClass>& colors,
                         int smoothing, const light::Gains& gains, float least_chroma) {
-  const ImageView view = view_from(image, "image");
   if (smoothing < 1 || smoothing > 15 || smoothing % 2 == 0) {
     throw py::value_error("smoothing must be 1, 3, ... 15 px, got " + std::to_string(smoothing));
   }
@@ -103,8 +87,8 @@ Masks relative_masks_of(const ImageLike& image, const std::vector<ColorClass>& c
   for (const ColorClass& color : colors) {
     classes.push_back(light::relative_to_brightness(color, least_chroma));
   }
-  light::RelativeClassifier classifier(view, std::move(classes), smoothing, gains);
-  return masks_from(classifier, view, colors);
+  light::RelativeClassifier classifier(image.view, std::move(classes), smoothing, gains);
+  return masks_from(classifier, image.view, colors);
 }
 
 void bind_find_blobs(py::module_& module) {
@@ -131,15 +115,15 @@ at_border : bool
       Field("bounding_box", &box_of, "tuple of int: (u_min, v_min, u_max, v_max), all included."),
       Field("at_border", &Blob::at_border,
             "bool: it touches the edge of the frame and may continue beyond it.", false));
-  define_constructor(blob, fields);
-  define_record(blob, fields);
-  blob.def("__repr__", py::overload_cast<const Blob&>(&repr));
+  define_value(blob, fields);
+  define_repr(blob,
+              "<Blob {0.color}: area {0.area} px, "
+              "centroid ({0.centroid[0]:.2f}, {0.centroid[1]:.2f})>");
 
   public_in(module, "robsim")
-      .def("find_blobs", &find, py::arg("image"), py::arg("colors"), py::kw_only(),
-           py::arg("markers") = py::none(), py::arg("minimum_area") = py::none(),
-           py::arg("maximum_count") = py::none(), py::arg("smoothing") = py::none(),
-           py::arg("region") = py::none(), R"(
+      .def("find_blobs", &find, "image"_a, "colors"_a, py::kw_only(), "markers"_a = py::none(),
+           "minimum_area"_a = py::none(), "maximum_count"_a = py::none(),
+           "smoothing"_a = py::none(), "region"_a = py::none(), R"(
 Find the blobs of every colour class in one pass over an image.
 
 Parameters
@@ -176,14 +160,14 @@ TypeError, ValueError
 )");
 
   public_in(module, "robsim._core")
-      .def("relative_masks", &relative_masks_of, py::arg("image"), py::arg("colors"),
-           py::arg("smoothing"), py::arg("gains"), py::arg("least_chroma"),
+      .def("relative_masks", &relative_masks_of, "image"_a, "colors"_a, "smoothing"_a, "gains"_a,
+           "least_chroma"_a,
            "Which pixels belong to which colour relative to brightness: the masks of the second "
            "chance.");
 
   public_in(module, "robsim.vision")
-      .def("classify", &masks_of, py::arg("image"), py::arg("colors"), py::kw_only(),
-           py::arg("markers") = py::none(), py::arg("smoothing") = py::none(), R"(
+      .def("classify", &masks_of, "image"_a, "colors"_a, py::kw_only(), "markers"_a = py::none(),
+           "smoothing"_a = py::none(), R"(
 Return which pixels belong to which colour class: the masks that `find_blobs` works on.
 
 Parameters

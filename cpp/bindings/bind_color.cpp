@@ -1,15 +1,10 @@
-#include <pybind11/stl.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/vision/color/color_class.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
@@ -32,8 +27,7 @@ Range range_of(const ColorClass& color, std::size_t channel) {
 
 std::int64_t pixels_of(const ImageView& view) { return std::int64_t{view.width} * view.height; }
 
-py::array_t<std::uint8_t> yuv_of(const PixelArray& image) {
-  const ImageView view = image_view(image, "image");
+py::array_t<std::uint8_t> yuv_of(const ImageView& view) {
   py::array_t<std::uint8_t> result({view.height, view.width, 3});
   std::uint8_t* to = result.mutable_data();
   const NativeWork work(pixels_of(view));
@@ -64,12 +58,10 @@ ColorHistograms histograms_from(const ArrayLike& histograms) {
   return result;
 }
 
-py::array_t<std::int64_t> histograms_of(const ImageLike& image, const Region& region) {
-  const ImageView view = view_from(image, "image");
-  const PixelBox box = region_from(region, "region");
+py::array_t<std::int64_t> histograms_of(const ImageLike& image, const PixelBox& region) {
   const ColorHistograms histograms = [&] {
-    const NativeWork work(pixels_of(view));
-    return color_histograms(view, box);
+    const NativeWork work(pixels_of(image.view));
+    return color_histograms(image.view, region);
   }();
   py::array_t<std::int64_t> result({3, 256});
   for (std::size_t i = 0; i < 3; ++i) {
@@ -109,19 +101,16 @@ void bind_training(py::module_& module, Class<ColorClass>& color_class) {
   color_class
       .def_static(
           "from_region",
-          [](const ImageLike& image, const Region& region, const py::str& name, double percentile,
+          [](const ImageLike& image, const PixelBox& region, const py::str& name, double percentile,
              int margin, bool limit_y) {
-            const ImageView view = view_from(image, "image");
-            const PixelBox box = region_from(region, "region");
             const std::string of = name_from(name);
-            const NativeWork work(pixels_of(view));
-            const ColorHistograms histograms = color_histograms(view, box);  // checks the region
+            const NativeWork work(pixels_of(image.view));
+            const ColorHistograms histograms = color_histograms(image.view, region);  // checks it
             return color_from_histograms(of, histograms, {percentile, margin, limit_y},
-                                         chroma_around(view, box));
+                                         chroma_around(image.view, region));
           },
-          py::arg("image"), py::arg("region"), py::kw_only(), py::arg("name"),
-          py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
-          py::arg("limit_y").noconvert() = defaults.limit_y, R"(
+          "image"_a, "region"_a, py::kw_only(), "name"_a, "percentile"_a = defaults.percentile,
+          "margin"_a = defaults.margin, "limit_y"_a.noconvert() = defaults.limit_y, R"(
 Return the colour class of a region of an image, such as that of a marker.
 
 Parameters
@@ -162,9 +151,9 @@ least 3 levels, and as far from grey itself, and at least 1/8 of its luma or 16 
             return color_from_histograms(name_from(name), histograms_from(histograms),
                                          {percentile, margin, limit_y}, around_from(around));
           },
-          py::arg("histograms"), py::kw_only(), py::arg("name"),
-          py::arg("percentile") = defaults.percentile, py::arg("margin") = defaults.margin,
-          py::arg("limit_y").noconvert() = defaults.limit_y, py::arg("around") = py::none(), R"(
+          "histograms"_a, py::kw_only(), "name"_a, "percentile"_a = defaults.percentile,
+          "margin"_a = defaults.margin, "limit_y"_a.noconvert() = defaults.limit_y,
+          "around"_a = py::none(), R"(
 Return the colour class of regions with these histograms, which add up over images.
 
 Parameters
@@ -177,7 +166,7 @@ around : array (2, 2), optional
     Medians and spreads of U and V around the regions, as from `surrounding_chroma`. Default: not
     known; then a colour counts from 16 levels from grey on, or 1/4 of its luma if that is less.
 )")
-      .def("widened", &widened, py::arg("margin"), R"(
+      .def("widened", &widened, "margin"_a, R"(
 Return the class with wider ranges.
 
 Parameters
@@ -196,17 +185,16 @@ ValueError
       .def(
           "surrounding_chroma",
           [](const ImageLike& image) {
-            const ImageView view = view_from(image, "image");
             const SurroundingChroma found = [&] {
-              const NativeWork work(pixels_of(view));
-              return surrounding_chroma(view);
+              const NativeWork work(pixels_of(image.view));
+              return surrounding_chroma(image.view);
             }();
             py::array_t<double> result({2, 2});
             std::copy_n(found.median.begin(), 2, result.mutable_data(0));
             std::copy_n(found.spread.begin(), 2, result.mutable_data(1));
             return result;
           },
-          py::arg("image"), R"(
+          "image"_a, R"(
 Return U and V of what most of an image shows, which is the floor around the markers.
 
 Parameters
@@ -225,7 +213,7 @@ Raises
 TypeError, ValueError
     For an image of the wrong type or shape.
 )")
-      .def("color_histograms", &histograms_of, py::arg("image"), py::arg("region"), R"(
+      .def("color_histograms", &histograms_of, "image"_a, "region"_a, R"(
 Return how many pixels of a region have each value of Y, U and V.
 
 Parameters
@@ -268,11 +256,10 @@ y, u, v : tuple of two ints
                       by_name, Field("y", range(0), "tuple of int: luma.", all),
                       Field("u", range(1), "tuple of int: blue minus luma, 128 = neutral.", all),
                       Field("v", range(2), "tuple of int: red minus luma, 128 = neutral.", all));
-  define_constructor(color_class, fields);
-  define_record(color_class, fields);
+  define_value(color_class, fields);
   define_repr(color_class, fields);
 
-  public_in(module, "robsim.vision").def("rgb_to_yuv", &yuv_of, py::arg("image"), R"(
+  public_in(module, "robsim.vision").def("rgb_to_yuv", &yuv_of, "image"_a, R"(
 Return Y, U and V of every pixel, as the colour classes use them.
 
 Full-range BT.601 in coefficients of 7 bits, rounded down: Y = (38 R + 75 G + 15 B)/128,

@@ -1,15 +1,9 @@
-#include <pybind11/eigen.h>
-#include <pybind11/stl.h>
-
 #include <variant>
 
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/estimation/least_squares.hpp"
 #include "robsim/simulation/robot/stages.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
@@ -18,7 +12,7 @@ namespace {
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 py::array_t<double> read_only(py::array_t<double> array) {
-  array.attr("setflags")(py::arg("write") = false);
+  array.attr("setflags")("write"_a = false);
   return array;
 }
 
@@ -28,16 +22,12 @@ Shape theta_shape(const RecursiveLeastSquares& self) {
                                : Shape{self.n_filters(), self.n_parameters()};
 }
 
-py::array_t<double> theta_of(const RecursiveLeastSquares& self) {
-  py::array_t<double> theta(theta_shape(self));
-  self.write_estimates(theta.mutable_data());
-  return read_only(theta);
-}
-
-py::array_t<double> standard_errors_of(const RecursiveLeastSquares& self) {
-  py::array_t<double> errors(theta_shape(self));
-  self.write_standard_errors_unscaled(errors.mutable_data());
-  return read_only(errors);
+// What a method writes, shaped as theta.
+template <void (RecursiveLeastSquares::*write)(double*) const>
+py::array_t<double> written(const RecursiveLeastSquares& self) {
+  py::array_t<double> values(theta_shape(self));
+  (self.*write)(values.mutable_data());
+  return read_only(values);
 }
 
 py::array_t<double> covariance_of(const RecursiveLeastSquares& self) {
@@ -148,45 +138,35 @@ void define_recursive_value(RecursiveClass& cls) {
   define_pickle(cls, fields);
   cls.def("__repr__", [](const Rls& self) {
     const ThreadGuard::Look look(self.guard());
-    return "<RecursiveLeastSquares: " + std::to_string(self.n_parameters()) + " parameters, " +
-           std::to_string(self.n_filters()) + (self.n_filters() == 1 ? " filter, " : " filters, ") +
-           py::str(py::cast(sample_counts_of(self))).cast<std::string>() + " samples>";
+    return py::str("<RecursiveLeastSquares: {} parameters, {} filter{}, {} samples>")
+        .format(self.n_parameters(), self.n_filters(), self.n_filters() == 1 ? "" : "s",
+                sample_counts_of(self));
   });
 }
 
 void bind_fit(py::module_& module) {
   Class<LeastSquaresFit> fit(public_in(module, "robsim.estimation"), "LeastSquaresFit",
                              "Result of `least_squares`.");
-  fit.def("__repr__", [](const LeastSquaresFit& self) {
-    const py::object theta = to_array(self.theta.data(), {self.theta.size()});
-    return py::str("<LeastSquaresFit: theta {}, rank {}, condition {:.3g}, residual rms {:.3g}>")
-        .format(theta, self.rank, self.condition, self.residual_rms)
-        .cast<std::string>();
-  });
-  const auto make = [](const Doubles& theta, int rank, double condition, double residual_rms,
-                       const Doubles& unscaled, const Doubles& errors) {
-    const auto vector = [](const Doubles& values) {
-      return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), values.size()));
-    };
-    return LeastSquaresFit{vector(theta),    rank,          condition, residual_rms,
-                           vector(unscaled), vector(errors)};
-  };
+  define_repr(fit,
+              "<LeastSquaresFit: theta {0.theta}, rank {0.rank}, condition {0.condition:.3g}, "
+              "residual rms {0.residual_rms:.3g}>");
   define_record(
       fit,
-      Fields(make,
-             Field("theta", &LeastSquaresFit::theta,
-                   "array (n,): the parameters, NaN where the samples do not determine them."),
-             Field("rank", &LeastSquaresFit::rank, "int: number of independent regressors."),
-             Field("condition", &LeastSquaresFit::condition,
-                   "float: condition number of the regressors, scaled to length 1."),
-             Field("residual_rms", &LeastSquaresFit::residual_rms,
-                   "float: root mean square of y - phi theta."),
-             Field("standard_errors_unscaled", &LeastSquaresFit::standard_errors_unscaled,
-                   "array (n,): standard errors of theta in units of the standard deviation of the "
-                   "noise;\ninf where the samples do not determine them."),
-             Field("standard_errors", &LeastSquaresFit::standard_errors,
-                   "array (n,): standard errors of theta, with the noise estimated from the "
-                   "residuals.")));
+      members<LeastSquaresFit>(
+          nullptr,
+          Field("theta", &LeastSquaresFit::theta,
+                "array (n,): the parameters, NaN where the samples do not determine them."),
+          Field("rank", &LeastSquaresFit::rank, "int: number of independent regressors."),
+          Field("condition", &LeastSquaresFit::condition,
+                "float: condition number of the regressors, scaled to length 1."),
+          Field("residual_rms", &LeastSquaresFit::residual_rms,
+                "float: root mean square of y - phi theta."),
+          Field("standard_errors_unscaled", &LeastSquaresFit::standard_errors_unscaled,
+                "array (n,): standard errors of theta in units of the standard deviation of the "
+                "noise;\ninf where the samples do not determine them."),
+          Field("standard_errors", &LeastSquaresFit::standard_errors,
+                "array (n,): standard errors of theta, with the noise estimated from the "
+                "residuals.")));
 }
 
 }  // namespace
@@ -232,10 +212,10 @@ filter adapts like a new one. Below the limit it is the textbook filter. With fo
 filter follows a change of the parameters more and more slowly as samples accumulate.
 )");
   recursive
-      .def(py::init<int, int, double, double>(), py::arg("n_parameters"), py::kw_only(),
-           py::arg("n_filters") = 1, py::arg("forgetting") = defaults.forgetting(),
-           py::arg("initial_covariance") = defaults.initial_covariance())
-      .def("update", alone(update), py::arg("phi"), py::arg("y"), R"(
+      .def(py::init<int, int, double, double>(), "n_parameters"_a, py::kw_only(), "n_filters"_a = 1,
+           "forgetting"_a = defaults.forgetting(),
+           "initial_covariance"_a = defaults.initial_covariance())
+      .def("update", alone(update), "phi"_a, "y"_a, R"(
 Update every filter with one sample, or with N samples in sequence.
 
 Parameters
@@ -256,7 +236,7 @@ Raises
 TypeError, ValueError
     For other shapes and for numbers beyond 1e50; the filters are unchanged then.
 )")
-      .def_property_readonly("theta", alone(theta_of),
+      .def_property_readonly("theta", alone(written<&RecursiveLeastSquares::write_estimates>),
                              "array (n_parameters,) or (n_filters, n_parameters): the estimates.")
       .def_property_readonly(
           "P", alone(covariance_of),
@@ -264,7 +244,8 @@ TypeError, ValueError
           "n_parameters):\n"
           "covariance of the estimates in units of the variance of the output noise.")
       .def_property_readonly(
-          "standard_errors_unscaled", alone(standard_errors_of),
+          "standard_errors_unscaled",
+          alone(written<&RecursiveLeastSquares::write_standard_errors_unscaled>),
           "array, shaped as theta: standard errors of the estimates in units of the standard\n"
           "deviation of the output noise, the square roots of the diagonal of P.")
       .def_property_readonly(
@@ -279,7 +260,7 @@ TypeError, ValueError
 
   bind_fit(module);
   public_in(module, "robsim._core")
-      .def("second_order_recursion", &recursion, py::arg("a1"), py::arg("a2"), py::arg("force"), R"(
+      .def("second_order_recursion", &recursion, "a1"_a, "a2"_a, "force"_a, R"(
 Return s(k) = a1 s(k-1) + a2 s(k-2) + force(k), column by column; s = 0 before the first.
 
 Parameters
@@ -294,8 +275,7 @@ Returns
 array, shaped as force
     The path s.
 )");
-  public_in(module, "robsim.estimation")
-      .def("least_squares", &fit, py::arg("phi"), py::arg("y"), R"(
+  public_in(module, "robsim.estimation").def("least_squares", &fit, "phi"_a, "y"_a, R"(
 Return the theta that minimises the sum of squares of y - phi theta.
 
 Parameters

@@ -1,22 +1,13 @@
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "python/interpreter.hpp"
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/imaging/raw/pixel_format.hpp"
 #include "robsim/imaging/resampling.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
@@ -93,21 +84,19 @@ A frame in shared memory, which then stays open as long as the frame (under a me
 >>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
 )");
   frame
-      .def(py::init(&make_frame), py::arg("image"), py::kw_only(),
-           py::arg("copy").noconvert() = true, py::arg("t") = py::none(),
-           py::arg("t_arrival") = py::none(), py::arg("epoch") = py::none(), py::arg("index") = 0,
-           py::arg("plane_map") = PlaneMap(), py::arg("headings") = py::none())
+      .def(py::init(&make_frame), "image"_a, py::kw_only(), "copy"_a.noconvert() = true,
+           "t"_a = py::none(), "t_arrival"_a = py::none(), "epoch"_a = py::none(), "index"_a = 0,
+           "plane_map"_a = PlaneMap(), "headings"_a = py::none())
       .def_static(
           "from_bgr",
-          [](const PixelArray& image, const Seconds& t, const Seconds& t_arrival,
+          [](const ImageView& image, const Seconds& t, const Seconds& t_arrival,
              const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map,
              std::optional<int> headings) {
-            return frame_with(copy_of_bgr(image_view(image, "image")), t, t_arrival, epoch, index,
-                              plane_map, headings);
+            return frame_with(copy_of_bgr(image), t, t_arrival, epoch, index, plane_map, headings);
           },
-          py::arg("image"), py::kw_only(), py::arg("t") = py::none(),
-          py::arg("t_arrival") = py::none(), py::arg("epoch") = py::none(), py::arg("index") = 0,
-          py::arg("plane_map") = PlaneMap(), py::arg("headings") = py::none(), R"(
+          "image"_a, py::kw_only(), "t"_a = py::none(), "t_arrival"_a = py::none(),
+          "epoch"_a = py::none(), "index"_a = 0, "plane_map"_a = PlaneMap(),
+          "headings"_a = py::none(), R"(
 Return the frame of an image in OpenCV's order, BGR: a copy with the channels in the order RGB.
 
 Parameters
@@ -126,8 +115,8 @@ Examples
           "_repr_png_",
           [](const Frame& self) -> std::pair<py::bytes, std::map<std::string, int>> {
             // The core knows no codecs: the package's own one does it.
-            const py::bytes png = py::module_::import("robsim.vision.imaging.images")
-                                      .attr("png_bytes")(image_array(self.image));
+            const py::bytes png =
+                py::module_::import("robsim.vision.imaging.images").attr("png_bytes")(self.image);
             return {png, {{"width", std::min(self.image.width(), notebook_width)}}};
           },
           "Return the image as a PNG file and how wide it is shown: a frame shows itself in a "
@@ -135,31 +124,30 @@ Examples
       .def(
           "__array__",
           [](const Frame& self, const py::object& dtype, const py::object& copy) {
-            const py::array pixels = image_array(self.image);
+            const py::array pixels = to_array(self.image);
             const bool is_copied = !copy.is_none() && copy.cast<bool>();
             const py::object kind = dtype.is_none() ? py::object(pixels.dtype()) : dtype;
-            return pixels.attr("astype")(kind, py::arg("copy") = is_copied);
+            return pixels.attr("astype")(kind, "copy"_a = is_copied);
           },
-          py::arg("dtype") = py::none(), py::arg("copy") = py::none(),
+          "dtype"_a = py::none(), "copy"_a = py::none(),
           "Return the image: numpy and matplotlib take a frame for its pixels.")
       .def("__repr__", [](const Frame& self) {
-        const std::string time =
-            self.t ? py::str(", t = {:g} s").format(*self.t).cast<std::string>() : "";
-        return "<Frame " + std::to_string(self.index) + ": " + std::to_string(self.image.width()) +
-               " x " + std::to_string(self.image.height()) + " px" + time + ">";
+        const char* const text =
+            self.t ? "<Frame {}: {} x {} px, t = {:g} s>" : "<Frame {}: {} x {} px>";
+        return py::str(text).format(self.index, self.image.width(), self.image.height(), self.t);
       });
   const auto make = [](const py::array& image, const Seconds& t, const Seconds& t_arrival,
                        const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map,
                        std::optional<int> headings) {
     const py::object whole = py::module_::import("numpy").attr("ascontiguousarray")(image);
-    return make_frame(PixelArray(whole), true, t, t_arrival, epoch, index, plane_map, headings);
+    return frame_with(copy_of(image_view(whole, "image")), t, t_arrival, epoch, index, plane_map,
+                      headings);
   };
   define_record(
       frame, Fields(make,
-                    Field(
-                        "image", [](const Frame& self) { return image_array(self.image); },
-                        "array (H, W, 3) of uint8: RGB, read-only; unless it was made with "
-                        "``copy=False``,\nC-contiguous and never overwritten while you hold it."),
+                    Field("image", &Frame::image,
+                          "array (H, W, 3) of uint8: RGB, read-only; unless it was made with "
+                          "``copy=False``,\nC-contiguous and never overwritten while you hold it."),
                     Field("t", &Frame::t, "float or None: time (s)."),
                     Field("t_arrival", &Frame::t_arrival,
                           "float or None: when it reached this computer, by the clock of `t` (s)."),
@@ -176,14 +164,10 @@ void bind_reduce(const py::module_& module) {
       "reduced",
       [](const Frame& frame, int width) {
         if (width < 1) throw py::value_error("width must be 1 px at least");
-        Image smaller;
-        {
-          const WithoutInterpreter native;
-          smaller = reduced(frame.image, width);
-        }
-        return image_array(smaller);
+        const WithoutInterpreter native;
+        return reduced(frame.image, width);
       },
-      py::arg("frame"), py::arg("width"),
+      "frame"_a, "width"_a,
       "Return a frame's pixels, reduced by whole factors to not less than a width; what a factor "
       "leaves over at the right and below is dropped.");
 }
@@ -193,30 +177,16 @@ void bind_warp(py::module_& module) {
                                      "Makes an image from another, each pixel at its own place.")
       .def(
           "apply",
-          [](const Warp& self, const PixelArray& image) {
-            const ImageView from = image_view(image, "image");
+          [](const Warp& self, const ImageView& image) {
+            const WithoutInterpreter native;
             Image warped(self.width(), self.height());
-            {
-              const WithoutInterpreter native;
-              self.apply(from, warped.writable_view());
-            }
-            return image_array(warped);
+            self.apply(image, warped.writable_view());
+            return warped;
           },
-          py::arg("image"));
+          "image"_a);
 }
 
-}  // namespace
-
-void bind_imaging(py::module_& module) {
-  bind_frame(module);
-  bind_reduce(module);
-  bind_warp(module);
-}
-
-namespace {
-
-py::array_t<std::uint8_t> rgb_of(const ArrayLike& raw, int width, int height,
-                                 const std::string& format, int bits) {
+Image rgb_of(const ArrayLike& raw, int width, int height, const std::string& format, int bits) {
   if (!py::isinstance<py::buffer>(raw)) {
     throw py::type_error("raw must be a buffer of bytes, got " + describe(raw));
   }
@@ -228,20 +198,20 @@ py::array_t<std::uint8_t> rgb_of(const ArrayLike& raw, int width, int height,
       raw_view(static_cast<const std::uint8_t*>(bytes.ptr), static_cast<std::size_t>(bytes.size),
                pixel_format_named(format), width, height);
   view.bits = bits;
+  const WithoutInterpreter native;
   Image image(width, height);
-  {
-    const WithoutInterpreter native;
-    to_rgb(view, image.writable_view());
-  }
-  return image_array(image);
+  to_rgb(view, image.writable_view());
+  return image;
 }
 
 }  // namespace
 
-void bind_raw(py::module_& module) {
-  Module(public_in(module, "robsim._core"))
-      .def("to_rgb", &rgb_of, py::arg("raw"), py::arg("width"), py::arg("height"),
-           py::arg("format"), py::arg("bits") = 16, R"(
+void bind_imaging(py::module_& module) {
+  bind_frame(module);
+  bind_reduce(module);
+  bind_warp(module);
+  public_in(module, "robsim._core")
+      .def("to_rgb", &rgb_of, "raw"_a, "width"_a, "height"_a, "format"_a, "bits"_a = 16, R"(
 Return the pixels of a camera as RGB.
 
 Parameters

@@ -1,18 +1,9 @@
-#include <pybind11/stl.h>
-
 #include <algorithm>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "python/interpreter.hpp"
-#include "python/numpy.hpp"
 #include "python/signature.hpp"
 #include "robsim/lab/laboratory/laboratory_camera.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
@@ -39,41 +30,6 @@ std::shared_ptr<Laboratory> make_laboratory(const std::shared_ptr<World>& world,
   return {new Laboratory(std::move(simulated), model, input), Ended()};
 }
 
-template <std::size_t Width, typename Get>
-py::array_t<double> column(const Laboratory::Record& record, const Get& get) {
-  py::array_t<double> values({record.ticks.size(), Width});
-  double* to = values.mutable_data();
-  for (const Laboratory::Tick& tick : record.ticks) {
-    for (const double value : get(tick)) *to++ = value;
-  }
-  return values;
-}
-
-using OneNumber = std::array<double, 1>;
-
-py::typing::Dict<py::str, py::object> laboratory_columns(const Laboratory& self) {
-  Laboratory::Record record;
-  {
-    const WithoutInterpreter wait;
-    record = self.record();
-  }
-  using Tick = Laboratory::Tick;
-  py::typing::Dict<py::str, py::object> columns;
-  columns["first"] = record.first;
-  columns["t"] = column<1>(record, [](const Tick& tick) { return OneNumber{tick.time}; });
-  columns["pose"] = column<3>(record, [](const Tick& tick) {
-    return std::array<double, 3>{tick.pose.x, tick.pose.y, tick.pose.heading};
-  });
-  columns["last_u"] = column<2>(record, [](const Tick& tick) {
-    return std::array<double, 2>{tick.last_u.u1, tick.last_u.u2};
-  });
-  columns["hidden"] =
-      column<1>(record, [](const Tick& tick) { return OneNumber{1.0 * tick.hidden}; });
-  columns["shown"] = column<1>(
-      record, [](const Tick& tick) { return OneNumber{static_cast<double>(tick.shown)}; });
-  return columns;
-}
-
 void check_here(const Laboratory& laboratory) {
   if (laboratory.is_elsewhere()) {
     throw std::runtime_error(
@@ -92,31 +48,50 @@ auto here() {
   };
 }
 
-TimeSpan span_from(const std::pair<double, double>& span) { return {span.first, span.second}; }
+using Ticks = py::typing::Tuple<std::int64_t, py::array_t<double>>;
+
+// The first tick, and for each the time, x, y, heading, u1, u2, hidden, shown.
+Ticks ticks_of(const Laboratory& self) {
+  check_here(self);
+  Laboratory::Record record;
+  {
+    const WithoutInterpreter wait;
+    record = self.record();
+  }
+  py::array_t<double> rows({record.ticks.size(), std::size_t{8}});
+  double* to = rows.mutable_data();
+  for (const Laboratory::Tick& tick : record.ticks) {
+    for (const double value :
+         {tick.time, tick.pose.x, tick.pose.y, tick.pose.heading, tick.last_u.u1, tick.last_u.u2,
+          1.0 * tick.hidden, static_cast<double>(tick.shown)}) {
+      *to++ = value;
+    }
+  }
+  return Ticks(py::make_tuple(record.first, rows));
+}
+
+using Span = std::pair<double, double>;  // start and duration
 
 void bind_faults(py::module_& module) {
   Class<CameraFaults>(public_in(module, "robsim._core"), "CameraFaults",
                       "What goes wrong with a simulated camera. Users take "
                       "robsim.lab.CameraFaults.")
       .def(py::init([](double late, double lateness, double dropped, double repeated, double torn,
-                       std::pair<double, double> stall, std::pair<double, double> unplugged,
-                       double drift, double drift_period, std::uint64_t seed) {
-             CameraFaults faults;
-             faults.late = late;
-             faults.lateness = lateness;
-             faults.dropped = dropped;
-             faults.repeated = repeated;
-             faults.torn = torn;
-             faults.stall = span_from(stall);
-             faults.unplugged = span_from(unplugged);
-             faults.drift = drift;
-             faults.drift_period = drift_period;
-             faults.seed = seed;
-             return faults;
+                       Span stall, Span unplugged, double drift, double drift_period,
+                       std::uint64_t seed) {
+             return CameraFaults{late,
+                                 dropped,
+                                 repeated,
+                                 torn,
+                                 lateness,
+                                 {stall.first, stall.second},
+                                 {unplugged.first, unplugged.second},
+                                 drift,
+                                 drift_period,
+                                 seed};
            }),
-           py::kw_only(), py::arg("late"), py::arg("lateness"), py::arg("dropped"),
-           py::arg("repeated"), py::arg("torn"), py::arg("stall"), py::arg("unplugged"),
-           py::arg("drift"), py::arg("drift_period"), py::arg("seed"));
+           py::kw_only(), "late"_a, "lateness"_a, "dropped"_a, "repeated"_a, "torn"_a, "stall"_a,
+           "unplugged"_a, "drift"_a, "drift_period"_a, "seed"_a);
 }
 
 std::shared_ptr<LaboratoryCamera> make_camera(const std::shared_ptr<Laboratory>& laboratory,
@@ -138,7 +113,7 @@ void bind_laboratory(py::module_& module) {
   Class<Laboratory, std::shared_ptr<Laboratory>>(public_in(module, "robsim._core"), "Laboratory",
                                                  "The simulated world in real time. Users take "
                                                  "robsim.lab.SimulatedLab.")
-      .def(py::init(&make_laboratory), py::arg("world"), py::arg("model"), py::arg("input"))
+      .def(py::init(&make_laboratory), "world"_a, "model"_a, "input"_a)
       .def("start", here<&Laboratory::start>())
       .def("close",
            [](Laboratory& self) {
@@ -146,14 +121,10 @@ void bind_laboratory(py::module_& module) {
              const WithoutInterpreter wait;
              self.close();
            })
-      .def("stall", here<&Laboratory::stall, double>(), py::arg("seconds"))
+      .def("stall", here<&Laboratory::stall, double>(), "seconds"_a)
       .def("unplug", here<&Laboratory::unplug>())
       .def("plug_in", here<&Laboratory::plug_in>())
-      .def("columns",
-           [](const Laboratory& self) {
-             check_here(self);
-             return laboratory_columns(self);
-           })
+      .def("ticks", &ticks_of)
       .def_property_readonly("is_elsewhere", &Laboratory::is_elsewhere,
                              "bool: True in a process forked from its own, where it is of no use.")
       .def_property_readonly("skipped", &Laboratory::skipped,
@@ -164,22 +135,20 @@ void bind_laboratory(py::module_& module) {
   Class<LaboratoryCamera, CaptureDevice, std::shared_ptr<LaboratoryCamera>>(
       public_in(module, "robsim._core"), "LaboratoryCamera",
       "The camera of a laboratory, for a grabber. Users take robsim.lab.SimulatedLab.")
-      .def(py::init(&make_camera), py::arg("laboratory"), py::arg("scene"), py::kw_only(),
-           py::arg("warp"), py::arg("top"), py::arg("noise"), py::arg("noise_seed"),
-           py::arg("delay"), py::arg("faults"));
+      .def(py::init(&make_camera), "laboratory"_a, "scene"_a, py::kw_only(), "warp"_a, "top"_a,
+           "noise"_a, "noise_seed"_a, "delay"_a, "faults"_a);
 
   Class<RaisedRobot>(public_in(module, "robsim._core"), "RaisedRobot",
                      "A robot's top above the floor, as a camera elsewhere sees it.")
-      .def(py::init<std::shared_ptr<Scene>, std::shared_ptr<Warp>>(), py::arg("scene"),
-           py::arg("warp"))
+      .def(py::init<std::shared_ptr<Scene>, std::shared_ptr<Warp>>(), "scene"_a, "warp"_a)
       .def(
           "drawn",
-          [](RaisedRobot& self, const PixelArray& floor, const ArrayLike& pose) {
-            Image image = copy_of(image_view(floor, "floor"));
-            self.draw(pose_from(pose, "pose"), image.writable_view());
-            return image_array(image);
+          [](RaisedRobot& self, const ImageView& floor, const Pose& pose) {
+            Image image = copy_of(floor);
+            self.draw(pose, image.writable_view());
+            return image;
           },
-          py::arg("floor"), py::arg("pose"), "Return a frame of the floor with the robot.");
+          "floor"_a, "pose"_a, "Return a frame of the floor with the robot.");
 
   public_in(module, "robsim._core")
       .def(
@@ -190,6 +159,6 @@ void bind_laboratory(py::module_& module) {
             }
             return std::make_shared<Warp>(view_warp(scene, size.first, size.second, plane_map));
           },
-          py::arg("scene"), py::arg("size"), py::arg("plane_map"),
+          "scene"_a, "size"_a, "plane_map"_a,
           "Return the warp from a scene to the frames of a camera elsewhere.");
 }

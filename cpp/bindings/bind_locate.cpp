@@ -1,14 +1,8 @@
-#include <pybind11/stl.h>
-
-#include <array>
+#include <Eigen/LU>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <string>
 
 #include "python/by_role.hpp"
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/simulation/robot/robot_software.hpp"
 #include "robsim/simulation/seam/thread_guard.hpp"
@@ -17,7 +11,6 @@
 #include "robsim/vision/marker_vision.hpp"
 #include "robsim/vision/marker_width.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
@@ -25,9 +18,8 @@ namespace {
 
 using BlobPair = py::typing::Dict<py::str, Blob>;
 
-std::optional<BlobPair> blobs_of(const std::optional<MarkerPair>& pair) {
-  if (!pair) return std::nullopt;
-  return by_role<Blob>(pair->roles, py::cast(pair->first), py::cast(pair->second));
+BlobPair blobs_of(MarkerRoles roles, const Blob& first, const Blob& second) {
+  return by_role<Blob>(roles, py::cast(first), py::cast(second));
 }
 
 MarkerPair pair_from(const ByRole<Blob>& blobs) {
@@ -36,33 +28,22 @@ MarkerPair pair_from(const ByRole<Blob>& blobs) {
   return {first, second, roles};
 }
 
-// A figure that may be unknown: None in Python, NaN here.
-std::optional<double> known(double value) {
-  return std::isnan(value) ? std::nullopt : std::optional(value);
-}
-
 // Symmetric, and no combination of x, y and heading with a variance below 0.
-PoseCovariance checked_covariance(const ArrayLike& value) {
-  const PoseCovariance P = covariance_from(value, "covariance");
+void check_covariance(const PoseCovariance& P) {
   const auto refuse = [&](const char* must) {
-    throw py::value_error(std::string("covariance must be ") + must + ", got " + describe(value));
+    throw py::value_error(std::string("covariance must be ") + must + ", got " +
+                          describe(to_array(P).attr("tolist")()));
   };
-  double of[3];  // correlations of y with heading, x with heading, x with y
-  for (int i = 0; i < 3; ++i) {
-    const int a = (i + 1) % 3, b = (i + 2) % 3;
-    const double limit = std::sqrt(P(a, a)) * std::sqrt(P(b, b));
-    const double covariance = P(a, b);
-    const bool is_symmetric = std::fabs(covariance - P(b, a)) <= 1e-6 * limit;
-    if (!is_symmetric || std::fabs(covariance) > limit * (1 + 1e-9)) {
-      refuse("symmetric, with correlations between -1 and 1");
-    }
-    of[i] = limit > 0 ? covariance / limit : 0;
+  const Eigen::Vector3d deviations = P.diagonal().cwiseSqrt();
+  const Eigen::Array33d limits = deviations * deviations.transpose();
+  const Eigen::Array33d covariances = P.array();
+  if (((covariances - covariances.transpose()).abs() > 1e-6 * limits).any() ||
+      (covariances.abs() > limits * (1 + 1e-9)).any()) {
+    refuse("symmetric, with correlations between -1 and 1");
   }
-  // the determinant of the correlations
-  const double determinant =
-      1 + 2 * of[0] * of[1] * of[2] - of[0] * of[0] - of[1] * of[1] - of[2] * of[2];
-  if (determinant < -1e-6) refuse("positive semidefinite");
-  return P;
+  const Eigen::Matrix3d correlations =
+      (limits > 0).select(covariances / limits, Eigen::Array33d(Eigen::Matrix3d::Identity()));
+  if (correlations.determinant() < -1e-6) refuse("positive semidefinite");
 }
 
 double at_least_0(double value, const char* name) {
@@ -71,12 +52,13 @@ double at_least_0(double value, const char* name) {
                         describe(py::float_(value)));
 }
 
-Measurement make_measurement(const ArrayLike& pose, const std::optional<ArrayLike>& covariance,
+Measurement make_measurement(const Pose& pose, const std::optional<PoseCovariance>& covariance,
                              std::optional<double> misfit, std::optional<double> signal_to_noise,
                              const std::optional<ByRole<Blob>>& pair) {
   Measurement measurement;
-  measurement.pose = pose_from(pose, "pose");
-  if (covariance) measurement.covariance = checked_covariance(*covariance);
+  measurement.pose = pose;
+  if (covariance) check_covariance(*covariance);
+  measurement.covariance = covariance;
   if (misfit) measurement.misfit = at_least_0(*misfit, "misfit");
   if (signal_to_noise)
     measurement.signal_to_noise = at_least_0(*signal_to_noise, "signal_to_noise");
@@ -86,19 +68,18 @@ Measurement make_measurement(const ArrayLike& pose, const std::optional<ArrayLik
 
 // The pose, how exact it is, and how far it stands out of the noise, as far as that is known.
 std::string repr_of_measurement(const Measurement& self) {
-  const auto text = [](const char* format, auto... values) {
+  const auto text = [](const char* format, const auto&... values) {
     return py::str(format).format(values...).template cast<std::string>();
   };
   if (!self.covariance && std::isnan(self.signal_to_noise)) {
-    return "Measurement(" + py::repr(to_array(self.pose).attr("tolist")()).cast<std::string>() +
-           ")";
+    return text("Measurement({})", to_array(self.pose).attr("tolist")());
   }
-  const Pose& pose = self.pose;
-  std::string all = text("<Measurement: x {:.2f} px, y {:.2f} px, heading {:.4f} rad", pose.x,
-                         pose.y, pose.heading);
+  std::string all = text("<Measurement: x {:.2f} px, y {:.2f} px, heading {:.4f} rad", self.pose.x,
+                         self.pose.y, self.pose.heading);
   if (self.covariance) {
-    const auto deviation = [&](int i) { return std::sqrt((*self.covariance)(i, i)); };
-    all += text("; +- {:.2g} px, {:.2g} px, {:.2g} rad", deviation(0), deviation(1), deviation(2));
+    const Eigen::Vector3d deviations = self.covariance->diagonal().cwiseSqrt();
+    all +=
+        text("; +- {:.2g} px, {:.2g} px, {:.2g} rad", deviations[0], deviations[1], deviations[2]);
   }
   if (!std::isnan(self.signal_to_noise)) {
     all += text("; signal to noise {:.3g}", self.signal_to_noise);
@@ -151,48 +132,20 @@ ValueError
           "signal_to_noise", [](const Measurement& self) { return known(self.signal_to_noise); },
           "float or None: of the markers' edges; from 4 on a pose can be trusted.", std::nullopt),
       Field(
-          "seen", [](const Measurement& self) { return blobs_of(self.pair); },
+          "seen",
+          [](const Measurement& self) -> std::optional<BlobPair> {
+            if (!self.pair) return std::nullopt;
+            return blobs_of(self.pair->roles, self.pair->first, self.pair->second);
+          },
           "dict of str to Blob or None: the markers' blobs, by role.", std::nullopt));
-  define_constructor(measurement, fields);
-  define_record(measurement, fields);
+  define_value(measurement, fields);
   measurement.def("__repr__", &repr_of_measurement);
 }
 
-constexpr std::array<double Detection::*, 9> figures = {
-    &Detection::misfit,       &Detection::runner_up,  &Detection::exchanged,
-    &Detection::distance,     &Detection::first_area, &Detection::second_area,
-    &Detection::false_alarms, &Detection::cause,      &Detection::noise};
-
-std::array<double, 9> figures_of(const Detection& self) {
-  std::array<double, 9> numbers;
-  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = self.*figures[i];
-  return numbers;
-}
-
-Detection detection_from(const std::optional<Measurement>& measurement, int result,
-                         const std::optional<Blob>& first, const std::optional<Blob>& second,
-                         const std::array<double, 9>& numbers, bool by_second_chance,
-                         const MarkerLayout& markers) {
-  if (result < 0 || result > static_cast<int>(DetectionResult::small_markers)) {
-    throw py::value_error("a Detection cannot be made of the result " + std::to_string(result));
-  }
-  Detection detection;
-  for (std::size_t i = 0; i < numbers.size(); ++i) detection.*figures[i] = numbers[i];
-  detection.measurement = measurement;
-  detection.result = static_cast<DetectionResult>(result);
-  detection.first = first;
-  detection.second = second;
-  detection.by_second_chance = by_second_chance;
-  detection.markers = markers;
-  return detection;
-}
-
-std::string repr(const Detection& self) {
-  const std::string found = self.measurement
-                                ? py::repr(py::cast(*self.measurement)).cast<std::string>()
-                                : "none, " + name_of(self);
-  return "<Detection: " + found + ", misfit of the pair " +
-         py::str("{:.3g}").format(self.misfit).cast<std::string>() + ">";
+py::str repr(const Detection& self) {
+  const py::str found =
+      self.measurement ? py::repr(py::cast(*self.measurement)) : py::str("none, " + name_of(self));
+  return py::str("<Detection: {}, misfit of the pair {:.3g}>").format(found, self.misfit);
 }
 
 void bind_detection(py::module_& module) {
@@ -208,19 +161,10 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
           "seen",
           [](const Detection& self) -> std::optional<BlobPair> {
             if (!self.first || !self.second) return std::nullopt;
-            return by_role<Blob>(self.markers.roles, py::cast(*self.first), py::cast(*self.second));
+            return blobs_of(self.markers.roles, *self.first, *self.second);
           },
           "dict of str to Blob or None: the markers' blobs, by role; if no pair is accepted,\nthe "
           "most similar blobs.")
-      .def_readonly("misfit", &Detection::misfit,
-                    "float: misfit of the pair, from 0 = perfect; inf without a pair. That of the "
-                    "fit\nhas the measurement.")
-      .def_readonly("runner_up", &Detection::runner_up,
-                    "float: misfit of the second best pair that is accepted; inf if there is none. "
-                    "Near the\nmisfit, the choice is ambiguous.")
-      .def_readonly("false_alarms", &Detection::false_alarms,
-                    "float: how many pairs of the other blobs would fit as well by chance, if they "
-                    "lay\nanywhere; a pair is accepted up to 0.005.")
       .def_property_readonly(
           "distance",
           [](const Detection& self) {
@@ -239,36 +183,48 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
           "cause,\n``\"dark\"``, ``\"overexposed\"`` or ``\"small markers\"``.")
       .def_property_readonly("explanation", &explain,
                              "str: a sentence on the result, with the numbers that decided.")
-      .def("__repr__", py::overload_cast<const Detection&>(&repr));
+      .def("__repr__", &repr);
   define_record(
       detection,
-      Fields(&detection_from,
-             Field("measurement", &Detection::measurement,
-                   "Measurement or None: None = not detected, see `reason`."),
-             Field("result", [](const Detection& self) { return static_cast<int>(self.result); }),
-             Field("first", &Detection::first), Field("second", &Detection::second),
-             Field("numbers", &figures_of),
-             Field("by_second_chance", &Detection::by_second_chance,
-                   "bool: no pair was found with the colours as they are, but this one relative "
-                   "to brightness:\nthe limits of a colour hold for U - 128 and V - 128 as "
-                   "fractions of the largest of R, G and B,\nwith 26 levels for a saturation of "
-                   "29 %; under light that colours the floor, as if that were\ngrey. Dim light, "
-                   "its gradients and faded markers change the levels, but not the fractions."),
-             Field("markers", &Detection::markers)));
+      members<Detection>(
+          nullptr,
+          Field("measurement", &Detection::measurement,
+                "Measurement or None: None = not detected, see `reason`."),
+          Field("result", &Detection::result), Field("first", &Detection::first),
+          Field("second", &Detection::second),
+          Field("misfit", &Detection::misfit,
+                "float: misfit of the pair, from 0 = perfect; inf without a pair. That of the "
+                "fit\nhas the measurement."),
+          Field("runner_up", &Detection::runner_up,
+                "float: misfit of the second best pair that is accepted; inf if there is none. "
+                "Near the\nmisfit, the choice is ambiguous."),
+          Field("exchanged", &Detection::exchanged), Field("distance", &Detection::distance),
+          Field("first_area", &Detection::first_area),
+          Field("second_area", &Detection::second_area),
+          Field("false_alarms", &Detection::false_alarms,
+                "float: how many pairs of the other blobs would fit as well by chance, if they "
+                "lay\nanywhere; a pair is accepted up to 0.005."),
+          Field("cause", &Detection::cause), Field("noise", &Detection::noise),
+          Field("by_second_chance", &Detection::by_second_chance,
+                "bool: no pair was found with the colours as they are, but this one relative "
+                "to brightness:\nthe limits of a colour hold for U - 128 and V - 128 as "
+                "fractions of the largest of R, G and B,\nwith 26 levels for a saturation of "
+                "29 %; under light that colours the floor, as if that were\ngrey. Dim light, "
+                "its gradients and faded markers change the levels, but not the fractions."),
+          Field("markers", &Detection::markers)));
 
-  Class<MissedDetections>(public_in(module, "robsim.vision"), "MissedDetections", R"(
+  Class<MissedDetections> missed(public_in(module, "robsim.vision"), "MissedDetections", R"(
 The steps of a run in which the default measurement detected no robot, for the same reason.
-)")
+)");
+  missed
       .def_property_readonly(
           "reason", [](const MissedDetections& self) { return name_of(self.first); },
           "str: the reason, as in `Detection`.")
       .def_readonly("steps", &MissedDetections::steps, "int: number of these steps.")
       .def_readonly("first_k", &MissedDetections::first_k, "int: the first of these steps.")
-      .def_readonly("first", &MissedDetections::first, "Detection: that of the first step.")
-      .def("__repr__", [](const MissedDetections& self) {
-        return "<MissedDetections: " + name_of(self.first) + " in " + std::to_string(self.steps) +
-               " steps, first in step " + std::to_string(self.first_k) + ">";
-      });
+      .def_readonly("first", &MissedDetections::first, "Detection: that of the first step.");
+  define_repr(missed,
+              "<MissedDetections: {0.reason} in {0.steps} steps, first in step {0.first_k}>");
 }
 
 // That of a Frame, if no other one is given.
@@ -278,10 +234,10 @@ Detection detect_in(const BlobsByColor& blobs, const MarkerLayout& markers,
   if (colors && !image) throw py::value_error("colors must come with an image, got no image");
   if (!image) return detect(blobs, markers, plane_map.value_or(PlaneMap()));
   Frame frame;
-  if (py::isinstance<Frame>(*image)) {
-    frame = image->cast<const Frame&>();
+  if (image->frame) {
+    frame = *image->frame;
   } else {
-    frame.image = borrowed_image(*image, "image");
+    frame.image = {image->view, nullptr};
   }
   if (plane_map) frame.plane_map = *plane_map;
   const NativeWork work(std::int64_t{frame.image.width()} * frame.image.height());
@@ -310,9 +266,8 @@ double noise_of(const Frame& frame) { return grey_noise(frame.image.view()); }
 
 void bind_functions(py::module_& module) {
   public_in(module, "robsim.vision")
-      .def("detect", &detect_in, py::arg("blobs"), py::arg("markers"), py::kw_only(),
-           py::arg("plane_map") = py::none(), py::arg("image") = py::none(),
-           py::arg("colors") = py::none(), R"(
+      .def("detect", &detect_in, "blobs"_a, "markers"_a, py::kw_only(), "plane_map"_a = py::none(),
+           "image"_a = py::none(), "colors"_a = py::none(), R"(
 Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
 
 The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the border of the frame are not
@@ -360,22 +315,20 @@ Examples
 )");
 
   public_in(module, "robsim._core")
-      .def("detection_reasons", &reasons, py::arg("colors") = default_marker_colors,
+      .def("detection_reasons", &reasons, "colors"_a = default_marker_colors,
            "The reasons of a Detection, in the order of their numbers from 1.")
-      .def("frame_noise", &noise_of, py::arg("frame"),
+      .def("frame_noise", &noise_of, "frame"_a,
            "Standard deviation of the noise of a frame's channels (grey levels).")
-      .def("expected_signal_to_noise", &expected_signal_to_noise, py::arg("width"),
-           py::arg("noise"),
+      .def("expected_signal_to_noise", &expected_signal_to_noise, "width"_a, "noise"_a,
            "The figure of markers of a width (frame px) at a noise (grey levels), in good light.")
-      .def("trusted_width", &trusted_width, py::arg("noise"),
+      .def("trusted_width", &trusted_width, "noise"_a,
            "Width of markers (frame px) that can be trusted at a noise (grey levels).")
-      .def("small_markers_remark", &small_markers_remark, py::arg("width"), py::arg("noise"),
+      .def("small_markers_remark", &small_markers_remark, "width"_a, "noise"_a,
            "What is to be said of markers too small for the noise; None of others.");
 
   public_in(module, "robsim")
-      .def("locate", &locate_in, py::arg("blobs"), py::arg("markers"),
-           py::arg("plane_map") = py::none(), py::kw_only(), py::arg("image") = py::none(),
-           py::arg("colors") = py::none(), R"(
+      .def("locate", &locate_in, "blobs"_a, "markers"_a, "plane_map"_a = py::none(), py::kw_only(),
+           "image"_a = py::none(), "colors"_a = py::none(), R"(
 Return the pose of the robot whose markers are among the blobs.
 
 The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the border of the frame are not

@@ -1,16 +1,11 @@
-#include <pybind11/stl.h>
-
 #include <cmath>
 #include <tuple>
 
 #include "python/by_role.hpp"
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/plane_map.hpp"
 #include "robsim/vision/marker_width.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
@@ -35,34 +30,20 @@ MarkerLayout with_tolerances(MarkerLayout markers, double distance_tolerance, do
   return markers;
 }
 
-using Place = std::pair<double, double>;
-using Places = std::vector<Place>;
-using Outline = std::shared_ptr<const MarkerShape>;
-
-std::string entry(const char* name, const std::string& role) {
-  return std::string(name) + "['" + role + "']";
-}
-
-Polygon polygon_of(const ByRole<ArrayLike>& polygons, const std::string& role, const char* name) {
-  return polygon_from(polygons.at(role), entry(name, role).c_str());
-}
-
-MarkerLayout layout_of_polygons(const ByRole<ArrayLike>& polygons, double distance_tolerance,
+MarkerLayout layout_of_polygons(const ByRole<Polygon>& polygons, double distance_tolerance,
                                 double area_tolerance, int maximum_blobs,
                                 const MarkerColors& colors) {
   const MarkerRoles roles = roles_of(polygons, "markers");
-  const auto& [first, second] = names_of(roles);
-  return with_tolerances(MarkerLayout::from_markers(polygon_of(polygons, first, "markers"),
-                                                    polygon_of(polygons, second, "markers"),
-                                                    colors_from(colors, roles), roles),
-                         distance_tolerance, area_tolerance, maximum_blobs);
+  const auto [first, second] = in_order(polygons, roles, "markers");
+  return with_tolerances(
+      MarkerLayout::from_markers(first, second, colors_from(colors, roles), roles),
+      distance_tolerance, area_tolerance, maximum_blobs);
 }
 
-MarkerLayout layout_of_positions(const ByRole<ArrayLike>& positions,
+MarkerLayout layout_of_positions(const ByRole<Point>& positions,
                                  const std::optional<ByRole<std::optional<double>>>& areas,
                                  double distance_tolerance, double area_tolerance,
-                                 int maximum_blobs,
-                                 const std::optional<ByRole<ArrayLike>>& polygons,
+                                 int maximum_blobs, const std::optional<ByRole<Polygon>>& polygons,
                                  const MarkerColors& colors) {
   MarkerLayout markers;
   markers.roles = roles_of(positions, "positions");
@@ -73,102 +54,94 @@ MarkerLayout layout_of_positions(const ByRole<ArrayLike>& positions,
   for (Marker* marker : {&markers.first, &markers.second}) {
     const std::string& role = names_of(markers.roles)[i];
     marker->color = names[i++];
-    marker->position = point_from(positions.at(role), entry("positions", role).c_str());
+    marker->position = positions.at(role);
     if (areas && areas->count(role)) marker->area = areas->at(role).value_or(marker->area);
-    if (polygons) {
-      marker->shape = std::make_shared<MarkerShape>(polygon_of(*polygons, role, "polygons"), role);
-    }
+    if (polygons) marker->shape = std::make_shared<MarkerShape>(polygons->at(role), role);
   }
   return with_tolerances(std::move(markers), distance_tolerance, area_tolerance, maximum_blobs);
 }
 
-std::optional<py::array_t<double>> array_of(const Outline& shape) {
-  if (!shape) return std::nullopt;
-  const Polygon& polygon = shape->polygon();
+py::array_t<double> array_of(const Polygon& polygon) {
   return to_array(&polygon[0].x, {static_cast<py::ssize_t>(polygon.size()), 2});
 }
 
+// What a function makes of the markers, by role.
+template <typename Annotated, typename Get>
+auto of_both(const MarkerLayout& self, const Get& get) {
+  return by_role<Annotated>(self.roles, get(self.first), get(self.second));
+}
+
 // What makes it anew, or, with outlines of many corners, what is worth knowing.
-std::string repr_of_layout(const MarkerLayout& self) {
-  const auto number = [](double value) {
-    return std::isnan(value) ? "None" : py::repr(py::float_(value)).cast<std::string>();
-  };
-  const auto place = [&](const Point& point) {
-    return "(" + number(point.x) + ", " + number(point.y) + ")";
-  };
-  const auto both = [&](const std::string& first, const std::string& second) {
-    const auto& [first_role, second_role] = names_of(self.roles);
-    return "{'" + first_role + "': " + first + ", '" + second_role + "': " + second + "}";
-  };
-  const auto quoted = [](const std::string& text) {
-    return py::repr(py::str(text)).cast<std::string>();
-  };
-  const std::string start = both(place(self.first.position), place(self.second.position)) +
-                            ", areas=" + both(number(self.first.area), number(self.second.area));
-  const std::string colors =
-      ", colors=" + both(quoted(self.first.color), quoted(self.second.color));
+py::str repr_of_layout(const MarkerLayout& self) {
+  const auto positions = of_both<py::tuple>(self, [](const Marker& marker) {
+    return py::make_tuple(marker.position.x, marker.position.y);
+  });
+  const auto areas =
+      of_both<py::float_>(self, [](const Marker& marker) { return known(marker.area); });
+  const auto colors = of_both<py::str>(self, [](const Marker& marker) { return marker.color; });
   if (self.first.shape && self.second.shape) {
-    return "<MarkerLayout of polygons: " + start + colors + ">";
+    return py::str("<MarkerLayout of polygons: {}, areas={}, colors={}>")
+        .format(positions, areas, colors);
   }
-  return "MarkerLayout.from_positions(" + start +
-         ", distance_tolerance=" + number(self.distance_tolerance) +
-         ", area_tolerance=" + number(self.area_tolerance) +
-         ", maximum_blobs=" + std::to_string(self.maximum_blobs) + colors + ")";
+  return py::str(
+             "MarkerLayout.from_positions({}, areas={}, distance_tolerance={}, "
+             "area_tolerance={}, maximum_blobs={}, colors={})")
+      .format(positions, areas, self.distance_tolerance, self.area_tolerance, self.maximum_blobs,
+              colors);
 }
 
-// A marker as a value: colour, position, area, outline.
-using MarkerValue = std::tuple<std::string, Place, std::optional<double>, std::optional<Places>>;
+using RoleNames = std::pair<std::string, std::string>;
 
-MarkerValue value_of(const Marker& marker) {
-  std::optional<Places> corners;
-  if (marker.shape) {
-    corners = Places();
-    for (const Point& corner : marker.shape->polygon()) corners->emplace_back(corner.x, corner.y);
-  }
-  return {marker.color, Place(marker.position.x, marker.position.y),
-          std::isnan(marker.area) ? std::nullopt : std::optional(marker.area), corners};
-}
+RoleNames pair_of(MarkerRoles roles) { return {names_of(roles)[0], names_of(roles)[1]}; }
 
-Marker marker_from(const MarkerValue& value, const std::string& role) {
-  const auto& [color, position, area, corners] = value;
-  name_from(py::str(color), "a name in colors");
-  Marker marker{color, {position.first, position.second}};
-  if (area) marker.area = *area;
-  if (corners) {
-    const ArrayLike given(py::cast(*corners));
-    marker.shape = std::make_shared<MarkerShape>(polygon_from(given, role.c_str()), role);
-  }
-  return marker;
-}
-
-void bind_layout_value(Class<MarkerLayout>& layout) {
-  const auto make = [](const std::array<std::string, 2>& names, const MarkerValue& first,
-                       const MarkerValue& second, double distance_tolerance, double area_tolerance,
-                       int maximum_blobs) {
-    MarkerLayout markers;
-    markers.roles = roles_of(ByRole<int>{{names[0], 0}, {names[1], 1}}, "markers");
-    markers.first = marker_from(first, names[0]);
-    markers.second = marker_from(second, names[1]);
-    return with_tolerances(std::move(markers), distance_tolerance, area_tolerance, maximum_blobs);
+void define_layout(Class<MarkerLayout>& layout) {
+  using Array = py::array_t<double>;
+  const auto positions = [](const MarkerLayout& self) {
+    return of_both<Array>(self, [](const Marker& marker) { return marker.position; });
   };
-  const Fields fields(
-      make, Field("roles", [](const MarkerLayout& self) { return names_of(self.roles); }),
-      Field("first", [](const MarkerLayout& self) { return value_of(self.first); }),
-      Field("second", [](const MarkerLayout& self) { return value_of(self.second); }),
-      Field("distance_tolerance", &MarkerLayout::distance_tolerance),
-      Field("area_tolerance", &MarkerLayout::area_tolerance),
-      Field("maximum_blobs", &MarkerLayout::maximum_blobs));
-  define_record(layout, fields);
-  layout.def("__repr__", &repr_of_layout);
+  const auto areas = [](const MarkerLayout& self) {
+    return of_both<py::float_>(self, [](const Marker& marker) { return marker.area; });
+  };
+  const auto polygons =
+      [](const MarkerLayout& self) -> std::optional<py::typing::Dict<py::str, Array>> {
+    if (!self.first.shape || !self.second.shape) return std::nullopt;
+    return of_both<Array>(self, [](const Marker& of) { return array_of(of.shape->polygon()); });
+  };
+  const auto colors = [](const MarkerLayout& self) {
+    return of_both<py::str>(self, [](const Marker& marker) { return marker.color; });
+  };
+  define_record(
+      layout,
+      Fields(
+          &layout_of_positions,
+          Field("positions", positions,
+                "dict of str to array (2,): by role, forward and right of the robot's centre "
+                "(px)."),
+          Field("areas", areas, "dict of str to float: by role, px^2, NaN = unknown."),
+          Field("distance_tolerance", &MarkerLayout::distance_tolerance, "float: fraction."),
+          Field("area_tolerance", &MarkerLayout::area_tolerance, "float: ratio."),
+          Field("maximum_blobs", &MarkerLayout::maximum_blobs, "int: blobs considered per colour."),
+          Field("polygons", polygons,
+                "dict of str to array (N, 2) or None: by role, the corners, forward and right "
+                "of the centre\n(px); None = unknown, as of `from_positions`."),
+          Field("colors", colors,
+                "dict of str to str: by role, the names of the markers' colours.")));
+  layout
+      .def_property_readonly(
+          "roles", [](const MarkerLayout& self) { return pair_of(self.roles); },
+          "tuple of 2 str: ``(\"right\", \"left\")`` or ``(\"front\", \"back\")``: what the "
+          "markers "
+          "are called\nby where they sit. All dicts of markers are in this order.")
+      .def("__repr__", &repr_of_layout);
 }
 
 void bind_makers_of_layouts(Class<MarkerLayout>& layout) {
   const MarkerLayout defaults;
   layout
-      .def_static("from_markers", &layout_of_polygons, py::arg("markers"), py::kw_only(),
-                  py::arg("distance_tolerance") = defaults.distance_tolerance,
-                  py::arg("area_tolerance") = defaults.area_tolerance,
-                  py::arg("maximum_blobs") = defaults.maximum_blobs, py::arg("colors") = py::none(),
+      .def_static("from_markers", &layout_of_polygons, "markers"_a, py::kw_only(),
+                  "distance_tolerance"_a = defaults.distance_tolerance,
+                  "area_tolerance"_a = defaults.area_tolerance,
+                  "maximum_blobs"_a = defaults.maximum_blobs, "colors"_a = py::none(),
                   R"(
 Return the layout of these markers, with their areas.
 
@@ -185,12 +158,11 @@ Raises
 ValueError
     If the roles are others, or contradict the positions; if a polygon is none.
 )")
-      .def_static("from_positions", &layout_of_positions, py::arg("positions"), py::kw_only(),
-                  py::arg("areas") = py::none(),
-                  py::arg("distance_tolerance") = defaults.distance_tolerance,
-                  py::arg("area_tolerance") = defaults.area_tolerance,
-                  py::arg("maximum_blobs") = defaults.maximum_blobs,
-                  py::arg("polygons") = py::none(), py::arg("colors") = py::none(), R"(
+      .def_static("from_positions", &layout_of_positions, "positions"_a, py::kw_only(),
+                  "areas"_a = py::none(), "distance_tolerance"_a = defaults.distance_tolerance,
+                  "area_tolerance"_a = defaults.area_tolerance,
+                  "maximum_blobs"_a = defaults.maximum_blobs, "polygons"_a = py::none(),
+                  "colors"_a = py::none(), R"(
 Return the layout of markers at these positions.
 
 Parameters
@@ -210,48 +182,6 @@ Raises
 ValueError
     If the roles are others, or contradict the positions.
 )");
-}
-
-void bind_markers_by_role(Class<MarkerLayout>& layout) {
-  using Array = py::array_t<double>;
-  layout
-      .def_property_readonly(
-          "roles",
-          [](const MarkerLayout& self) {
-            const auto& [first, second] = names_of(self.roles);
-            return std::pair(first, second);
-          },
-          "tuple of 2 str: ``(\"right\", \"left\")`` or ``(\"front\", \"back\")``: what the "
-          "markers "
-          "are called\nby where they sit. All dicts of markers are in this order.")
-      .def_property_readonly(
-          "colors",
-          [](const MarkerLayout& self) {
-            return by_role<py::str>(self.roles, self.first.color, self.second.color);
-          },
-          "dict of str to str: by role, the names of the markers' colours.")
-      .def_property_readonly(
-          "positions",
-          [](const MarkerLayout& self) {
-            return by_role<Array>(self.roles, to_array(self.first.position),
-                                  to_array(self.second.position));
-          },
-          "dict of str to array (2,): by role, forward and right of the robot's centre (px).")
-      .def_property_readonly(
-          "areas",
-          [](const MarkerLayout& self) {
-            return by_role<py::float_>(self.roles, self.first.area, self.second.area);
-          },
-          "dict of str to float: by role, px^2, NaN = unknown.")
-      .def_property_readonly(
-          "polygons",
-          [](const MarkerLayout& self) -> std::optional<py::typing::Dict<py::str, Array>> {
-            const auto first = array_of(self.first.shape), second = array_of(self.second.shape);
-            if (!first || !second) return std::nullopt;
-            return by_role<Array>(self.roles, *first, *second);
-          },
-          "dict of str to array (N, 2) or None: by role, the corners, forward and right of the "
-          "centre\n(px); None = unknown, as of `from_positions`.");
 }
 
 double width_in(const MarkerLayout& self, const Frame& frame) {
@@ -294,11 +224,11 @@ colors : dict of str to str, optional
                                       colors_from(colors, MarkerRoles::right_left)),
                  distance_tolerance, area_tolerance, maximum_blobs);
            }),
-           py::arg("distance"), py::arg("offset"), py::kw_only(),
-           py::arg("distance_tolerance") = defaults.distance_tolerance,
-           py::arg("area_tolerance") = defaults.area_tolerance,
-           py::arg("maximum_blobs") = defaults.maximum_blobs, py::arg("colors") = py::none())
-      .def("width_in", &width_in, py::arg("frame"), R"(
+           "distance"_a, "offset"_a, py::kw_only(),
+           "distance_tolerance"_a = defaults.distance_tolerance,
+           "area_tolerance"_a = defaults.area_tolerance, "maximum_blobs"_a = defaults.maximum_blobs,
+           "colors"_a = py::none())
+      .def("width_in", &width_in, "frame"_a, R"(
 Return how wide the smaller marker is in the middle of a frame.
 
 Parameters
@@ -315,38 +245,28 @@ float
       .def_property_readonly("distance", &MarkerLayout::distance,
                              "float: distance between the markers' centroids (work-area px).")
       .def_property_readonly("offset", &MarkerLayout::offset,
-                             "float: from the markers' midpoint forward to the centre (px).")
-      .def_readonly("distance_tolerance", &MarkerLayout::distance_tolerance, "float: fraction.")
-      .def_readonly("area_tolerance", &MarkerLayout::area_tolerance, "float: ratio.")
-      .def_readonly("maximum_blobs", &MarkerLayout::maximum_blobs,
-                    "int: blobs considered per colour.");
+                             "float: from the markers' midpoint forward to the centre (px).");
   bind_makers_of_layouts(layout);
-  bind_markers_by_role(layout);
-  bind_layout_value(layout);
+  define_layout(layout);
 }
 
 void bind_roles(py::module_& module) {
-  using Names = std::pair<std::string, std::string>;
-  const auto names = [](MarkerRoles roles) {
-    const auto& [first, second] = names_of(roles);
-    return Names(first, second);
-  };
   public_in(module, "robsim._core")
       .def(
           "marker_roles",
-          [names] {
-            return std::pair(names(MarkerRoles::right_left), names(MarkerRoles::front_back));
+          [] {
+            return std::pair(pair_of(MarkerRoles::right_left), pair_of(MarkerRoles::front_back));
           },
           "The pairs of roles that two markers can have: right and left, front and back.")
       .def(
           "fitting_roles",
-          [names](const ArrayLike& one, const ArrayLike& other) {
-            const FittingRoles fitting =
-                fitting_roles(point_from(one, "one"), point_from(other, "other"));
-            const auto [first, second] = names(fitting.roles);
-            return fitting.is_first_right_or_front ? Names(first, second) : Names(second, first);
+          [](const Point& one, const Point& other) {
+            const FittingRoles fitting = fitting_roles(one, other);
+            const auto [first, second] = pair_of(fitting.roles);
+            return fitting.is_first_right_or_front ? RoleNames(first, second)
+                                                   : RoleNames(second, first);
           },
-          py::arg("one"), py::arg("other"),
+          "one"_a, "other"_a,
           "The roles of markers at two places, forward and right of the robot's centre.");
 }
 

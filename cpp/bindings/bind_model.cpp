@@ -1,45 +1,15 @@
-#include <pybind11/stl.h>
-
 #include <algorithm>
-#include <array>
 
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/model/motion.hpp"
 #include "robsim/model/robot_model.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
 namespace {
 
-RobotModel model_from(const ArrayLike& theta, double dt) {
-  return RobotModel(axis_matrix_from(theta, "theta"), dt);
-}
-
-RobotParameters parameters_from(double mass, double inertia, double linear_friction,
-                                double angular_friction, double wheel_radius, double wheel_base,
-                                const ArrayLike& motor_gain, const ArrayLike& motor_offset,
-                                double dt) {
-  const auto pair = [](const ArrayLike& value, const std::string& name) {
-    const Doubles two =
-        doubles_from(value, name, Shape{2}, "two numbers, for the left and the right motor");
-    return std::array<double, 2>{two.at(0), two.at(1)};
-  };
-  const RobotParameters parameters{mass,
-                                   inertia,
-                                   linear_friction,
-                                   angular_friction,
-                                   wheel_radius,
-                                   wheel_base,
-                                   pair(motor_gain, "motor_gain"),
-                                   pair(motor_offset, "motor_offset"),
-                                   dt};
-  check_parameters(parameters);
-  return parameters;
-}
+RobotModel model_from(const AxisMatrix& theta, double dt) { return RobotModel(theta, dt); }
 
 // One row of numbers or N of them; one stands for all where another argument has N.
 class StepRows {
@@ -229,11 +199,8 @@ ValueError
   const auto field = [](const char* name, auto get, const char* doc) {
     return Field(name, get, doc, std::invoke(get, RobotParameters()));
   };
-  const auto both = [](std::array<double, 2> RobotParameters::* member) {
-    return [member](const RobotParameters& p) { return std::pair((p.*member)[0], (p.*member)[1]); };
-  };
-  const Fields fields(
-      &parameters_from, by_name,  //
+  const auto fields = members(
+      &check_parameters, by_name,  //
       field("mass", &RobotParameters::mass, "float: mass (kg)."),
       field("inertia", &RobotParameters::inertia, "float: moment of inertia (kg m^2)."),
       field("linear_friction", &RobotParameters::linear_friction,
@@ -242,13 +209,12 @@ ValueError
             "float: viscous friction of the heading (N m s/rad)."),
       field("wheel_radius", &RobotParameters::wheel_radius, "float: wheel radius (m)."),
       field("wheel_base", &RobotParameters::wheel_base, "float: distance of the wheels (m)."),
-      field("motor_gain", both(&RobotParameters::motor_gain),
+      field("motor_gain", &RobotParameters::motor_gain,
             "tuple of float: torque per voltage, left and right (N m/V)."),
-      field("motor_offset", both(&RobotParameters::motor_offset),
+      field("motor_offset", &RobotParameters::motor_offset,
             "tuple of float: torque at 0 V, left and right (N m)."),
       field("dt", &RobotParameters::dt, "float: sample time (s)."));
-  define_constructor(parameters, fields);
-  define_record(parameters, fields);
+  define_value(parameters, fields);
   define_repr(parameters, fields);
 }
 
@@ -278,9 +244,9 @@ Notes
 Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Actuators-Only
 Robots, IEEE Trans. SMC A 30(4), 2000.
 )");
-  model.def(py::init<const RobotParameters&>(), py::arg("parameters") = RobotParameters())
-      .def_static("from_theta", &model_from, py::arg("theta"), py::kw_only(),
-                  py::arg("dt") = RobotParameters().dt, R"(
+  model.def(py::init<const RobotParameters&>(), "parameters"_a = RobotParameters())
+      .def_static("from_theta", &model_from, "theta"_a, py::kw_only(),
+                  "dt"_a = RobotParameters().dt, R"(
 Return the model with these predictor parameters.
 
 Parameters
@@ -290,8 +256,8 @@ theta : array (3, 5)
 dt : float
     Sample time (s).
 )")
-      .def("predict", &predict_of, py::arg("pose_1"), py::arg("pose_2"), py::arg("u"),
-           py::kw_only(), py::arg("unwrapped").noconvert() = false, R"(
+      .def("predict", &predict_of, "pose_1"_a, "pose_2"_a, "u"_a, py::kw_only(),
+           "unwrapped"_a.noconvert() = false, R"(
 Return the pose of step k, or those of N steps.
 
 Parameters
@@ -314,7 +280,7 @@ Raises
 TypeError, ValueError
     If an argument is not of this type or shape, or not finite.
 )")
-      .def("jacobian", &jacobian_of, py::arg("pose_1"), py::arg("pose_2"), py::arg("u"), R"(
+      .def("jacobian", &jacobian_of, "pose_1"_a, "pose_2"_a, "u"_a, R"(
 Return the derivatives of the pose of step k by the two poses before.
 
 Parameters
@@ -334,7 +300,7 @@ Raises
 TypeError, ValueError
     If an argument is not of this type or shape, or not finite.
 )")
-      .def("steps_in", &RobotModel::steps_in, py::arg("dt"), R"(
+      .def("steps_in", &RobotModel::steps_in, "dt"_a, R"(
 Return the number of the model's steps in a time: several if frames were lost.
 
 Parameters
@@ -346,11 +312,8 @@ Raises
 ------
 ValueError
     If it is not a multiple of the model's dt, at least one, within a quarter of that dt.
-)")
-      .def("__repr__", [](const RobotModel& self) {
-        return "<RobotModel: dt = " + py::repr(py::float_(self.dt())).cast<std::string>() +
-               " s, theta =\n" + py::str(to_array(self.theta())).cast<std::string>() + ">";
-      });
+)");
+  define_repr(model, "<RobotModel: dt = {0.dt!r} s, theta =\n{0.theta}>");
   define_record(model,
                 Fields(&model_from,
                        Field("theta", &RobotModel::theta,
@@ -358,14 +321,13 @@ ValueError
                        Field("dt", &RobotModel::dt, "float: sample time (s).")));
 
   public_in(module, "robsim.estimation")
-      .def("check_mean_interval", &check_mean_interval, py::arg("time"), py::arg("n_steps"),
-           py::arg("dt"),
+      .def("check_mean_interval", &check_mean_interval, "time"_a, "n_steps"_a, "dt"_a,
            "Raise ValueError if so many steps in a time (s), 10 or more, are not dt long on "
            "average.")
-      .def("model_steps", py::vectorize(&model_steps), py::arg("time"), py::arg("dt"), R"(
+      .def("model_steps", py::vectorize(&model_steps), "time"_a, "dt"_a, R"(
 Return the number of steps of a model with this dt (s) in each time (s); see RobotModel.steps_in.
 )")
-      .def("simulated_path", &simulated_path_of, py::arg("theta"), py::arg("first"), py::arg("u"),
+      .def("simulated_path", &simulated_path_of, "theta"_a, "first"_a, "u"_a,
            R"(
 Return the path of the robot model with any parameters, stable or not.
 
@@ -383,8 +345,7 @@ Returns
 array (n, 3)
     The poses; headings are not wrapped.
 )")
-      .def("path_sensitivities", &path_sensitivities_of, py::arg("theta"), py::arg("path"),
-           py::arg("u"), R"(
+      .def("path_sensitivities", &path_sensitivities_of, "theta"_a, "path"_a, "u"_a, R"(
 Return the derivatives of a simulated path.
 
 Parameters
@@ -401,7 +362,7 @@ Returns
 array (n, 3, 21)
     Derivatives by the first two values of x, of y and of the heading, and by the 15 parameters.
 )")
-      .def("regression", &regression_of, py::arg("poses"), py::arg("u"), R"(
+      .def("regression", &regression_of, "poses"_a, "u"_a, R"(
 Return the samples of the robot model's predictor in an unbroken record.
 
 Parameters

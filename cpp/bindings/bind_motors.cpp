@@ -1,15 +1,6 @@
-#include <pybind11/stl.h>
-
 #include <cmath>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "python/interpreter.hpp"
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/base/system.hpp"
 #include "robsim/lab/motors/motor_link.hpp"
@@ -17,19 +8,27 @@
 #include "robsim/lab/motors/protocol.hpp"
 #include "robsim/lab/motors/safety.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
+template <>
+struct robsim::bindings::Choices<MotorEvent::Kind> {
+  using Kind = MotorEvent::Kind;
+  static constexpr std::pair<const char*, Kind> all[] = {{"input", Kind::input},
+                                                         {"repeat", Kind::repeat},
+                                                         {"stop", Kind::stop},
+                                                         {"failure", Kind::failure},
+                                                         {"timeout", Kind::timeout}};
+};
+template <>
+struct robsim::bindings::Choices<Command::Kind> {
+  static constexpr std::pair<const char*, Command::Kind> all[] = {
+      {"u", Command::Kind::input}, {"s", Command::Kind::stop}, {"a", Command::Kind::answer}};
+};
+
 namespace {
 
-using Voltages = std::array<double, 2>;
-
-template <typename F>
-auto natively(const F& call) {
-  const WithoutInterpreter others;
-  return call();
-}
+const py::call_guard<WithoutInterpreter> natively{};
 
 template <typename Error>
 void bind_error(py::module_& module, const char* name, py::handle base, const char* doc) {
@@ -38,44 +37,15 @@ void bind_error(py::module_& module, const char* name, py::handle base, const ch
   error.attr("__doc__") = doc;
 }
 
-const char* text_of(MotorEvent::Kind kind) {
-  switch (kind) {
-    case MotorEvent::Kind::input:
-      return "input";
-    case MotorEvent::Kind::repeat:
-      return "repeat";
-    case MotorEvent::Kind::stop:
-      return "stop";
-    case MotorEvent::Kind::failure:
-      return "failure";
-    case MotorEvent::Kind::timeout:
-      return "timeout";
-  }
-  return "";
-}
-
-MotorEvent::Kind kind_from(const std::string& kind) {
-  return choice_from<MotorEvent::Kind>("kind", kind,
-                                       {{"input", MotorEvent::Kind::input},
-                                        {"repeat", MotorEvent::Kind::repeat},
-                                        {"stop", MotorEvent::Kind::stop},
-                                        {"failure", MotorEvent::Kind::failure},
-                                        {"timeout", MotorEvent::Kind::timeout}});
-}
-
 void bind_event(py::module_& module) {
   Class<MotorEvent> event(public_in(module, "robsim.lab"), "MotorEvent",
                           "What went over a line to a robot, or what the robot did by itself.");
-  const Fields fields(
-      [](double t, const ArrayLike& u, const std::string& kind) {
-        return MotorEvent{t, input_from(u, "u"), kind_from(kind)};
-      },
-      by_name, Field("t", &MotorEvent::t, "float: when (s, clock of time.monotonic)."),
+  const auto fields = members<MotorEvent>(
+      nullptr, by_name, Field("t", &MotorEvent::t, "float: when (s, clock of time.monotonic)."),
       Field("u", &MotorEvent::u, "array (2,): the input (V), 0 for a stop."),
-      Field(
-          "kind", [](const MotorEvent& self) { return std::string(text_of(self.kind)); },
-          "str: \"input\", a new one; \"repeat\", the same again; \"stop\"; \"failure\", a line "
-          "that could not be written; \"timeout\", the robot stopped without a line."));
+      Field("kind", &MotorEvent::kind,
+            "str: \"input\", a new one; \"repeat\", the same again; \"stop\"; \"failure\", a line "
+            "that could not be written; \"timeout\", the robot stopped without a line."));
   define_record(event, fields);
   define_repr(event, fields);
 }
@@ -83,14 +53,13 @@ void bind_event(py::module_& module) {
 void bind_counts(py::module_& module) {
   Class<LineCounts> counts(public_in(module, "robsim.lab"), "LineCounts",
                            "How many lines a robot has heard.");
-  const Fields fields([](std::int64_t valid, std::int64_t damaged, std::int64_t old,
-                         std::int64_t foreign) { return LineCounts{valid, damaged, old, foreign}; },
-                      by_name, Field("valid", &LineCounts::valid, "int: lines that it acted upon."),
-                      Field("damaged", &LineCounts::damaged,
-                            "int: lines that were damaged, too long, or none of the protocol."),
-                      Field("old", &LineCounts::old, "int: lines that a newer one had overtaken."),
-                      Field("foreign", &LineCounts::foreign,
-                            "int: lines of another sender than the one that it heard."));
+  const auto fields = members<LineCounts>(
+      nullptr, by_name, Field("valid", &LineCounts::valid, "int: lines that it acted upon."),
+      Field("damaged", &LineCounts::damaged,
+            "int: lines that were damaged, too long, or none of the protocol."),
+      Field("old", &LineCounts::old, "int: lines that a newer one had overtaken."),
+      Field("foreign", &LineCounts::foreign,
+            "int: lines of another sender than the one that it heard."));
   define_record(counts, fields);
   define_repr(counts, fields);
 }
@@ -136,16 +105,15 @@ ValueError
           "slew_rate", [](const Limits& self) { return given(self.slew_rate); },
           "float or None: largest change of the input of a motor in a second (V/s).",
           std::nullopt));
-  define_constructor(limits, fields);
-  define_record(limits, fields);
+  define_value(limits, fields);
   define_repr(limits, fields);
   limits.def(
       "applied",
-      [](const Limits& self, const ArrayLike& u, const ArrayLike& before, double dt) {
+      [](const Limits& self, const Input& u, const Input& before, double dt) {
         if (!(dt >= 0)) throw py::value_error("dt must be at least 0 s");
-        return to_array(self.applied(input_from(u, "u"), input_from(before, "before"), dt));
+        return self.applied(u, before, dt);
       },
-      py::arg("u"), py::arg("before"), py::arg("dt"), R"(
+      "u"_a, "before"_a, "dt"_a, R"(
 Return the input within the limits.
 
 Parameters
@@ -167,18 +135,8 @@ array (2,)
 void bind_line(py::module_& module) {
   Class<Line, std::shared_ptr<Line>>(public_in(module, "robsim._core"), "Line",
                                      "One end of a line to a robot.")
-      .def_static(
-          "udp_to",
-          [](const std::string& host, int port) {
-            return natively([&] { return std::make_shared<Line>(Line::udp_to(host, port)); });
-          },
-          py::arg("host"), py::arg("port"))
-      .def_static(
-          "of_descriptor",
-          [](int descriptor, const std::string& name) {
-            return std::make_shared<Line>(Line::of_descriptor(descriptor, name));
-          },
-          py::arg("descriptor"), py::arg("name"));
+      .def_static("udp_to", &Line::udp_to, "host"_a, "port"_a, natively)
+      .def_static("of_descriptor", &Line::of_descriptor, "descriptor"_a, "name"_a);
 }
 
 void bind_link(py::module_& module) {
@@ -188,14 +146,8 @@ void bind_link(py::module_& module) {
   link.def(py::init([](Line& line, double ttl, double hold) {
              return make_native<MotorLink>(std::move(line), ttl, hold);
            }),
-           py::arg("line"), py::kw_only(), py::arg("ttl"), py::arg("hold"))
-      .def(
-          "__call__",
-          [](MotorLink& self, const ArrayLike& u) {
-            const Input input = input_from(u, "u");
-            return natively([&] { return self.send(input); });
-          },
-          py::arg("u"), R"(
+           "line"_a, py::kw_only(), "ttl"_a, "hold"_a)
+      .def("__call__", &MotorLink::send, "u"_a, natively, R"(
 Send an input, and return when it went out.
 
 The interpreter goes on meanwhile. The link repeats it until the next one comes.
@@ -220,8 +172,7 @@ robsim.lab.HaltedError
 ValueError
     If an input is beyond 1000 V.
 )")
-      .def(
-          "stop", [](MotorLink& self) { return natively([&] { return self.stop(); }); }, R"(
+      .def("stop", &MotorLink::stop, natively, R"(
 Stop the robot: tell it at once, and again for 2 s, five times in the first 0.1 s.
 
 Returns
@@ -237,13 +188,10 @@ robsim.lab.LineError
       .def("_check_stop", &MotorLink::check_stop,
            "Raise LineError, once, if the last stop did not get into the line.")
       .def(
-          "halt", [](MotorLink& self) { natively([&] { self.halt(); }); },
+          "halt", [](MotorLink& self) { self.halt(); }, natively,
           "Stop the robot, and refuse inputs until `resume` is called; raises nothing.")
-      .def(
-          "resume", [](MotorLink& self) { natively([&] { self.resume(); }); },
-          "Take inputs again after `halt`.")
-      .def(
-          "close", [](MotorLink& self) { natively([&] { self.close(); }); }, R"(
+      .def("resume", &MotorLink::resume, natively, "Take inputs again after `halt`.")
+      .def("close", &MotorLink::close, natively, R"(
 Stop the robot and close the line; the second time it does nothing.
 
 Raises
@@ -266,39 +214,30 @@ robsim.lab.LineError
           "round_trip_times",
           [](const MotorLink& self) {
             const std::vector<double> times = self.round_trip_times();
-            return bindings::to_array(times.data(), {static_cast<py::ssize_t>(times.size())});
+            return to_array(times.data(), {static_cast<py::ssize_t>(times.size())});
           },
           "array (N,): from a line to its answer (s), the newest 1000; empty if the robot does not "
           "answer.");
-}
-
-Command::Kind command_kind_from(const std::string& kind) {
-  return choice_from<Command::Kind>(
-      "kind", kind,
-      {{"u", Command::Kind::input}, {"s", Command::Kind::stop}, {"a", Command::Kind::answer}});
 }
 
 void bind_protocol(py::module_& module) {
   public_in(module, "robsim._core")
       .def(
           "to_line",
-          [](const std::string& kind, std::uint16_t number, const ArrayLike& u, int time_to_live) {
-            return py::bytes(
-                to_line({command_kind_from(kind), number, input_from(u, "u"), time_to_live}));
+          [](Command::Kind kind, std::uint16_t number, const Input& u, int time_to_live) {
+            return py::bytes(to_line({kind, number, u, time_to_live}));
           },
-          py::arg("kind"), py::arg("number"), py::arg("u"), py::arg("time_to_live"),
-          "Return a line of the protocol to a robot.");
-  public_in(module, "robsim._core")
+          "kind"_a, "number"_a, "u"_a, "time_to_live"_a,
+          "Return a line of the protocol to a robot.")
       .def(
           "parse_line",
           [](const py::bytes& line) -> py::object {
             const auto command = parse_line(std::string_view(line));
             if (!command) return py::none();
-            const char* const kinds[] = {"u", "s", "a"};
-            return py::make_tuple(kinds[static_cast<int>(command->kind)], command->number,
-                                  command->u.u1, command->u.u2, command->time_to_live);
+            return py::make_tuple(command->kind, command->number, command->u.u1, command->u.u2,
+                                  command->time_to_live);
           },
-          py::arg("line"), "Return what a line says, without its line break; None if damaged.");
+          "line"_a, "Return what a line says, without its line break; None if damaged.");
 }
 
 std::shared_ptr<MotorReceiver> make_receiver(int port, const std::string& host,
@@ -310,12 +249,11 @@ std::shared_ptr<MotorReceiver> make_receiver(int port, const std::string& host,
   if (descriptor && *descriptor < 0) {
     throw py::value_error("descriptor must be at least 0, got " + std::to_string(*descriptor));
   }
-  return natively([&] {
-    Line line = descriptor
-                    ? Line::of_descriptor(*descriptor, "descriptor " + std::to_string(*descriptor))
-                    : Line::udp_at(host, port);
-    return make_native<MotorReceiver>(std::move(line), actuation_delay, answers);
-  });
+  const WithoutInterpreter others;
+  Line line = descriptor
+                  ? Line::of_descriptor(*descriptor, "descriptor " + std::to_string(*descriptor))
+                  : Line::udp_at(host, port);
+  return make_native<MotorReceiver>(std::move(line), actuation_delay, answers);
 }
 
 double checked_seconds(const char* name, double time) {
@@ -329,10 +267,9 @@ void bind_receiver(py::module_& module) {
       .def(
           "mean",
           [](const ReceivedInput& self, double start, double end) {
-            return to_array(
-                self.mean(checked_seconds("start", start), checked_seconds("end", end)));
+            return self.mean(checked_seconds("start", start), checked_seconds("end", end));
           },
-          py::arg("start"), py::arg("end"), R"(
+          "start"_a, "end"_a, R"(
 Return the mean of what the robot acted upon between two times.
 
 Parameters
@@ -377,28 +314,26 @@ Raises
 robsim.lab.LineError
     If the port is taken, or there is no such address.
 )")
-      .def(py::init(&make_receiver), py::arg("port") = 0, py::kw_only(),
-           py::arg("host") = "127.0.0.1", py::arg("descriptor") = py::none(),
-           py::arg("actuation_delay") = 0.0, py::arg("answers").noconvert() = true)
-      .def(
-          "close", [](MotorReceiver& self) { natively([&] { self.close(); }); },
-          "Hear no more: it stops when the time to live is over.")
+      .def(py::init(&make_receiver), "port"_a = 0, py::kw_only(), "host"_a = "127.0.0.1",
+           "descriptor"_a = py::none(), "actuation_delay"_a = 0.0, "answers"_a.noconvert() = true)
+      .def("close", &MotorReceiver::close, natively,
+           "Hear no more: it stops when the time to live is over.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def(
           "__exit__",
           [](MotorReceiver& self, const py::object&, const py::object&, const py::object&) {
-            natively([&] { self.close(); });
+            const WithoutInterpreter others;
+            self.close();
           },
-          py::arg("kind"), py::arg("error"), py::arg("traceback"))
+          "kind"_a, "error"_a, "traceback"_a)
       .def_property_readonly("name", &MotorReceiver::name, "str: what the line is called.")
       .def_property_readonly("port", &MotorReceiver::port,
                              "int: the port that it listens at; 0 for a descriptor.")
       .def_property_readonly("actuation_delay", &MotorReceiver::actuation_delay,
                              "float: what it hears, it acts upon so much later (s).")
       .def_property_readonly("is_closed", &MotorReceiver::is_closed, "bool: True after `close`.")
-      .def_property_readonly(
-          "input", [](const MotorReceiver& self) { return to_array(self.input()); },
-          "array (2,): what it acts upon now (V).")
+      .def_property_readonly("input", &MotorReceiver::input,
+                             "array (2,): what it acts upon now (V).")
       .def_property_readonly("events", &MotorReceiver::events,
                              "list of MotorEvent: what it heard, and when it stopped by itself; "
                              "the newest 100 000.")

@@ -1,16 +1,9 @@
 // Maps between the pixels of frames and the work area, through a camera's lens.
 #include <algorithm>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/imaging/plane_map.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
@@ -25,41 +18,26 @@ ThreeByThree three_by_three_from(const ArrayLike& value, const std::string& expe
   return values;
 }
 
-Intrinsics intrinsics_of(const ThreeByThree& m, const Intrinsics::Distortion& distortion) {
-  if (m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
-    throw py::value_error(
-        "matrix must be that of a camera, [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], got " +
-        py::repr(to_array(m.data(), {3, 3}).attr("tolist")()).cast<std::string>());
-  }
-  return Intrinsics({m[0], m[4]}, {m[2], m[5]}, distortion);
-}
-
 Intrinsics intrinsics_from(const ArrayLike& matrix, const std::optional<ArrayLike>& distortion) {
+  const std::string expected = "a camera's [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]";
+  const ThreeByThree m = three_by_three_from(matrix, expected);
+  if (m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
+    throw py::value_error("matrix must be " + expected + ", got " +
+                          describe(to_array(m.data(), {3, 3}).attr("tolist")()));
+  }
   Intrinsics::Distortion values{};
   if (distortion) {
     const Doubles given =
         doubles_from(*distortion, "distortion", Shape{5}, "the five numbers k1, k2, p1, p2, k3");
     std::copy_n(given.data(), values.size(), values.begin());
   }
-  return intrinsics_of(
-      three_by_three_from(matrix, "a camera's [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"), values);
+  return Intrinsics({m[0], m[4]}, {m[2], m[5]}, values);
 }
 
-ThreeByThree camera_matrix(const Intrinsics& self) {
-  return {self.focal().x, 0, self.centre().x, 0, self.focal().y, self.centre().y, 0, 0, 1};
-}
-
-std::string text_of(py::handle value) { return py::repr(value).cast<std::string>(); }
-
-std::string rows_text(const ThreeByThree& m) {
-  return text_of(to_array(m.data(), {3, 3}).attr("tolist")());
-}
-
-std::string repr(const Intrinsics& self) {
-  const Intrinsics::Distortion& d = self.distortion();
-  if (d == Intrinsics::Distortion{}) return "Intrinsics(" + rows_text(camera_matrix(self)) + ")";
-  return "Intrinsics(" + rows_text(camera_matrix(self)) + ", " +
-         text_of(py::make_tuple(d[0], d[1], d[2], d[3], d[4])) + ")";
+py::array_t<double> camera_matrix(const Intrinsics& self) {
+  const ThreeByThree m = {
+      self.focal().x, 0, self.centre().x, 0, self.focal().y, self.centre().y, 0, 0, 1};
+  return to_array(m.data(), {3, 3});
 }
 
 std::optional<Intrinsics> intrinsics_in(const PlaneMap& self) {
@@ -72,11 +50,14 @@ PlaneMap plane_map_from(const std::optional<ArrayLike>& matrix,
                   intrinsics);
 }
 
-std::string repr(const PlaneMap& plane_map) {
-  const ThreeByThree& m = plane_map.matrix();
-  std::string text = m == PlaneMap().matrix() ? "" : rows_text(m);
-  if (plane_map.intrinsics()) {
-    text += (text.empty() ? "" : ", ") + ("intrinsics=" + repr(*plane_map.intrinsics()));
+std::string repr(const PlaneMap& self) {
+  std::string text;
+  if (self.matrix() != PlaneMap().matrix()) {
+    text = py::repr(to_array(self.matrix().data(), {3, 3}).attr("tolist")()).cast<std::string>();
+  }
+  if (self.intrinsics()) {
+    text += (text.empty() ? "" : ", ") + std::string("intrinsics=") +
+            py::repr(py::cast(*self.intrinsics())).cast<std::string>();
   }
   return "PlaneMap(" + text + ")";
 }
@@ -93,24 +74,28 @@ std::vector<Point> points_from(py::handle value, const std::string& name) {
   return points;
 }
 
-// Maps one point (2,) or many (N, 2).
-template <typename Map>
-py::array_t<double> map_points(py::handle value, const std::string& name, const Map& map) {
-  const std::string expected = "a point (2,) or points (N, 2)";
-  const Doubles points = doubles_from(value, name, std::nullopt, expected);
-  const py::ssize_t dimensions = points.ndim();
-  if (dimensions < 1 || dimensions > 2 || points.shape(dimensions - 1) != 2) {
-    throw py::value_error(name + " must be " + expected + ", got " + describe(value));
-  }
-  py::array_t<double> result(Shape(points.shape(), points.shape() + points.ndim()));
-  const double* from = points.data();
-  double* to = result.mutable_data();
-  for (py::ssize_t i = 0; i < points.size(); i += 2) {
-    const Point p = map(Point{from[i], from[i + 1]});
-    to[i] = p.x;
-    to[i + 1] = p.y;
-  }
-  return result;
+// A map of points as a method that maps one point (2,) or many (N, 2), the argument `name`.
+template <typename Class>
+void define_map(Class& cls, const char* method, Point (Class::type::*map)(const Point&) const,
+                const char* name, const char* doc) {
+  const auto call = [map, name](const typename Class::type& self, const ArrayLike& value) {
+    const std::string expected = "a point (2,) or points (N, 2)";
+    const Doubles points = doubles_from(value, name, std::nullopt, expected);
+    const py::ssize_t dimensions = points.ndim();
+    if (dimensions < 1 || dimensions > 2 || points.shape(dimensions - 1) != 2) {
+      throw py::value_error(name + (" must be " + expected) + ", got " + describe(value));
+    }
+    py::array_t<double> result(Shape(points.shape(), points.shape() + dimensions));
+    const double* from = points.data();
+    double* to = result.mutable_data();
+    for (py::ssize_t i = 0; i < points.size(); i += 2) {
+      const Point p = (self.*map)({from[i], from[i + 1]});
+      to[i] = p.x;
+      to[i + 1] = p.y;
+    }
+    return result;
+  };
+  cls.def(method, call, py::arg(name), doc);
 }
 
 void bind_intrinsics(py::module_& module) {
@@ -148,21 +133,15 @@ Examples
 >>> intrinsics = Intrinsics(matrix, (-0.12, 0.02, 0, 0, 0))
 >>> plane_map = PlaneMap.from_points(seen, corners, intrinsics)
 )");
-  intrinsics.def(py::init(&intrinsics_from), py::arg("matrix"), py::arg("distortion") = py::none())
-      .def_property_readonly(
-          "matrix",
-          [](const Intrinsics& self) { return to_array(camera_matrix(self).data(), {3, 3}); },
-          "array (3, 3): the camera matrix (px).")
-      .def_property_readonly(
-          "distortion",
-          [](const Intrinsics& self) { return to_array(self.distortion().data(), {5}); },
-          "array (5,): k1, k2, p1, p2, k3.")
-      .def(
-          "distorted",
-          [](const Intrinsics& self, const ArrayLike& pixels) {
-            return map_points(pixels, "pixels", [&](const Point& p) { return self.distorted(p); });
-          },
-          py::arg("pixels"), R"(
+  const auto distortion = [](const Intrinsics& self) {
+    return to_array(self.distortion().data(), {5});
+  };
+  const Fields fields(
+      &intrinsics_from, Field("matrix", &camera_matrix, "array (3, 3): the camera matrix (px)."),
+      Field("distortion", distortion, "array (5,): k1, k2, p1, p2, k3.", std::nullopt));
+  define_value(intrinsics, fields);
+  define_repr(intrinsics, fields);
+  define_map(intrinsics, "distorted", &Intrinsics::distorted, "pixels", R"(
 Return where frames show what an ideal lens would show at these pixels.
 
 Parameters
@@ -174,13 +153,8 @@ Returns
 -------
 array (2,) or (N, 2)
     Pixels (u, v) of the frames; NaN where the lens shows nothing.
-)")
-      .def(
-          "ideal",
-          [](const Intrinsics& self, const ArrayLike& pixels) {
-            return map_points(pixels, "pixels", [&](const Point& p) { return self.ideal(p); });
-          },
-          py::arg("pixels"), R"(
+)");
+  define_map(intrinsics, "ideal", &Intrinsics::ideal, "pixels", R"(
 Return where an ideal lens would show what frames show at these pixels.
 
 Parameters
@@ -192,11 +166,7 @@ Returns
 -------
 array (2,) or (N, 2)
     Ideal pixels (u, v); NaN where the lens shows nothing.
-)")
-      .def("__repr__", py::overload_cast<const Intrinsics&>(&repr));
-  const Fields fields(&intrinsics_of, Field("matrix", &camera_matrix),
-                      Field("distortion", &Intrinsics::distortion));
-  define_record(intrinsics, fields);
+)");
 }
 
 void bind_plane_map(py::module_& module) {
@@ -216,9 +186,17 @@ Raises
 TypeError, ValueError
     If the matrix is not finite or has no inverse.
 )");
+  const auto matrix = [](const PlaneMap& self) { return to_array(self.matrix().data(), {3, 3}); };
+  define_value(
+      plane_map,
+      Fields(&plane_map_from,
+             Field("matrix", matrix,
+                   "array (3, 3): the homography from pixels, ideal ones with intrinsics, to the "
+                   "work area.",
+                   std::nullopt),
+             Field("intrinsics", &intrinsics_in, "Intrinsics or None: those of the camera.",
+                   std::nullopt)));
   plane_map
-      .def(py::init(&plane_map_from), py::arg("matrix") = py::none(),
-           py::arg("intrinsics") = py::none())
       .def_static(
           "scaled",
           [](std::pair<int, int> resolution, std::pair<double, double> area) {
@@ -232,7 +210,7 @@ TypeError, ValueError
             }
             return PlaneMap::scaled(resolution.first, resolution.second, area.first, area.second);
           },
-          py::arg("resolution"), py::arg("area"), R"(
+          "resolution"_a, "area"_a, R"(
 Return the map of a camera that sees the whole area.
 
 Parameters
@@ -249,7 +227,7 @@ area : tuple of float
             return PlaneMap::from_points(points_from(pixels, "pixels"),
                                          points_from(positions, "positions"), intrinsics);
           },
-          py::arg("pixels"), py::arg("positions"), py::arg("intrinsics") = py::none(), R"(
+          "pixels"_a, "positions"_a, "intrinsics"_a = py::none(), R"(
 Return the map of a camera that looks at the work area from any direction.
 
 Parameters
@@ -279,12 +257,7 @@ Examples
 >>> corners = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
 >>> plane_map = PlaneMap.from_points(seen, corners)
 )")
-      .def_property_readonly(
-          "matrix", [](const PlaneMap& self) { return to_array(self.matrix().data(), {3, 3}); },
-          "array (3, 3): the homography from pixels, ideal ones with intrinsics, to the work area.")
-      .def_property_readonly("intrinsics", &intrinsics_in,
-                             "Intrinsics or None: those of the camera.")
-      .def("at_height", &PlaneMap::at_height, py::arg("height"), R"(
+      .def("at_height", &PlaneMap::at_height, "height"_a, R"(
 Return the map of what lies above the floor, such as markers on a robot.
 
 Parameters
@@ -308,13 +281,8 @@ The floor's homography to ideal pixels is K [r1 r2 t], times a number, which |r1
 (the mean of both, as they are measured); that of the height h is K [r1 r2 t + h n], where
 n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new technique for camera
 calibration, PAMI 22(11), 2000.
-)")
-      .def(
-          "to_world",
-          [](const PlaneMap& self, const ArrayLike& pixels) {
-            return map_points(pixels, "pixels", [&](const Point& p) { return self.to_world(p); });
-          },
-          py::arg("pixels"), R"(
+)");
+  define_map(plane_map, "to_world", &PlaneMap::to_world, "pixels", R"(
 Return the positions of pixels.
 
 Parameters
@@ -326,14 +294,8 @@ Returns
 -------
 array (2,) or (N, 2)
     Positions (x, y) in work-area px; NaN where the lens shows nothing.
-)")
-      .def(
-          "to_pixel",
-          [](const PlaneMap& self, const ArrayLike& positions) {
-            return map_points(positions, "positions",
-                              [&](const Point& p) { return self.to_pixel(p); });
-          },
-          py::arg("positions"), R"(
+)");
+  define_map(plane_map, "to_pixel", &PlaneMap::to_pixel, "positions", R"(
 Return the pixels of positions.
 
 Parameters
@@ -345,14 +307,8 @@ Returns
 -------
 array (2,) or (N, 2)
     Pixels (u, v); NaN where the lens shows nothing.
-)")
-      .def("__repr__", py::overload_cast<const PlaneMap&>(&repr));
-  const auto make = [](const ThreeByThree& matrix, const std::optional<Intrinsics>& intrinsics) {
-    return PlaneMap(matrix, intrinsics);
-  };
-  const Fields fields(make, Field("matrix", &PlaneMap::matrix),
-                      Field("intrinsics", &intrinsics_in));
-  define_record(plane_map, fields);
+)");
+  plane_map.def("__repr__", &repr);
 }
 
 }  // namespace

@@ -1,16 +1,11 @@
-#include <pybind11/stl.h>
-
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "python/interpreter.hpp"
-#include "python/numpy.hpp"
 #include "python/signature.hpp"
 #include "robsim/world/scene.hpp"
 #include "robsim/world/visual_noise.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
@@ -22,10 +17,7 @@ Layer layer_from(const std::pair<PixelArray, PixelArray>& images, const std::str
 }
 
 Sprite sprite_from(const PixelArray& value) {
-  if (!py::isinstance<py::array>(value)) {
-    throw py::type_error("sprite must be a uint8 RGBA array, got " + describe(value));
-  }
-  if (!py::reinterpret_borrow<py::array>(value).dtype().is(py::dtype::of<std::uint8_t>())) {
+  if (!py::isinstance<py::array_t<std::uint8_t>>(value)) {
     throw py::type_error("sprite must be a uint8 RGBA array, got " + describe(value));
   }
   const auto array = py::array_t<std::uint8_t, py::array::c_style>::ensure(value);
@@ -40,8 +32,8 @@ Sprite sprite_from(const PixelArray& value) {
 std::shared_ptr<Scene> make_scene(const std::pair<PixelArray, PixelArray>& floor,
                                   const std::pair<PixelArray, PixelArray>& home, int shadow_left,
                                   double shadow_factor, const PixelArray& sprite,
-                                  const ArrayLike& centre, double unit, double alignment,
-                                  int headings, std::pair<int, int> area) {
+                                  const Point& centre, double unit, double alignment, int headings,
+                                  std::pair<int, int> area) {
   if (shadow_left < 0) throw py::value_error("shadow_left must be at least 0 px");
   if (area.first < 1 || area.second < 1) throw py::value_error("area must be above 0");
   if (!std::isfinite(alignment)) throw py::value_error("alignment must be finite (rad)");
@@ -49,16 +41,14 @@ std::shared_ptr<Scene> make_scene(const std::pair<PixelArray, PixelArray>& floor
                         shadow_factor);
   const PlaneMap camera =
       PlaneMap::scaled(background.width(), background.height(), area.first, area.second);
-  RobotImage robot(sprite_from(sprite), point_from(centre, "centre"), unit, alignment, headings,
-                   camera);
+  RobotImage robot(sprite_from(sprite), centre, unit, alignment, headings, camera);
   return std::make_shared<Scene>(std::move(background), std::move(robot), camera);
 }
 
-py::array_t<std::uint8_t> rendered(Renderer& self, const ArrayLike& pose, std::pair<int, int> pan,
+py::array_t<std::uint8_t> rendered(Renderer& self, const Pose& pose, std::pair<int, int> pan,
                                    const std::optional<PixelArray>& out) {
-  const Pose at = pose_from(pose, "pose");
   const Pan moved{pan.first, pan.second};
-  if (!out) return image_array(self.render(at, moved));
+  if (!out) return to_array(self.render(pose, moved));
   const WritableView view = writable_view(*out, "out");
   const std::shared_ptr<const Scene> scene = self.scene();
   if (view.width != scene->width() || view.height != scene->height()) {
@@ -68,7 +58,7 @@ py::array_t<std::uint8_t> rendered(Renderer& self, const ArrayLike& pose, std::p
   }
   {
     const WithoutInterpreter native;
-    scene->draw(at, moved, view);
+    scene->draw(pose, moved, view);
   }
   return py::reinterpret_borrow<py::array_t<std::uint8_t>>(*out);
 }
@@ -86,15 +76,14 @@ bool share_memory(const ImageView& a, const ImageView& b) {
   return begin_a < end_b && begin_b < end_a;
 }
 
-py::array with_noise(const VisualNoise& self, const PixelArray& image, std::uint64_t seed,
+py::array with_noise(const VisualNoise& self, const ImageView& clean, std::uint64_t seed,
                      std::uint64_t index, const std::optional<PixelArray>& out) {
-  const ImageView clean = image_view(image, "image");
   Image noisy;
   if (!out) noisy = Image(clean.width, clean.height);
   const WritableView to = !out ? noisy.writable_view() : writable_view(*out, "out");
   if (to.width != clean.width || to.height != clean.height) {
-    throw py::value_error("out must have the shape of image, " + describe(image) + ", got " +
-                          describe(*out));
+    throw py::value_error("out must have the shape of image, (" + std::to_string(clean.height) +
+                          ", " + std::to_string(clean.width) + ", 3), got " + describe(*out));
   }
   const bool is_in_place = to.data == clean.data && to.stride == clean.stride;
   if (!is_in_place && share_memory(clean, {to.data, to.width, to.height, to.stride})) {
@@ -104,7 +93,7 @@ py::array with_noise(const VisualNoise& self, const PixelArray& image, std::uint
     const WithoutInterpreter native;
     self.add(clean, seed, index, to);
   }
-  return !out ? py::array(image_array(noisy)) : py::array(*out);
+  return !out ? py::array(to_array(noisy)) : py::array(*out);
 }
 
 }  // namespace
@@ -135,16 +124,15 @@ headings : int
 area : tuple of int
     Width and height of the work area (px).
 )")
-      .def(py::init(&make_scene), py::kw_only(), py::arg("floor"), py::arg("home"),
-           py::arg("shadow_left"), py::arg("shadow_factor"), py::arg("sprite"), py::arg("centre"),
-           py::arg("unit"), py::arg("alignment"), py::arg("headings"), py::arg("area"))
+      .def(py::init(&make_scene), py::kw_only(), "floor"_a, "home"_a, "shadow_left"_a,
+           "shadow_factor"_a, "sprite"_a, "centre"_a, "unit"_a, "alignment"_a, "headings"_a,
+           "area"_a)
       .def_property_readonly(
           "nbytes",
           [](const Scene& self) { return std::int64_t{4 * 3} * self.width() * self.height(); },
           "int: memory of the four images of the floor.")
       .def("__repr__", [](const Scene& self) {
-        return "<Scene: " + std::to_string(self.width()) + " x " + std::to_string(self.height()) +
-               " px>";
+        return py::str("<Scene: {} x {} px>").format(self.width(), self.height());
       });
 
   Class<Renderer>(public_in(module, "robsim.simulation"), "Renderer", R"(
@@ -156,13 +144,13 @@ scene : Scene
     What it draws; other renderers may share it.
 )")
       .def(py::init([](std::shared_ptr<Scene> scene) { return Renderer(std::move(scene)); }),
-           py::arg("scene").none(false))
+           "scene"_a.none(false))
       .def_property_readonly(
           "scene",
           [](const Renderer& self) { return std::const_pointer_cast<Scene>(self.scene()); },
           "Scene: what it draws, for other renderers.")
-      .def("render", &rendered, py::arg("pose"), py::arg("pan") = std::make_pair(0, 0),
-           py::kw_only(), py::arg("out") = py::none(), R"(
+      .def("render", &rendered, "pose"_a, "pan"_a = std::make_pair(0, 0), py::kw_only(),
+           "out"_a = py::none(), R"(
 Return the image of the robot at a pose.
 
 Parameters
@@ -189,7 +177,7 @@ TypeError, ValueError
                      "Noise of the camera. Users take robsim.GaussianNoise or UniformNoise.")
       .def(py::init(
                [](double gaussian, double uniform) { return VisualNoise({gaussian, uniform}); }),
-           py::kw_only(), py::arg("gaussian") = 0.0, py::arg("uniform") = 0.0)
-      .def("add", &with_noise, py::arg("image"), py::arg("seed"), py::arg("index") = 0,
-           py::kw_only(), py::arg("out") = py::none(), "See robsim.GaussianNoise.add.");
+           py::kw_only(), "gaussian"_a = 0.0, "uniform"_a = 0.0)
+      .def("add", &with_noise, "image"_a, "seed"_a, "index"_a = 0, py::kw_only(),
+           "out"_a = py::none(), "See robsim.GaussianNoise.add.");
 }

@@ -7,12 +7,9 @@
 
 namespace py = pybind11;
 
-void bind_simd(py::module_& module);
-void bind_elementary(py::module_& module);
-void bind_geometry(py::module_& module);
+void bind_base(py::module_& module);
 void bind_plane_maps(py::module_& module);
 void bind_imaging(py::module_& module);
-void bind_raw(py::module_& module);
 void bind_capture(py::module_& module);
 void bind_model(py::module_& module);
 void bind_world(py::module_& module);
@@ -60,12 +57,9 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   if (!is_main_interpreter()) throw py::import_error(in_sub_interpreter);
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
   translate_errors();
-  bind_simd(module);
-  bind_elementary(module);
-  bind_geometry(module);
+  bind_base(module);
   bind_plane_maps(module);
   bind_imaging(module);
-  bind_raw(module);
   bind_capture(module);
   bind_model(module);
   bind_world(module);

@@ -1,13 +1,9 @@
-#include <pybind11/stl.h>
-
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <string_view>
-#include <utility>
 
+#include "capture/capture_errors.hpp"
 #include "capture/python_camera.hpp"
 #include "python/interpreter.hpp"
 #include "python/signature.hpp"
@@ -15,27 +11,12 @@
 #include "robsim/lab/capture/grabber.hpp"
 #include "robsim/lab/capture/image_stream.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
 namespace {
 
 constexpr double look = 0.1;  // s, after which a Ctrl-C is noticed
-
-void tell_of_faults() {
-  py::register_local_exception_translator([](std::exception_ptr error) {
-    try {
-      std::rethrow_exception(error);
-    } catch (const CaptureError& fault) {
-      try {
-        raise_camera_error(fault);
-      } catch (py::error_already_set& failed) {
-        failed.restore();
-      }
-    }
-  });
-}
 
 // Waits without the interpreter, and looks at signals in between.
 template <typename Result>
@@ -86,8 +67,7 @@ void bind_image_stream(py::module_& module) {
              return std::make_unique<ImageStream>(descriptor, std::string_view(boundary),
                                                   std::string_view(begun), is_chunked, name);
            }),
-           py::arg("descriptor"), py::kw_only(), py::arg("boundary"), py::arg("begun"),
-           py::arg("is_chunked"), py::arg("name"))
+           "descriptor"_a, py::kw_only(), "boundary"_a, "begun"_a, "is_chunked"_a, "name"_a)
       .def(
           "take",
           [](ImageStream& self, double timeout) -> py::object {
@@ -100,7 +80,7 @@ void bind_image_stream(py::module_& module) {
             return py::make_tuple(py::bytes(taken->jpeg), taken->arrived, taken->passed,
                                   taken->torn);
           },
-          py::arg("timeout"),
+          "timeout"_a,
           "Return (JPEG, when it arrived, images passed over, torn ones) since the last call; None "
           "if nothing came. The JPEG is empty if none was whole.");
 }
@@ -108,7 +88,7 @@ void bind_image_stream(py::module_& module) {
 }  // namespace
 
 void bind_capture(py::module_& module) {
-  tell_of_faults();
+  translate_capture_errors<&raise_camera_error>();
   Class<CaptureDevice, std::shared_ptr<CaptureDevice>>(
       public_in(module, "robsim._core"), "CaptureDevice",
       "A camera as a grabber sees it. Users take robsim.Camera.");
@@ -128,33 +108,32 @@ camera : object
 bgr : bool
     Whether the images are in OpenCV's order; otherwise they are RGB.
 )")
-      .def(py::init<py::object, bool>(), py::arg("camera"), py::kw_only(), py::arg("bgr") = false);
+      .def(py::init<py::object, bool>(), "camera"_a, py::kw_only(), "bgr"_a = false);
   Class<StreamedCamera, CaptureDevice, std::shared_ptr<StreamedCamera>>(
       public_in(module, "robsim._core"), "StreamedCamera",
       "A camera that another process reads: open() of its object returns the descriptor of a "
       "socket "
       "that frames come from, and close() ends the process.")
-      .def(py::init<py::object>(), py::arg("camera"));
+      .def(py::init<py::object>(), "camera"_a);
   Class<Grabber, std::shared_ptr<Grabber>>(
       public_in(module, "robsim._core"), "Grabber",
       "The thread that reads a camera. Users take robsim.Camera.")
-      .def(py::init(&make_grabber), py::arg("device"), py::kw_only(), py::arg("every") = 1,
-           py::arg("frame_timeout") = 1.0, py::arg("reopen") = false,
-           py::arg("interval") = py::none(), py::arg("plane_map") = py::none(),
-           py::arg("area") = py::none(), py::arg("size") = py::none(),
-           py::arg("headings") = py::none())
+      .def(py::init(&make_grabber), "device"_a, py::kw_only(), "every"_a = 1,
+           "frame_timeout"_a = 1.0, "reopen"_a = false, "interval"_a = py::none(),
+           "plane_map"_a = py::none(), "area"_a = py::none(), "size"_a = py::none(),
+           "headings"_a = py::none())
       .def(
           "wait_for_size",
           [](const Grabber& self, double timeout) {
             return wait<Size>(timeout, [&](double s) { return self.wait_for_size(s); });
           },
-          py::arg("timeout"), "Return (width, height) of the first frame; None if it did not come.")
+          "timeout"_a, "Return (width, height) of the first frame; None if it did not come.")
       .def(
           "__call__",
           [](Grabber& self, double timeout) {
             return wait<std::optional<Frame>>(timeout, [&](double s) { return self.take(s); });
           },
-          py::arg("timeout"), "Return the newest frame, not taken yet; None if there is none.")
+          "timeout"_a, "Return the newest frame, not taken yet; None if there is none.")
       .def_property_readonly("newest", &Grabber::newest,
                              "Frame or None: the one that was taken last.")
       .def_property_readonly("counts", &counts_of,
@@ -165,8 +144,7 @@ bgr : bool
             const WithoutInterpreter work;
             self.close(patience);
           },
-          py::arg("patience") = 1.0,
-          "End the thread; leave it behind if it hangs for `patience` s.");
+          "patience"_a = 1.0, "End the thread; leave it behind if it hangs for `patience` s.");
   bind_image_stream(module);
   public_in(module, "robsim._core")
       .def(
@@ -176,5 +154,5 @@ bgr : bool
             const WithoutInterpreter work;
             return is_whole_jpeg(reinterpret_cast<const std::uint8_t*>(view.data()), view.size());
           },
-          py::arg("data"), "Return whether a JPEG image has all of its blocks, and its end.");
+          "data"_a, "Return whether a JPEG image has all of its blocks, and its end.");
 }

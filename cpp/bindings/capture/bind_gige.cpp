@@ -76,9 +76,8 @@ PYBIND11_MODULE(_gige, module) {
       public_in(module, name), "GigeCamera",
       "A GigE Vision camera, for a grabber. Users take robsim.Camera.");
   camera
-      .def(py::init(&make_camera), py::arg("source"), py::kw_only(), py::arg("size"),
-           py::arg("region"), py::arg("fps"), py::arg("format"), py::arg("features"),
-           py::arg("packet_size"))
+      .def(py::init(&make_camera), "source"_a, py::kw_only(), "size"_a, "region"_a, "fps"_a,
+           "format"_a, "features"_a, "packet_size"_a)
       .def(
           "open", [](const std::shared_ptr<GigeCamera>& self) { open_in_thread(self); },
           "Start it, so that what it sends is known. Raises CaptureError.")
@@ -98,8 +97,8 @@ PYBIND11_MODULE(_gige, module) {
         for (const GigeIdentity& one : found) list.append(identity_dict(one));
         return list;
       },
-      py::arg("seconds") = 1.0);
-  module.def("lost_between", &lost_between, py::arg("last"), py::arg("id"));
+      "seconds"_a = 1.0);
+  module.def("lost_between", &lost_between, "last"_a, "id"_a);
   module.attr("aravis_version") = ARAVIS_VERSION;
   py::delattr(module, "__module__");
 }

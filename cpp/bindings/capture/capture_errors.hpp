@@ -26,17 +26,13 @@ inline void raise_in_python(const CaptureError& error) {
 }
 
 /// Lets the functions of this extension raise what they throw as a CaptureError.
-inline void translate_capture_errors() {
-  namespace py = pybind11;
-  py::register_local_exception_translator([](std::exception_ptr error) {
+template <void (*raise)(const CaptureError&) = &raise_in_python>
+void translate_capture_errors() {
+  pybind11::register_local_exception_translator([](std::exception_ptr error) {
     try {
       std::rethrow_exception(error);
     } catch (const CaptureError& fault) {
-      try {
-        raise_in_python(fault);
-      } catch (py::error_already_set& failed) {
-        failed.restore();
-      }
+      raise(fault);
     }
   });
 }

@@ -48,14 +48,6 @@ Captured captured_from(const py::tuple& read) {
 
 }  // namespace
 
-SharedObject shared_object(py::object object) {
-  return {object.release().ptr(), [](PyObject* held) {
-            if (!Py_IsInitialized()) return;
-            const py::gil_scoped_acquire interpreter;
-            Py_DECREF(held);
-          }};
-}
-
 void raise_camera_error(const CaptureError& error) {
   const auto* of_python = dynamic_cast<const PythonCaptureError*>(&error);
   if (!of_python) return raise_in_python(error);

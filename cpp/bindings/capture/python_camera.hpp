@@ -1,17 +1,10 @@
 #pragma once
 
-#include <memory>
-#include <string>
-
 #include "python/numpy.hpp"
 #include "robsim/lab/capture/capture_device.hpp"
 #include "robsim/lab/capture/pixel_stream.hpp"
 
 namespace robsim::bindings {
-
-/// A Python object that must be given back while nobody holds the interpreter, in any thread.
-using SharedObject = std::shared_ptr<PyObject>;
-SharedObject shared_object(py::object object);
 
 /// What a Python camera raised: the exception itself passes on to the reader.
 class PythonCaptureError : public CaptureError {

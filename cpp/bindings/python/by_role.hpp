@@ -1,13 +1,9 @@
 // What the two markers of a robot have, by their roles: dicts in Python, pairs in C++.
 #pragma once
 
-#include <pybind11/stl.h>
 #include <pybind11/typing.h>
 
-#include <array>
 #include <map>
-#include <string>
-#include <utility>
 
 #include "python/numpy.hpp"
 #include "robsim/vision/marker_roles.hpp"

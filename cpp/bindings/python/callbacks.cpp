@@ -27,6 +27,13 @@ bool is_default(const py::object& value) {
   return py::isinstance<py::bool_>(value) && value.cast<bool>();
 }
 
+// The result of a callback, as a value of a class of the core.
+template <typename T>
+T result_from(const py::object& result, const std::string& expected) {
+  if (py::isinstance<T>(result)) return result.cast<T>();
+  throw py::type_error("the result must be " + expected + ", got " + describe(result));
+}
+
 std::optional<AxisMatrix> optional_parameters(const py::object& result) {
   if (result.is_none()) return std::nullopt;
   return axis_matrix_from(result, "the result");
@@ -34,30 +41,17 @@ std::optional<AxisMatrix> optional_parameters(const py::object& result) {
 
 std::optional<Measurement> optional_measurement(const py::object& result) {
   if (result.is_none()) return std::nullopt;
-  if (py::isinstance<Measurement>(result)) return result.cast<Measurement>();
   if (PyUnicode_Check(result.ptr()) || !PySequence_Check(result.ptr())) {
-    throw py::type_error("the result must be a Measurement, or None = not seen, got " +
-                         describe(result));
+    return result_from<Measurement>(result, "a Measurement, or None = not seen");
   }
-  return measurement_of(pose_from(result, "the result"));
+  return measurement_from(result, "the result");
 }
 
 Estimate estimate_from(const py::object& result) {
-  if (!py::isinstance<Estimate>(result)) {
-    throw py::type_error("the result must be an Estimate(pose, covariance), got " +
-                         describe(result));
-  }
-  return result.cast<Estimate>();
+  return result_from<Estimate>(result, "an Estimate(pose, covariance)");
 }
 
 Input voltages_from(const py::object& result) { return input_from(result, "the result"); }
-
-RobotModel model_from(const py::object& result) {
-  if (!py::isinstance<RobotModel>(result)) {
-    throw py::type_error("the result must be a RobotModel, got " + describe(result));
-  }
-  return result.cast<RobotModel>();
-}
 
 std::shared_ptr<ParameterEstimator> estimator_from(const py::object& result) {
   if (result.is_none()) throw py::type_error("the result must be an estimator object, got None");
@@ -79,7 +73,7 @@ void set_define_model(Stages& stages, const py::object& value) {
   }
   stages.define_model = [callback = Callback("define_model", value)] {
     const py::object result = callback(-1);
-    return callback.convert(-1, [&] { return model_from(result); });
+    return callback.convert(-1, [&] { return result_from<RobotModel>(result, "a RobotModel"); });
   };
 }
 
@@ -102,38 +96,23 @@ void set_init_parameter_estimator(Stages& stages, const py::object& value) {
       };
 }
 
-// A stage in another process, for the half that is here. SlotValues keep the value alive.
-template <typename Result>
-std::function<Result(const StepPointer&)> remote_stage(
-    const py::object& value, Result (RemoteRobot::*of_robot)(const StepPointer&),
-    Result (RemoteWorld::*of_world)(const StepPointer&)) {
-  if (py::isinstance<PythonRemoteRobot>(value)) {
-    return [of_robot, robot = &value.cast<PythonRemoteRobot&>()](const StepPointer& step) {
-      return (robot->*of_robot)(step);
-    };
-  }
-  if (of_world && py::isinstance<PythonRemoteWorld>(value)) {
-    return [of_world, world = &value.cast<PythonRemoteWorld&>()](const StepPointer& step) {
-      return (world->*of_world)(step);
-    };
-  }
-  return {};
-}
-
 // Fills a slot that is called at each step: off, a native stage if there is one for the value, one
-// in another process, or a callable whose result `convert` takes.
+// in another process, or a callable whose result `convert` takes. SlotValues keep the value alive.
 template <typename Result>
 void set_step_slot(Slot<Result(const StepPointer&)>& slot, const char* name,
                    const py::object& value, StepObject& object,
                    std::function<Result(const StepPointer&)> native,
-                   std::function<Result(const StepPointer&)> remote,
+                   Result (RemoteRobot::*of_robot)(const StepPointer&),
+                   Result (RemoteWorld::*of_world)(const StepPointer&),
                    Result (*convert)(const py::object&)) {
   if (is_off(value)) {
     slot = {};
   } else if (native) {
     slot = {std::move(native), false};
-  } else if (remote) {
-    slot = {std::move(remote), true};
+  } else if (py::isinstance<PythonRemoteRobot>(value)) {
+    slot = {std::bind(of_robot, &value.cast<PythonRemoteRobot&>(), std::placeholders::_1), true};
+  } else if (of_world && py::isinstance<PythonRemoteWorld>(value)) {
+    slot = {std::bind(of_world, &value.cast<PythonRemoteWorld&>(), std::placeholders::_1), true};
   } else {
     slot = {[&object, convert, callback = Callback(name, value)](const StepPointer& step) {
               const py::object result = callback(step->k, object.of(step));
@@ -218,38 +197,28 @@ SlottedLoop::SlottedLoop(std::shared_ptr<World> world, const RobotOptions& robot
 }
 
 void SlottedLoop::set_slot(const std::string& slot, const py::object& value) {
-  const std::unordered_map<std::string, std::function<void(Stages&)>> setters = {
-      {"define_model", [&](Stages& s) { set_define_model(s, value); }},
-      {"init_parameter_estimator", [&](Stages& s) { set_init_parameter_estimator(s, value); }},
-      {"estimate_parameters",
-       [&](Stages& s) {
-         set_step_slot(s.estimate_parameters, "estimate_parameters", value, step_object,
-                       if_default<std::optional<AxisMatrix>>(value, update_estimator),
-                       remote_stage(value, &RemoteRobot::estimate_parameters,
-                                    &RemoteWorld::estimate_parameters),
-                       optional_parameters);
-       }},
-      {"measure",
-       [&](Stages& s) {
-         set_step_slot(s.measure, "measure", value, step_object,
-                       if_default<std::optional<Measurement>>(value, &Step::detect),
-                       remote_stage(value, &RemoteRobot::measure, &RemoteWorld::measure),
-                       optional_measurement);
-       }},
-      {"estimate_state",
-       [&](Stages& s) {
-         set_step_slot(
-             s.estimate_state, "estimate_state", value, step_object, {},
-             remote_stage(value, &RemoteRobot::estimate_state, &RemoteWorld::estimate_state),
-             estimate_from);
-       }},
-      {"control",
-       [&](Stages& s) {
-         set_step_slot(s.control, "control", value, step_object, native_controller(value),
-                       remote_stage<Input>(value, &RemoteRobot::control, nullptr), voltages_from);
-       }},
-  };
-  setters.at(slot)(stages());
+  Stages& s = stages();
+  const char* const name = slot.c_str();
+  if (slot == "define_model") {
+    set_define_model(s, value);
+  } else if (slot == "init_parameter_estimator") {
+    set_init_parameter_estimator(s, value);
+  } else if (slot == "estimate_parameters") {
+    set_step_slot(s.estimate_parameters, name, value, step_object,
+                  if_default<std::optional<AxisMatrix>>(value, update_estimator),
+                  &RemoteRobot::estimate_parameters, &RemoteWorld::estimate_parameters,
+                  optional_parameters);
+  } else if (slot == "measure") {
+    set_step_slot(s.measure, name, value, step_object,
+                  if_default<std::optional<Measurement>>(value, &Step::detect),
+                  &RemoteRobot::measure, &RemoteWorld::measure, optional_measurement);
+  } else if (slot == "estimate_state") {
+    set_step_slot(s.estimate_state, name, value, step_object, {}, &RemoteRobot::estimate_state,
+                  &RemoteWorld::estimate_state, estimate_from);
+  } else {
+    set_step_slot<Input>(s.control, name, value, step_object, native_controller(value),
+                         &RemoteRobot::control, nullptr, voltages_from);
+  }
   values[slot] = value;
 }
 

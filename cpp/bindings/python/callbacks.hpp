@@ -1,12 +1,7 @@
 // Python callables as stages: their calls, their errors, their results.
 #pragma once
 
-#include <pybind11/stl.h>
-
-#include <stdexcept>
-#include <string>
 #include <unordered_map>
-#include <utility>
 
 #include "python/numpy.hpp"
 #include "robsim/simulation/loop.hpp"
@@ -175,7 +170,7 @@ class PythonRemoteRobot : public RemoteRobot, public SlotValues {
     return [exchange](const std::string& message, const ImageView* pixels, const char* slot,
                       std::int64_t k) {
       py::object following = py::none();
-      if (pixels) following = image_array(copy_of(*pixels));
+      if (pixels) following = to_array(copy_of(*pixels));
       return exchange(py::bytes(message), following, slot, k).cast<std::string>();
     };
   }

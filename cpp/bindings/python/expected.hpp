@@ -1,21 +1,12 @@
 // What an argument of a native function must be: for the error that names it.
 #pragma once
 
-#include <pybind11/pybind11.h>
-
-#include <array>
 #include <limits>
 #include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <type_traits>
-#include <utility>
-#include <vector>
+
+#include "python/numpy.hpp"
 
 namespace robsim::bindings {
-
-namespace py = pybind11;
 
 /// The sentence for type T: `text` follows "must be", `many` names several of them.
 template <typename T, typename = void>
@@ -68,6 +59,15 @@ struct Expected<T, std::enable_if_t<std::is_same_v<T, std::string> || std::is_sa
 };
 
 template <typename T>
+std::string many_of() {
+  if constexpr (is_converted<T>) {
+    return "values";
+  } else {
+    return Expected<T>::many();
+  }
+}
+
+template <typename T>
 struct Expected<std::shared_ptr<T>> : Expected<T> {};
 
 template <typename T>
@@ -78,8 +78,8 @@ struct Expected<std::optional<T>> {
 
 template <typename T>
 struct Expected<std::vector<T>> {
-  static std::string text(py::handle) { return "a list of " + Expected<T>::many(); }
-  static std::string many() { return "lists of " + Expected<T>::many(); }
+  static std::string text(py::handle) { return "a list of " + many_of<T>(); }
+  static std::string many() { return "lists of " + many_of<T>(); }
 };
 
 template <typename T, std::size_t size>
@@ -96,7 +96,7 @@ struct Expected<std::pair<T, T>> {
 
 template <typename T>
 struct Expected<std::map<std::string, T>> {
-  static std::string text(py::handle) { return "a dict of names to " + Expected<T>::many(); }
+  static std::string text(py::handle) { return "a dict of names to " + many_of<T>(); }
 };
 
 template <typename T>
@@ -121,6 +121,31 @@ bool accepts(py::handle value) {
   }
   if constexpr (std::is_same_v<Given, std::string>) return PyUnicode_Check(value.ptr());
   return py::detail::make_caster<Given>().load(value, !std::is_same_v<Given, bool>);
+}
+
+template <typename T>
+constexpr bool is_dict_of_converted = false;
+template <typename T>
+constexpr bool is_dict_of_converted<std::map<std::string, T>> = is_converted<T>;
+
+/// Throws an error that names the argument unless a value can be given for it.
+template <typename T>
+void check(py::handle value, const std::string& name) {
+  using Given = typename NotNone<T>::type;
+  if constexpr (is_converted<Given>) {
+    if (std::is_same_v<T, Given> || !value.is_none()) Conversion<Given>::from(value, name);
+  } else {
+    if constexpr (is_dict_of_converted<Given>) {
+      if (PyDict_Check(value.ptr())) {
+        for (const auto& [key, item] : py::reinterpret_borrow<py::dict>(value)) {
+          check<typename Given::mapped_type>(item, name + "[" + describe(key) + "]");
+        }
+      }
+    }
+    if (accepts<T>(value)) return;
+    throw py::type_error(name + " must be " + Expected<T>::text(value) + ", got " +
+                         describe(value));
+  }
 }
 
 }  // namespace robsim::bindings

@@ -1,13 +1,9 @@
 #include "python/numpy.hpp"
 
-#include <pybind11/stl.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tuple>
-
-#include "robsim/imaging/plane_map.hpp"
 
 namespace robsim::bindings {
 
@@ -120,6 +116,12 @@ py::object for_each_number(py::handle value, const std::string& name, const std:
   return std::move(result);
 }
 
+Pair pair_from(py::handle value, const std::string& name) {
+  if (const auto numbers = floats_from<2>(value)) return *numbers;
+  const Doubles two = doubles_from(value, name, Shape{2}, "two numbers");
+  return {two.at(0), two.at(1)};
+}
+
 Pose pose_from(py::handle value, const std::string& name) {
   if (const auto p = floats_from<3>(value)) return {(*p)[0], (*p)[1], wrap_angle((*p)[2])};
   const Doubles p = doubles_from(value, name, Shape{3}, "a pose (x, y, heading) in px, px and rad");
@@ -152,26 +154,36 @@ AxisMatrix axis_matrix_from(py::handle value, const std::string& name) {
   return Eigen::Map<const AxisMatrix>(m.data());
 }
 
+Eigen::Matrix3d matrix_from(py::handle value, const std::string& name) {
+  const Doubles rows = doubles_from(value, name, Shape{3, 3}, "an array of shape (3, 3)");
+  return Eigen::Map<const PoseCovariance>(rows.data());
+}
+
 PoseCovariance covariance_from(py::handle value, const std::string& name) {
-  const Doubles P = doubles_from(value, name, Shape{3, 3}, "an array of shape (3, 3)");
-  for (const py::ssize_t i : {0, 1, 2}) {
-    if (P.at(i, i) < 0) {
-      throw py::value_error(name + " must have variances of at least 0 on its diagonal, got " +
-                            describe(py::float_(P.at(i, i))));
-    }
+  const PoseCovariance P = matrix_from(value, name);
+  if (!(P.diagonal().array() < 0).any()) return P;
+  throw py::value_error(name + " must have variances of at least 0 on its diagonal, got " +
+                        describe(py::float_(P.diagonal().minCoeff())));
+}
+
+Eigen::VectorXd vector_from(py::handle value, const std::string& name) {
+  const Doubles numbers = numbers_from(value, name, Shape{-1}, "an array of shape (n,)");
+  return Eigen::Map<const Eigen::VectorXd>(numbers.data(), numbers.size());
+}
+
+DetectionResult detection_result_from(py::handle value, const std::string& name) {
+  const int result = value.cast<int>();
+  if (result >= 0 && result <= static_cast<int>(DetectionResult::small_markers)) {
+    return static_cast<DetectionResult>(result);
   }
-  return Eigen::Map<const PoseCovariance>(P.data());
+  throw py::value_error(name + " must be the result of a Detection, got " + describe(value));
 }
 
-Measurement measurement_of(const Pose& pose) {
-  Measurement measurement;
-  measurement.pose = pose;
+MeasurementLike measurement_from(py::handle value, const std::string& name) {
+  if (py::isinstance<Measurement>(value)) return {value.cast<Measurement>()};
+  MeasurementLike measurement;
+  measurement.pose = pose_from(value, name);
   return measurement;
-}
-
-Measurement measurement_from(py::handle value, const std::string& name) {
-  if (py::isinstance<Measurement>(value)) return value.cast<Measurement>();
-  return measurement_of(pose_from(value, name));
 }
 
 py::array_t<double> to_array(const double* values, const Shape& shape) {
@@ -216,10 +228,7 @@ ImageView image_view(py::handle value, const std::string& name) {
           static_cast<int>(array.shape(0)), array.strides(0)};
 }
 
-namespace {
-
-// The last image may go in a thread that has given the interpreter up.
-std::shared_ptr<PyObject> owner_of_image(py::object object) {
+SharedObject shared_object(py::object object) {
   return {object.release().ptr(), [](PyObject* held) {
             if (!Py_IsInitialized()) return;
             const py::gil_scoped_acquire interpreter;
@@ -227,23 +236,22 @@ std::shared_ptr<PyObject> owner_of_image(py::object object) {
           }};
 }
 
-}  // namespace
-
 Image borrowed_image(py::handle value, const std::string& name) {
   auto array = py::reinterpret_borrow<py::object>(value);
   if (PyObject_CheckBuffer(value.ptr())) array = py::array(array);
   const ImageView view = image_view(array, name);
-  return {view, owner_of_image(std::move(array))};
+  return {view, shared_object(std::move(array))};
 }
 
 Image writable_image(py::handle value, const std::string& name) {
   const WritableView view = writable_view(value, name);
-  return {view, owner_of_image(py::reinterpret_borrow<py::object>(value))};
+  return {view, shared_object(py::reinterpret_borrow<py::object>(value))};
 }
 
-ImageView view_from(py::handle value, const std::string& name) {
-  if (py::isinstance<Frame>(value)) return value.cast<const Frame&>().image.view();
-  return image_view(value, name);
+ImageLike image_from(py::handle value, const std::string& name) {
+  if (!py::isinstance<Frame>(value)) return {image_view(value, name)};
+  const auto& frame = value.cast<const Frame&>();
+  return {frame.image.view(), &frame};
 }
 
 PixelBox region_from(py::handle value, const std::string& name) {
@@ -267,7 +275,7 @@ WritableView writable_view(py::handle value, const std::string& name) {
   return {static_cast<std::uint8_t*>(array.mutable_data()), view.width, view.height, view.stride};
 }
 
-py::array_t<std::uint8_t> image_array(const Image& image) {
+py::array_t<std::uint8_t> to_array(const Image& image) {
   auto* kept = new Image(image);
   const py::capsule owner(kept, [](void* p) { delete static_cast<Image*>(p); });
   const ImageView view = image.view();

@@ -3,17 +3,20 @@
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 #include <pybind11/typing.h>
 
 #include <array>
-#include <initializer_list>
+#include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "robsim/base/geometry.hpp"
-#include "robsim/imaging/image.hpp"
+#include "robsim/imaging/plane_map.hpp"
 #include "robsim/model/robot_model.hpp"
 #include "robsim/vision/locate.hpp"
 
@@ -21,64 +24,31 @@ namespace robsim::bindings {
 
 namespace py = pybind11;
 
-// Types in help and in the stub for arguments of more than one type. They accept any value, because
-// the conversions raise the errors.
+// Objects that accept any value, because functions convert them that raise the errors.
 inline bool is_anything(PyObject* value) { return value != nullptr; }
 
-/// What numpy makes an array of: a pose, points, inputs, a matrix.
+/// What numpy makes an array of, where its shape depends on the other arguments.
 class ArrayLike : public py::object {
  public:
   PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, is_anything)
 };
 
-/// The pixels of an image.
+/// The pixels of an image that is written, or kept.
 class PixelArray : public py::object {
  public:
   PYBIND11_OBJECT_DEFAULT(PixelArray, py::object, is_anything)
 };
 
 /// A Frame or the pixels of an image.
-class ImageLike : public py::object {
- public:
-  PYBIND11_OBJECT_DEFAULT(ImageLike, py::object, is_anything)
+struct ImageLike {
+  ImageView view;
+  const Frame* frame = nullptr;  // null: there are pixels alone
+
+  PlaneMap plane_map() const { return frame ? frame->plane_map : PlaneMap(); }
 };
 
 /// A Measurement or its pose.
-class MeasurementLike : public py::object {
- public:
-  PYBIND11_OBJECT_DEFAULT(MeasurementLike, py::object, is_anything)
-};
-
-/// A box of pixels: left, top, right, bottom.
-class Region : public py::object {
- public:
-  PYBIND11_OBJECT_DEFAULT(Region, py::object, is_anything)
-};
-
-}  // namespace robsim::bindings
-
-template <>
-struct pybind11::detail::handle_type_name<robsim::bindings::ArrayLike> {
-  static constexpr auto name = const_name("numpy.typing.ArrayLike");
-};
-template <>
-struct pybind11::detail::handle_type_name<robsim::bindings::PixelArray> {
-  static constexpr auto name = const_name("numpy.typing.NDArray[numpy.uint8]");
-};
-template <>
-struct pybind11::detail::handle_type_name<robsim::bindings::ImageLike> {
-  static constexpr auto name = const_name("robsim.Frame | numpy.typing.NDArray[numpy.uint8]");
-};
-template <>
-struct pybind11::detail::handle_type_name<robsim::bindings::MeasurementLike> {
-  static constexpr auto name = const_name("robsim.Measurement | numpy.typing.ArrayLike");
-};
-template <>
-struct pybind11::detail::handle_type_name<robsim::bindings::Region> {
-  static constexpr auto name = const_name("collections.abc.Sequence[int]");
-};
-
-namespace robsim::bindings {
+struct MeasurementLike : Measurement {};
 
 using Shape = std::vector<py::ssize_t>;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -102,25 +72,37 @@ Doubles doubles_from(py::handle value, const std::string& name, const std::optio
 py::object for_each_number(py::handle value, const std::string& name, const std::string& expected,
                            double (*function)(double));
 
+/// Two numbers, a tuple in Python.
+using Pair = std::array<double, 2>;
+Pair pair_from(py::handle value, const std::string& name);
+
 Pose pose_from(py::handle value, const std::string& name);
 Point point_from(py::handle value, const std::string& name);
 Input input_from(py::handle value, const std::string& name);
 Polygon polygon_from(py::handle value, const std::string& name);
 AxisMatrix axis_matrix_from(py::handle value, const std::string& name);
 
+Eigen::Matrix3d matrix_from(py::handle value, const std::string& name);
+
 /// Throws ValueError for variances below 0.
 PoseCovariance covariance_from(py::handle value, const std::string& name);
 
-/// That of a pose of which nothing more is known.
-Measurement measurement_of(const Pose& pose);
+/// Any numbers, NaN and infinity too.
+Eigen::VectorXd vector_from(py::handle value, const std::string& name);
 
-/// A Measurement, or one of this pose.
-Measurement measurement_from(py::handle value, const std::string& name);
+/// A number in pickles.
+DetectionResult detection_result_from(py::handle value, const std::string& name);
+inline py::int_ to_array(DetectionResult result) { return static_cast<int>(result); }
+
+/// A Measurement, or one of this pose of which nothing more is known.
+MeasurementLike measurement_from(py::handle value, const std::string& name);
 
 /// Throws py::value_error unless it is the number of a step.
 inline void check_step_number(std::int64_t k) {
   if (k < 0) throw py::value_error("k must be at least 0, got " + std::to_string(k));
 }
+
+inline py::tuple to_array(const Pair& pair) { return py::make_tuple(pair[0], pair[1]); }
 
 /// A read-only copy.
 py::array_t<double> to_array(const double* values, const Shape& shape);
@@ -135,13 +117,12 @@ py::array_t<double> to_array(const Eigen::MatrixBase<Derived>& matrix) {
   return to_array(rows.data(), Shape{rows.rows(), rows.cols()});
 }
 
-template <typename T>
-std::optional<py::array_t<double>> to_array(const std::optional<T>& value) {
-  return value ? std::optional(to_array(*value)) : std::nullopt;
-}
-
 /// A view of the caller's uint8 RGB pixels, shape (H, W, 3), rows of any stride. Copies nothing.
 ImageView image_view(py::handle value, const std::string& name);
+
+/// A Python object that must be given back while nobody holds the interpreter, in any thread.
+using SharedObject = std::shared_ptr<PyObject>;
+SharedObject shared_object(py::object object);
 
 /// An image on the memory of an array as `image_view` has them, or of any buffer of that type and
 /// shape: read-only, and keeps it alive. Copies nothing.
@@ -150,8 +131,8 @@ Image borrowed_image(py::handle value, const std::string& name);
 /// The same, but writable.
 Image writable_image(py::handle value, const std::string& name);
 
-/// The pixels of a Frame, or those of an array as `image_view` has them.
-ImageView view_from(py::handle value, const std::string& name);
+/// A Frame, or pixels as `image_view` has them.
+ImageLike image_from(py::handle value, const std::string& name);
 
 /// The box of (left, top, right, bottom), all four included.
 PixelBox region_from(py::handle value, const std::string& name);
@@ -160,19 +141,94 @@ PixelBox region_from(py::handle value, const std::string& name);
 WritableView writable_view(py::handle value, const std::string& name);
 
 /// A read-only view of shape (H, W, 3) that keeps the image's pixels alive.
-py::array_t<std::uint8_t> image_array(const Image& image);
+py::array_t<std::uint8_t> to_array(const Image& image);
 
-/// The value of a named choice. Throws py::value_error that lists the names.
+/// The names of an enumeration's values: `all`, an array of pairs.
 template <typename T>
-T choice_from(const std::string& name, const std::string& chosen,
-              std::initializer_list<std::pair<const char*, T>> choices) {
+struct Choices;
+
+template <typename T>
+T choice_from(py::handle value, const std::string& name) {
   std::string names;
-  for (const auto& [key, value] : choices) {
-    if (chosen == key) return value;
+  for (const auto& [key, choice] : Choices<T>::all) {
+    if (PyUnicode_Check(value.ptr()) && value.equal(py::str(key))) return choice;
     names += (names.empty() ? "'" : ", '") + std::string(key) + "'";
   }
-  throw py::value_error(name + " must be one of " + names + ", got '" + chosen + "'");
+  const std::string message = name + " must be one of " + names + ", got " + describe(value);
+  if (PyUnicode_Check(value.ptr())) throw py::value_error(message);
+  throw py::type_error(message);
 }
+
+template <typename T>
+py::str to_array(const T& choice, decltype(Choices<T>::all)* = nullptr) {
+  for (const auto& [key, value] : Choices<T>::all) {
+    if (value == choice) return key;
+  }
+  return "";
+}
+
+/// How arguments become values of the core's types: `from` throws py::type_error, py::value_error
+/// or std::invalid_argument that names the argument; `type` is what help and the stub show.
+template <typename T, typename = void>
+struct Conversion;
+
+template <auto convert, const auto& shown>
+struct By {
+  static constexpr auto from = convert;
+  static constexpr auto type = shown;
+};
+
+inline constexpr auto arrays =
+    py::detail::io_name("numpy.typing.ArrayLike", "numpy.typing.NDArray[numpy.float64]");
+inline constexpr auto pixels = py::detail::const_name("numpy.typing.NDArray[numpy.uint8]");
+inline constexpr auto images =
+    py::detail::const_name("robsim.Frame | numpy.typing.NDArray[numpy.uint8]");
+inline constexpr auto measurements =
+    py::detail::const_name("robsim.Measurement | numpy.typing.ArrayLike");
+inline constexpr auto ints = py::detail::const_name("int");
+inline constexpr auto pairs = py::detail::io_name("numpy.typing.ArrayLike", "tuple[float, float]");
+inline constexpr auto regions = py::detail::const_name("collections.abc.Sequence[int]");
+
+template <>
+struct Conversion<Pose> : By<&pose_from, arrays> {};
+template <>
+struct Conversion<Point> : By<&point_from, arrays> {};
+template <>
+struct Conversion<Input> : By<&input_from, arrays> {};
+template <>
+struct Conversion<Polygon> : By<&polygon_from, arrays> {};
+template <>
+struct Conversion<AxisMatrix> : By<&axis_matrix_from, arrays> {};
+template <>
+struct Conversion<Eigen::Matrix3d> : By<&matrix_from, arrays> {};
+template <>
+struct Conversion<PoseCovariance> : By<&covariance_from, arrays> {};
+template <>
+struct Conversion<Eigen::VectorXd> : By<&vector_from, arrays> {};
+template <>
+struct Conversion<MeasurementLike> : By<&measurement_from, measurements> {};
+template <>
+struct Conversion<Image> : By<&borrowed_image, pixels> {};
+template <>
+struct Conversion<ImageView> : By<&image_view, pixels> {};
+template <>
+struct Conversion<ImageLike> : By<&image_from, images> {};
+template <>
+struct Conversion<PixelBox> : By<&region_from, regions> {};
+template <>
+struct Conversion<DetectionResult> : By<&detection_result_from, ints> {};
+template <>
+struct Conversion<Pair> : By<&pair_from, pairs> {};
+template <typename T>
+struct Conversion<T, std::void_t<decltype(Choices<T>::all)>> {
+  static constexpr auto from = &choice_from<T>;
+  static constexpr auto type = py::detail::const_name("str");
+};
+
+template <typename T, typename = void>
+constexpr bool is_converted = false;
+template <typename T>
+constexpr bool is_converted<T, std::void_t<decltype(Conversion<T>::from)>> = true;
 
 /// The name of a colour, checked. `what` it is called in the message.
 inline std::string name_from(const pybind11::str& name, const char* what = "name") {
@@ -182,3 +238,47 @@ inline std::string name_from(const pybind11::str& name, const char* what = "name
 }
 
 }  // namespace robsim::bindings
+
+namespace pybind11::detail {
+
+template <>
+struct handle_type_name<robsim::bindings::ArrayLike> {
+  static constexpr auto name = const_name("numpy.typing.ArrayLike");
+};
+template <>
+struct handle_type_name<robsim::bindings::PixelArray> {
+  static constexpr auto name = const_name("numpy.typing.NDArray[numpy.uint8]");
+};
+
+template <typename T>
+struct converting_caster {
+  PYBIND11_TYPE_CASTER(T, robsim::bindings::Conversion<T>::type);
+
+  /// Says nothing of an error: the signature of the function calls the conversion once more, with
+  /// the name of the argument.
+  bool load(handle source, bool) {
+    try {
+      value = robsim::bindings::Conversion<T>::from(source, "");
+      return true;
+    } catch (const builtin_exception&) {
+    } catch (const std::invalid_argument&) {
+    }
+    return false;
+  }
+
+  static handle cast(const T& from, return_value_policy, handle) {
+    return robsim::bindings::to_array(from).release();
+  }
+};
+
+template <typename T>
+struct type_caster<T, enable_if_t<robsim::bindings::is_converted<T>>> : converting_caster<T> {};
+template <>
+struct type_caster<robsim::Polygon> : converting_caster<robsim::Polygon> {};
+template <>
+struct type_caster<robsim::bindings::Pair> : converting_caster<robsim::bindings::Pair> {};
+template <typename T>
+struct type_caster_enum_type_enabled<T, enable_if_t<robsim::bindings::is_converted<T>>>
+    : std::false_type {};
+
+}  // namespace pybind11::detail

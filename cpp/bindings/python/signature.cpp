@@ -3,12 +3,8 @@
 #include <string.h>  // strdup
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
-#include <stdexcept>
 #include <unordered_map>
-
-#include "python/numpy.hpp"
 
 namespace robsim::bindings {
 
@@ -67,119 +63,6 @@ std::string with_signature(const PyMethodDef& method, const Signature& signature
   return method.ml_name + text_of(signature) + "\n--\n\n" + readable(method.ml_doc);
 }
 
-std::string names_of(const std::vector<Parameter>& parameters) {
-  std::string names;
-  for (const Parameter& parameter : parameters) {
-    names += (names.empty() ? "" : ", ") + parameter.name;
-  }
-  return names;
-}
-
-std::string suggestion(const std::string& name, const std::vector<Parameter>& parameters) {
-  py::list known;
-  for (const Parameter& parameter : parameters) known.append(parameter.name);
-  return py::module_::import("robsim.base.spelling")
-      .attr("suggestion")(name, known)
-      .cast<std::string>();
-}
-
-// The arguments of a call that has failed.
-class Call {
- public:
-  Call(const Signature& signature, PyObject* const* arguments, Py_ssize_t n_positional,
-       PyObject* keywords)
-      : signature_(signature), arguments_(arguments), keywords_(keywords) {
-    n_positional_ = static_cast<std::size_t>(n_positional) - (signature.has_self ? 1 : 0);
-    first_ = signature.has_self ? 1 : 0;
-    given_.resize(signature.parameters.size());
-  }
-
-  // What is wrong with the arguments; "" if they are right.
-  std::string complaint() {
-    std::string text = take_positional();
-    if (text.empty()) text = take_keywords();
-    if (text.empty()) text = missing();
-    return text.empty() ? wrong_type() : text;
-  }
-
- private:
-  std::string take_positional() {
-    std::size_t allowed = 0;
-    for (const Parameter& parameter : signature_.parameters) allowed += !parameter.is_keyword_only;
-    if (n_positional_ > allowed) {
-      const bool more = allowed < signature_.parameters.size();
-      return signature_.name + "() takes " + (allowed ? std::to_string(allowed) : "no") +
-             " positional argument" + (allowed == 1 ? "" : "s") + ", got " +
-             std::to_string(n_positional_) + (more ? ": give the others by name, as in " : "") +
-             (more ? signature_.parameters[allowed].name + "=..." : "");
-    }
-    for (std::size_t i = 0; i < n_positional_; ++i) given_[i] = arguments_[first_ + i];
-    return "";
-  }
-
-  std::string take_keywords() {
-    const Py_ssize_t count = keywords_ ? PyTuple_GET_SIZE(keywords_) : 0;
-    for (Py_ssize_t i = 0; i < count; ++i) {
-      const auto name = py::handle(PyTuple_GET_ITEM(keywords_, i)).cast<std::string>();
-      const std::size_t at = index_of(name);
-      if (at == given_.size()) return unexpected(name);
-      if (given_[at]) return signature_.name + "() got two values for " + name;
-      given_[at] = arguments_[first_ + n_positional_ + static_cast<std::size_t>(i)];
-    }
-    return "";
-  }
-
-  std::size_t index_of(const std::string& name) const {
-    std::size_t i = 0;
-    while (i < given_.size() && signature_.parameters[i].name != name) ++i;
-    return i;
-  }
-
-  std::string unexpected(const std::string& name) const {
-    const std::string text = signature_.name + "() has no argument '" + name + "'";
-    if (signature_.parameters.empty()) return text + ": it takes none";
-    const std::string meant = suggestion(name, open_parameters());
-    return text + (meant.empty() ? ": it takes " + names_of(signature_.parameters) : meant);
-  }
-
-  // Those that no value has come for.
-  std::vector<Parameter> open_parameters() const {
-    std::vector<Parameter> open;
-    for (std::size_t i = 0; i < given_.size(); ++i) {
-      if (!given_[i]) open.push_back(signature_.parameters[i]);
-    }
-    return open;
-  }
-
-  std::string missing() const {
-    for (std::size_t i = 0; i < given_.size(); ++i) {
-      const Parameter& parameter = signature_.parameters[i];
-      if (!given_[i] && !parameter.default_value) {
-        return signature_.name + "() needs the argument " + parameter.name;
-      }
-    }
-    return "";
-  }
-
-  std::string wrong_type() const {
-    for (std::size_t i = 0; i < given_.size(); ++i) {
-      const Parameter& parameter = signature_.parameters[i];
-      if (given_[i] && !parameter.accepts(given_[i])) {
-        return parameter.name + " must be " + parameter.expected(given_[i]) + ", got " +
-               describe(given_[i]);
-      }
-    }
-    return "";
-  }
-
-  const Signature& signature_;
-  PyObject* const* arguments_;
-  PyObject* keywords_;
-  std::size_t n_positional_;
-  std::size_t first_;  // after self
-  std::vector<py::handle> given_;
-};
-
 using FastCall = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t, PyObject*);
 
 FastCall dispatcher = nullptr;  // pybind11's, the same for all functions
@@ -192,36 +75,79 @@ bool has_odd_value(PyObject* const* arguments, Py_ssize_t n_positional, PyObject
   });
 }
 
-// What is wrong with the arguments of a call; "" if they are right, or cannot be shown.
-std::string complaint_of(PyObject* self, PyObject* const* arguments, Py_ssize_t n_positional,
-                         PyObject* keywords) {
+// Throws an error for an argument of a wrong type.
+void check_types(const Signature& signature, PyObject* const* arguments, Py_ssize_t n_positional,
+                 PyObject* keywords) {
+  Py_ssize_t i = signature.has_self;
+  for (const Parameter& parameter : signature.parameters) {
+    if (i == n_positional) break;
+    parameter.check(arguments[i++], parameter.name);
+  }
+  for (i = 0; keywords && i < PyTuple_GET_SIZE(keywords); ++i) {
+    const auto name = py::handle(PyTuple_GET_ITEM(keywords, i)).cast<std::string>();
+    for (const Parameter& parameter : signature.parameters) {
+      if (parameter.name == name) parameter.check(arguments[n_positional + i], name);
+    }
+  }
+}
+
+// Throws an error for arguments that are missing, too many, or of no name: base/spelling.py.
+void check_names(const Signature& signature, Py_ssize_t n_positional, PyObject* keywords) {
+  py::list names, required;
+  const auto given = keywords ? py::reinterpret_borrow<py::tuple>(keywords) : py::tuple();
+  int n_allowed = 0;
+  for (const Parameter& parameter : signature.parameters) {
+    names.append(parameter.name);
+    if (!parameter.default_value) required.append(parameter.name);
+    n_allowed += !parameter.is_keyword_only;
+  }
+  py::module_::import("robsim.base.spelling")
+      .attr("check_call")(signature.name, names, required, n_allowed,
+                          n_positional - signature.has_self, given);
+}
+
+// Raises what is wrong with the arguments of a call. False if they are right, or it cannot be
+// shown: what was raised before stays.
+bool complain(PyObject* self, PyObject* const* arguments, Py_ssize_t n_positional,
+              PyObject* keywords, bool are_names_right) {
   const Signature& signature = signatures().at(self);
-  if (signature.has_self && n_positional == 0) {
-    return signature.name + "() is a method: it needs an object";
-  }
+  std::optional<py::error_already_set> before;
+  if (PyErr_Occurred()) before.emplace();
   try {
-    const py::error_scope kept;
-    return Call(signature, arguments, n_positional, keywords).complaint();
+    if (signature.has_self && n_positional == 0) {
+      throw py::type_error(signature.name + "() is a method: it needs an object");
+    }
+    if (!are_names_right) check_names(signature, n_positional, keywords);
+    check_types(signature, arguments, n_positional, keywords);
+  } catch (const py::builtin_exception& error) {
+    error.set_error();
+    return true;
+  } catch (const std::invalid_argument& error) {
+    PyErr_SetString(PyExc_ValueError, error.what());
+    return true;
+  } catch (py::error_already_set& error) {
+    if (error.matches(PyExc_TypeError)) {
+      error.restore();
+      return true;
+    }
   } catch (const std::exception&) {
-    return "";
   }
+  if (before) before->restore();
+  return false;
 }
 
 // Calls a function; where the arguments are wrong, the error is ours.
 PyObject* call(PyObject* self, PyObject* const* arguments, Py_ssize_t n_positional,
                PyObject* keywords) {
-  PyObject* result = nullptr;
-  std::string text;
-  if (has_odd_value(arguments, n_positional, keywords)) {
-    text = complaint_of(self, arguments, n_positional, keywords);
+  if (has_odd_value(arguments, n_positional, keywords) &&
+      complain(self, arguments, n_positional, keywords, true)) {
+    return nullptr;
   }
-  if (text.empty()) {
-    result = dispatcher(self, arguments, n_positional, keywords);
-    if (result || !PyErr_ExceptionMatches(PyExc_TypeError)) return result;
-    text = complaint_of(self, arguments, n_positional, keywords);
+  PyObject* const result = dispatcher(self, arguments, n_positional, keywords);
+  if (!result && PyErr_ExceptionMatches(PyExc_TypeError)) {
+    complain(self, arguments, n_positional, keywords, false);
   }
-  if (!text.empty()) PyErr_SetString(PyExc_TypeError, text.c_str());
-  return nullptr;
+  return result;
 }
 
 PyCFunction as_c_function(FastCall function) {
@@ -286,12 +212,11 @@ void ParameterList::add(const py::arg_v& argument) {
   list_.push_back({argument.name, is_keyword_only_, argument.value});
 }
 
-void ParameterList::set_types(std::initializer_list<Type> types) {
-  auto type = std::rbegin(types);  // backwards: those of `self` and such come first
-  for (auto parameter = list_.rbegin(); parameter != list_.rend(); ++parameter, ++type) {
-    if (type == std::rend(types)) return;
-    parameter->accepts = type->accepts;
-    parameter->expected = type->expected;
+void ParameterList::set_checks(std::initializer_list<Check> checks) {
+  auto check = std::rbegin(checks);  // backwards: those of `self` and such come first
+  for (auto parameter = list_.rbegin(); parameter != list_.rend(); ++parameter, ++check) {
+    if (check == std::rend(checks)) return;
+    parameter->check = *check;
   }
 }
 

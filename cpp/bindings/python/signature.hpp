@@ -1,26 +1,21 @@
 // Signatures of native functions: for inspect and help, and for errors that name the argument.
 #pragma once
 
-#include <pybind11/pybind11.h>
-
 #include <initializer_list>
-#include <string>
 #include <tuple>
-#include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "python/expected.hpp"
 
 namespace robsim::bindings {
+
+using namespace py::literals;
 
 /// A parameter as a caller sees it.
 struct Parameter {
   std::string name;
   bool is_keyword_only = false;
   py::object default_value;  // null: there is none
-  bool (*accepts)(py::handle) = nullptr;
-  std::string (*expected)(py::handle) = nullptr;
+  void (*check)(py::handle, const std::string& name) = nullptr;
 };
 
 /// The types of a callable's arguments, as a tuple.
@@ -42,23 +37,20 @@ class ParameterList {
   template <typename... T, typename... Extra>
   explicit ParameterList(const std::tuple<T...>*, const Extra&... extra) {
     (add(extra), ...);
-    set_types({type_of<T>()...});
+    set_checks({check_of<T>()...});
   }
 
   const std::vector<Parameter>& get() const { return list_; }
 
  private:
-  struct Type {
-    bool (*accepts)(py::handle);
-    std::string (*expected)(py::handle);
-  };
+  using Check = decltype(Parameter::check);
 
   template <typename T>
-  static constexpr Type type_of() {
+  static constexpr Check check_of() {
     if constexpr (std::is_same_v<T, py::detail::value_and_holder>) {
-      return {};
+      return nullptr;
     } else {
-      return {&accepts<T>, &Expected<T>::text};
+      return &check<T>;
     }
   }
 
@@ -67,7 +59,7 @@ class ParameterList {
   void add(const py::kw_only&) { is_keyword_only_ = true; }
   template <typename Other>
   void add(const Other&) {}
-  void set_types(std::initializer_list<Type> types);
+  void set_checks(std::initializer_list<Check> checks);
 
   std::vector<Parameter> list_;
   bool is_keyword_only_ = false;
@@ -122,19 +114,11 @@ class Class : public py::class_<T, Options...> {
     return *this;
   }
 
-  template <typename... Args, typename... Extra>
-  Class& def(const py::detail::initimpl::constructor<Args...>& init, const Extra&... extra) {
-    init.execute(*this, extra...);
-    return *this;
-  }
-  template <typename... Args, typename... Extra>
-  Class& def(py::detail::initimpl::factory<Args...>&& init, const Extra&... extra) {
-    std::move(init).execute(*this, extra...);
-    return *this;
-  }
-  template <typename... Args, typename... Extra>
-  Class& def(py::detail::initimpl::pickle_factory<Args...>&& pickle, const Extra&... extra) {
-    std::move(pickle).execute(*this, extra...);
+  /// py::init and py::pickle.
+  template <typename Init, typename... Extra>
+  auto def(Init&& init, const Extra&... extra)
+      -> decltype(std::forward<Init>(init).execute(*this, extra...), *this) {
+    std::forward<Init>(init).execute(*this, extra...);
     return *this;
   }
 

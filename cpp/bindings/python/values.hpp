@@ -1,23 +1,17 @@
 // Values of bound classes, by their fields: constructor, properties, ==, hash, copy, pickle, repr.
 #pragma once
 
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
 #include <cmath>
 #include <functional>
-#include <string>
-#include <tuple>
-#include <type_traits>
-#include <utility>
 
-#include "python/numpy.hpp"
 #include "python/signature.hpp"
 
 namespace robsim::bindings {
 
-namespace py = pybind11;
+/// A figure that may be unknown: None in Python, NaN here.
+inline std::optional<double> known(double value) {
+  return std::isnan(value) ? std::nullopt : std::optional(value);
+}
 
 /// In a field's place: it has no default, and must be given.
 struct Required {};
@@ -57,22 +51,29 @@ struct Fields {
   }
 };
 
-template <typename T>
-constexpr bool is_array_of_python =
-    std::is_base_of_v<Eigen::EigenBase<T>, T> || std::is_same_v<T, Pose> ||
-    std::is_same_v<T, Point> || std::is_same_v<T, Input>;
-template <typename T>
-constexpr bool is_array_of_python<std::optional<T>> = is_array_of_python<T>;
+/// Makes an object by setting its members, then calls a function that checks it.
+template <typename T, typename... M>
+auto maker(void (*check)(const T&), M T::*... members) {
+  return [=](const M&... values) {
+    T made;
+    ((made.*members = values), ...);
+    if (check) check(made);
+    return made;
+  };
+}
 
-/// The value of a field in Python: a read-only array of a pose, a point, an input, a matrix.
-template <typename Get, typename T>
-decltype(auto) shown(const Get& get, const T& value) {
-  using Value = std::decay_t<std::invoke_result_t<const Get&, const T&>>;
-  if constexpr (is_array_of_python<Value>) {
-    return to_array(std::invoke(get, value));
-  } else {
-    return std::invoke(get, value);
-  }
+/// Fields that all are members.
+template <typename T, typename... F>
+auto members(void (*check)(const T&), F... fields) {
+  const auto member = [](const auto& field) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(field)>, py::kw_only>) {
+      return std::tuple<>();
+    } else {
+      return std::tuple(field.get);
+    }
+  };
+  const auto make = [&](auto... get) { return maker<T>(check, get...); };
+  return Fields(std::apply(make, std::tuple_cat(member(fields)...)), fields...);
 }
 
 /// The constructor and its arguments.
@@ -101,7 +102,7 @@ void define_properties(Class& cls, const Fields<F...>& fields) {
   using T = typename Class::type;
   fields.for_each([&](const auto& field) {
     const auto get = [get = field.get](const T& self) -> decltype(auto) {
-      return shown(get, self);
+      return std::invoke(get, self);
     };
     if (field.doc) cls.def_property_readonly(field.name, get, field.doc);
   });
@@ -119,7 +120,7 @@ template <typename T, typename... F>
 py::tuple values_of(const T& value, const Fields<F...>& fields) {
   py::list values;
   fields.for_each([&](const auto& field) {
-    values.append(shown(field.get, value));
+    values.append(std::invoke(field.get, value));
     const py::object last = values[values.size() - 1];
     if (py::isinstance<py::array_t<double>>(last))
       values[values.size() - 1] = last.attr("tolist")();
@@ -129,6 +130,7 @@ py::tuple values_of(const T& value, const Fields<F...>& fields) {
 
 /// Field values as a key: tuples for lists, shape and bytes for an image, None for NaN.
 inline py::object key_of(py::handle value) {
+  if (py::isinstance<py::array_t<double>>(value)) return key_of(value.attr("tolist")());
   if (py::isinstance<py::array>(value)) {
     return py::make_tuple(value.attr("shape"), value.attr("tobytes")());
   }
@@ -219,6 +221,12 @@ void define_repr(Class& cls, const Fields<F...>& fields) {
   });
 }
 
+/// repr: a format of str.format, in which {0} is the object.
+template <typename Class>
+void define_repr(Class& cls, const char* format) {
+  cls.def("__repr__", [format](const py::object& self) { return py::str(format).format(self); });
+}
+
 /// All that a class has whose objects never change, but its constructor and repr.
 template <typename Class, typename... F>
 void define_record(Class& cls, const Fields<F...>& fields) {
@@ -226,6 +234,13 @@ void define_record(Class& cls, const Fields<F...>& fields) {
   define_equality(cls, fields);
   define_hash(cls, fields);
   define_pickle(cls, fields);
+}
+
+/// The same, with the constructor.
+template <typename Class, typename... F>
+void define_value(Class& cls, const Fields<F...>& fields) {
+  define_constructor(cls, fields);
+  define_record(cls, fields);
 }
 
 }  // namespace robsim::bindings

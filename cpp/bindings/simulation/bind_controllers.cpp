@@ -1,15 +1,8 @@
-#include <memory>
-#include <utility>
-#include <vector>
-
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/model/motion.hpp"
 #include "robsim/simulation/robot/controllers.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
@@ -31,12 +24,11 @@ x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
   unicycle.def(
       "__call__",
       [](const Unicycle& self, const WorldState& world) {
-        return to_array(self(world.model, world.pose_1, world.pose_2, world.last_u));
+        return self(world.model, world.pose_1, world.pose_2, world.last_u);
       },
-      py::arg("world"), "Return the pose of a step: array (3,).");
+      "world"_a, "Return the pose of a step: array (3,).");
   const Fields fields([] { return Unicycle(); });
-  define_constructor(unicycle, fields);
-  define_record(unicycle, fields);
+  define_value(unicycle, fields);
   define_repr(unicycle, fields);
 }
 
@@ -53,7 +45,7 @@ py::array_t<double> inputs_of(const py::object& self) {
   const std::vector<Input>& u = self.cast<const Replay&>().u();
   const double* first = u.empty() ? nullptr : &u.front().u1;
   py::array_t<double> view({static_cast<py::ssize_t>(u.size()), py::ssize_t{2}}, first, self);
-  view.attr("setflags")(py::arg("write") = false);
+  view.attr("setflags")("write"_a = false);
   return view;
 }
 
@@ -82,11 +74,9 @@ Raises
 IndexError
     When it is called for a step that has no row.
 )");
-  replay.def(py::init(&replay_from), py::arg("u"))
-      .def_property_readonly("u", &inputs_of, "array (N, 2): the voltages (V), read-only.")
-      .def("__repr__", [](const Replay& self) {
-        return "<Replay: inputs of " + std::to_string(self.u().size()) + " steps>";
-      });
+  replay.def(py::init(&replay_from), "u"_a)
+      .def_property_readonly("u", &inputs_of, "array (N, 2): the voltages (V), read-only.");
+  define_repr(replay, "<Replay: inputs of {0.u.shape[0]} steps>");
   const Fields fields(&replay_from_bytes, Field("u", &bytes_of));
   define_record(replay, fields);
 }
@@ -97,8 +87,8 @@ void bind_ready_controllers(py::module_& module) {
 A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
 )")
       .def(
-          "__call__", [](const Controller& self, const Step& step) { return to_array(self(step)); },
-          py::arg("step"), "Return the input of a step: array (2,), V.");
+          "__call__", [](const Controller& self, const Step& step) { return self(step); }, "step"_a,
+          "Return the input of a step: array (2,), V.");
 
   Class<Spin, Controller, std::shared_ptr<Spin>> spin(public_in(module, "robsim"), "Spin", R"(
 Turns on the spot: (+voltage, -voltage).
@@ -111,8 +101,7 @@ voltage : float
   const Fields spin_fields(
       [](double voltage) { return std::make_shared<Spin>(voltage); },
       Field("voltage", &Spin::voltage, "float: voltage of the left motor (V).", Spin().voltage()));
-  define_constructor(spin, spin_fields);
-  define_record(spin, spin_fields);
+  define_value(spin, spin_fields);
   define_repr(spin, spin_fields);
 
   const DriveAround defaults;
@@ -134,8 +123,7 @@ hold : int
       by_name, Field("low", &DriveAround::low, "float: lowest voltage (V).", defaults.low()),
       Field("high", &DriveAround::high, "float: highest voltage (V).", defaults.high()),
       Field("hold", &DriveAround::hold, "int: steps a voltage is held for.", defaults.hold()));
-  define_constructor(drive, fields);
-  define_record(drive, fields);
+  define_value(drive, fields);
   define_repr(drive, fields);
 }
 

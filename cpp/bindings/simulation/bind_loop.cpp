@@ -1,5 +1,3 @@
-#include <pybind11/stl.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -7,15 +5,35 @@
 
 #include "python/callbacks.hpp"
 #include "python/interpreter.hpp"
-#include "python/numpy.hpp"
 #include "python/signature.hpp"
 #include "robsim/simulation/loop.hpp"
 #include "robsim/simulation/seam/thread_guard.hpp"
 #include "robsim/simulation/trace.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
+
+template <>
+struct robsim::bindings::Choices<IdentifyFrom> {
+  static constexpr std::pair<const char*, IdentifyFrom> all[] = {
+      {"truth", IdentifyFrom::truth},
+      {"measurement", IdentifyFrom::measurement},
+      {"estimate", IdentifyFrom::estimate}};
+};
+template <>
+struct robsim::bindings::Choices<Given> {
+  static constexpr std::pair<const char*, Given> all[] = {{"all", Given::all},
+                                                          {"frames", Given::frames},
+                                                          {"blobs", Given::blobs},
+                                                          {"pose", Given::pose}};
+};
+template <>
+struct robsim::bindings::Choices<Stage> {
+  static constexpr std::pair<const char*, Stage> all[] = {
+      {"world", Stage::world},     {"estimate_parameters", Stage::estimate_parameters},
+      {"measure", Stage::measure}, {"estimate_state", Stage::estimate_state},
+      {"control", Stage::control}, {"send", Stage::send}};
+};
 
 namespace {
 
@@ -91,14 +109,9 @@ Loop::Pulse pulse(const py::object& progress) {
 std::unique_ptr<SlottedLoop> make_loop(const std::shared_ptr<World>& world,
                                        const std::vector<ColorClass>& colors,
                                        const MarkerLayout& markers, std::optional<int> smoothing,
-                                       const std::string& identify_from,
-                                       std::uint64_t controller_seed) {
+                                       IdentifyFrom identify_from, std::uint64_t controller_seed) {
   return std::make_unique<SlottedLoop>(
-      world, RobotOptions{colors, markers, smoothing, controller_seed},
-      choice_from<IdentifyFrom>("identify_from", identify_from,
-                                {{"truth", IdentifyFrom::truth},
-                                 {"measurement", IdentifyFrom::measurement},
-                                 {"estimate", IdentifyFrom::estimate}}));
+      world, RobotOptions{colors, markers, smoothing, controller_seed}, identify_from);
 }
 
 // Does not keep the callable alive, as Callback. What it raises is written, and ends no run.
@@ -112,9 +125,8 @@ Loop::Observer observer_of(const py::object& observer) {
   return [call = py::handle(observer)](const Loop::Outcome& outcome) {
     try {
       const Step& step = *outcome.step;
-      const py::object u = step.u ? py::object(to_array(*step.u)) : py::none();
-      call(outcome.step, u, step.measurement, step.detection, outcome.t_arrival, outcome.t_sent,
-           outcome.interrupted);
+      call(outcome.step, step.u, step.measurement, step.detection, outcome.t_arrival,
+           outcome.t_sent, outcome.interrupted);
     } catch (py::error_already_set& error) {
       if (error.matches(PyExc_KeyboardInterrupt)) {
         PyErr_SetInterrupt();  // put off: the run sees to it
@@ -123,12 +135,6 @@ Loop::Observer observer_of(const py::object& observer) {
       }
     }
   };
-}
-
-const char* name_of(Stage stage) {
-  constexpr const char* names[] = {
-      "world", "estimate_parameters", "measure", "estimate_state", "control", "send"};
-  return names[static_cast<int>(stage)];
 }
 
 // Forgets the step's object at the end of its life.
@@ -170,7 +176,7 @@ Columns columns_of(const SlottedLoop& self) {
     auto* memory = new Trace::Memory(column.memory());
     const py::capsule owner(memory, [](void* p) { delete static_cast<Trace::Memory*>(p); });
     py::array_t<double> view({rows, width}, (*memory)->data(), owner);
-    view.attr("setflags")(py::arg("write") = false);
+    view.attr("setflags")("write"_a = false);
     columns[column.name().c_str()] = view;
   }
   return columns;
@@ -199,10 +205,9 @@ void bind_loop(py::module_& module) {
   Class<SlottedLoop>(public_in(module, "robsim._core"), "Loop",
                      "The loop. Users take robsim.Simulation or robsim.Experiment.",
                      py::custom_type_setup(&collect_garbage<SlottedLoop>))
-      .def(py::init(&make_loop), py::kw_only(), py::arg("world"), py::arg("colors"),
-           py::arg("markers"), py::arg("smoothing"), py::arg("identify_from"),
-           py::arg("controller_seed"))
-      .def("set_slot", &SlottedLoop::set_slot, py::arg("slot"), py::arg("value"),
+      .def(py::init(&make_loop), py::kw_only(), "world"_a, "colors"_a, "markers"_a, "smoothing"_a,
+           "identify_from"_a, "controller_seed"_a)
+      .def("set_slot", &SlottedLoop::set_slot, "slot"_a, "value"_a,
            "Put a callable or a native component into a slot; None = the default.")
       .def(
           "set_controller_seed",
@@ -210,20 +215,14 @@ void bind_loop(py::module_& module) {
             const RunGuard::Look look(self.guard());
             self.robot().set_controller_seed(seed);
           },
-          py::arg("seed"))
+          "seed"_a)
       .def(
           "set_given",
-          [](SlottedLoop& self, const std::string& given, bool samples) {
+          [](SlottedLoop& self, Given given, bool samples) {
             const RunGuard::Look look(self.guard());
-            const Given chosen = choice_from<Given>("given", given,
-                                                    {{"all", Given::all},
-                                                     {"frames", Given::frames},
-                                                     {"blobs", Given::blobs},
-                                                     {"pose", Given::pose}});
-            self.robot().set_given(chosen, samples);
+            self.robot().set_given(given, samples);
           },
-          py::arg("given"), py::arg("samples"),
-          "Let callbacks look at no more than that, from the next step on.")
+          "given"_a, "samples"_a, "Let callbacks look at no more than that, from the next step on.")
       .def(
           "set_vision",
           [](SlottedLoop& self, const std::vector<ColorClass>& colors, const MarkerLayout& markers,
@@ -231,7 +230,7 @@ void bind_loop(py::module_& module) {
             const RunGuard::Look look(self.guard());
             self.robot().set_vision(colors, markers, smoothing);
           },
-          py::arg("colors"), py::arg("markers"), py::arg("smoothing"),
+          "colors"_a, "markers"_a, "smoothing"_a,
           "Look for other markers, in other colours, from the next step on.")
       .def_property_readonly(
           "minimum_area", [](SlottedLoop& self) { return blob_options_of(self).minimum_area; },
@@ -248,7 +247,7 @@ void bind_loop(py::module_& module) {
             self.set_observer(observer_of(observer));
             self.values["observer"] = observer;
           },
-          py::arg("observer"),
+          "observer"_a,
           "Call observer(step, u, measurement, detection, t_arrival, t_sent, interrupted) after "
           "each step, with None for what there is not; observer None = nobody.")
       .def("start", &SlottedLoop::start, "Do what comes once, if that has not been done yet.")
@@ -257,18 +256,16 @@ void bind_loop(py::module_& module) {
           [](SlottedLoop& self, std::int64_t steps, const py::object& progress, bool stops_robot) {
             return in_run(self, [&] { return self.run(steps, pulse(progress), stops_robot); });
           },
-          py::arg("steps"), py::arg("progress") = py::none(), py::arg("stops_robot") = true,
+          "steps"_a, "progress"_a = py::none(), "stops_robot"_a = true,
           "Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has "
           "come "
           "to its end.")
       .def(
           "step_stage",
-          [](SlottedLoop& self, const py::object& progress) -> std::optional<std::string> {
-            const std::optional<Stage> stage =
-                in_run(self, [&] { return self.step_stage(pulse(progress)); });
-            return stage ? std::optional<std::string>(name_of(*stage)) : std::nullopt;
+          [](SlottedLoop& self, const py::object& progress) {
+            return in_run(self, [&] { return self.step_stage(pulse(progress)); });
           },
-          py::arg("progress") = py::none(),
+          "progress"_a = py::none(),
           "Do the next stage that is on and return its name; None = the world has come to its end.")
       .def("stop", &SlottedLoop::stop, "End the run under way; False if there is none.")
       .def("stop_robot", &SlottedLoop::stop_robot_between_runs,
@@ -285,7 +282,7 @@ void bind_loop(py::module_& module) {
       .def_property_readonly("is_running",
                              [](const SlottedLoop& self) { return self.guard().is_running(); })
       .def_property_readonly(
-          "stage", [](const SlottedLoop& self) { return name_of(self.stage()); },
+          "stage", [](const SlottedLoop& self) { return self.stage(); },
           "str: the stage that runs, or comes next.")
       .def_property_readonly("model", [](const SlottedLoop& self) { return self.robot().model(); })
       .def_property_readonly(

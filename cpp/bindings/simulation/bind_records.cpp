@@ -1,39 +1,34 @@
-#include <pybind11/stl.h>
-
 #include <cmath>
 
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/simulation/robot/step.hpp"
 #include "robsim/simulation/world/external_world.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
 namespace {
 
 Arrived make_observation(const std::optional<Frame>& frame, const std::optional<double>& t,
-                         const std::optional<ArrayLike>& last_u,
+                         const std::optional<Input>& last_u,
                          const std::optional<MeasurementLike>& measurement,
                          const std::optional<Sample>& sample, bool interrupted) {
+  if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
   Arrived arrived;
   arrived.frame = frame;
-  if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
   arrived.t = t;
-  if (last_u) arrived.known.last_u = input_from(*last_u, "last_u");
-  if (measurement) arrived.known.measurement = measurement_from(*measurement, "measurement");
+  arrived.known.last_u = last_u;
+  arrived.known.measurement = measurement;
   arrived.known.sample = sample;
   arrived.known.interrupted = interrupted;
   return arrived;
 }
 
-Estimate make_estimate(const ArrayLike& pose, const ArrayLike& covariance,
+Estimate make_estimate(const Pose& pose, const PoseCovariance& covariance,
                        const std::optional<ArrayLike>& state) {
   Estimate estimate;
-  estimate.pose = pose_from(pose, "pose");
-  estimate.covariance = covariance_from(covariance, "covariance");
+  estimate.pose = pose;
+  estimate.covariance = covariance;
   if (state) {
     const Doubles more = doubles_from(*state, "state", Shape{-1}, "an array of shape (n,)");
     estimate.state.assign(more.data(), more.data() + more.size());
@@ -41,12 +36,10 @@ Estimate make_estimate(const ArrayLike& pose, const ArrayLike& covariance,
   return estimate;
 }
 
-std::string repr(const Estimate& self) {
-  const py::object pose = bindings::to_array(self.pose).attr("tolist")();
+py::str repr(const Estimate& self) {
   const Eigen::Vector3d sd = self.covariance.diagonal().cwiseSqrt();
-  const py::tuple shown = py::make_tuple(sd[0], sd[1], sd[2]);
-  return "<Estimate: pose " + py::repr(pose).cast<std::string>() + ", standard deviations " +
-         py::str("{:.3g}, {:.3g} px, {:.3g} rad").format(*shown).cast<std::string>() + ">";
+  return py::str("<Estimate: pose {}, standard deviations {:.3g}, {:.3g} px, {:.3g} rad>")
+      .format(to_array(self.pose).attr("tolist")(), sd[0], sd[1], sd[2]);
 }
 
 void bind_estimate_and_sample(py::module_& module) {
@@ -71,9 +64,8 @@ state : array (n,), optional
       Field("pose", &Estimate::pose, "array (3,): x, y (work-area px), heading (rad)."),
       Field("covariance", &Estimate::covariance, "array (3, 3): covariance of the pose."),
       Field("state", state, "array (n,): any further state.", std::nullopt));
-  define_constructor(estimate, fields);
-  define_record(estimate, fields);
-  estimate.def("__repr__", py::overload_cast<const Estimate&>(&repr));
+  define_value(estimate, fields);
+  estimate.def("__repr__", &repr);
 
   Class<Sample> sample(public_in(module, "robsim.estimation"), "Sample", R"(
 One sample for the parameter estimator: y = sum(phi * theta, axis=1).
@@ -87,23 +79,20 @@ y : array (3,)
 k : int
     The step whose output y is.
 )");
-  const auto make = [](const ArrayLike& phi, const ArrayLike& y, std::int64_t k) {
+  const auto make = [](const AxisMatrix& phi, const Pose& y, std::int64_t k) {
     check_step_number(k);
-    const Pose outputs = pose_from(y, "y");
-    return Sample{{axis_matrix_from(phi, "phi"), {outputs.x, outputs.y, outputs.heading}}, k};
+    return Sample{{phi, {y.x, y.y, y.heading}}, k};
   };
-  const Fields sample_fields(make,
-                             Field(
-                                 "phi", [](const Sample& self) { return self.regression.phi; },
-                                 "array (3, 5): regressors of the axes X, Y and P (heading)."),
-                             Field(
-                                 "y", [](const Sample& self) { return self.regression.y; },
-                                 "array (3,): outputs x, y (work-area px) and heading (rad)."),
-                             Field("k", &Sample::k, "int: the step whose output y is."));
-  define_constructor(sample, sample_fields);
-  define_record(sample, sample_fields);
-  sample.def("__repr__",
-             [](const Sample& self) { return "<Sample of step " + std::to_string(self.k) + ">"; });
+  const auto y = [](const Sample& self) { return Eigen::VectorXd(self.regression.y); };
+  const Fields sample_fields(
+      make,
+      Field(
+          "phi", [](const Sample& self) { return self.regression.phi; },
+          "array (3, 5): regressors of the axes X, Y and P (heading)."),
+      Field("y", y, "array (3,): outputs x, y (work-area px) and heading (rad)."),
+      Field("k", &Sample::k, "int: the step whose output y is."));
+  define_value(sample, sample_fields);
+  define_repr(sample, "<Sample of step {0.k}>");
 }
 
 void bind_observation(py::module_& module) {
@@ -141,8 +130,7 @@ interrupted : bool
             "Sample or None: the sample for the parameter estimator.", std::nullopt),
       Field("interrupted", known(&Observation::interrupted),
             "bool: the robot was stopped since the last step.", false));
-  define_constructor(observation, fields);
-  define_record(observation, fields);
+  define_value(observation, fields);
   observation.def("__repr__", [](const Arrived& self) {
     return std::string("<Observation ") + (self.frame ? "with" : "without") + " a frame>";
   });

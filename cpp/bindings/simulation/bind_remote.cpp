@@ -1,30 +1,32 @@
+#include <functional>
+#include <numeric>
+
 #include "python/callbacks.hpp"
 #include "python/interpreter.hpp"
-#include "python/numpy.hpp"
 #include "python/signature.hpp"
 #include "robsim/simulation/remote/message_socket.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
+template <>
+struct robsim::bindings::Choices<StageBit> {
+  static constexpr std::pair<const char*, StageBit> all[] = {
+      {"estimate_parameters", parameters_bit},
+      {"measure", measure_bit},
+      {"estimate_state", estimate_bit},
+      {"control", control_bit}};
+};
+
 namespace {
 
-std::uint32_t bits_of(const std::vector<std::string>& slots) {
-  std::uint32_t bits = 0;
-  for (const std::string& slot : slots) {
-    bits |= choice_from<StageBit>("slots", slot,
-                                  {{"estimate_parameters", parameters_bit},
-                                   {"measure", measure_bit},
-                                   {"estimate_state", estimate_bit},
-                                   {"control", control_bit}});
-  }
-  return bits;
+std::uint32_t bits_of(const std::vector<StageBit>& slots) {
+  return std::accumulate(slots.begin(), slots.end(), std::uint32_t{0}, std::bit_or<>());
 }
 
 std::shared_ptr<PythonRemoteRobot> make_robot(const py::object& exchange, const py::object& refuse,
-                                              const std::vector<std::string>& slots,
+                                              const std::vector<StageBit>& slots,
                                               const std::shared_ptr<World>& any_world,
                                               bool sends_frames, bool sends_samples,
                                               bool measures_first, bool has_standard_errors,
@@ -44,7 +46,7 @@ std::shared_ptr<PythonRemoteRobot> make_robot(const py::object& exchange, const 
 }
 
 std::shared_ptr<PythonRemoteWorld> make_remote_world(
-    const py::object& exchange, const std::vector<std::string>& slots,
+    const py::object& exchange, const std::vector<StageBit>& slots,
     const std::optional<std::shared_ptr<SharedFrames>>& frames, std::pair<int, int> resolution) {
   RemoteWorld::Options options;
   options.stages = bits_of(slots);
@@ -113,17 +115,17 @@ std::pair<int, py::bytes> exchanged(MessageSocket& socket, int kind, const py::o
 void bind_remote(py::module_& module) {
   Class<MessageSocket>(public_in(module, "robsim._core"), "MessageSocket",
                        "One end of a stream socket between two processes that speak in turn.")
-      .def(py::init(&make_socket), py::arg("descriptor"), py::arg("limits"))
-      .def("exchange", &exchanged, py::arg("kind"), py::arg("parts"), py::arg("patience"));
+      .def(py::init(&make_socket), "descriptor"_a, "limits"_a)
+      .def("exchange", &exchanged, "kind"_a, "parts"_a, "patience"_a);
 
   Class<PythonRemoteRobot, std::shared_ptr<PythonRemoteRobot>>(
       public_in(module, "robsim._core"), "RemoteRobot",
       "A robot half in another process: a value for the slots that it fills. exchange(message, "
       "pixels or None, slot, k) returns the answer; refuse(slot, k, what) raises.",
       py::custom_type_setup(&collect_garbage<PythonRemoteRobot>))
-      .def(py::init(&make_robot), py::arg("exchange"), py::arg("refuse"), py::kw_only(),
-           py::arg("slots"), py::arg("world"), py::arg("sends_frames"), py::arg("sends_samples"),
-           py::arg("measures_first"), py::arg("has_standard_errors"), py::arg("largest_input"));
+      .def(py::init(&make_robot), "exchange"_a, "refuse"_a, py::kw_only(), "slots"_a, "world"_a,
+           "sends_frames"_a, "sends_samples"_a, "measures_first"_a, "has_standard_errors"_a,
+           "largest_input"_a);
 
   Class<SharedFrames, std::shared_ptr<SharedFrames>>(
       public_in(module, "robsim._core"), "SharedFrames",
@@ -133,13 +135,13 @@ void bind_remote(py::module_& module) {
              return std::make_shared<SharedFrames>(descriptor, slots, slot_bytes, resolution.first,
                                                    resolution.second);
            }),
-           py::arg("descriptor"), py::arg("slots"), py::arg("slot_bytes"), py::arg("resolution"));
+           "descriptor"_a, "slots"_a, "slot_bytes"_a, "resolution"_a);
 
   Class<PythonRemoteWorld, World, std::shared_ptr<PythonRemoteWorld>>(
       public_in(module, "robsim._core"), "RemoteWorld",
       "The world half in another process: exchange(answer) sends the answer, unless it is empty, "
       "and returns the next message, None at the end.",
       py::custom_type_setup(&collect_garbage<PythonRemoteWorld>))
-      .def(py::init(&make_remote_world), py::arg("exchange"), py::kw_only(), py::arg("slots"),
-           py::arg("frames"), py::arg("resolution"));
+      .def(py::init(&make_remote_world), "exchange"_a, py::kw_only(), "slots"_a, "frames"_a,
+           "resolution"_a);
 }

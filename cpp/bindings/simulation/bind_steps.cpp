@@ -1,13 +1,8 @@
-#include <pybind11/stl.h>
-
 #include <cmath>
 
 #include "python/callbacks.hpp"
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
 
@@ -19,8 +14,8 @@ const Step& readable(const Step& step) {
   return step;
 }
 
-py::array_t<double> decided_input(const Step& step) {
-  if (readable(step).u) return to_array(*step.u);
+Input decided_input(const Step& step) {
+  if (readable(step).u) return *step.u;
   throw std::runtime_error("step.u, the input of step " + std::to_string(step.k) +
                            ", is not decided yet: the controller comes last. The input of the "
                            "step before is step.last_u");
@@ -51,12 +46,14 @@ std::shared_ptr<Step> new_step(const std::optional<Frame>& frame, bool had_frame
   return step;
 }
 
-std::shared_ptr<Step> make_step(
-    std::int64_t k, std::optional<double> t, double dt, const ArrayLike& last_u,
-    const std::optional<Frame>& frame, const std::optional<MeasurementLike>& measurement,
-    const std::optional<Estimate>& estimate, const std::optional<ArrayLike>& parameters,
-    const std::optional<Sample>& sample, const std::optional<ArrayLike>& u,
-    const std::vector<ColorClass>& colors, const std::optional<MarkerLayout>& markers) {
+std::shared_ptr<Step> make_step(std::int64_t k, std::optional<double> t, double dt,
+                                const Input& last_u, const std::optional<Frame>& frame,
+                                const std::optional<MeasurementLike>& measurement,
+                                const std::optional<Estimate>& estimate,
+                                const std::optional<AxisMatrix>& parameters,
+                                const std::optional<Sample>& sample, const std::optional<Input>& u,
+                                const std::vector<ColorClass>& colors,
+                                const std::optional<MarkerLayout>& markers) {
   check_step_number(k);
   if (!(dt > 0 && std::isfinite(dt))) throw py::value_error("dt must be above 0 s and finite");
   if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
@@ -66,12 +63,12 @@ std::shared_ptr<Step> make_step(
   step->k = k;
   step->t = t.value_or(static_cast<double>(k) * dt);
   step->dt = dt;
-  step->last_u = input_from(last_u, "last_u");
-  if (measurement) step->measurement = measurement_from(*measurement, "measurement");
+  step->last_u = last_u;
+  step->measurement = measurement;
   step->estimate = estimate;
-  if (parameters) step->parameters = axis_matrix_from(*parameters, "parameters");
+  step->parameters = parameters;
   step->set_sample(sample);
-  if (u) step->u = input_from(*u, "u");
+  step->u = u;
   return step;
 }
 
@@ -127,9 +124,8 @@ auto fields_of_step(const Make& make, const More&... more) {
       more...);
 }
 
-std::shared_ptr<Step> step_from(std::int64_t k, double t, double dt, const ArrayLike& last_u,
-                                const std::optional<ArrayLike>& u,
-                                const std::optional<Sample>& sample,
+std::shared_ptr<Step> step_from(std::int64_t k, double t, double dt, const Input& last_u,
+                                const std::optional<Input>& u, const std::optional<Sample>& sample,
                                 const std::optional<ArrayLike>& parameters,
                                 const std::optional<Measurement>& measurement,
                                 const std::optional<Detection>& detection,
@@ -139,8 +135,8 @@ std::shared_ptr<Step> step_from(std::int64_t k, double t, double dt, const Array
   step->k = k;
   step->t = t;
   step->dt = dt;
-  step->last_u = input_from(last_u, "last_u");
-  if (u) step->u = input_from(*u, "u");
+  step->last_u = last_u;
+  step->u = u;
   step->set_sample(sample);
   if (parameters) {
     const Doubles theta = numbers_from(*parameters, "parameters", Shape{3, 5}, "theta");
@@ -152,7 +148,9 @@ std::shared_ptr<Step> step_from(std::int64_t k, double t, double dt, const Array
   return step;
 }
 
-void bind_step(py::module_& module) {
+}  // namespace
+
+void bind_steps(py::module_& module) {
   Class<Step, std::shared_ptr<Step>> step(public_in(module, "robsim"), "Step", R"(
 What the robot half may know of a step, read-only. It fills up from stage to stage.
 
@@ -194,12 +192,11 @@ Examples
   const RobotParameters defaults;
   const auto numbers = fields_of_step([] { return std::shared_ptr<Step>(); });
   define_properties(step, numbers);
-  step.def(py::init(&make_step), py::kw_only(), py::arg("k") = 0, py::arg("t") = py::none(),
-           py::arg("dt") = defaults.dt, py::arg("last_u") = std::make_tuple(0.0, 0.0),
-           py::arg("frame") = py::none(), py::arg("measurement") = py::none(),
-           py::arg("estimate") = py::none(), py::arg("parameters") = py::none(),
-           py::arg("sample") = py::none(), py::arg("u") = py::none(),
-           py::arg("colors") = std::vector<ColorClass>(), py::arg("markers") = py::none())
+  step.def(py::init(&make_step), py::kw_only(), "k"_a = 0, "t"_a = py::none(), "dt"_a = defaults.dt,
+           "last_u"_a = std::make_tuple(0.0, 0.0), "frame"_a = py::none(),
+           "measurement"_a = py::none(), "estimate"_a = py::none(), "parameters"_a = py::none(),
+           "sample"_a = py::none(), "u"_a = py::none(), "colors"_a = std::vector<ColorClass>(),
+           "markers"_a = py::none())
       .def_property_readonly("u", &decided_input,
                              "array (2,): the input decided in this step, as sent to the motors "
                              "(V). RuntimeError before that.")
@@ -221,16 +218,10 @@ Examples
           "MarkerLayout: where the robot carries its markers.")
       .def_property_readonly(
           "colors", [](const Step& self) { return self.colors(); },
-          "list of ColorClass: the colours that blobs are found with.")
-      .def("__repr__", [](const Step& self) {
-        return py::str("<Step {}: t = {:g} s>").format(self.k, self.t).cast<std::string>();
-      });
+          "list of ColorClass: the colours that blobs are found with.");
+  define_repr(step, "<Step {0.k}: t = {0.t:g} s>");
   // Equal are steps with the same numbers. It fills up during the step: there is no hash.
   define_equality(step, numbers);
   define_pickle(step,
                 fields_of_step(&step_from, Field("frame", &frame_of), Field("vision", &vision_of)));
 }
-
-}  // namespace
-
-void bind_steps(py::module_& module) { bind_step(module); }

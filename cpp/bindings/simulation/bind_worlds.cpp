@@ -1,13 +1,9 @@
-#include <pybind11/stl.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "capture/python_camera.hpp"
 #include "python/callbacks.hpp"
 #include "python/interpreter.hpp"
-#include "python/numpy.hpp"
-#include "python/signature.hpp"
 #include "python/values.hpp"
 #include "robsim/lab/live_ends.hpp"
 #include "robsim/model/motion.hpp"
@@ -15,9 +11,14 @@
 #include "robsim/simulation/world/external_world.hpp"
 #include "robsim/simulation/world/simulated_world.hpp"
 
-namespace py = pybind11;
 using namespace robsim;
 using namespace robsim::bindings;
+
+template <>
+struct robsim::bindings::Choices<Boundary> {
+  static constexpr std::pair<const char*, Boundary> all[] = {{"bounce", Boundary::bounce},
+                                                             {"unlimited", Boundary::unlimited}};
+};
 
 namespace {
 
@@ -76,24 +77,15 @@ void SlottedWorld::set_evaluate_model(const py::object& value) {
 }
 
 std::shared_ptr<SlottedWorld> make_world(std::pair<int, int> area, std::pair<int, int> resolution,
-                                         const std::string& boundary, int camera_delay,
-                                         double motor_delay) {
+                                         Boundary boundary, int camera_delay, double motor_delay) {
   WorldOptions options;
-  options.area = {
-      area.first, area.second,
-      choice_from<Boundary>("boundary", boundary,
-                            {{"bounce", Boundary::bounce}, {"unlimited", Boundary::unlimited}})};
+  options.area = {area.first, area.second, boundary};
   options.camera = PlaneMap::scaled(resolution.first, resolution.second, area.first, area.second);
   options.width = resolution.first;
   options.height = resolution.second;
   options.camera_delay = camera_delay;
   options.motor_delay = motor_delay;
   return std::make_shared<SlottedWorld>(options);
-}
-
-Eigen::Matrix3d matrix_from(const ArrayLike& value, const std::string& name) {
-  const Doubles rows = doubles_from(value, name, Shape{3, 3}, "an array of shape (3, 3)");
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
 }
 
 // The frame of a step: a new one, or one that borrows `out`.
@@ -118,13 +110,13 @@ Frame draw_newest(SlottedWorld& self, const std::optional<PixelArray>& out) {
 }
 
 // The other arguments are a row of the trace.
-Frame draw(SlottedWorld& self, std::int64_t k, const ArrayLike& pose_true,
+Frame draw(SlottedWorld& self, std::int64_t k, const Pose& pose_true,
            const std::array<double, 2>& view, const std::array<double, 1>& hidden,
            const std::array<double, 2>& noise, const std::optional<PixelArray>& out) {
   const RunGuard::Look look(self.loop_guard());
   Truth captured;
   captured.k = k;
-  captured.pose = pose_from(pose_true, "pose_true");
+  captured.pose = pose_true;
   captured.view = {view[0], view[1]};
   captured.hidden = hidden[0] > 0;
   captured.noise = noise;
@@ -137,18 +129,12 @@ void set_frame_memory(SlottedWorld& self, const std::vector<py::object>& arrays)
   self.set_frame_memory(images);
 }
 
-WorldState make_world_state(const ArrayLike& pose_1, const ArrayLike& pose_2,
-                            const ArrayLike& last_u, const std::optional<RobotModel>& given_model,
-                            std::int64_t k, std::optional<double> t, std::optional<double> dt) {
+WorldState make_world_state(const Pose& pose_1, const Pose& pose_2, const Input& last_u,
+                            const std::optional<RobotModel>& given_model, std::int64_t k,
+                            std::optional<double> t, std::optional<double> dt) {
   check_step_number(k);
   const RobotModel model = given_model.value_or(RobotModel());
-  WorldState world{k,
-                   0,
-                   dt.value_or(model.dt()),
-                   pose_from(pose_1, "pose_1"),
-                   pose_from(pose_2, "pose_2"),
-                   input_from(last_u, "last_u"),
-                   model};
+  WorldState world{k, 0, dt.value_or(model.dt()), pose_1, pose_2, last_u, model};
   world.t = t.value_or(static_cast<double>(k) * world.dt);
   if (!std::isfinite(world.t)) throw py::value_error("t must be finite (s)");
   if (!(world.dt > 0 && std::isfinite(world.dt))) throw py::value_error("dt must be above 0 s");
@@ -185,11 +171,8 @@ t, dt : float, optional
       by_name, Field("k", &WorldState::k, "int: number of the step.", 1),
       Field("t", &WorldState::t, "float: time (s).", std::nullopt),
       Field("dt", &WorldState::dt, "float: sample time (s).", std::nullopt));
-  define_constructor(world, fields);
-  define_record(world, fields);
-  world.def("__repr__", [](const WorldState& self) {
-    return "<WorldState of step " + std::to_string(self.k) + ">";
-  });
+  define_value(world, fields);
+  define_repr(world, "<WorldState of step {0.k}>");
 }
 
 void bind_simulated_world(py::module_& module) {
@@ -197,39 +180,27 @@ void bind_simulated_world(py::module_& module) {
       public_in(module, "robsim._core"), "SimulatedWorld",
       "The simulated world half. Users take robsim.Simulation.",
       py::custom_type_setup(&collect_garbage<SlottedWorld>))
-      .def(py::init(&make_world), py::kw_only(), py::arg("area"), py::arg("resolution"),
-           py::arg("boundary"), py::arg("camera_delay"), py::arg("motor_delay"))
-      .def("set_evaluate_model", &SlottedWorld::set_evaluate_model, py::arg("value"))
-      .def("set_make_scene", &SlottedWorld::set_make_scene, py::arg("make"),
-           py::arg("makes_at_start"))
-      .def("set_true_model", &SlottedWorld::set_true_model, py::arg("draw"))
-      .def(
-          "set_start",
-          [](SlottedWorld& self, const ArrayLike& start) {
-            self.set_start(pose_from(start, "start"));
-          },
-          py::arg("start"))
-      .def("set_robot_radius", &SlottedWorld::set_robot_radius, py::arg("radius"))
-      .def("set_noise", &SlottedWorld::set_noise, py::arg("noise"))
-      .def("set_dropout", &SlottedWorld::set_dropout, py::arg("probability"), py::arg("steps"))
-      .def(
-          "set_disturbance",
-          [](SlottedWorld& self, const ArrayLike& pose_factor,
-             const std::array<double, 2>& input_sigma) {
-            self.set_disturbance(matrix_from(pose_factor, "pose_factor"), input_sigma);
-          },
-          py::arg("pose_factor"), py::arg("input_sigma"))
-      .def("set_seeds", &SlottedWorld::set_seeds, py::kw_only(), py::arg("noise"),
-           py::arg("dropout"), py::arg("disturbance"))
+      .def(py::init(&make_world), py::kw_only(), "area"_a, "resolution"_a, "boundary"_a,
+           "camera_delay"_a, "motor_delay"_a)
+      .def("set_evaluate_model", &SlottedWorld::set_evaluate_model, "value"_a)
+      .def("set_make_scene", &SlottedWorld::set_make_scene, "make"_a, "makes_at_start"_a)
+      .def("set_true_model", &SlottedWorld::set_true_model, "draw"_a)
+      .def("set_start", &SlottedWorld::set_start, "start"_a)
+      .def("set_robot_radius", &SlottedWorld::set_robot_radius, "radius"_a)
+      .def("set_noise", &SlottedWorld::set_noise, "noise"_a)
+      .def("set_dropout", &SlottedWorld::set_dropout, "probability"_a, "steps"_a)
+      .def("set_disturbance", &SlottedWorld::set_disturbance, "pose_factor"_a, "input_sigma"_a)
+      .def("set_seeds", &SlottedWorld::set_seeds, py::kw_only(), "noise"_a, "dropout"_a,
+           "disturbance"_a)
       .def(
           "set_noise_keys",
           [](SlottedWorld& self, const py::array_t<std::uint64_t>& keys) {
             self.set_noise_keys({keys.data(), keys.data() + keys.size()});
           },
-          py::arg("keys"),
+          "keys"_a,
           "Draw the noise of each frame from a key of its own, array (steps,) of uint64; empty: no "
           "longer.")
-      .def("set_frame_memory", &set_frame_memory, py::arg("images"),
+      .def("set_frame_memory", &set_frame_memory, "images"_a,
            "Draw the newest frames on one of these arrays (H, W, 3), whoever holds it.")
       .def_property_readonly(
           "model", [](const SlottedWorld& self) { return self.model(); },
@@ -238,7 +209,7 @@ void bind_simulated_world(py::module_& module) {
           "pose",
           [](const SlottedWorld& self) {
             const RunGuard::Look look(self.loop_guard());
-            return bindings::to_array(self.truth()->pose);
+            return self.truth()->pose;
           },
           "array (3,): where the robot is: x, y (work-area px), heading (rad).")
       .def_property_readonly(
@@ -248,12 +219,11 @@ void bind_simulated_world(py::module_& module) {
             return std::const_pointer_cast<Scene>(self.scene());
           },
           "Scene or None: what the camera looks at; None if nobody has looked yet.")
-      .def("draw_newest", &draw_newest, py::arg("out") = py::none(),
+      .def("draw_newest", &draw_newest, "out"_a = py::none(),
            "Return the newest frame, or write it to `out`.")
-      .def("draw", &draw, py::arg("k"), py::arg("pose_true"),
-           py::arg("view") = std::array<double, 2>{}, py::arg("hidden") = std::array<double, 1>{},
-           py::arg("noise") = std::array<double, 2>{}, py::arg("out") = py::none(),
-           "Return the frame of an earlier step, or write it to `out`.");
+      .def("draw", &draw, "k"_a, "pose_true"_a, "view"_a = std::array<double, 2>{},
+           "hidden"_a = std::array<double, 1>{}, "noise"_a = std::array<double, 2>{},
+           "out"_a = py::none(), "Return the frame of an earlier step, or write it to `out`.");
 }
 
 Arrival arrival_of(const py::object& taken, Arrived& arrived, std::int64_t k) {
@@ -355,8 +325,7 @@ void bind_external_world(py::module_& module) {
       "The world half outside. Users take robsim.Experiment.",
       py::custom_type_setup(&collect_garbage<PythonSource>))
       .def(py::init<const py::object&, const py::object&, double, const std::optional<Limits>&>(),
-           py::kw_only(), py::arg("frames"), py::arg("motors"), py::arg("frame_timeout"),
-           py::arg("limits"));
+           py::kw_only(), "frames"_a, "motors"_a, "frame_timeout"_a, "limits"_a);
 }
 
 }  // namespace

@@ -49,6 +49,47 @@ def check_names(
             raise error(f"{what} {quoted(name)}: {hint}")
 
 
+def check_call(
+    call: str,
+    names: list[str],
+    required: list[str],
+    n_allowed: int,
+    n_positional: int,
+    keywords: tuple[str, ...],
+) -> None:
+    """Raise a TypeError if these are no arguments of a native function: the core calls it.
+
+    Parameters
+    ----------
+    call : str
+        What users call it: ``"find_blobs"``.
+    names, required : list of str
+        The names of its arguments, and those without a default.
+    n_allowed, n_positional : int
+        How many may come without their names, and how many came.
+    keywords : tuple of str
+        The names that came.
+    """
+    if n_positional > n_allowed:
+        text = f"{call}() takes {n_allowed or 'no'} positional argument"
+        more = (
+            f": give the others by name, as in {names[n_allowed]}=..." if names[n_allowed:] else ""
+        )
+        raise TypeError(f"{text}{'s' * (n_allowed != 1)}, got {n_positional}{more}")
+    given = names[:n_positional]
+    for name in keywords:
+        if name in given:
+            raise TypeError(f"{call}() got two values for {name}")
+        if name not in names:
+            meant = suggestion(name, [other for other in names if other not in given])
+            hint = meant or f": it takes {', '.join(names) or 'none'}"
+            raise TypeError(f"{call}() has no argument '{name}'{hint}")
+        given.append(name)
+    for name in required:
+        if name not in given:
+            raise TypeError(f"{call}() needs the argument {name}")
+
+
 def with_article(name: str) -> str:
     return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"
 

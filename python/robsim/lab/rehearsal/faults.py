@@ -285,12 +285,10 @@ class LabTruth:
         return f"<LabTruth: {len(self)} ticks from {self.first} on, dt = {self.dt:g} s>"
 
 
-def truth_of(columns: dict[str, Any], dt: float) -> LabTruth:
-    """Return the truth of the columns of a native lab."""
-    values = {name: columns[name] for name in ("pose", "last_u")}
-    values["t"] = columns["t"][:, 0]
-    values["hidden"] = columns["hidden"][:, 0] > 0
-    values["shown"] = columns["shown"][:, 0].astype(np.int64)
-    for array in values.values():
+def truth_of(first: int, ticks: Floats, dt: float) -> LabTruth:
+    """Return the truth of the ticks of a native lab."""
+    t, pose, last_u, hidden, shown = np.split(ticks, (1, 4, 6, 7), axis=1)
+    arrays = t[:, 0], pose, last_u, hidden[:, 0] > 0, shown[:, 0].astype(np.int64)
+    for array in arrays:
         array.flags.writeable = False
-    return LabTruth(first=columns["first"], dt=dt, **values)
+    return LabTruth(first, dt, *arrays)

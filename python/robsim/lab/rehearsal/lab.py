@@ -184,7 +184,7 @@ class SimulatedLab:
     @property
     def truth(self) -> LabTruth:
         """All ticks up to now; any thread may ask."""
-        return truth_of(self._laboratory.columns(), self.dt)
+        return truth_of(*self._laboratory.ticks(), self.dt)
 
     @property
     def skipped_frames(self) -> int:
