@@ -22,7 +22,7 @@ Shape theta_shape(const RecursiveLeastSquares& self) {
                                : Shape{self.n_filters(), self.n_parameters()};
 }
 
-// What a method writes, shaped as theta.
+// The numbers that a method writes, shaped as theta.
 template <void (RecursiveLeastSquares::*write)(double*) const>
 py::array_t<double> written(const RecursiveLeastSquares& self) {
   py::array_t<double> values(theta_shape(self));
@@ -75,10 +75,9 @@ py::array_t<double> recursion(double a1, double a2, const ArrayLike& force) {
 Doubles samples_from(const ArrayLike& value, const char* name, const char* what, Shape single) {
   Shape many = single;
   many.insert(many.begin(), -1);
-  const std::string one = single.empty() ? "a number" : text_of(single);
-  const std::string remaining = single.empty() ? ",)" : ", " + text_of(single).substr(1);
+  const std::string one = text_of(single);
   const std::string expected =
-      std::string(what) + ": " + one + " for a sample, (N" + remaining + " for N samples";
+      std::string(what) + ": " + one + " for a sample, (N, " + one.substr(1) + " for N samples";
   const Doubles array = numbers_from(value, name, std::nullopt, expected);
   const bool is_many = array.ndim() == static_cast<py::ssize_t>(many.size());
   return numbers_from(value, name, is_many ? many : single, expected);

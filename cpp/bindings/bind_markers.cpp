@@ -48,7 +48,7 @@ MarkerLayout layout_of_positions(const ByRole<Point>& positions,
   MarkerLayout markers;
   markers.roles = roles_of(positions, "positions");
   const std::array<std::string, 2> names = colors_from(colors, markers.roles);
-  if (areas) check_roles(*areas, markers.roles, "areas");
+  if (areas) checked_roles(*areas, {markers.roles}, "areas", 0);
   if (polygons) in_order(*polygons, markers.roles, "polygons");
   std::size_t i = 0;
   for (Marker* marker : {&markers.first, &markers.second}) {
@@ -65,7 +65,7 @@ py::array_t<double> array_of(const Polygon& polygon) {
   return to_array(&polygon[0].x, {static_cast<py::ssize_t>(polygon.size()), 2});
 }
 
-// What a function makes of the markers, by role.
+// The results of a function for the two markers, by role.
 template <typename Annotated, typename Get>
 auto of_both(const MarkerLayout& self, const Get& get) {
   return by_role<Annotated>(self.roles, get(self.first), get(self.second));

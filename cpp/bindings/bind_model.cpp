@@ -11,47 +11,17 @@ namespace {
 
 RobotModel model_from(const AxisMatrix& theta, double dt) { return RobotModel(theta, dt); }
 
-// One row of numbers or N of them; one stands for all where another argument has N.
-class StepRows {
- public:
-  StepRows(py::handle value, const std::string& name, py::ssize_t width, const std::string& one)
-      : values_(doubles_from(value, name, std::nullopt, one)), width_(width) {
-    const bool fits = values_.ndim() >= 1 && values_.ndim() <= 2;
-    if (fits && values_.shape(values_.ndim() - 1) == width) return;
-    throw py::value_error(name + " must be " + one + " or an array (N, " + std::to_string(width) +
-                          "), got " + describe(value));
-  }
-
-  bool is_many() const { return values_.ndim() == 2; }
-  py::ssize_t count() const { return is_many() ? values_.shape(0) : 1; }
-  const double* row(py::ssize_t i) const { return values_.data() + (is_many() ? i * width_ : 0); }
-
- private:
-  Doubles values_;
-  py::ssize_t width_;
-};
-
-// The arguments of the model for one step or for N of them.
+// The arguments of the model for one step or for N of them: one row stands for all.
 struct Steps {
-  StepRows pose_1, pose_2, u;
-  py::ssize_t count;
-  bool is_many;
+  Doubles pose_1, pose_2, u;
+  py::ssize_t count = 1;
+  bool is_many = false;
 
-  Steps(py::handle pose_1_value, py::handle pose_2_value, py::handle u_value)
-      : pose_1(pose_1_value, "pose_1", 3, "a pose (x, y, heading) in px, px and rad"),
-        pose_2(pose_2_value, "pose_2", 3, "a pose (x, y, heading) in px, px and rad"),
-        u(u_value, "u", 2, "(u1, u2), the two voltages in V"),
-        count(1),
-        is_many(pose_1.is_many() || pose_2.is_many() || u.is_many()) {
-    for (const StepRows* rows : {&pose_1, &pose_2, &u}) {
-      if (rows->is_many()) count = rows->count();
-    }
-    for (const StepRows* rows : {&pose_1, &pose_2, &u}) {
-      if (!rows->is_many() || rows->count() == count) continue;
-      throw py::value_error("pose_1, pose_2 and u must have as many rows, or be one, got " +
-                            std::to_string(pose_1.count()) + ", " + std::to_string(pose_2.count()) +
-                            " and " + std::to_string(u.count()));
-    }
+  Steps(py::handle pose_1_value, py::handle pose_2_value, py::handle u_value) {
+    const std::string pose = "a pose (x, y, heading) in px, px and rad";
+    pose_1 = rows_from(pose_1_value, "pose_1", 3, pose);
+    pose_2 = rows_from(pose_2_value, "pose_2", 3, pose);
+    u = rows_from(u_value, "u", 2, "(u1, u2), the two voltages in V");
   }
 
   py::array_t<double> results(Shape shape) const {
@@ -59,7 +29,28 @@ struct Steps {
     return py::array_t<double>(shape);
   }
 
-  Input input(py::ssize_t i) const { return {u.row(i)[0], u.row(i)[1]}; }
+  static const double* row(const Doubles& rows, py::ssize_t i) {
+    return rows.ndim() == 2 ? rows.data(i) : rows.data();
+  }
+  Input input(py::ssize_t i) const { return {row(u, i)[0], row(u, i)[1]}; }
+
+ private:
+  Doubles rows_from(py::handle value, const std::string& name, py::ssize_t width,
+                    const std::string& one) {
+    const Doubles rows = doubles_from(value, name, std::nullopt, one);
+    const bool has_many = rows.ndim() == 2;
+    if ((rows.ndim() != 1 && !has_many) || rows.shape(rows.ndim() - 1) != width) {
+      throw py::value_error(name + " must be " + one + " or an array (N, " + std::to_string(width) +
+                            "), got " + describe(value));
+    }
+    if (has_many && is_many && rows.shape(0) != count) {
+      throw py::value_error(name + " must have as many rows as the arguments before, " +
+                            std::to_string(count) + ", or be one, got " + describe(value));
+    }
+    if (has_many) count = rows.shape(0);
+    is_many = is_many || has_many;
+    return rows;
+  }
 };
 
 UnwrappedPose unwrapped(const double* row) { return {row[0], row[1], row[2]}; }
@@ -69,7 +60,7 @@ py::array_t<double> predict_many(const RobotModel& model, const Steps& steps, bo
   py::array_t<double> result = steps.results({3});
   for (py::ssize_t i = 0; i < steps.count; ++i) {
     Eigen::Map<UnwrappedPose> pose(result.mutable_data() + 3 * i);
-    const double *pose_1 = steps.pose_1.row(i), *pose_2 = steps.pose_2.row(i);
+    const double *pose_1 = steps.row(steps.pose_1, i), *pose_2 = steps.row(steps.pose_2, i);
     if (unwrap) {
       pose = model.predict(unwrapped(pose_1), unwrapped(pose_2), steps.input(i));
     } else {
@@ -101,7 +92,7 @@ py::array_t<double> jacobian_of(const RobotModel& model, const ArrayLike& pose_1
   py::array_t<double> result = steps.results({3, 6});
   for (py::ssize_t i = 0; i < steps.count; ++i) {
     Eigen::Map<PoseJacobian>(result.mutable_data() + 18 * i) =
-        model.jacobian(unwrapped(steps.pose_1.row(i)), steps.input(i));
+        model.jacobian(unwrapped(steps.row(steps.pose_1, i)), steps.input(i));
   }
   return result;
 }

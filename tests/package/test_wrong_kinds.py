@@ -252,6 +252,7 @@ EXAMPLES = {
     "blobs": lambda: {"red": [], "blue": []},
     "bounding_box": lambda: (1, 1, 5, 5),
     "centre": lambda: (20, 20),
+    "centroid": lambda: (1, 2),
     "color": lambda: robsim.load_colors()[0],
     "covariance": lambda: np.tile(np.eye(3), (40, 1, 1)),
     "error": lambda: np.ones((40, 3)),
@@ -262,6 +263,7 @@ EXAMPLES = {
     "histograms": lambda: np.ones((3, 256), int),
     "home": lambda: (image(), image()),
     "innovation": lambda: np.ones((40, 3)),
+    "last_u": lambda: np.zeros(2),
     "make": lambda: robsim.Spin,
     "masks": lambda: {"red": np.zeros((32, 32), bool)},
     "metrics": lambda: "tracking",
@@ -325,6 +327,7 @@ EXAMPLES_BY_TYPE = {
 ALSO = {
     "calibrate_floor": lambda: {"size": (64, 48)},
     "Experiment.from_folder": lambda: {"frames": []},
+    "Sample": lambda: {"phi": np.ones((3, 5))},
     "Simulation.run": lambda: {"steps": 1},
     "add_robot": lambda: {"overwrite": True},
 }
@@ -539,7 +542,7 @@ def test_wrong_values_are_refused_by_the_name_of_their_argument(name, function, 
     types = annotations(function)
     for parameter in parameters_of(name, function):
         call = bound(name, function, owner)
-        given = ALSO.get(without_room(name), dict)() | required(name, function)
+        given = required(name, function) | ALSO.get(without_room(name), dict)()
         case = f"{without_room(name)}({parameter.name})"
         taken = {short(value) for value in VALID.get(case, ())}
         kind = types[parameter.name]

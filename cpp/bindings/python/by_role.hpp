@@ -13,46 +13,35 @@ namespace robsim::bindings {
 template <typename T>
 using ByRole = std::map<std::string, T>;
 
-/// Whether a dict has these roles, and nothing else.
+/// Refuses a dict given as the argument `name`, unless it has the roles of markers, both or
+/// `at_least` one, and nothing else. Returns the first of the choices that it has.
 template <typename T>
-bool has_roles(const ByRole<T>& values, MarkerRoles roles) {
-  const auto& [first, second] = names_of(roles);
-  return values.size() == 2 && values.count(first) && values.count(second);
-}
-
-/// Refuses a dict given as the argument `name`: it is not by the roles that are expected.
-template <typename T>
-[[noreturn]] void refuse_roles(const ByRole<T>& values, const char* name,
-                               const std::string& expected) {
+MarkerRoles checked_roles(const ByRole<T>& values, std::initializer_list<MarkerRoles> choices,
+                          const char* name, std::size_t at_least = 2) {
+  std::string expected;
+  for (const MarkerRoles roles : choices) {
+    const auto& [first, second] = names_of(roles);
+    const std::size_t known = values.count(first) + values.count(second);
+    if (known == values.size() && known >= at_least) return roles;
+    expected += (expected.empty() ? "'" : ", or '") + first + "' and '" + second + "'";
+  }
   py::list got;
   for (const auto& entry : values) got.append(entry.first);
   throw py::value_error(std::string(name) + " must be a dict with the roles " + expected +
-                        ", got " + describe(got));
+                        " of markers, got " + describe(got));
 }
 
 /// The roles of a dict.
 template <typename T>
 MarkerRoles roles_of(const ByRole<T>& values, const char* name) {
-  for (const MarkerRoles roles : all_marker_roles) {
-    if (has_roles(values, roles)) return roles;
-  }
-  refuse_roles(values, name, "'right' and 'left', or 'front' and 'back'");
-}
-
-/// Refuses a dict that has something of other markers; one of these may be left out.
-template <typename T>
-void check_roles(const ByRole<T>& values, MarkerRoles roles, const char* name) {
-  const auto& [first, second] = names_of(roles);
-  if (values.size() == values.count(first) + values.count(second)) return;
-  refuse_roles(values, name, "'" + first + "' and '" + second + "' of these markers");
+  return checked_roles(values, {MarkerRoles::right_left, MarkerRoles::front_back}, name);
 }
 
 /// The values of the first and the second marker, which must both be there.
 template <typename T>
 std::array<T, 2> in_order(const ByRole<T>& values, MarkerRoles roles, const char* name) {
-  const auto& [first, second] = names_of(roles);
-  if (has_roles(values, roles)) return {values.at(first), values.at(second)};
-  refuse_roles(values, name, "'" + first + "' and '" + second + "' of these markers");
+  checked_roles(values, {roles}, name);
+  return {values.at(names_of(roles)[0]), values.at(names_of(roles)[1])};
 }
 
 /// The dict of both, the first marker before the second.

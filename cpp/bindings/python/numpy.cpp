@@ -192,21 +192,6 @@ py::array_t<double> to_array(const double* values, const Shape& shape) {
   return array;
 }
 
-py::array_t<double> to_array(const Pose& pose) {
-  const double values[] = {pose.x, pose.y, pose.heading};
-  return to_array(values, {3});
-}
-
-py::array_t<double> to_array(const Point& point) {
-  const double values[] = {point.x, point.y};
-  return to_array(values, {2});
-}
-
-py::array_t<double> to_array(const Input& u) {
-  const double values[] = {u.u1, u.u2};
-  return to_array(values, {2});
-}
-
 ImageView image_view(py::handle value, const std::string& name) {
   const std::string expected = name + " must be a uint8 RGB array of shape (H, W, 3), got ";
   if (!py::isinstance<py::array>(value)) throw py::type_error(expected + describe(value));

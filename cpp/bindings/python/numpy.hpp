@@ -7,6 +7,7 @@
 #include <pybind11/typing.h>
 
 #include <array>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -27,7 +28,7 @@ namespace py = pybind11;
 // Objects that accept any value, because functions convert them that raise the errors.
 inline bool is_anything(PyObject* value) { return value != nullptr; }
 
-/// What numpy makes an array of, where its shape depends on the other arguments.
+/// Numbers for an array whose shape depends on the other arguments.
 class ArrayLike : public py::object {
  public:
   PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, is_anything)
@@ -94,7 +95,7 @@ Eigen::VectorXd vector_from(py::handle value, const std::string& name);
 DetectionResult detection_result_from(py::handle value, const std::string& name);
 inline py::int_ to_array(DetectionResult result) { return static_cast<int>(result); }
 
-/// A Measurement, or one of this pose of which nothing more is known.
+/// A Measurement, or a pose without anything else.
 MeasurementLike measurement_from(py::handle value, const std::string& name);
 
 /// Throws py::value_error unless it is the number of a step.
@@ -106,9 +107,12 @@ inline py::tuple to_array(const Pair& pair) { return py::make_tuple(pair[0], pai
 
 /// A read-only copy.
 py::array_t<double> to_array(const double* values, const Shape& shape);
-py::array_t<double> to_array(const Pose& pose);
-py::array_t<double> to_array(const Point& point);
-py::array_t<double> to_array(const Input& u);
+inline py::array_t<double> to_array(std::initializer_list<double> values) {
+  return to_array(values.begin(), {static_cast<py::ssize_t>(values.size())});
+}
+inline py::array_t<double> to_array(const Pose& p) { return to_array({p.x, p.y, p.heading}); }
+inline py::array_t<double> to_array(const Point& p) { return to_array({p.x, p.y}); }
+inline py::array_t<double> to_array(const Input& u) { return to_array({u.u1, u.u2}); }
 
 template <typename Derived>
 py::array_t<double> to_array(const Eigen::MatrixBase<Derived>& matrix) {
@@ -254,8 +258,8 @@ template <typename T>
 struct converting_caster {
   PYBIND11_TYPE_CASTER(T, robsim::bindings::Conversion<T>::type);
 
-  /// Says nothing of an error: the signature of the function calls the conversion once more, with
-  /// the name of the argument.
+  /// An error has no text here: the signature of the function calls the conversion again, with the
+  /// name of the argument.
   bool load(handle source, bool) {
     try {
       value = robsim::bindings::Conversion<T>::from(source, "");

@@ -106,8 +106,8 @@ void check_names(const Signature& signature, Py_ssize_t n_positional, PyObject* 
                           n_positional - signature.has_self, given);
 }
 
-// Raises what is wrong with the arguments of a call. False if they are right, or it cannot be
-// shown: what was raised before stays.
+// Raises the error of wrong arguments of a call. If they are right, or the error cannot be shown,
+// it returns false, and an earlier error stays.
 bool complain(PyObject* self, PyObject* const* arguments, Py_ssize_t n_positional,
               PyObject* keywords, bool are_names_right) {
   const Signature& signature = signatures().at(self);

@@ -62,7 +62,7 @@ def check_call(
     Parameters
     ----------
     call : str
-        What users call it: ``"find_blobs"``.
+        The name that users know: ``"find_blobs"``.
     names, required : list of str
         The names of its arguments, and those without a default.
     n_allowed, n_positional : int
