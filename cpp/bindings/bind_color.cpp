@@ -27,6 +27,14 @@ Range range_of(const ColorClass& color, std::size_t channel) {
 
 std::int64_t pixels_of(const ImageView& view) { return std::int64_t{view.width} * view.height; }
 
+// Work on an image, without the interpreter if it is large.
+template <typename Result, typename... P, typename... A>
+Result worked(Result (*work)(const ImageView&, P...), const ImageView& image,
+              const A&... arguments) {
+  const NativeWork native(pixels_of(image));
+  return work(image, arguments...);
+}
+
 py::array_t<std::uint8_t> yuv_of(const ImageView& view) {
   py::array_t<std::uint8_t> result({view.height, view.width, 3});
   std::uint8_t* to = result.mutable_data();
@@ -59,10 +67,7 @@ ColorHistograms histograms_from(const ArrayLike& histograms) {
 }
 
 py::array_t<std::int64_t> histograms_of(const ImageLike& image, const PixelBox& region) {
-  const ColorHistograms histograms = [&] {
-    const NativeWork work(pixels_of(image.view));
-    return color_histograms(image.view, region);
-  }();
+  const ColorHistograms histograms = worked(&color_histograms, image.view, region);
   py::array_t<std::int64_t> result({3, 256});
   for (std::size_t i = 0; i < 3; ++i) {
     std::copy(histograms[i].begin(), histograms[i].end(), result.mutable_data(i));
@@ -185,10 +190,7 @@ ValueError
       .def(
           "surrounding_chroma",
           [](const ImageLike& image) {
-            const SurroundingChroma found = [&] {
-              const NativeWork work(pixels_of(image.view));
-              return surrounding_chroma(image.view);
-            }();
+            const SurroundingChroma found = worked(&surrounding_chroma, image.view);
             py::array_t<double> result({2, 2});
             std::copy_n(found.median.begin(), 2, result.mutable_data(0));
             std::copy_n(found.spread.begin(), 2, result.mutable_data(1));

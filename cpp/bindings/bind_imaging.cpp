@@ -41,6 +41,14 @@ Frame make_frame(const PixelArray& image, bool copy, const Seconds& t, const Sec
                     t_arrival, epoch, index, plane_map, headings);
 }
 
+// A frame of a copy of the pixels.
+template <Image (*copied)(const ImageView&)>
+Frame frame_of(const ImageView& image, const Seconds& t, const Seconds& t_arrival,
+               const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map,
+               std::optional<int> headings) {
+  return frame_with(copied(image), t, t_arrival, epoch, index, plane_map, headings);
+}
+
 std::optional<int> headings_of(const Frame& frame) {
   return frame.headings ? std::optional(frame.headings) : std::nullopt;
 }
@@ -87,16 +95,9 @@ A frame in shared memory, which then stays open as long as the frame (under a me
       .def(py::init(&make_frame), "image"_a, py::kw_only(), "copy"_a.noconvert() = true,
            "t"_a = py::none(), "t_arrival"_a = py::none(), "epoch"_a = py::none(), "index"_a = 0,
            "plane_map"_a = PlaneMap(), "headings"_a = py::none())
-      .def_static(
-          "from_bgr",
-          [](const ImageView& image, const Seconds& t, const Seconds& t_arrival,
-             const Seconds& epoch, std::int64_t index, const PlaneMap& plane_map,
-             std::optional<int> headings) {
-            return frame_with(copy_of_bgr(image), t, t_arrival, epoch, index, plane_map, headings);
-          },
-          "image"_a, py::kw_only(), "t"_a = py::none(), "t_arrival"_a = py::none(),
-          "epoch"_a = py::none(), "index"_a = 0, "plane_map"_a = PlaneMap(),
-          "headings"_a = py::none(), R"(
+      .def_static("from_bgr", &frame_of<&copy_of_bgr>, "image"_a, py::kw_only(), "t"_a = py::none(),
+                  "t_arrival"_a = py::none(), "epoch"_a = py::none(), "index"_a = 0,
+                  "plane_map"_a = PlaneMap(), "headings"_a = py::none(), R"(
 Return the frame of an image in OpenCV's order, BGR: a copy with the channels in the order RGB.
 
 Parameters

@@ -67,24 +67,19 @@ Measurement make_measurement(const Pose& pose, const std::optional<PoseCovarianc
 }
 
 // The pose, how exact it is, and how far it stands out of the noise, as far as that is known.
-std::string repr_of_measurement(const Measurement& self) {
-  const auto text = [](const char* format, const auto&... values) {
-    return py::str(format).format(values...).template cast<std::string>();
-  };
-  if (!self.covariance && std::isnan(self.signal_to_noise)) {
-    return text("Measurement({})", to_array(self.pose).attr("tolist")());
+py::str repr_of_measurement(const Measurement& self) {
+  const bool has_signal = !std::isnan(self.signal_to_noise);
+  if (!self.covariance && !has_signal) {
+    return py::str("Measurement({})").format(to_array(self.pose).attr("tolist")());
   }
-  std::string all = text("<Measurement: x {:.2f} px, y {:.2f} px, heading {:.4f} rad", self.pose.x,
-                         self.pose.y, self.pose.heading);
-  if (self.covariance) {
-    const Eigen::Vector3d deviations = self.covariance->diagonal().cwiseSqrt();
-    all +=
-        text("; +- {:.2g} px, {:.2g} px, {:.2g} rad", deviations[0], deviations[1], deviations[2]);
-  }
-  if (!std::isnan(self.signal_to_noise)) {
-    all += text("; signal to noise {:.3g}", self.signal_to_noise);
-  }
-  return all + ">";
+  std::string text = "<Measurement: x {0:.2f} px, y {1:.2f} px, heading {2:.4f} rad";
+  if (self.covariance) text += "; +- {3:.2g} px, {4:.2g} px, {5:.2g} rad";
+  if (has_signal) text += "; signal to noise {6:.3g}";
+  const PoseCovariance covariance = self.covariance.value_or(PoseCovariance::Zero());
+  const Eigen::Vector3d sd = covariance.diagonal().cwiseSqrt();
+  return py::str(text + ">")
+      .format(self.pose.x, self.pose.y, self.pose.heading, sd[0], sd[1], sd[2],
+              self.signal_to_noise);
 }
 
 void bind_measurement(py::module_& module) {

@@ -63,30 +63,19 @@ py::array_t<std::uint8_t> rendered(Renderer& self, const Pose& pose, std::pair<i
   return py::reinterpret_borrow<py::array_t<std::uint8_t>>(*out);
 }
 
-// The first byte of an image, and the one behind its last.
-std::pair<const std::uint8_t*, const std::uint8_t*> memory_of(const ImageView& image) {
-  const std::uint8_t* top = image.row(0);
-  const std::uint8_t* bottom = image.row(image.height - 1);
-  return {std::min(top, bottom), std::max(top, bottom) + std::ptrdiff_t{3} * image.width};
-}
-
-bool share_memory(const ImageView& a, const ImageView& b) {
-  const auto [begin_a, end_a] = memory_of(a);
-  const auto [begin_b, end_b] = memory_of(b);
-  return begin_a < end_b && begin_b < end_a;
-}
-
-py::array with_noise(const VisualNoise& self, const ImageView& clean, std::uint64_t seed,
+py::array with_noise(const VisualNoise& self, const PixelArray& image, std::uint64_t seed,
                      std::uint64_t index, const std::optional<PixelArray>& out) {
+  const ImageView clean = image_view(image, "image");
   Image noisy;
   if (!out) noisy = Image(clean.width, clean.height);
   const WritableView to = !out ? noisy.writable_view() : writable_view(*out, "out");
   if (to.width != clean.width || to.height != clean.height) {
-    throw py::value_error("out must have the shape of image, (" + std::to_string(clean.height) +
-                          ", " + std::to_string(clean.width) + ", 3), got " + describe(*out));
+    throw py::value_error("out must have the shape of image, " + describe(image) + ", got " +
+                          describe(*out));
   }
   const bool is_in_place = to.data == clean.data && to.stride == clean.stride;
-  if (!is_in_place && share_memory(clean, {to.data, to.width, to.height, to.stride})) {
+  if (out && !is_in_place &&
+      py::module_::import("numpy").attr("may_share_memory")(image, *out).cast<bool>()) {
     throw py::value_error("out must be image itself, or share no memory with it");
   }
   {

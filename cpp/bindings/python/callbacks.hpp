@@ -161,38 +161,27 @@ class SlottedLoop : public Loop, public SlotValues {
 class PythonRemoteRobot : public RemoteRobot, public SlotValues {
  public:
   PythonRemoteRobot(Options options, const py::object& exchange, const py::object& refuse)
-      : RemoteRobot(std::move(options), by(exchange), refusal(refuse)) {
+      : RemoteRobot(
+            std::move(options),
+            [exchange = py::handle(exchange)](const std::string& message, const ImageView* pixels,
+                                              const char* slot, std::int64_t k) {
+              const auto following = pixels ? std::optional(copy_of(*pixels)) : std::nullopt;
+              return exchange(py::bytes(message), following, slot, k).cast<std::string>();
+            },
+            [refuse = py::handle(refuse)](const char* slot, std::int64_t k,
+                                          const std::string& what) { refuse(slot, k, what); }) {
     values = {{"exchange", exchange}, {"refuse", refuse}};
-  }
-
- private:
-  static Exchange by(py::handle exchange) {
-    return [exchange](const std::string& message, const ImageView* pixels, const char* slot,
-                      std::int64_t k) {
-      py::object following = py::none();
-      if (pixels) following = to_array(copy_of(*pixels));
-      return exchange(py::bytes(message), following, slot, k).cast<std::string>();
-    };
-  }
-  static Refuse refusal(py::handle refuse) {
-    return [refuse](const char* slot, std::int64_t k, const std::string& what) {
-      refuse(slot, k, what);
-    };
   }
 };
 
 class PythonRemoteWorld : public RemoteWorld, public SlotValues {
  public:
   PythonRemoteWorld(Options options, const py::object& exchange)
-      : RemoteWorld(std::move(options), by(exchange)) {
+      : RemoteWorld(std::move(options),
+                    [exchange = py::handle(exchange)](const std::string& message) {
+                      return exchange(py::bytes(message)).cast<std::optional<std::string>>();
+                    }) {
     values = {{"exchange", exchange}};
-  }
-
- private:
-  static Exchange by(py::handle exchange) {
-    return [exchange](const std::string& message) {
-      return exchange(py::bytes(message)).cast<std::optional<std::string>>();
-    };
   }
 };
 

@@ -8,96 +8,83 @@
 
 namespace robsim::bindings {
 
-/// The sentence for type T: `text` follows "must be", `many` names several of them.
-template <typename T, typename = void>
-struct Expected {  // a class of the core
-  static std::string name() {
-    return py::type::of<T>().attr("__name__").template cast<std::string>();
-  }
-  static std::string text(py::handle) {
-    const bool is_vowel = std::string("AEIOU").find(name().front()) != std::string::npos;
-    return (is_vowel ? "an " : "a ") + name();
-  }
-  static std::string many() { return name() + " objects"; }
-};
+template <typename T>
+struct Type {};
 
 template <typename T>
-struct Expected<T,
-                std::enable_if_t<std::is_base_of_v<py::handle, T> && !std::is_same_v<T, py::str>>> {
-  static std::string text(py::handle) {
-    return std::string("of type ") + py::detail::make_caster<T>::name.text;
+std::string class_name() {
+  return py::type::of<T>().attr("__name__").template cast<std::string>();
+}
+
+/// Several values of a type.
+inline std::string many(Type<bool>) { return "bools"; }
+inline std::string many(Type<std::string>) { return "str"; }
+template <typename T>
+std::string many(Type<T>) {
+  if constexpr (std::is_arithmetic_v<T>) {
+    return std::is_integral_v<T> ? "ints" : "numbers";
+  } else if constexpr (is_converted<T> || std::is_base_of_v<py::handle, T>) {
+    return "values";
+  } else {
+    return class_name<T>() + " objects";
   }
-  static std::string many() { return "values"; }
-};
-
-template <>
-struct Expected<bool> {
-  static std::string text(py::handle) { return "True or False"; }
-  static std::string many() { return "bools"; }
-};
-
+}
 template <typename T>
-struct Expected<T, std::enable_if_t<std::is_floating_point_v<T>>> {
-  static std::string text(py::handle) { return "a number"; }
-  static std::string many() { return "numbers"; }
-};
-
+std::string many(Type<std::shared_ptr<T>>) {
+  return many(Type<T>());
+}
 template <typename T>
-struct Expected<T, std::enable_if_t<std::is_integral_v<T> && !std::is_same_v<T, bool>>> {
-  static std::string text(py::handle value) {
+std::string many(Type<std::optional<T>>) {
+  return many(Type<T>()) + " or None";
+}
+template <typename T>
+std::string many(Type<std::vector<T>>) {
+  return "lists of " + many(Type<T>());
+}
+
+/// The words behind "must be" for an argument of a type.
+inline std::string expected(Type<bool>, py::handle) { return "True or False"; }
+inline std::string expected(Type<std::string>, py::handle) { return "a str"; }
+inline std::string expected(Type<py::str>, py::handle) { return "a str"; }
+template <typename T>
+std::string expected(Type<T>, py::handle value) {
+  if constexpr (std::is_integral_v<T>) {
     if (!PyLong_Check(value.ptr())) return "an int";
     using Limits = std::numeric_limits<T>;  // an int it is, but too large
     return "an int within " + std::to_string(Limits::min()) + ".." + std::to_string(Limits::max());
-  }
-  static std::string many() { return "ints"; }
-};
-
-template <typename T>
-struct Expected<T, std::enable_if_t<std::is_same_v<T, std::string> || std::is_same_v<T, py::str>>> {
-  static std::string text(py::handle) { return "a str"; }
-  static std::string many() { return "str"; }
-};
-
-template <typename T>
-std::string many_of() {
-  if constexpr (is_converted<T>) {
-    return "values";
+  } else if constexpr (std::is_floating_point_v<T>) {
+    return "a number";
+  } else if constexpr (std::is_base_of_v<py::handle, T>) {
+    return std::string("of type ") + py::detail::make_caster<T>::name.text;
   } else {
-    return Expected<T>::many();
+    const std::string name = class_name<T>();
+    return (std::string("AEIOU").find(name.front()) < 5 ? "an " : "a ") + name;
   }
 }
-
 template <typename T>
-struct Expected<std::shared_ptr<T>> : Expected<T> {};
-
+std::string expected(Type<std::shared_ptr<T>>, py::handle value) {
+  return expected(Type<T>(), value);
+}
 template <typename T>
-struct Expected<std::optional<T>> {
-  static std::string text(py::handle value) { return Expected<T>::text(value) + " or None"; }
-  static std::string many() { return Expected<T>::many() + " or None"; }
-};
-
+std::string expected(Type<std::optional<T>>, py::handle value) {
+  return expected(Type<T>(), value) + " or None";
+}
 template <typename T>
-struct Expected<std::vector<T>> {
-  static std::string text(py::handle) { return "a list of " + many_of<T>(); }
-  static std::string many() { return "lists of " + many_of<T>(); }
-};
-
+std::string expected(Type<std::vector<T>>, py::handle) {
+  return "a list of " + many(Type<T>());
+}
 template <typename T, std::size_t size>
-struct Expected<std::array<T, size>> {
-  static std::string text(py::handle) {
-    return "a sequence of " + std::to_string(size) + " " + Expected<T>::many();
-  }
-};
-
+std::string expected(Type<std::array<T, size>>, py::handle) {
+  return "a sequence of " + std::to_string(size) + " " + many(Type<T>());
+}
 template <typename T>
-struct Expected<std::pair<T, T>> {
-  static std::string text(py::handle) { return "two " + Expected<T>::many(); }
-};
-
+std::string expected(Type<std::pair<T, T>>, py::handle) {
+  return "two " + many(Type<T>());
+}
 template <typename T>
-struct Expected<std::map<std::string, T>> {
-  static std::string text(py::handle) { return "a dict of names to " + many_of<T>(); }
-};
+std::string expected(Type<std::map<std::string, T>>, py::handle) {
+  return "a dict of names to " + many(Type<T>());
+}
 
 template <typename T>
 struct NotNone {
@@ -143,7 +130,7 @@ void check(py::handle value, const std::string& name) {
       }
     }
     if (accepts<T>(value)) return;
-    throw py::type_error(name + " must be " + Expected<T>::text(value) + ", got " +
+    throw py::type_error(name + " must be " + expected(Type<T>(), value) + ", got " +
                          describe(value));
   }
 }

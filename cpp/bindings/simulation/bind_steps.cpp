@@ -46,32 +46,6 @@ std::shared_ptr<Step> new_step(const std::optional<Frame>& frame, bool had_frame
   return step;
 }
 
-std::shared_ptr<Step> make_step(std::int64_t k, std::optional<double> t, double dt,
-                                const Input& last_u, const std::optional<Frame>& frame,
-                                const std::optional<MeasurementLike>& measurement,
-                                const std::optional<Estimate>& estimate,
-                                const std::optional<AxisMatrix>& parameters,
-                                const std::optional<Sample>& sample, const std::optional<Input>& u,
-                                const std::vector<ColorClass>& colors,
-                                const std::optional<MarkerLayout>& markers) {
-  check_step_number(k);
-  if (!(dt > 0 && std::isfinite(dt))) throw py::value_error("dt must be above 0 s and finite");
-  if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
-  const auto vision =
-      markers ? std::optional(Vision{colors, *markers, std::nullopt}) : std::nullopt;
-  const std::shared_ptr<Step> step = new_step(frame, frame.has_value(), vision);
-  step->k = k;
-  step->t = t.value_or(static_cast<double>(k) * dt);
-  step->dt = dt;
-  step->last_u = last_u;
-  step->measurement = measurement;
-  step->estimate = estimate;
-  step->parameters = parameters;
-  step->set_sample(sample);
-  step->u = u;
-  return step;
-}
-
 using FrameOfStep = std::pair<bool, std::optional<Frame>>;  // one had come, what is left of it
 // The frame is drawn for a copy, if it still can be.
 FrameOfStep frame_of(const Step& self) {
@@ -145,6 +119,26 @@ std::shared_ptr<Step> step_from(std::int64_t k, double t, double dt, const Input
   step->measurement = measurement;
   step->detection = detection;
   step->estimate = estimate;
+  return step;
+}
+
+std::shared_ptr<Step> make_step(std::int64_t k, std::optional<double> t, double dt,
+                                const Input& last_u, const std::optional<Frame>& frame,
+                                const std::optional<MeasurementLike>& measurement,
+                                const std::optional<Estimate>& estimate,
+                                const std::optional<AxisMatrix>& parameters,
+                                const std::optional<Sample>& sample, const std::optional<Input>& u,
+                                const std::vector<ColorClass>& colors,
+                                const std::optional<MarkerLayout>& markers) {
+  check_step_number(k);
+  if (!(dt > 0 && std::isfinite(dt))) throw py::value_error("dt must be above 0 s and finite");
+  if (t && !std::isfinite(*t)) throw py::value_error("t must be finite (s)");
+  const auto vision =
+      markers ? std::optional(Vision{colors, *markers, std::nullopt}) : std::nullopt;
+  const std::shared_ptr<Step> step =
+      step_from(k, t.value_or(static_cast<double>(k) * dt), dt, last_u, u, sample, std::nullopt,
+                measurement, std::nullopt, estimate, {frame.has_value(), frame}, vision);
+  step->parameters = parameters;
   return step;
 }
 
