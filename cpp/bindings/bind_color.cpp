@@ -89,16 +89,12 @@ std::optional<SurroundingChroma> around_from(const std::optional<ArrayLike>& aro
   const std::string expected =
       "medians and spreads of U and V, within 0..255, as from surrounding_chroma";
   const Doubles numbers = doubles_from(*around, "around", Shape{2, 2}, expected);
-  SurroundingChroma result{};
-  for (std::size_t i = 0; i < 2; ++i) {
-    result.median[i] = numbers.at(0, i);
-    result.spread[i] = numbers.at(1, i);
-    for (const double value : {result.median[i], result.spread[i]}) {
-      if (value >= 0 && value <= 255) continue;
-      throw py::value_error("around must be " + expected + ", got " + std::to_string(value));
-    }
+  const Eigen::Map<const Eigen::Array4d> all(numbers.data());
+  if ((all < 0 || all > 255).any()) {
+    throw py::value_error("around must be " + expected + ", got " +
+                          describe(numbers.attr("tolist")()));
   }
-  return result;
+  return SurroundingChroma{{all[0], all[1]}, {all[2], all[3]}};
 }
 
 void bind_training(py::module_& module, Class<ColorClass>& color_class) {

@@ -11,11 +11,6 @@ namespace {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-py::array_t<double> read_only(py::array_t<double> array) {
-  array.attr("setflags")("write"_a = false);
-  return array;
-}
-
 // One filter has vectors, several have rows.
 Shape theta_shape(const RecursiveLeastSquares& self) {
   return self.n_filters() == 1 ? Shape{self.n_parameters()}

@@ -53,11 +53,7 @@ using Ticks = py::typing::Tuple<std::int64_t, py::array_t<double>>;
 // The first tick, and for each the time, x, y, heading, u1, u2, hidden, shown.
 Ticks ticks_of(const Laboratory& self) {
   check_here(self);
-  Laboratory::Record record;
-  {
-    const WithoutInterpreter wait;
-    record = self.record();
-  }
+  const Laboratory::Record record = natively([&] { return self.record(); });
   py::array_t<double> rows({record.ticks.size(), std::size_t{8}});
   double* to = rows.mutable_data();
   for (const Laboratory::Tick& tick : record.ticks) {

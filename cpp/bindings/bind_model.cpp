@@ -133,10 +133,8 @@ py::array_t<double> path_sensitivities_of(const ArrayLike& theta, const ArrayLik
   auto* kept = new std::vector<PathDerivatives>(path_sensitivities(
       given.theta, Eigen::Map<const Path>(given.poses.data(), given.poses.shape(0), 3),
       given.inputs()));
-  const py::capsule owner(kept,
-                          [](void* p) { delete static_cast<std::vector<PathDerivatives>*>(p); });
   return py::array_t<double>({py::ssize_t(kept->size()), py::ssize_t{3}, py::ssize_t{21}},
-                             kept->front().data(), owner);
+                             kept->front().data(), owner_of(kept));
 }
 
 // The samples of an unbroken record of N poses: N - 2 regressors and outputs.

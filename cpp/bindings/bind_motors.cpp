@@ -12,23 +12,19 @@ using namespace robsim;
 using namespace robsim::bindings;
 
 template <>
-struct robsim::bindings::Choices<MotorEvent::Kind> {
-  using Kind = MotorEvent::Kind;
-  static constexpr std::pair<const char*, Kind> all[] = {{"input", Kind::input},
-                                                         {"repeat", Kind::repeat},
-                                                         {"stop", Kind::stop},
-                                                         {"failure", Kind::failure},
-                                                         {"timeout", Kind::timeout}};
-};
+constexpr Choices<MotorEvent::Kind> robsim::bindings::choices<MotorEvent::Kind> = {
+    {"input", MotorEvent::Kind::input},
+    {"repeat", MotorEvent::Kind::repeat},
+    {"stop", MotorEvent::Kind::stop},
+    {"failure", MotorEvent::Kind::failure},
+    {"timeout", MotorEvent::Kind::timeout}};
 template <>
-struct robsim::bindings::Choices<Command::Kind> {
-  static constexpr std::pair<const char*, Command::Kind> all[] = {
-      {"u", Command::Kind::input}, {"s", Command::Kind::stop}, {"a", Command::Kind::answer}};
-};
+constexpr Choices<Command::Kind> robsim::bindings::choices<Command::Kind> = {
+    {"u", Command::Kind::input}, {"s", Command::Kind::stop}, {"a", Command::Kind::answer}};
 
 namespace {
 
-const py::call_guard<WithoutInterpreter> natively{};
+const py::call_guard<WithoutInterpreter> no_interpreter{};
 
 template <typename Error>
 void bind_error(py::module_& module, const char* name, py::handle base, const char* doc) {
@@ -135,7 +131,7 @@ array (2,)
 void bind_line(py::module_& module) {
   Class<Line, std::shared_ptr<Line>>(public_in(module, "robsim._core"), "Line",
                                      "One end of a line to a robot.")
-      .def_static("udp_to", &Line::udp_to, "host"_a, "port"_a, natively)
+      .def_static("udp_to", &Line::udp_to, "host"_a, "port"_a, no_interpreter)
       .def_static("of_descriptor", &Line::of_descriptor, "descriptor"_a, "name"_a);
 }
 
@@ -147,7 +143,7 @@ void bind_link(py::module_& module) {
              return make_native<MotorLink>(std::move(line), ttl, hold);
            }),
            "line"_a, py::kw_only(), "ttl"_a, "hold"_a)
-      .def("__call__", &MotorLink::send, "u"_a, natively, R"(
+      .def("__call__", &MotorLink::send, "u"_a, no_interpreter, R"(
 Send an input, and return when it went out.
 
 The interpreter goes on meanwhile. The link repeats it until the next one comes.
@@ -172,7 +168,7 @@ robsim.lab.HaltedError
 ValueError
     If an input is beyond 1000 V.
 )")
-      .def("stop", &MotorLink::stop, natively, R"(
+      .def("stop", &MotorLink::stop, no_interpreter, R"(
 Stop the robot: tell it at once, and again for 2 s, five times in the first 0.1 s.
 
 Returns
@@ -188,10 +184,10 @@ robsim.lab.LineError
       .def("_check_stop", &MotorLink::check_stop,
            "Raise LineError, once, if the last stop did not get into the line.")
       .def(
-          "halt", [](MotorLink& self) { self.halt(); }, natively,
+          "halt", [](MotorLink& self) { self.halt(); }, no_interpreter,
           "Stop the robot, and refuse inputs until `resume` is called; raises nothing.")
-      .def("resume", &MotorLink::resume, natively, "Take inputs again after `halt`.")
-      .def("close", &MotorLink::close, natively, R"(
+      .def("resume", &MotorLink::resume, no_interpreter, "Take inputs again after `halt`.")
+      .def("close", &MotorLink::close, no_interpreter, R"(
 Stop the robot and close the line; the second time it does nothing.
 
 Raises
@@ -237,7 +233,7 @@ void bind_protocol(py::module_& module) {
             return py::make_tuple(command->kind, command->number, command->u.u1, command->u.u2,
                                   command->time_to_live);
           },
-          "line"_a, "Return what a line says, without its line break; None if damaged.");
+          "line"_a, "Return the parts of a line, without its line break; None if damaged.");
 }
 
 std::shared_ptr<MotorReceiver> make_receiver(int port, const std::string& host,
@@ -316,11 +312,11 @@ robsim.lab.LineError
 )")
       .def(py::init(&make_receiver), "port"_a = 0, py::kw_only(), "host"_a = "127.0.0.1",
            "descriptor"_a = py::none(), "actuation_delay"_a = 0.0, "answers"_a.noconvert() = true)
-      .def("close", &MotorReceiver::close, natively,
+      .def("close", &MotorReceiver::close, no_interpreter,
            "Hear no more: it stops when the time to live is over.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def(
-          "__exit__", [](MotorReceiver& self, const py::args&) { self.close(); }, natively)
+          "__exit__", [](MotorReceiver& self, const py::args&) { self.close(); }, no_interpreter)
       .def_property_readonly("name", &MotorReceiver::name, "str: what the line is called.")
       .def_property_readonly("port", &MotorReceiver::port,
                              "int: the port that it listens at; 0 for a descriptor.")

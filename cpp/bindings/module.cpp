@@ -7,26 +7,10 @@
 
 namespace py = pybind11;
 
-void bind_base(py::module_& module);
-void bind_plane_maps(py::module_& module);
-void bind_imaging(py::module_& module);
-void bind_capture(py::module_& module);
-void bind_model(py::module_& module);
-void bind_world(py::module_& module);
-void bind_color(py::module_& module);
-void bind_markers(py::module_& module);
-void bind_blobs(py::module_& module);
-void bind_locate(py::module_& module);
-void bind_estimation(py::module_& module);
-void bind_records(py::module_& module);
-void bind_steps(py::module_& module);
-void bind_worlds(py::module_& module);
-void bind_controllers(py::module_& module);
-void bind_remote(py::module_& module);
-void bind_trace(py::module_& module);
-void bind_loop(py::module_& module);
-void bind_motors(py::module_& module);
-void bind_laboratory(py::module_& module);
+using Binding = void(py::module_& module);
+Binding bind_base, bind_plane_maps, bind_imaging, bind_capture, bind_model, bind_world, bind_color,
+    bind_markers, bind_blobs, bind_locate, bind_estimation, bind_trace, bind_records, bind_steps,
+    bind_motors, bind_worlds, bind_controllers, bind_remote, bind_loop, bind_laboratory;
 
 namespace {
 
@@ -57,26 +41,14 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   if (!is_main_interpreter()) throw py::import_error(in_sub_interpreter);
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
   translate_errors();
-  bind_base(module);
-  bind_plane_maps(module);
-  bind_imaging(module);
-  bind_capture(module);
-  bind_model(module);
-  bind_world(module);
-  bind_color(module);
-  bind_markers(module);
-  bind_blobs(module);
-  bind_locate(module);
-  bind_estimation(module);
-  bind_trace(module);
-  bind_records(module);
-  bind_steps(module);
-  bind_motors(module);
-  bind_worlds(module);
-  bind_controllers(module);
-  bind_remote(module);
-  bind_loop(module);
-  bind_laboratory(module);
+  // A class comes before the signatures that show it.
+  for (Binding* bind :
+       {bind_base,       bind_plane_maps,  bind_imaging, bind_capture, bind_model,
+        bind_world,      bind_color,       bind_markers, bind_blobs,   bind_locate,
+        bind_estimation, bind_trace,       bind_records, bind_steps,   bind_motors,
+        bind_worlds,     bind_controllers, bind_remote,  bind_loop,    bind_laboratory}) {
+    bind(module);
+  }
   pybind11::delattr(module, "__module__");  // the bindings set it
 }
 

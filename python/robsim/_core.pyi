@@ -386,7 +386,7 @@ class Grabber:
     """
     def __call__(self, timeout: float) -> Frame | None:
         """
-        Return the newest frame, not taken yet; None if there is none.
+        Return the newest frame, not taken yet; None without a new one.
         """
     def __init__(self, device: CaptureDevice, *, every: int = 1, frame_timeout: float = 1.0, reopen: bool = False, interval: float | None = None, plane_map: PlaneMap | None = None, area: tuple[int, int] | None = None, size: tuple[int, int] | None = None, headings: int | None = None) -> None:
         ...
@@ -1964,7 +1964,7 @@ class MotorReceiver(ReceivedInput):
     """
     def __enter__(self) -> typing.Any:
         ...
-    def __exit__(self, kind: typing.Any, error: typing.Any, traceback: typing.Any) -> None:
+    def __exit__(self, *args) -> None:
         ...
     def __init__(self, port: int = 0, *, host: str = '127.0.0.1', descriptor: int | None = None, actuation_delay: float = 0.0, answers: bool = True) -> None:
         ...
@@ -2781,7 +2781,7 @@ def model_steps(time: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], d
     """
 def parse_line(line: bytes) -> typing.Any:
     """
-    Return what a line says, without its line break; None if damaged.
+    Return the parts of a line, without its line break; None if damaged.
     """
 def path_sensitivities(theta: numpy.typing.ArrayLike, path: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
     """

@@ -24,10 +24,7 @@ Result wait(double timeout, const std::function<Result(double)>& wait_for) {
   const double end = monotonic_now() + timeout;
   while (true) {
     const double left = std::max(0.0, end - monotonic_now());
-    const Result result = [&] {
-      const WithoutInterpreter work;
-      return wait_for(std::min(left, look));
-    }();
+    const Result result = natively([&] { return wait_for(std::min(left, look)); });
     if (PyErr_CheckSignals()) throw py::error_already_set();
     if (result || left <= look) return result;
   }
@@ -71,11 +68,7 @@ void bind_image_stream(py::module_& module) {
       .def(
           "take",
           [](ImageStream& self, double timeout) -> py::object {
-            std::optional<ImageStream::Taken> taken;
-            {
-              const WithoutInterpreter work;
-              taken = self.take(timeout);
-            }
+            const auto taken = natively([&] { return self.take(timeout); });
             if (!taken) return py::none();
             return py::make_tuple(py::bytes(taken->jpeg), taken->arrived, taken->passed,
                                   taken->torn);
@@ -133,18 +126,15 @@ bgr : bool
           [](Grabber& self, double timeout) {
             return wait<std::optional<Frame>>(timeout, [&](double s) { return self.take(s); });
           },
-          "timeout"_a, "Return the newest frame, not taken yet; None if there is none.")
+          "timeout"_a, "Return the newest frame, not taken yet; None without a new one.")
       .def_property_readonly("newest", &Grabber::newest,
                              "Frame or None: the one that was taken last.")
       .def_property_readonly("counts", &counts_of,
                              "list of int: grabbed, delivered, dropped, torn, timeouts, reopened.")
       .def(
-          "close",
-          [](Grabber& self, double patience) {
-            const WithoutInterpreter work;
-            self.close(patience);
-          },
-          "patience"_a = 1.0, "End the thread; leave it behind if it hangs for `patience` s.");
+          "close", [](Grabber& self, double patience) { self.close(patience); }, "patience"_a = 1.0,
+          py::call_guard<WithoutInterpreter>(),
+          "End the thread; leave it behind if it hangs for `patience` s.");
   bind_image_stream(module);
   public_in(module, "robsim._core")
       .def(

@@ -47,13 +47,8 @@ py::dict video_of(const FireWireCamera& self) {
 }
 
 py::list cameras() {
-  std::vector<fire_wire::FoundCamera> found;
-  {
-    const WithoutInterpreter work;
-    found = fire_wire::find_cameras();
-  }
   py::list list;
-  for (const auto& camera : found) {
+  for (const auto& camera : natively([] { return fire_wire::find_cameras(); })) {
     list.append(py::make_tuple(camera.guid, device_text(camera.vendor), device_text(camera.model)));
   }
   return list;

@@ -88,13 +88,10 @@ PYBIND11_MODULE(_gige, module) {
   module.def(
       "find_cameras",
       [](double seconds) {
-        std::vector<GigeIdentity> found;
-        {
-          const WithoutInterpreter wait;
-          found = find_gige_cameras(seconds);
-        }
         py::list list;
-        for (const GigeIdentity& one : found) list.append(identity_dict(one));
+        for (const auto& one : natively([&] { return find_gige_cameras(seconds); })) {
+          list.append(identity_dict(one));
+        }
         return list;
       },
       "seconds"_a = 1.0);

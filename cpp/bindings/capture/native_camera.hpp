@@ -35,13 +35,8 @@ using FeatureTuple =
 
 template <typename Camera>
 std::vector<FeatureTuple> features_of(const Camera& camera) {
-  std::vector<FeatureState> states;
-  {
-    const WithoutInterpreter work;
-    states = camera.features();
-  }
   std::vector<FeatureTuple> found;
-  for (const FeatureState& state : states) {
+  for (const FeatureState& state : natively([&] { return camera.features(); })) {
     found.emplace_back(state.name, state.is_automatic, state.values, state.unit, state.low,
                        state.high);
   }

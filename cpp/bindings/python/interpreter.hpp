@@ -19,6 +19,13 @@ class WithoutInterpreter {
   PyThreadState* state_;
 };
 
+/// The result of work that needs no interpreter.
+template <typename Work>
+auto natively(const Work& work) {
+  const WithoutInterpreter others;
+  return work();
+}
+
 /// An object whose end waits for its thread, and gives up the interpreter meanwhile.
 template <typename T, typename... A>
 std::shared_ptr<T> make_native(A&&... arguments) {

@@ -186,12 +186,6 @@ MeasurementLike measurement_from(py::handle value, const std::string& name) {
   return measurement;
 }
 
-py::array_t<double> to_array(const double* values, const Shape& shape) {
-  py::array_t<double> array(shape, values);
-  array.attr("setflags")(py::arg("write") = false);
-  return array;
-}
-
 ImageView image_view(py::handle value, const std::string& name) {
   const std::string expected = name + " must be a uint8 RGB array of shape (H, W, 3), got ";
   if (!py::isinstance<py::array>(value)) throw py::type_error(expected + describe(value));
@@ -261,14 +255,10 @@ WritableView writable_view(py::handle value, const std::string& name) {
 }
 
 py::array_t<std::uint8_t> to_array(const Image& image) {
-  auto* kept = new Image(image);
-  const py::capsule owner(kept, [](void* p) { delete static_cast<Image*>(p); });
   const ImageView view = image.view();
-  py::array_t<std::uint8_t> array(
+  return read_only(py::array_t<std::uint8_t>(
       {py::ssize_t{view.height}, py::ssize_t{view.width}, py::ssize_t{3}},
-      {view.stride, py::ssize_t{3}, py::ssize_t{1}}, view.data, owner);
-  array.attr("setflags")(py::arg("write") = false);
-  return array;
+      {view.stride, py::ssize_t{3}, py::ssize_t{1}}, view.data, owner_of(new Image(image))));
 }
 
 }  // namespace robsim::bindings

@@ -105,8 +105,22 @@ inline void check_step_number(std::int64_t k) {
 
 inline py::tuple to_array(const Pair& pair) { return py::make_tuple(pair[0], pair[1]); }
 
+template <typename T>
+py::array_t<T> read_only(py::array_t<T> array) {
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+/// Keeps a value as long as arrays look at its memory.
+template <typename T>
+py::capsule owner_of(T* value) {
+  return py::capsule(value, [](void* p) { delete static_cast<T*>(p); });
+}
+
 /// A read-only copy.
-py::array_t<double> to_array(const double* values, const Shape& shape);
+inline py::array_t<double> to_array(const double* values, const Shape& shape) {
+  return read_only(py::array_t<double>(shape, values));
+}
 inline py::array_t<double> to_array(std::initializer_list<double> values) {
   return to_array(values.begin(), {static_cast<py::ssize_t>(values.size())});
 }
@@ -147,14 +161,18 @@ WritableView writable_view(py::handle value, const std::string& name);
 /// A read-only view of shape (H, W, 3) that keeps the image's pixels alive.
 py::array_t<std::uint8_t> to_array(const Image& image);
 
-/// The names of an enumeration's values: `all`, an array of pairs.
+/// The names of an enumeration's values.
 template <typename T>
-struct Choices;
+using Choices = std::initializer_list<std::pair<const char*, T>>;
+template <typename T>
+constexpr std::nullptr_t choices = nullptr;
+template <typename T>
+constexpr bool has_choices = std::is_same_v<decltype(choices<T>), const Choices<T>>;
 
 template <typename T>
 T choice_from(py::handle value, const std::string& name) {
   std::string names;
-  for (const auto& [key, choice] : Choices<T>::all) {
+  for (const auto& [key, choice] : choices<T>) {
     if (PyUnicode_Check(value.ptr()) && value.equal(py::str(key))) return choice;
     names += (names.empty() ? "'" : ", '") + std::string(key) + "'";
   }
@@ -164,8 +182,8 @@ T choice_from(py::handle value, const std::string& name) {
 }
 
 template <typename T>
-py::str to_array(const T& choice, decltype(Choices<T>::all)* = nullptr) {
-  for (const auto& [key, value] : Choices<T>::all) {
+std::enable_if_t<has_choices<T>, py::str> to_array(const T& choice) {
+  for (const auto& [key, value] : choices<T>) {
     if (value == choice) return key;
   }
   return "";
@@ -224,7 +242,7 @@ struct Conversion<DetectionResult> : By<&detection_result_from, ints> {};
 template <>
 struct Conversion<Pair> : By<&pair_from, pairs> {};
 template <typename T>
-struct Conversion<T, std::void_t<decltype(Choices<T>::all)>> {
+struct Conversion<T, std::enable_if_t<has_choices<T>>> {
   static constexpr auto from = &choice_from<T>;
   static constexpr auto type = py::detail::const_name("str");
 };

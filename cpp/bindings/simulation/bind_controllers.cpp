@@ -44,9 +44,8 @@ py::array_t<double> inputs_of(const py::object& self) {
   static_assert(sizeof(Input) == 2 * sizeof(double));
   const std::vector<Input>& u = self.cast<const Replay&>().u();
   const double* first = u.empty() ? nullptr : &u.front().u1;
-  py::array_t<double> view({static_cast<py::ssize_t>(u.size()), py::ssize_t{2}}, first, self);
-  view.attr("setflags")("write"_a = false);
-  return view;
+  return read_only(
+      py::array_t<double>({static_cast<py::ssize_t>(u.size()), py::ssize_t{2}}, first, self));
 }
 
 py::bytes bytes_of(const Replay& replay) {

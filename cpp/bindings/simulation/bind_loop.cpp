@@ -14,26 +14,18 @@ using namespace robsim;
 using namespace robsim::bindings;
 
 template <>
-struct robsim::bindings::Choices<IdentifyFrom> {
-  static constexpr std::pair<const char*, IdentifyFrom> all[] = {
-      {"truth", IdentifyFrom::truth},
-      {"measurement", IdentifyFrom::measurement},
-      {"estimate", IdentifyFrom::estimate}};
-};
+constexpr Choices<IdentifyFrom> robsim::bindings::choices<IdentifyFrom> = {
+    {"truth", IdentifyFrom::truth},
+    {"measurement", IdentifyFrom::measurement},
+    {"estimate", IdentifyFrom::estimate}};
 template <>
-struct robsim::bindings::Choices<Given> {
-  static constexpr std::pair<const char*, Given> all[] = {{"all", Given::all},
-                                                          {"frames", Given::frames},
-                                                          {"blobs", Given::blobs},
-                                                          {"pose", Given::pose}};
-};
+constexpr Choices<Given> robsim::bindings::choices<Given> = {
+    {"all", Given::all}, {"frames", Given::frames}, {"blobs", Given::blobs}, {"pose", Given::pose}};
 template <>
-struct robsim::bindings::Choices<Stage> {
-  static constexpr std::pair<const char*, Stage> all[] = {
-      {"world", Stage::world},     {"estimate_parameters", Stage::estimate_parameters},
-      {"measure", Stage::measure}, {"estimate_state", Stage::estimate_state},
-      {"control", Stage::control}, {"send", Stage::send}};
-};
+constexpr Choices<Stage> robsim::bindings::choices<Stage> = {
+    {"world", Stage::world},     {"estimate_parameters", Stage::estimate_parameters},
+    {"measure", Stage::measure}, {"estimate_state", Stage::estimate_state},
+    {"control", Stage::control}, {"send", Stage::send}};
 
 namespace {
 
@@ -174,10 +166,8 @@ Columns columns_of(const SlottedLoop& self) {
   for (const Trace::Column& column : trace.columns) {
     const auto width = static_cast<py::ssize_t>(column.width());
     auto* memory = new Trace::Memory(column.memory());
-    const py::capsule owner(memory, [](void* p) { delete static_cast<Trace::Memory*>(p); });
-    py::array_t<double> view({rows, width}, (*memory)->data(), owner);
-    view.attr("setflags")("write"_a = false);
-    columns[column.name().c_str()] = view;
+    columns[column.name().c_str()] =
+        read_only(py::array_t<double>({rows, width}, (*memory)->data(), owner_of(memory)));
   }
   return columns;
 }

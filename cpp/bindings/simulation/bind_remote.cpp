@@ -11,13 +11,11 @@ using namespace robsim;
 using namespace robsim::bindings;
 
 template <>
-struct robsim::bindings::Choices<StageBit> {
-  static constexpr std::pair<const char*, StageBit> all[] = {
-      {"estimate_parameters", parameters_bit},
-      {"measure", measure_bit},
-      {"estimate_state", estimate_bit},
-      {"control", control_bit}};
-};
+constexpr Choices<StageBit> robsim::bindings::choices<StageBit> = {
+    {"estimate_parameters", parameters_bit},
+    {"measure", measure_bit},
+    {"estimate_state", estimate_bit},
+    {"control", control_bit}};
 
 namespace {
 

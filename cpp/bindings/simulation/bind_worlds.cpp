@@ -15,10 +15,8 @@ using namespace robsim;
 using namespace robsim::bindings;
 
 template <>
-struct robsim::bindings::Choices<Boundary> {
-  static constexpr std::pair<const char*, Boundary> all[] = {{"bounce", Boundary::bounce},
-                                                             {"unlimited", Boundary::unlimited}};
-};
+constexpr Choices<Boundary> robsim::bindings::choices<Boundary> = {
+    {"bounce", Boundary::bounce}, {"unlimited", Boundary::unlimited}};
 
 namespace {
 
