@@ -316,7 +316,11 @@ robsim.lab.LineError
            "Hear no more: it stops when the time to live is over.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def(
-          "__exit__", [](MotorReceiver& self, const py::args&) { self.close(); }, no_interpreter)
+          "__exit__",
+          [](MotorReceiver& self, const py::object&, const py::object&, const py::object&) {
+            self.close();
+          },
+          "kind"_a, "error"_a, "traceback"_a, no_interpreter)
       .def_property_readonly("name", &MotorReceiver::name, "str: what the line is called.")
       .def_property_readonly("port", &MotorReceiver::port,
                              "int: the port that it listens at; 0 for a descriptor.")
