@@ -31,6 +31,6 @@ def test_an_object_without_its_constructor_is_refused():
 
 def test_a_state_of_something_else_is_refused():
     for one in CLASSES:
-        if "__setstate__" in vars(one):
+        if "__setstate__" in vars(one) and "__members__" not in vars(one):
             with pytest.raises(TypeError, match="state must be what __getstate__ returned"):
                 one.__new__(one).__setstate__({"x": 1})

@@ -83,7 +83,7 @@ def test_a_small_file_that_claims_to_be_huge_is_refused(tmp_path, side):
     data[16:24] = side.to_bytes(4, "big") * 2
     data[29:33] = zlib.crc32(bytes(data[12:29])).to_bytes(4, "big")
     file.write_bytes(data)
-    with pytest.raises(ValueError, match=r"bomb\.png has too many pixels: .*100000000"):
+    with pytest.raises(ValueError, match=r"bomb\.png has too many pixels: at most 67108864"):
         load_image(file)
 
 

@@ -19,7 +19,7 @@ CPP = {
     "base/geometry": set(),
     "estimation": {"base/simd", "base/system"},
     "imaging": {"base/system", "base/geometry"},
-    "imaging/raw": {"base/simd", "imaging"},
+    "imaging/raw": {"base/simd", "base/system", "imaging"},
     "model": {"base/system", "base/elementary", "base/geometry"},
     "world": {"base/system", "base/simd", "base/elementary", "base/geometry", "imaging"},
     "vision/color": {"base/system", "imaging"},
