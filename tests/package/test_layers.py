@@ -23,8 +23,8 @@ CPP = {
     "model": {"base/system", "base/elementary", "base/geometry"},
     "world": {"base/system", "base/simd", "base/elementary", "base/geometry", "imaging"},
     "vision/color": {"base/system", "imaging"},
-    "vision/pixels": {"base/simd", "imaging", "vision/color"},
-    "vision/fit": {"base/simd", "base/elementary", "base/geometry", "imaging"},
+    "vision/pixels": {"base/simd", "base/system", "imaging", "vision/color"},
+    "vision/fit": {"base/simd", "base/elementary", "base/geometry", "imaging", "vision/color"},
     "vision": {
         *("base/system", "base/elementary", "base/geometry", "imaging"),
         *("vision/color", "vision/pixels", "vision/fit"),
