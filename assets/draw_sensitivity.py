@@ -178,7 +178,7 @@ SETTINGS: dict[str, Setting] = {
     "late inputs, fitted": Setting(
         label="motor delay, steps",
         vary={"motor_delay": _DELAYS},
-        metrics={"fit": partial(fitted, input_delay="fit")},
+        metrics={"fit": partial(fitted, motor_delay="fit")},
     ),
     "method": Setting(label="", base="output error", metrics=_METHODS),
     "method, disturbed": Setting(

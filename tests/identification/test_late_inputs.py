@@ -46,13 +46,13 @@ def gain_errors(theta):
 @pytest.mark.parametrize("delay", [0, 2.4, 40.5])
 def test_the_true_delay_gives_back_the_true_parameters(method, delay):
     trace = late_run(delay=delay)
-    found = robsim.batch_estimate(trace, method=method, input_delay=delay)
+    found = robsim.batch_estimate(trace, method=method, motor_delay=delay)
     np.testing.assert_allclose(found.batch, TRUTH, rtol=0, atol=1e-6)
     assert found.is_model_exact
-    assert (found.input_delay, found.input_delay_error) == (delay, 0)
+    assert (found.motor_delay, found.motor_delay_error) == (delay, 0)
     if delay:
         without = robsim.batch_estimate(trace, method=method)
-        assert without.input_delay == 0
+        assert without.motor_delay == 0
         assert not without.is_model_exact
         # on truth: 0.05 to 2 and more
         assert gain_errors(without.batch) > 0.04
@@ -63,7 +63,7 @@ def test_the_true_delay_gives_back_the_true_parameters(method, delay):
 def test_noise_adds_no_bias_to_a_fit_that_knows_the_delay(fit):
     trace = late_run()
     z = measured(trace)
-    found, without = fit(z, trace.u, input_delay=2.4), fit(z, trace.u)
+    found, without = fit(z, trace.u, motor_delay=2.4), fit(z, trace.u)
     within = np.abs(found.theta - TRUTH) / found.standard_errors
     assert within[found.determined].max() < 5
     beyond = np.abs(without.theta - TRUTH) / without.standard_errors
@@ -75,14 +75,14 @@ def test_noise_adds_no_bias_to_a_fit_that_knows_the_delay(fit):
 @pytest.mark.parametrize("delay", [2.4, 0.0])
 def test_the_delay_is_estimated_and_the_parameters_with_it(delay):
     trace = late_run(delay=delay)
-    found = output_error(measured(trace), trace.u, input_delay="fit")
+    found = output_error(measured(trace), trace.u, motor_delay="fit")
     assert found.converged
-    assert 0.001 < found.input_delay_error < 0.02
-    assert abs(found.input_delay - delay) < 4 * found.input_delay_error
+    assert 0.001 < found.motor_delay_error < 0.02
+    assert abs(found.motor_delay - delay) < 4 * found.motor_delay_error
     assert (np.abs(found.theta - TRUTH) < 5 * found.standard_errors)[found.determined].all()
-    given = output_error(measured(trace), trace.u, input_delay=delay)
+    given = output_error(measured(trace), trace.u, motor_delay=delay)
     assert (found.standard_errors >= given.standard_errors * 0.9)[found.determined].all()
-    assert "input delay" in str(found)
+    assert "motor delay" in str(found)
 
 
 @pytest.mark.kernels
@@ -92,8 +92,8 @@ def test_the_standard_error_of_the_delay_is_honest(delay):
     errors = []
     for seed in range(thorough(8, 4)):
         trace = late_run(seed, delay, steps=200)
-        fit = output_error(measured(trace, seed), trace.u, input_delay="fit")
-        errors.append((fit.input_delay - delay) / fit.input_delay_error)
+        fit = output_error(measured(trace, seed), trace.u, motor_delay="fit")
+        errors.append((fit.motor_delay - delay) / fit.motor_delay_error)
     low, high = stats.chi2.ppf((0.001, 0.999), len(errors))
     assert low < np.square(errors).sum() < high
 
@@ -105,17 +105,17 @@ def test_a_batch_estimate_estimates_the_delay_from_measured_poses():
     groups = {name: getattr(trace, name) for name in ("pose_true", "u", "bounced")}
     seen = Trace(groups | {"pose_measured": measured(trace)}, trace.info)
     found = robsim.batch_estimate(
-        seen, identify_from="measurement", method="output_error", input_delay="fit"
+        seen, identify_from="measurement", method="output_error", motor_delay="fit"
     )
-    assert abs(found.input_delay - 1.7) < 4 * found.input_delay_error < 0.2
-    assert found.to_dict()["input_delay"] == found.input_delay
+    assert abs(found.motor_delay - 1.7) < 4 * found.motor_delay_error < 0.2
+    assert found.to_dict()["motor_delay"] == found.motor_delay
 
 
 @pytest.mark.kernels
 @pytest.mark.long
 def test_a_delay_beyond_what_is_searched_is_no_result():
     trace = late_run(delay=14, steps=150)
-    found = output_error(measured(trace), trace.u, input_delay="fit")
+    found = output_error(measured(trace), trace.u, motor_delay="fit")
     assert not found.converged
 
 
@@ -126,13 +126,13 @@ def test_a_delay_beyond_what_is_searched_is_no_result():
 def test_a_part_of_a_run_begins_where_its_inputs_are_known():
     trace = late_run(delay=2.4)
     part = trace[100:]
-    samples = regression_of(part, input_delay=2.4)
+    samples = regression_of(part, motor_delay=2.4)
     assert samples.k[0] == 100 + 3 + 2  # the inputs of 100.. act alone from step 103 on
     for method in METHODS:
-        found = robsim.batch_estimate(part, method=method, input_delay=2.4)
+        found = robsim.batch_estimate(part, method=method, motor_delay=2.4)
         np.testing.assert_allclose(found.batch, TRUTH, rtol=0, atol=1e-6)
     # from the start of the run on all is known: before it the inputs were 0
-    assert regression_of(trace, input_delay=2.4).k[0] == 2
+    assert regression_of(trace, motor_delay=2.4).k[0] == 2
 
 
 @pytest.mark.kernels
@@ -145,7 +145,7 @@ def test_for_so_long_after_lost_frames_and_stops_no_sample_is_valid(group):
     else:
         values = np.arange(60) * 0.2 + 0.4 * (np.arange(60) >= 30)
     broken = Trace(groups | {group: values}, trace.info)
-    prompt, late = regression_of(broken), regression_of(broken, input_delay=2.4)
+    prompt, late = regression_of(broken), regression_of(broken, motor_delay=2.4)
     assert sorted(set(trace.k[2:]) - set(prompt.k)) == [30, 31]
     assert sorted(set(trace.k[2:]) - set(late.k)) == [30, 31, 32, 33, 34]
     assert late.left_out == 5
@@ -156,9 +156,9 @@ def test_after_a_bounce_the_inputs_are_known():
     trace = late_run(delay=2.4, boundary="bounce", start=(1100, 600, 0.0), steps=400)
     bounces = np.flatnonzero(trace.bounced)
     assert len(bounces)
-    samples = regression_of(trace, input_delay=2.4)
+    samples = regression_of(trace, motor_delay=2.4)
     assert bounces[0] + 2 in samples.k
-    found = robsim.batch_estimate(trace, input_delay=2.4)
+    found = robsim.batch_estimate(trace, motor_delay=2.4)
     np.testing.assert_allclose(found.batch, TRUTH, rtol=0, atol=1e-6)
 
 
@@ -170,12 +170,12 @@ def test_a_delay_has_limits_and_is_fitted_by_output_error_alone():
     trace = late_run(steps=30)
     for method in METHODS:
         for delay in (-0.01, 1000.01):
-            with pytest.raises(ValueError, match="input_delay"):
-                robsim.batch_estimate(trace, method=method, input_delay=delay)
-    with pytest.raises(ValueError, match="input_delay"):
-        robsim.batch_estimate(trace, method="output_error", input_delay="fitted")
+            with pytest.raises(ValueError, match="motor_delay"):
+                robsim.batch_estimate(trace, method=method, motor_delay=delay)
+    with pytest.raises(ValueError, match="motor_delay"):
+        robsim.batch_estimate(trace, method="output_error", motor_delay="fitted")
     with pytest.raises(ValueError, match="output_error"):
-        robsim.batch_estimate(trace, input_delay="fit")
+        robsim.batch_estimate(trace, motor_delay="fit")
 
 
 # --- lost frames

@@ -31,8 +31,8 @@ def test_a_regular_run():
     assert (report.steps, report.lost, report.stopped) == (100, 0, 0)
     expected = np.repeat([[0.03], [0.02], [0.05]], 3, axis=1)
     np.testing.assert_allclose(report.latency, expected, atol=1e-9)
-    assert report.input_delay == pytest.approx(0.25)
-    assert report.to_dict()["input_delay"] == report.input_delay
+    assert report.motor_delay == pytest.approx(0.25)
+    assert report.to_dict()["motor_delay"] == report.motor_delay
     assert "regularly" not in str(report)
 
 
@@ -47,7 +47,7 @@ def test_the_latencies_of_the_steps(rng):
         assert row[2] == pytest.approx(times.max())
     shown = report.to_dict()
     assert shown["jitter_ms"] == pytest.approx(0, abs=1e-6)
-    assert report.input_delay == pytest.approx(np.median(sent) / DT)
+    assert report.motor_delay == pytest.approx(np.median(sent) / DT)
 
 
 def test_jitter_lost_frames_and_stops(rng):
@@ -66,13 +66,13 @@ def test_what_is_not_known_of_some_steps_and_of_all():
     t = np.arange(10) * DT
     arrival = np.where(t < 1, np.nan, 0.03)
     report = live(t, arrival, np.full(10, np.nan)).timing()
-    assert not any("input delay" in remark for remark in report.remarks)
+    assert not any("motor delay" in remark for remark in report.remarks)
     np.testing.assert_allclose(report.latency[0], 0.03)
     assert np.isnan(report.latency[1:]).all()
-    assert np.isnan(report.input_delay)
+    assert np.isnan(report.motor_delay)
     single = live([3.0]).timing()
     assert np.isnan(single.rate)
-    assert single.input_delay == pytest.approx(0.25)
+    assert single.motor_delay == pytest.approx(0.25)
 
 
 def test_a_simulation_has_no_such_times():
@@ -84,7 +84,7 @@ def test_a_simulation_has_no_such_times():
 
 def test_the_delay_is_that_of_a_world():
     report = live(np.arange(30) * DT, sent=0.48).timing()
-    assert robsim.Scenario(motor_delay=report.input_delay).motor_delay == pytest.approx(2.4)
+    assert robsim.Scenario(motor_delay=report.motor_delay).motor_delay == pytest.approx(2.4)
 
 
 # --- the schema

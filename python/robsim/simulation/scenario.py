@@ -102,7 +102,7 @@ class Scenario(Options):
     it acts, is one delay: as live frames are numbered and timed by their exposure, all of it,
     camera, vision, transmission, motors, is a `motor_delay`. `Trace.timing` measures it,
     `robsim.estimation.reference` compensates it, and `robsim.batch_estimate` takes it as
-    ``input_delay``.
+    ``motor_delay``.
 
     Examples
     --------

@@ -53,10 +53,10 @@ class TimingReport(Report):
         return "Timing"
 
     @property
-    def input_delay(self) -> float:
+    def motor_delay(self) -> float:
         """The median time from the exposure of a frame until the input went out, in steps of dt.
 
-        Give it to a simulated world as `motor_delay`, to filters and fits as `input_delay`.
+        Give it as `motor_delay` to a simulated world, to filters and to fits.
         """
         return float(self.latency[2, 0] / self.dt)
 
@@ -69,7 +69,7 @@ class TimingReport(Report):
             Quantity("jitter_ms", "jitter", 1e3 * self.jitter, "ms", ".3g"),
             Quantity("lost", "lost frames", self.lost, format=lambda n: count(n, n + self.steps)),
             Quantity("stopped", "stops", self.stopped),
-            Quantity("input_delay", "input delay", self.input_delay, "steps", ".3g"),
+            Quantity("motor_delay", "motor delay", self.motor_delay, "steps", ".3g"),
         )
 
     @property
@@ -96,11 +96,11 @@ class TimingReport(Report):
                 "the frames do not come regularly: filters and fits take the time between two of "
                 f"them for whole steps of {self.dt:g} s"
             )
-        if math.isfinite(self.input_delay):
+        if math.isfinite(self.motor_delay):
             remarks.append(
-                "input delay: give it to a simulated world as motor_delay, to filters and to "
-                "batch_estimate as input_delay; what the line and the motors add is not in it: "
-                "batch_estimate(trace, method='output_error', input_delay='fit') finds the whole"
+                "motor delay: give it to a simulated world, to filters and to "
+                "batch_estimate; the delays of the line and of the motors are not in it: "
+                "batch_estimate(trace, method='output_error', motor_delay='fit') finds the whole"
             )
         return tuple(remarks)
 

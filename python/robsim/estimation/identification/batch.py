@@ -44,8 +44,8 @@ _METHODS = ("least_squares", *METHODS)
 class _Fit(TypedDict):
     """The fields of `BatchEstimate` that the method determines."""
 
-    input_delay: float
-    input_delay_error: float
+    motor_delay: float
+    motor_delay_error: float
     batch: Floats
     rank: NDArray[np.int64]
     condition: Floats
@@ -104,7 +104,7 @@ class BatchEstimate(Report):
         Root mean square one-step prediction error of `theta_true` on the true path (x, y in `unit`,
         heading in rad). If it is not 0, the robot does not move as its model says: `theta_true` is
         not the truth.
-    input_delay, input_delay_error : float
+    motor_delay, motor_delay_error : float
         How late the inputs act (steps), and the standard error if it was estimated, otherwise 0.
     unit : str
         The unit of lengths: that of the trace.
@@ -130,8 +130,8 @@ class BatchEstimate(Report):
     method: str = "least_squares"
     converged: bool = True
     model_error: Floats = field(default_factory=lambda: np.zeros(3))
-    input_delay: float = 0.0
-    input_delay_error: float = 0.0
+    motor_delay: float = 0.0
+    motor_delay_error: float = 0.0
     unit: str = "px"
     px_length: float = 1.0
 
@@ -188,7 +188,7 @@ class BatchEstimate(Report):
     @property
     def quantities(self) -> tuple[Quantity, ...]:
         """The delay of the inputs, if there is one."""
-        return delay_quantities(self.input_delay, self.input_delay_error)
+        return delay_quantities(self.motor_delay, self.motor_delay_error)
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -247,7 +247,7 @@ def batch_estimate(
     identify_from: str | None = None,
     select: str = "valid",
     method: str = "least_squares",
-    input_delay: float | str = 0.0,
+    motor_delay: float | str = 0.0,
 ) -> BatchEstimate:
     """Estimate the parameters of the robot model from a whole run.
 
@@ -268,9 +268,9 @@ def batch_estimate(
     method : str
         ``"least_squares"``, ``"instrumental_variables"`` or ``"output_error"``; see the functions
         of these names.
-    input_delay : float or str
+    motor_delay : float or str
         How late the inputs act (steps of the model), 0..1000: the `motor_delay` of a simulated
-        world, the ``trace.timing().input_delay`` of a live one. ``"fit"``: it is estimated, too,
+        world, the ``trace.timing().motor_delay`` of a live one. ``"fit"``: it is estimated, too,
         within 0..10 steps, by the method ``"output_error"``. It counts from ``trace.u``, or, where
         the frames said what the motors got, from ``trace.last_u``.
 
@@ -291,14 +291,14 @@ def batch_estimate(
     # The fits are made for px.
     info, trace = trace.info, trace.in_unit("px")
     check_choice("method", method, _METHODS)
-    delay = check_delay_or_fit(input_delay)
+    delay = check_delay_or_fit(motor_delay)
     if delay is None and method != "output_error":
-        raise ValueError(f"input_delay='fit' is for method='output_error', got {quoted(method)}")
+        raise ValueError(f"motor_delay='fit' is for method='output_error', got {quoted(method)}")
     found = regression_of(
         trace,
         identify_from=identify_from,
         select=select,
-        input_delay=LONGEST_DELAY if delay is None else delay,
+        motor_delay=LONGEST_DELAY if delay is None else delay,
     )
     if len(found.k) < _MINIMUM_SAMPLES:
         trace.require(POSES[found.identify_from])
@@ -326,7 +326,7 @@ def batch_estimate(
         left_out=found.left_out,
         select=select,
         method=method,
-        model_error=_model_error(trace, fit["input_delay"]),
+        model_error=_model_error(trace, fit["motor_delay"]),
         **fit,
     )
     return report if info.unit == "px" else _converted(report, info.unit, info.px_length)
@@ -351,7 +351,7 @@ def _converted(report: BatchEstimate, unit: str, px_length: float) -> BatchEstim
     )
 
 
-def _least_squares(found: Regression, input_delay: float) -> _Fit:
+def _least_squares(found: Regression, motor_delay: float) -> _Fit:
     fits = [least_squares(found.phi[:, axis], found.y[:, axis]) for axis in range(3)]
     return {
         "batch": np.array([fit.theta for fit in fits]),
@@ -361,8 +361,8 @@ def _least_squares(found: Regression, input_delay: float) -> _Fit:
         "standard_errors": np.array([fit.standard_errors for fit in fits]),
         "standard_errors_unscaled": np.array([fit.standard_errors_unscaled for fit in fits]),
         "converged": True,
-        "input_delay": input_delay,
-        "input_delay_error": 0.0,
+        "motor_delay": motor_delay,
+        "motor_delay_error": 0.0,
     }
 
 
@@ -383,9 +383,9 @@ def _fitted(
     breaks = interruptions(
         record,
         over_bounces=select == "all",
-        input_delay=LONGEST_DELAY if delay is None else delay,
+        motor_delay=LONGEST_DELAY if delay is None else delay,
     )
-    fit = METHODS[method](poses, u, breaks=breaks, input_delay="fit" if delay is None else delay)
+    fit = METHODS[method](poses, u, breaks=breaks, motor_delay="fit" if delay is None else delay)
     sigma = np.maximum(fit.residual_rms, np.finfo(float).tiny)
     return {
         "batch": fit.theta,
@@ -395,14 +395,14 @@ def _fitted(
         "standard_errors": np.where(fit.determined, fit.standard_errors, np.nan),
         "standard_errors_unscaled": fit.standard_errors / sigma[:, np.newaxis],
         "converged": fit.converged,
-        "input_delay": fit.input_delay,
-        "input_delay_error": fit.input_delay_error,
+        "motor_delay": fit.motor_delay,
+        "motor_delay_error": fit.motor_delay_error,
     }
 
 
-def _model_error(trace: Trace, input_delay: float) -> Floats:
+def _model_error(trace: Trace, motor_delay: float) -> Floats:
     """Return the root mean square one-step prediction errors of the model, (3,)."""
-    found = regression_of(trace, identify_from="truth", input_delay=input_delay)
+    found = regression_of(trace, identify_from="truth", motor_delay=motor_delay)
     if not len(found.k):
         return np.zeros(3)
     residuals = found.y - np.sum(found.phi * np.array(trace.info.theta_true), axis=2)

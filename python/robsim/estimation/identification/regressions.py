@@ -48,7 +48,7 @@ def regression_of(
     *,
     identify_from: str | None = None,
     select: str = "valid",
-    input_delay: float = 0.0,
+    motor_delay: float = 0.0,
 ) -> Regression:
     """Return the regression samples of a trace.
 
@@ -63,7 +63,7 @@ def regression_of(
         ``"valid"``: all except those that span a bounce, a step without a pose or lost frames.
         ``"longest"``: those of the longest segment without an interruption. ``"all"``: also those
         that span a bounce, which the model does not cover.
-    input_delay : float
+    motor_delay : float
         How late the inputs act (steps of the model), 0..1000. Samples whose inputs are from before
         the record, from lost frames or from before a stop are not valid.
 
@@ -82,9 +82,9 @@ def regression_of(
     source = trace.info.identify_from if identify_from is None else identify_from
     check_choice("identify_from", source, tuple(POSES))
     check_choice("select", select, SELECTIONS)
-    delay = check_delay("input_delay", input_delay)
+    delay = check_delay("motor_delay", motor_delay)
     poses = trace.poses_from(source)
-    follows = _follows(poses, interruptions(trace, over_bounces=select == "all", input_delay=delay))
+    follows = _follows(poses, interruptions(trace, over_bounces=select == "all", motor_delay=delay))
     if select == "longest":
         longest = longest_run(follows)
         follows = np.isin(np.arange(len(follows)), np.arange(longest.start, longest.stop))
@@ -104,22 +104,22 @@ def regression_of(
     )
 
 
-def inputs_of(trace: Trace, input_delay: float = 0.0) -> Floats:
+def inputs_of(trace: Trace, motor_delay: float = 0.0) -> Floats:
     """Return the inputs (N, 2) that acted, in V: where nobody knows better, those sent."""
     u = trace.u.copy()
     received = trace.last_u[1:]
     is_known = np.isfinite(received).all(axis=1)
     u[:-1][is_known] = received[is_known]
-    return delayed(u, input_delay) if input_delay else u
+    return delayed(u, motor_delay) if motor_delay else u
 
 
 def interruptions(
-    trace: Trace, *, over_bounces: bool = False, input_delay: float = 0.0
+    trace: Trace, *, over_bounces: bool = False, motor_delay: float = 0.0
 ) -> NDArray[np.bool_]:
     """Return for each step whether the model does not give it from the last two steps, (N,).
 
     It does not across a bounce (except `over_bounces`), lost frames, or a stop in between. For
-    `input_delay` steps after these, and at the start of a later record, inputs are not known. A
+    `motor_delay` steps after these, and at the start of a later record, inputs are not known. A
     time between two steps that is no multiple of the model's dt raises ValueError.
     """
     is_break = np.zeros(len(trace), dtype=bool)
@@ -129,9 +129,9 @@ def interruptions(
     check_mean_interval(intervals.sum(), steps.sum(), trace.info.dt)
     is_break[1:][~trace.interrupted[1:]] = steps > 1
     is_break |= trace.interrupted
-    if input_delay and len(trace):
+    if motor_delay and len(trace):
         is_break[0] |= trace.k[0] > 0
-        late = np.flatnonzero(is_break)[:, np.newaxis] + np.arange(1, math.ceil(input_delay) + 1)
+        late = np.flatnonzero(is_break)[:, np.newaxis] + np.arange(1, math.ceil(motor_delay) + 1)
         is_break[late[late < len(trace)]] = True
     if not over_bounces:
         is_break |= trace.bounced

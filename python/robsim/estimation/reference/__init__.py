@@ -5,7 +5,7 @@ themselves can delete its folder.
 
 A filter is consistent if the noises it is given are those of the world. In a simulation with
 ``process_noise=noise``, a `PoseNoise`, a filter gets ``process_sigma=noise.sigma``; in one with
-``motor_delay=d`` it gets ``input_delay=d``.
+``motor_delay=d`` it gets the same delay.
 """
 
 from robsim.estimation.reference.estimator import Prior, RobotMotion

@@ -154,32 +154,32 @@ class _StepAhead:
 class ModelFilter(StateEstimator):
     """A filter that predicts with the robot model, `motion`, and the inputs."""
 
-    def __init__(self, model: RobotModel | None, *, input_delay: float, **options: Any) -> None:
+    def __init__(self, model: RobotModel | None, *, motor_delay: float, **options: Any) -> None:
         self.motion = RobotMotion(model)
-        self._input_delay = check_delay("input_delay", input_delay)
+        self._motor_delay = check_delay("motor_delay", motor_delay)
         super().__init__(**options)
 
     @property
-    def input_delay(self) -> float:
+    def motor_delay(self) -> float:
         """How late the inputs act (steps of the model)."""
-        return self._input_delay
+        return self._motor_delay
 
     def reset(self) -> None:
         """Return to the prior."""
         super().reset()
         self._time, self._n_steps = 0.0, 0
         # the inputs of the last steps of the model, as many as do not act to their end yet
-        self._sent = np.zeros((int(np.ceil(self.input_delay)), 2))
+        self._sent = np.zeros((int(np.ceil(self.motor_delay)), 2))
 
     def _input_since(self, step: Step) -> Floats:
         last_u = np.asarray(step.last_u)
-        if not self.input_delay or step.k == 0:
+        if not self.motor_delay or step.k == 0:
             return last_u
         # Of lost frames the input of the step before holds for several steps of the model.
         n_steps = self.motion.steps_in(step.dt)
         sent = np.vstack((self._sent, *repeat(last_u, n_steps)))
         self._sent = sent[n_steps:]
-        return delayed(sent, self.input_delay)[-n_steps:]
+        return delayed(sent, self.motor_delay)[-n_steps:]
 
     def _inputs(self, u: Floats, dt: float) -> Iterable[Floats]:
         """Return the input of each model step in a time (s); ValueError if it is none of it."""
@@ -199,15 +199,15 @@ class ModelFilter(StateEstimator):
         Returns
         -------
         Estimate
-            Pose, covariance and velocity `input_delay` steps after the newest step.
+            Pose, covariance and velocity `motor_delay` steps after the newest step.
         """
-        if not (self.input_delay and self._has_seen):
+        if not (self.motor_delay and self._has_seen):
             return self._estimate()
-        whole = int(self.input_delay)
-        fraction = self.input_delay - whole
+        whole = int(self.motor_delay)
+        fraction = self.motor_delay - whole
         ahead = self._copy()
         # What acts in the steps to come is known, but for what is sent from now on.
-        to_come = delayed(np.vstack((self._sent, np.zeros((whole, 2)))), self.input_delay)
+        to_come = delayed(np.vstack((self._sent, np.zeros((whole, 2)))), self.motor_delay)
         for u in to_come[len(self._sent) :]:
             ahead.predict(u, self.motion.T)
         if fraction:
@@ -244,7 +244,7 @@ class ModelFilter(StateEstimator):
         --------
         >>> sim = robsim.Simulation(measure=True, motor_delay=2.4, seed=1)
         >>> from robsim.estimation.reference import ExtendedKalmanFilter
-        >>> kalman_filter = ExtendedKalmanFilter(sim.model, input_delay=2.4)
+        >>> kalman_filter = ExtendedKalmanFilter(sim.model, motor_delay=2.4)
         >>> go = robsim.GoToPoint(900, 300)
         >>> sim.estimate_state = kalman_filter
         >>> sim.control = lambda step: go(kalman_filter.ahead(step))
@@ -291,9 +291,9 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
         Standard deviations of a measured pose (px, px, rad), for all measurements, whatever their
         covariances say. Default: of each measurement, what its covariance says; of one without,
         (0.3, 0.3, 0.05), those of a simulation with 36 drawn headings in a frame of 1200 px.
-    input_delay : float
+    motor_delay : float
         How late the inputs act, in steps of the model, 0..1000: the `motor_delay` of a simulated
-        world, the ``trace.timing().input_delay`` of a live one. `ahead` then compensates it. It
+        world, the ``trace.timing().motor_delay`` of a live one. `ahead` then compensates it. It
         counts from ``step.last_u``: if the frames say what the motors got, only what comes after.
     prior : Prior, optional
         What is known before the robot is first seen.
@@ -333,12 +333,12 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
         *,
         process_sigma: Sequence[float] = PROCESS_SIGMA,
         measurement_sigma: Sequence[float] | None = None,
-        input_delay: float = 0.0,
+        motor_delay: float = 0.0,
         prior: Prior | None = None,
     ) -> None:
         self.Q = np.diag(check_process_sigma(process_sigma) ** 2)
         super().__init__(
-            model, input_delay=input_delay, measurement_sigma=measurement_sigma, prior=prior
+            model, motor_delay=motor_delay, measurement_sigma=measurement_sigma, prior=prior
         )
 
     def predict(self, u: Floats, dt: float) -> None:
@@ -370,7 +370,7 @@ class UnscentedKalmanFilter(ModelFilter, KalmanFilter):
 
     Parameters
     ----------
-    model, process_sigma, measurement_sigma, input_delay, prior
+    model, process_sigma, measurement_sigma, motor_delay, prior
         As for `ExtendedKalmanFilter`: by default R is the covariance of each measurement.
     kappa : float
         Spread of the sigma points: sqrt(6 + kappa) standard deviations. At least 0, so that no
@@ -406,13 +406,13 @@ class UnscentedKalmanFilter(ModelFilter, KalmanFilter):
         process_sigma: Sequence[float] = PROCESS_SIGMA,
         measurement_sigma: Sequence[float] | None = None,
         kappa: float = 0.0,
-        input_delay: float = 0.0,
+        motor_delay: float = 0.0,
         prior: Prior | None = None,
     ) -> None:
         self.Q = np.diag(check_process_sigma(process_sigma) ** 2)
         self.kappa = check_float("kappa", kappa, minimum=0)
         super().__init__(
-            model, input_delay=input_delay, measurement_sigma=measurement_sigma, prior=prior
+            model, motor_delay=motor_delay, measurement_sigma=measurement_sigma, prior=prior
         )
 
     def sigma_points(self) -> tuple[Floats, Floats]:

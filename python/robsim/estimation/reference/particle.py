@@ -26,7 +26,7 @@ class ParticleFilter(ModelFilter):
 
     Parameters
     ----------
-    model, process_sigma, measurement_sigma, input_delay, prior
+    model, process_sigma, measurement_sigma, motor_delay, prior
         As for `ExtendedKalmanFilter`: by default R is the covariance of each measurement. The
         process noise keeps the particles apart.
     n_particles : int
@@ -72,14 +72,14 @@ class ParticleFilter(ModelFilter):
         measurement_sigma: Sequence[float] | None = None,
         n_particles: int = 2000,
         seed: Seed = 0,
-        input_delay: float = 0.0,
+        motor_delay: float = 0.0,
         prior: Prior | None = None,
     ) -> None:
         self.process_sigma = check_process_sigma(process_sigma)
         self.n_particles = check_int("n_particles", n_particles, minimum=1000, maximum=10**7)
         self._seed = seed_sequence(seed)
         super().__init__(
-            model, input_delay=input_delay, measurement_sigma=measurement_sigma, prior=prior
+            model, motor_delay=motor_delay, measurement_sigma=measurement_sigma, prior=prior
         )
 
     def reset(self) -> None:

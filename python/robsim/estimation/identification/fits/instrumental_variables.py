@@ -30,7 +30,7 @@ def instrumental_variables(
     u: ArrayLike,
     *,
     breaks: ArrayLike | None = None,
-    input_delay: float = 0.0,
+    motor_delay: float = 0.0,
 ) -> ModelFit:
     """Estimate the parameters of the robot model from measured poses, without bias.
 
@@ -49,7 +49,7 @@ def instrumental_variables(
         The inputs given at these steps (V).
     breaks : array (N,) of bool, optional
         Steps that do not follow from the previous one, such as bounces.
-    input_delay : float
+    motor_delay : float
         How late the inputs act (steps), 0..1000; before the first they were 0. `output_error` can
         also estimate it.
 
@@ -69,7 +69,7 @@ def instrumental_variables(
     analysis, part I, Int. J. Control 29(1), 1979. The transient from the noise of a run's first two
     poses does not decay in the filter 1/A, which has a pole at 1; it is projected out.
     """
-    delay = check_delay("input_delay", input_delay)
+    delay = check_delay("motor_delay", motor_delay)
     record = as_record(poses, u, breaks).with_delay(delay)
     runs = split(record, maximum_gap=0, minimum=_MINIMUM_POSES)
     n_samples = sum(len(run.u) - 4 for run in runs)
@@ -92,7 +92,7 @@ def instrumental_variables(
             fit.converged or not np.isfinite(row).any()
             for fit, row in zip(fits, theta, strict=True)
         ),
-        input_delay=delay,
+        motor_delay=delay,
     )
 
 

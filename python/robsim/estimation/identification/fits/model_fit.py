@@ -38,7 +38,7 @@ class ModelFit(Report):
         Number of iterations.
     converged : bool
         Whether the iteration converged; if not, theta is that of the last iteration.
-    input_delay, input_delay_error : float
+    motor_delay, motor_delay_error : float
         How late the inputs act (steps), and the standard error; 0 if it was given.
     """
 
@@ -47,8 +47,8 @@ class ModelFit(Report):
     residual_rms: Floats
     iterations: int
     converged: bool
-    input_delay: float = 0.0
-    input_delay_error: float = 0.0
+    motor_delay: float = 0.0
+    motor_delay_error: float = 0.0
 
     @property
     def determined(self) -> NDArray[np.bool_]:
@@ -63,7 +63,7 @@ class ModelFit(Report):
     @property
     def quantities(self) -> tuple[Quantity, ...]:
         """The delay of the inputs, if there is one."""
-        return delay_quantities(self.input_delay, self.input_delay_error)
+        return delay_quantities(self.motor_delay, self.motor_delay_error)
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -92,8 +92,8 @@ class ModelFit(Report):
 def delay_quantities(delay: float, error: float) -> tuple[Quantity, ...]:
     """Return what a report says of a delay of the inputs (steps); nothing without one."""
     quantities = (
-        Quantity("input_delay", "input delay", delay, "steps", ".4g"),
-        Quantity("input_delay_error", "its standard error", error, "steps", ".2g"),
+        Quantity("motor_delay", "motor delay", delay, "steps", ".4g"),
+        Quantity("motor_delay_error", "its standard error", error, "steps", ".2g"),
     )
     return quantities if error else quantities[: bool(delay)]
 
@@ -124,12 +124,12 @@ _LEAST_CURVATURE = 1e-3  # of -2 log likelihood, per step^2: less is rounding
 
 
 def check_delay_or_fit(delay: float | str) -> float | None:
-    """Return the argument ``input_delay`` in steps; None = it is to be estimated."""
+    """Return the argument ``motor_delay`` in steps; None = it is to be estimated."""
     if isinstance(delay, str):
         if delay == "fit":
             return None
-        raise ValueError(f"input_delay must be a number (steps) or 'fit', got {quoted(delay)}")
-    return check_delay("input_delay", delay)
+        raise ValueError(f"motor_delay must be a number (steps) or 'fit', got {quoted(delay)}")
+    return check_delay("motor_delay", delay)
 
 
 def fit_delay(record: Record, fit: Callable[[Record, float], ModelFit]) -> ModelFit:
@@ -150,8 +150,8 @@ def fit_delay(record: Record, fit: Callable[[Record, float], ModelFit]) -> Model
     return replace(
         best,
         standard_errors=_with_delay(best.standard_errors, slope, error),
-        converged=best.converged and best.input_delay < LONGEST_DELAY and math.isfinite(error),
-        input_delay_error=error,
+        converged=best.converged and best.motor_delay < LONGEST_DELAY and math.isfinite(error),
+        motor_delay_error=error,
     )
 
 
@@ -163,7 +163,7 @@ def _spread(at: Callable[[float], ModelFit], best: ModelFit, n: int) -> tuple[fl
     """Return the standard error of the best delay, and what the parameters change with it."""
     # Numerical derivatives, at an edge of what was searched one-sided.
     h = _DIFFERENCE
-    middle = min(max(best.input_delay, h), LONGEST_DELAY - h)
+    middle = min(max(best.motor_delay, h), LONGEST_DELAY - h)
     fits = [at(delay) for delay in (middle - h, middle, middle + h)]
     # -2 log likelihood for the noise of the best fit; variance = 2 / (its second derivative)
     before, now, after = (n * np.square(_rms(fit) / _rms(best)).sum() for fit in fits)

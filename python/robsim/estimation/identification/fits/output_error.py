@@ -127,7 +127,7 @@ def output_error(
     u: ArrayLike,
     *,
     breaks: ArrayLike | None = None,
-    input_delay: float | str = 0.0,
+    motor_delay: float | str = 0.0,
 ) -> ModelFit:
     """Fit the simulated path of the robot model to measured poses.
 
@@ -143,7 +143,7 @@ def output_error(
         The inputs given at these steps (V), also where the robot was not seen.
     breaks : array (N,) of bool, optional
         Steps that do not follow from the previous one, such as bounces.
-    input_delay : float or str
+    motor_delay : float or str
         How late the inputs act (steps), 0..1000; before the first they were 0. ``"fit"``: it is
         estimated, too, within 0..10 steps.
 
@@ -169,7 +169,7 @@ def output_error(
     delays the one for which the parameters fit best. The standard errors of the parameters then
     include what the uncertainty of the delay adds to them.
     """
-    delay = check_delay_or_fit(input_delay)
+    delay = check_delay_or_fit(motor_delay)
     record = as_record(poses, u, breaks)
     return fit_delay(record, _fit) if delay is None else _fit(record, delay)
 
@@ -192,7 +192,7 @@ def _fit(record: Record, delay: float) -> ModelFit:
         residual_rms=np.sqrt(np.square(residuals).mean(axis=0)),
         iterations=iterations,
         converged=converged,
-        input_delay=delay,
+        motor_delay=delay,
     )
 
 

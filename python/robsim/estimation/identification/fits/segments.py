@@ -29,9 +29,9 @@ class Record:
     def seen(self) -> Bools:
         return np.asarray(np.isfinite(self.poses[:, 0]))
 
-    def with_delay(self, input_delay: float) -> Record:
+    def with_delay(self, motor_delay: float) -> Record:
         """Return the record with the inputs that act, this many steps after they were given."""
-        return replace(self, u=delayed(self.u, input_delay)) if input_delay else self
+        return replace(self, u=delayed(self.u, motor_delay)) if motor_delay else self
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,7 @@ def default_estimator(runner: Simulation | Experiment) -> ExtendedKalmanFilter:
     uniform = (width / math.sqrt(12), height / math.sqrt(12), math.pi / math.sqrt(3))
     prior = Prior(pose=(width / 2, height / 2, 0.0), pose_sigma=uniform)
     delay = runner.scenario.motor_delay if isinstance(runner, Simulation) else 0.0
-    estimator = ExtendedKalmanFilter(runner.model, input_delay=delay, prior=prior)
+    estimator = ExtendedKalmanFilter(runner.model, motor_delay=delay, prior=prior)
     tune(estimator, runner)
     if (step := runner.last_step).k > 0:
         estimator.motion.steps_in(step.dt)  # raises where its model has not the dt of the frames

@@ -58,7 +58,7 @@ def mean_nees(kind, given, runs=8):
     for seed in range(runs):
         trace = late_run(seed)
         filter_ = kind(
-            input_delay=given,
+            motor_delay=given,
             measurement_sigma=SEEN,
             process_sigma=NOISE.sigma,
         )
@@ -85,7 +85,7 @@ def test_a_filter_that_knows_the_delay_is_consistent_and_one_that_does_not_is_no
 def test_it_predicts_where_the_robot_is_when_an_input_begins_to_act(delay):
     trace = late_run(3, delay, process_noise=None)
     filter_ = ExtendedKalmanFilter(
-        input_delay=delay, process_sigma=(0, 0, 0), measurement_sigma=(1e-3, 1e-3, 1e-5)
+        motor_delay=delay, process_sigma=(0, 0, 0), measurement_sigma=(1e-3, 1e-3, 1e-5)
     )
     ahead = []
     for step in steps_of(trace, measured(trace, 0)):
@@ -108,7 +108,7 @@ def test_it_predicts_where_the_robot_is_when_an_input_begins_to_act(delay):
 @pytest.mark.parametrize("kind", [ExtendedKalmanFilter, UnscentedKalmanFilter, ParticleFilter])
 def test_looking_ahead_changes_nothing(kind):
     trace = late_run(1, steps=30)
-    looking, other = kind(input_delay=DELAY), kind(input_delay=DELAY)
+    looking, other = kind(motor_delay=DELAY), kind(motor_delay=DELAY)
     for step in steps_of(trace, measured(trace)):
         estimate = looking(step)
         assert estimate == other(step)
@@ -120,7 +120,7 @@ def test_without_a_delay_the_prediction_is_the_estimate():
     trace = late_run(1, 0, 10)
     for kind in (ExtendedKalmanFilter, UnscentedKalmanFilter, ParticleFilter):
         filter_ = kind()
-        assert filter_.input_delay == 0
+        assert filter_.motor_delay == 0
         estimates = [filter_(step) for step in steps_of(trace, trace.pose_true)]
         assert filter_.predicted() == estimates[-1]
 
@@ -128,7 +128,7 @@ def test_without_a_delay_the_prediction_is_the_estimate():
 def test_lost_frames_are_steps_in_which_the_robot_was_not_seen():
     u = np.random.default_rng(2).uniform(-1, 1, (40, 2))
     gaps = [1, 1, 3, 1, 2, 4, 1, 1, 5]
-    one, other = (ExtendedKalmanFilter(input_delay=1.7) for _ in range(2))
+    one, other = (ExtendedKalmanFilter(motor_delay=1.7) for _ in range(2))
     pose = (600.0, 500.0, 0.3)
     assert one(robsim.Step(k=0, measurement=pose)) == other(robsim.Step(k=0, measurement=pose))
     time = 0
@@ -148,7 +148,7 @@ def test_inputs_from_before_the_robot_is_seen_act_as_well():
     z = measured(trace, 0, hidden=0)
     z[:30] = np.nan
     filter_ = ExtendedKalmanFilter(
-        input_delay=3, process_sigma=(0, 0, 0), measurement_sigma=(1e-3, 1e-3, 1e-5)
+        motor_delay=3, process_sigma=(0, 0, 0), measurement_sigma=(1e-3, 1e-3, 1e-5)
     )
     for step in steps_of(trace, z):
         estimate = filter_(step)
@@ -160,7 +160,7 @@ def test_inputs_from_before_the_robot_is_seen_act_as_well():
 def test_a_new_run_forgets_what_was_sent():
     trace = late_run(5, steps=20)
     steps = steps_of(trace, measured(trace))
-    filter_ = ExtendedKalmanFilter(input_delay=DELAY)
+    filter_ = ExtendedKalmanFilter(motor_delay=DELAY)
     first = [filter_(step) for step in steps]
     assert [filter_(step) for step in steps] == first
 
@@ -194,7 +194,7 @@ class LateRobot:
 def test_the_robot_is_stopped_in_between(stopped, rng):
     robot, innovations = LateRobot(DELAY), []
     filter_ = ExtendedKalmanFilter(
-        input_delay=DELAY, process_sigma=(0, 0, 0), measurement_sigma=(1e-3, 1e-3, 1e-5)
+        motor_delay=DELAY, process_sigma=(0, 0, 0), measurement_sigma=(1e-3, 1e-3, 1e-5)
     )
 
     def estimate_state(step):
@@ -231,7 +231,7 @@ def drive(delay, compensated):
         seed=1,
     )
     filter_ = ExtendedKalmanFilter(
-        sim.model, input_delay=delay, measurement_sigma=(0.2, 0.2, 0.01), process_sigma=(0, 0, 0)
+        sim.model, motor_delay=delay, measurement_sigma=(0.2, 0.2, 0.01), process_sigma=(0, 0, 0)
     )
     go = robsim.GoToPoint(900, 600, heading_gain=1.5)
     sim.estimate_state = filter_
@@ -252,7 +252,7 @@ def test_a_controller_that_looks_ahead_drives_as_without_the_delay():
 
 
 def test_the_step_ahead_has_what_the_step_had():
-    filter_ = ExtendedKalmanFilter(input_delay=1)
+    filter_ = ExtendedKalmanFilter(motor_delay=1)
     step = robsim.Step(k=0, t=3.0, measurement=(1, 2, 0.5), last_u=(0.25, 0.5))
     filter_(step)
     ahead = filter_.ahead(step)
@@ -266,8 +266,8 @@ def test_the_step_ahead_has_what_the_step_had():
 
 def test_the_delay_has_limits():
     for beyond in (-0.01, 1000.01):
-        with pytest.raises(ValueError, match="input_delay"):
-            ExtendedKalmanFilter(input_delay=beyond)
-    assert ExtendedKalmanFilter(input_delay=1000).input_delay == 1000
-    with pytest.raises(TypeError, match="input_delay"):
-        ConstantVelocityKalmanFilter(input_delay=1)
+        with pytest.raises(ValueError, match="motor_delay"):
+            ExtendedKalmanFilter(motor_delay=beyond)
+    assert ExtendedKalmanFilter(motor_delay=1000).motor_delay == 1000
+    with pytest.raises(TypeError, match="motor_delay"):
+        ConstantVelocityKalmanFilter(motor_delay=1)
