@@ -32,7 +32,7 @@ def values_with_a_share_inside(share, steps=100):
 )
 def test_the_share_of_the_nees(share, heading):
     report = nees_consistency(values_with_a_share_inside(share), np.eye(1))
-    assert report.heading.endswith(f": {heading}")
+    assert report.headline.endswith(f": {heading}")
     assert report.share == pytest.approx(share)
     assert report.at_limit == ("limit" in heading)
     assert ("limit 80 %" in said(report)) == report.at_limit
@@ -126,7 +126,7 @@ def test_convergence():
             time=time,
             spread=np.full((3, 5), 0.2),
         )
-        assert report.heading.endswith(f": {heading}")
+        assert report.headline.endswith(f": {heading}")
         assert ("a2X" in said(report)) == report.at_limit
 
 

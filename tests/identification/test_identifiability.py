@@ -55,7 +55,7 @@ def test_a_verdict_on_the_edge_says_so():
     assert "poorly, at the limit" in str(found)
     errors[0, 3] = 0.04
     found = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
-    assert found.heading.endswith("poorly, at the limit")
+    assert found.headline.endswith("poorly, at the limit")
     errors[0, 2:4] = np.inf
     unknown = judge(errors, theta, sigma=(1, 1, 1), freedom=100, identify_from="measurement")
     assert (unknown.verdict, unknown.at_limit) == ("not excited", False)

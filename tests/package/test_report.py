@@ -205,11 +205,11 @@ def test_every_result_has_every_form(results):
     for result in results:
         assert isinstance(result, Report), result
         lines = str(result).splitlines()
-        assert lines[0] == result.heading
+        assert lines[0] == result.headline
         assert max(map(len, lines)) <= 100
         assert len(repr(result)) <= 110
         assert "\n" not in repr(result)
-        assert result.heading in result._repr_html_()
+        assert result.headline in result._repr_html_()
         assert json.loads(result.to_json()) == result.to_dict()
         assert result.to_dict()["title"] == result.title
         result.to_pandas()

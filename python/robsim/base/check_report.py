@@ -54,7 +54,7 @@ class CheckReport(Report):
         return "passed" if self.ok else "failed"
 
     @property
-    def heading(self) -> str:
+    def headline(self) -> str:
         """The verdict in one line."""
         if self.ok:
             return f"{self.name} passed all checks"
@@ -75,4 +75,4 @@ class CheckReport(Report):
 
     def __repr__(self) -> str:
         # pytest shows this where `assert report` fails, and elides the middle of a long one.
-        return f"<{'; '.join(map(str, self.problems)) or self.heading}>"
+        return f"<{'; '.join(map(str, self.problems)) or self.headline}>"

@@ -67,7 +67,7 @@ def _page(report: FolderReport) -> Iterator[RenderableType]:
 
     from robsim.teach.doctor import TaskReport
 
-    yield styled(report.heading, "bold")
+    yield styled(report.headline, "bold")
     if isinstance(report, TaskReport):
         yield from _scores(report)
     table = Table.grid(padding=(0, 3), pad_edge=True)

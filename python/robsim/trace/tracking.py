@@ -57,7 +57,7 @@ class TrackingStatistics(Report):
         sqrt(P[0, 0] + P[1, 1]) of their covariance P (in `unit`); NaN if they report none.
     reported_heading_deg : float
         Median of the standard deviation of the heading that they report (degrees).
-    headings : int or None
+    drawn_headings : int or None
         Number of headings that the robot was drawn in, if it is known.
     """
 
@@ -75,7 +75,7 @@ class TrackingStatistics(Report):
     missed: Mapping[str, int] = field(default_factory=dict)
     reported_xy: float = math.nan
     reported_heading_deg: float = math.nan
-    headings: int | None = None
+    drawn_headings: int | None = None
 
     @property
     def title(self) -> str:
@@ -161,12 +161,12 @@ class TrackingStatistics(Report):
                 "the reported error is the standard deviation that a measurement gives itself, "
                 "the median of all: about as large as the rmse if it is right"
             )
-        if self.headings is not None and self.seen:
-            turn = 360 / self.headings
+        if self.drawn_headings is not None and self.seen:
+            turn = 360 / self.drawn_headings
             yield (
-                f"the robot was drawn in {self.headings} headings, at whole pixels of the frame: "
-                f"that alone is an rmse of {turn / math.sqrt(12):.2g} deg and 0.4 px of the frame, "
-                "whatever measures it; headings=None draws it as it stands"
+                f"the robot was drawn in {self.drawn_headings} headings, at whole pixels of the "
+                f"frame: that alone is an rmse of {turn / math.sqrt(12):.2g} deg and 0.4 px of the "
+                "frame in each measurement; headings=None draws it as it stands"
             )
 
 
@@ -205,7 +205,7 @@ def tracking_statistics(
         missed=dict(Counter(reasons[reasons != ""].tolist()).most_common()),
         reported_xy=_median(np.sqrt(variances[:, 0] + variances[:, 1])),
         reported_heading_deg=math.degrees(_median(np.sqrt(variances[:, 2]))),
-        headings=info.headings,
+        drawn_headings=info.headings,
     )
 
 

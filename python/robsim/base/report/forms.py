@@ -80,13 +80,13 @@ def as_html(report: Report) -> str:
     """Return a report as HTML."""
     tables = []
     if report.quantities:
-        rows = [[quantity.heading, quantity.text] for quantity in report.quantities]
+        rows = [[quantity.title_with_unit, quantity.text] for quantity in report.quantities]
         tables.append(_body(rows, ["left", "left"], group=0))
     for table in report.tables:
-        head = map(_cell, repeat("th"), table.headings, table.alignments)
+        head = map(_cell, repeat("th"), table.column_titles, table.alignments)
         body = _body(table.texts(), table.alignments, table.group)
         tables.append(f"<thead><tr>{''.join(head)}</tr></thead>{body}")
-    start = f"<p><b>{escape(report.heading)}</b></p>"
+    start = f"<p><b>{escape(report.headline)}</b></p>"
     middle = "".join(f"{_TABLE}{content}</table>" for content in tables)
     problems = _listed("ol", map(_problem_html, report.problems or ()))
     return f"<div>{start}{middle}{problems}{_listed('ul', map(escape, report.remarks))}</div>"
@@ -128,7 +128,7 @@ _WIDTH = 100
 
 def as_text(report: Report) -> str:
     """Return a report as lines of text."""
-    lines = [one_line(report.heading), *_quantities(report)]
+    lines = [one_line(report.headline), *_quantities(report)]
     for table in report.tables:
         lines += [""] * (len(lines) > 1) + [*_table(table)]
     for number, problem in enumerate(report.problems or (), 1):
@@ -139,8 +139,8 @@ def as_text(report: Report) -> str:
 
 
 def as_line(report: Report, width: float = math.inf) -> str:
-    """Return the heading, and as many of the single numbers as there is room for."""
-    line = one_line(report.heading)
+    """Return the headline, and as many of the single numbers as there is room for."""
+    line = one_line(report.headline)
     for quantity in report.quantities:
         longer = f"{line}, {one_line(quantity.line)}"
         if len(longer) > width:
@@ -150,14 +150,14 @@ def as_line(report: Report, width: float = math.inf) -> str:
 
 
 def _quantities(report: Report) -> Iterator[str]:
-    rows = [(one_line(one.heading), one_line(one.text)) for one in report.quantities]
-    width = max((len(heading) for heading, _ in rows), default=0)
-    for heading, text in rows:
-        yield f"  {heading:<{width}}   {text}"
+    rows = [(one_line(one.title_with_unit), one_line(one.text)) for one in report.quantities]
+    width = max((len(title) for title, _ in rows), default=0)
+    for title, text in rows:
+        yield f"  {title:<{width}}   {text}"
 
 
 def _table(table: Table) -> Iterator[str]:
-    rows = [[one_line(cell) for cell in row] for row in (table.headings, *table.texts())]
+    rows = [[one_line(cell) for cell in row] for row in (table.column_titles, *table.texts())]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     rule = "  " + "-" * (sum(widths) + 3 * (len(widths) - 1))
     for number, cells in enumerate(rows):

@@ -104,7 +104,7 @@ class Report(ABC):
         return ()
 
     @property
-    def heading(self) -> str:
+    def headline(self) -> str:
         """The title and the verdict, in one line."""
         if self.verdict is None:
             return self.title
@@ -112,7 +112,7 @@ class Report(ABC):
 
     @property
     def line(self) -> str:
-        """The heading and the single numbers, in one line."""
+        """The headline and the single numbers, in one line."""
         return as_line(self)
 
     def __str__(self) -> str:

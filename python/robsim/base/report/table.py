@@ -141,7 +141,7 @@ class Quantity:
         _check_labels(self)
 
     @property
-    def heading(self) -> str:
+    def title_with_unit(self) -> str:
         """The title with the unit that is shown."""
         return _headed(self.title, self.unit)
 
@@ -236,7 +236,7 @@ class Table:
         object.__setattr__(self, "rows", _tuple_of("rows", self.rows, Row))
 
     @property
-    def headings(self) -> list[str]:
+    def column_titles(self) -> list[str]:
         """The titles of the columns with their units, that of the rows first."""
         titles = (_headed(column.title, column.unit or "") for column in self.columns)
         return [self.row_title, *titles]

@@ -111,7 +111,7 @@ class ConsistencyReport(Report):
         Whiteness of the innovation, for a NIS.
     k : array (N,) of int
         Number of each step.
-    headings : int or None
+    drawn_headings : int or None
         Number of headings that the robot was drawn in, if that is known.
 
     Notes
@@ -155,7 +155,7 @@ class ConsistencyReport(Report):
     band: Floats
     k: NDArray[np.int64]
     whiteness: WhitenessReport | None = None
-    headings: int | None = None
+    drawn_headings: int | None = None
 
     @property
     def runs(self) -> int:
@@ -344,13 +344,13 @@ class ConsistencyReport(Report):
                 remarks.append(
                     f"a conservative filter shows only over {MINIMUM_RUNS} runs, or by its NIS"
                 )
-        if self.kind == "NEES" and self.headings is not None:
+        if self.kind == "NEES" and self.drawn_headings is not None:
             remarks.append(
-                f"the robot was drawn in {self.headings} headings, at whole pixels: its measured "
-                "poses have errors that are limited, and alike from step to step, so that a mean "
-                "of 2 to 3 is usual"
+                f"the robot was drawn in {self.drawn_headings} headings, at whole pixels: its "
+                "measured poses have errors that are limited, and alike from step to step, so that "
+                "a mean of 2 to 3 is usual"
             )
-        if self.kind == "NEES" and self.verdict == "conservative" and self.headings is None:
+        if self.kind == "NEES" and self.verdict == "conservative" and self.drawn_headings is None:
             remarks.append(
                 "in frames without noise the errors of measured poses are no noise, and their "
                 "covariance is stated with reserve: a mean of 1 to 3 is usual there"
@@ -484,7 +484,7 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
     if np.isnan(error).all():
         runs[0].require("pose_true", "pose_estimated")
     report = nees_consistency(error, covariance, level=level)
-    return replace(report, k=runs[0].k, headings=_headings_of(runs))
+    return replace(report, k=runs[0].k, drawn_headings=_headings_of(runs))
 
 
 def _headings_of(runs: Sequence[Trace]) -> int | None:

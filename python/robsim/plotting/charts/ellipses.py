@@ -249,7 +249,7 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     ax.xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
     mean = f", mean of {report.runs} runs" if report.runs > 1 else ""
     ax.set(xlabel="step k", ylabel=f"{report.kind}{mean}\n({report.n} expected)")
-    ax.set_title(report.heading, loc="left")
+    ax.set_title(report.headline, loc="left")
     style.enlarge_marks(ax.legend(loc="upper left", bbox_to_anchor=(1, 1)))
     style.rasterize_long_lines([ax])
     return ax

@@ -47,7 +47,7 @@ def plot_camera_check(check: CameraCheck) -> Figure:
     grid = figure.add_gridspec(2, 2, width_ratios=(1.6, 1), height_ratios=(1, 1.35))
     whole = figure.add_subplot(grid[:, 0])
     _draw(whole, check)
-    whole.set_title(check.heading, loc="left", color=_COLORS[check.verdict], weight="bold")
+    whole.set_title(check.headline, loc="left", color=_COLORS[check.verdict], weight="bold")
     near = figure.add_subplot(grid[0, 1])
     if check.measurement is None:
         near.set_axis_off()

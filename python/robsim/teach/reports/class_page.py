@@ -90,14 +90,14 @@ def _histograms(results: Sequence[SubmissionResult], tests: Sequence[TestResult]
     for test in tests:
         graded = (each for _, each in _of_students(results, test))
         points = [each.points for each in graded if each.status not in (ERROR, NOT_RUN)]
-        drawn.append(histogram(words.heading(test), points, test.most))
+        drawn.append(histogram(words.test_title(test), points, test.most))
     return drawn
 
 
 def _table(
     results: Sequence[SubmissionResult], tests: Sequence[TestResult], links: Mapping[str, str]
 ) -> Html:
-    titles = ["Submission", "Points", *(words.heading(test) for test in tests), "Seconds"]
+    titles = ["Submission", "Points", *(words.test_title(test) for test in tests), "Seconds"]
     heads = [tag("th", tag("button", title, type="button"), scope="col") for title in titles]
     rows = [_row(result, tests, links.get(result.student)) for result in results]
     caption = tag("caption", "Press a heading to sort by it.")
@@ -160,7 +160,7 @@ def _hard(test: TestResult, graded: Sequence[tuple[str, TestResult]]) -> Html:
     kind = "" if test.public else " (hidden)"
     return tag(
         "tr",
-        tag("th", words.heading(test) + kind, scope="row"),
+        tag("th", words.test_title(test) + kind, scope="row"),
         tag("td", f"{len(short)} of {len(graded)}", class_="few"),
         tag("td", runs),
         tag("td", names, class_="names"),

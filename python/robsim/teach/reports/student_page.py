@@ -58,7 +58,7 @@ def _overview(result: SubmissionResult) -> Html:
     rows = [
         tag(
             "tr",
-            tag("td", tag("a", words.heading(test), href=f"#test-{index}")),
+            tag("td", tag("a", words.test_title(test), href=f"#test-{index}")),
             tag("td", _pill(test)),
             tag("td", words.result_text(test), class_="right"),
         )
@@ -83,7 +83,7 @@ def _card(
     kind = "public" if test.public else "hidden"
     sentence = words.sentence(result, test)
     parts = [
-        tag("h2", words.heading(test), id=f"test-{index}"),
+        tag("h2", words.test_title(test), id=f"test-{index}"),
         tag("p", _pill(test), points, tag("span", kind, class_="quiet"), class_="line"),
         tag("p", sentence, class_="sentence") if sentence else "",
         tag("p", words.blame(test), class_="note") if words.blame(test) else "",

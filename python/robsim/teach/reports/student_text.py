@@ -35,7 +35,7 @@ def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
     word, sign = words.STATUS.get(test.status, (test.status, " "))
     points = words.result_text(test)
     kind = "" if test.public else ", hidden"
-    yield clean_line(f"{sign} {words.heading(test)}: {word}, {points}{kind}")
+    yield clean_line(f"{sign} {words.test_title(test)}: {word}, {points}{kind}")
     for text in (words.sentence(result, test), words.blame(test)):
         yield from _wrapped(text, "  ", "  ")
     for score in test.scores if words.has_numbers(test) else ():

@@ -110,7 +110,7 @@ def _for_blackboard(results: Sequence[SubmissionResult], title: str) -> _Rows:
 def _feedback(tests: Iterable[TestResult]) -> Iterable[str]:
     told = set()  # of a submission that cannot be read all tests say the same
     for test in tests:
-        yield f"{words.heading(test)}: {words.result_text(test)}."
+        yield f"{words.test_title(test)}: {words.result_text(test)}."
         if test.sentence and test.points < test.most and test.sentence not in told:
             yield test.sentence if test.sentence.endswith(".") else f"{test.sentence}."
             told.add(test.sentence)

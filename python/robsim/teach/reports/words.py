@@ -55,7 +55,7 @@ def person(student: str) -> str:
     return match["name"] if match else student
 
 
-def heading(test: TestResult) -> str:
+def test_title(test: TestResult) -> str:
     """Return number and title of a test."""
     title = test.title[:1].upper() + test.title[1:]
     return f"{test.number} {title}" if test.number else title

@@ -16,7 +16,7 @@ from robsim.teach.reports.similarity import Program, SimilarPair, similar_pairs
 from robsim.teach.reports.student_page import student_page
 from robsim.teach.reports.student_text import for_student, pseudonymous, student_text
 from robsim.teach.reports.tables import marks_table
-from robsim.teach.reports.words import heading
+from robsim.teach.reports.words import test_title
 
 RESULT, PAGE, TEXT, TEACHERS = "result.json", "index.html", "result.txt", "teacher.html"
 CLASS, MARKS = "class.html", "class.csv"
@@ -107,7 +107,7 @@ def _floors(
             and (path := paths.get(test.name, {}).get(result.student)) is not None
         ]
         if drawn:
-            floors.append(floor_of(heading(test), drawn, area, test.most))
+            floors.append(floor_of(test_title(test), drawn, area, test.most))
     return floors
 
 

@@ -55,7 +55,7 @@ class FolderReport(CheckReport):
     checks: Mapping[str, CheckReport | str] = field(default_factory=dict)
 
     @property
-    def heading(self) -> str:
+    def headline(self) -> str:
         """The verdict in one line."""
         checked = [check for check in self.checks.values() if isinstance(check, CheckReport)]
         ill = sum(not check.ok for check in checked)

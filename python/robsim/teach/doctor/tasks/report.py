@@ -46,13 +46,13 @@ class TaskReport(FolderReport):
         return self.trial is not None and self.trial.is_solved
 
     @property
-    def heading(self) -> str:
+    def headline(self) -> str:
         """The verdict in one line."""
         task = f"the task {self.task.name}"
         if self.trial is None:
             return f"{self.name} was not tried on {task}: it cannot be loaded"
         if self.is_solved:
-            ill = f"; {super().heading}" if self.problems else ""
+            ill = f"; {super().headline}" if self.problems else ""
             return f"{self.name} solves {task}: {self.trial.verdict}{ill}"
         points = "" if not self.trial.limits else f", {percent(self.trial.points)} of the points"
         return f"{self.name} does not solve {task}: {self.trial.verdict or 'no limits'}{points}"
