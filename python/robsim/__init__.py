@@ -12,7 +12,6 @@ from _thread import RLock as _RLock
 from types import ModuleType as _ModuleType
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
-from typing import NoReturn as _NoReturn
 
 if _TYPE_CHECKING:
     __version__: str
@@ -138,20 +137,11 @@ def _loaded(name: str) -> _Any:
     elif name in _HOMES:
         value = getattr(_loaded(_HOMES[name]), name)
     else:
-        _refuse(name)
+        from robsim.base.doors import not_here
+
+        raise not_here("robsim", name, __all__)
     globals()[name] = value
     return value
-
-
-def _refuse(name: str) -> _NoReturn:
-    """Raise AttributeError with the wing that has a name, or the name that was meant."""
-    from robsim.base.spelling import no_attribute
-
-    message = f"module 'robsim' has no attribute {name!r}"
-    for wing in sorted({*_WINGS} - {"plotting"}):  # which takes time
-        if name in (module := _loaded(wing)).__all__:
-            raise no_attribute(f"{message}: it is {module.__name__}.{name}")
-    raise no_attribute(message, name, __all__)
 
 
 def __dir__() -> list[str]:

@@ -135,6 +135,11 @@ def test_signatures_and_docstrings_say_what_the_rows_of_options_and_slots_say():
         (lambda: setattr(Simulation(), "mesure", True), AttributeError, "'mesure'.*'measure'"),
         (lambda: robsim.nees, AttributeError, "robsim.estimation.nees"),
         (lambda: robsim.goToPoint, AttributeError, "'GoToPoint'"),
+        (lambda: robsim.lab.Experiment, AttributeError, r"it is robsim\.Experiment"),
+        (lambda: robsim.simulation.Camera, AttributeError, r"it is robsim\.Camera"),
+        (lambda: robsim.control.Goto, AttributeError, "'GoToPoint'"),
+        (lambda: Simulation(control=False), TypeError, "False switches off .*estimate_state only"),
+        (lambda: Simulation(estimate_state="default"), ValueError, "estimate_state has no default"),
     ],
 )
 def test_what_may_be_meant_is_told(call, error, named):
@@ -145,7 +150,7 @@ def test_what_may_be_meant_is_told(call, error, named):
 
 def test_a_misspelled_file(tmp_path):
     robsim.vision.save_colors(tmp_path / "mine.toml", robsim.load_colors())
-    with pytest.raises(FileNotFoundError, match=r"mine\.toml.*main\.toml"):
+    with pytest.raises(FileNotFoundError, match=r"main\.toml; .*'mine\.toml'"):
         robsim.load_colors(tmp_path / "main.toml")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from types import ModuleType
 from typing import Any
 
@@ -55,9 +55,29 @@ def late_names(
             if name in loaded(room).__all__:
                 namespace[name] = getattr(loaded(room), name)
                 return namespace[name]
-        raise no_attribute(f"module {wing!r} has no attribute {name!r}", name, names())
+        raise not_here(wing, name, names())
 
     return get, lambda: sorted([*names(), *homes])
+
+
+class _Room(ModuleType):
+    """A module that says where a public name is that it lacks."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+        raise not_here(self.__name__, name, self.__all__)
+
+
+def not_here(module: str, name: str, known: Iterable[str]) -> AttributeError:
+    """Return the error for a name that a module lacks, with its place, or the name meant."""
+    robsim = sys.modules["robsim"]
+    message = f"module {module!r} has no attribute {name!r}"
+    for wing in ("robsim", *sorted({*robsim._WINGS} - {"plotting"})):  # which takes time
+        home = robsim if wing == "robsim" else getattr(robsim, wing)
+        if home.__name__ != module and name in home.__all__:
+            return no_attribute(f"{message}: it is {home.__name__}.{name}")
+    return no_attribute(message, name, known)
 
 
 def present(module: ModuleType, wing: str) -> None:
@@ -65,6 +85,8 @@ def present(module: ModuleType, wing: str) -> None:
 
     So `help`, reprs, tracebacks and pickles show the public path, such as ``robsim.Trace``.
     """
+    if type(module) is ModuleType and "__getattr__" not in vars(module):
+        module.__class__ = _Room
     # The names at the top belong to `robsim` itself.
     homes = getattr(sys.modules.get("robsim"), "_HOMES", {})
     for name in module.__all__:

@@ -182,7 +182,7 @@ def choice_of(name: str, value: Any, argument: str = "vary: ") -> Choice:
         return Folder.read(value, tuple(SLOTS))
     if name not in SLOTS:
         return Data(value)
-    if is_default(value):
+    if is_default(name, value):
         value = None
     if isinstance(value, (str, PathLike)):
         return Folder.read(value, (name,))

@@ -137,7 +137,7 @@ class Experiment(Runner):
 
     Examples
     --------
-    >>> with robsim.Experiment(camera, send=motors.write) as experiment:
+    >>> with robsim.Experiment(camera, send=motors) as experiment:
     ...     experiment.control = robsim.GoToPoint(600, 300)
     ...     trace = experiment.run(100)
     """

@@ -170,7 +170,7 @@ class Runner(Slotted):
         return _core.find_blobs(frame, self.colors, markers=self.markers, smoothing=self._smoothing)
 
     @abstractmethod
-    def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
+    def run(self, steps: int, *, progress: bool | str = False) -> Trace:
         """Run some steps; a run continues where the last one ended."""
 
     def _run(self, steps: int, progress: bool | str, total: int | None) -> bool:

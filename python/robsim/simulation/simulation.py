@@ -363,7 +363,7 @@ class Simulation(WorldSlots, Runner):
     def _theta_true(self) -> ArrayLike:
         return (self._world.model or RobotModel()).theta
 
-    def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
+    def run(self, steps: int, *, progress: bool | str = False) -> Trace:
         """Run some steps; a run continues where the last one ended.
 
         Parameters
@@ -402,8 +402,6 @@ class Simulation(WorldSlots, Runner):
         to 5 ms for each turn: ``sys.setswitchinterval(0.0005)`` makes that shorter. A run without
         any waits for nobody.
         """
-        if steps is None:
-            raise TypeError("steps must be an int: a simulated world has no end")
         self._run(step_count(steps), progress, steps)
         return self.trace
 

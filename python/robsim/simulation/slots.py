@@ -150,12 +150,22 @@ def are_samples_given(identify_from: str, slots: Iterable[str]) -> bool:
     return identify_from != "truth" or not ESTIMATORS.isdisjoint(slots)
 
 
-def switches() -> str:
-    return " and ".join(name for name, slot in SLOTS.items() if slot.is_switch)
+def use_of(value: bool) -> str:
+    """Return the slots that take True, or False, and its effect on them."""
+    names = [n for n, slot in SLOTS.items() if (slot.is_switch if value else slot.is_optional)]
+    does = "is the default stage of" if value else "switches off"
+    return f"{value} {does} {', '.join(names[:-1])} and {names[-1]} only"
 
 
-def is_default(value: object) -> bool:
-    return isinstance(value, str) and value == DEFAULT
+def is_default(slot: str, value: object) -> bool:
+    """Return whether a value means the default of a slot; raise ValueError if there is no such."""
+    asks = isinstance(value, str) and value == DEFAULT
+    if asks and SLOTS[slot].is_optional and not SLOTS[slot].is_switch:
+        raise ValueError(
+            f"{slot} has no default, got {quoted(value)}: give a callback, such as "
+            "robsim.estimation.reference.ExtendedKalmanFilter(model), or False for none"
+        )
+    return asks
 
 
 def checked_slots(slots: Any, known: tuple[str, ...] = (*SLOTS,)) -> tuple[str, ...]:

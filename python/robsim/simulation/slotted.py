@@ -189,7 +189,7 @@ class Slotted(RobotSlots, ABC):
             raise RuntimeError(
                 f"{slot} runs only at the start of a simulation: call sim.reset() first"
             )
-        asks_for_default = table.is_default(callback)
+        asks_for_default = table.is_default(slot, callback)
         value = self._default(slot) if callback is None or asks_for_default else callback
         if asks_for_default and SLOTS[slot].is_switch:
             value = True

@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from robsim.base.spelling import suggestion
+from robsim.base.spelling import closest
 from robsim.base.text import cut, one_line, quoted
 
 #: Limit of a TOML file without images in it (bytes).
@@ -82,6 +82,9 @@ def content_of(path: Path, size: int = -1) -> bytes:
         with path.open("rb") as file:
             return file.read(size)
     except FileNotFoundError as error:
-        others = sorted(path.parent.glob(f"*{path.suffix}")) if path.suffix else []
-        hint = suggestion(path.name, [other.name for other in others])
-        raise FileNotFoundError(error.errno, f"{error.strerror}{hint}", str(path)) from None
+        others = path.parent.glob(f"*{path.suffix}") if path.suffix else ()
+        meant = closest(path.stem, sorted(other.stem for other in others))
+        if meant is None:
+            raise FileNotFoundError(error.errno, error.strerror, str(path)) from None
+        hint = f"did you mean {meant + path.suffix!r}?"
+        raise FileNotFoundError(f"there is no file {one_line(path)}; {hint}") from None

@@ -72,7 +72,7 @@ def _check_outputs(out: Path, video: Path | None, record: Path | None) -> None:
         raise ValueError(f"--video and --record must be two files, got {video} for both")
 
 
-def run_kept(simulation: Simulation, steps: int | None, out: Path) -> None:
+def run_kept(simulation: Simulation, steps: int, out: Path) -> None:
     """Run a simulation; if an error ends it early, save the trace up to then."""
     try:
         simulation.run(steps, progress=True)

@@ -20,7 +20,7 @@ from robsim.simulation.callbacks.signatures import (
     why_not_a_function,
 )
 from robsim.simulation.callbacks.slot import Slot
-from robsim.simulation.slots import SLOTS, switches
+from robsim.simulation.slots import SLOTS, use_of
 
 
 def check_callback(name: str, value: object) -> None:
@@ -30,7 +30,7 @@ def check_callback(name: str, value: object) -> None:
         return
     if isinstance(value, bool):
         if not (slot.is_switch or (slot.is_optional and not value)):
-            raise TypeError(f"{name} must be callable, got {value}: True is for {switches()} only")
+            raise TypeError(f"{name} must be callable, got {value}: {use_of(value)}")
     elif isinstance(value, type):
         _check_class(slot, value)
     elif not callable(value):
