@@ -20,7 +20,7 @@ from robsim.base.spelling import closest
 from robsim.base.text import one_line, quoted
 from robsim.simulation.callbacks.checks import check_callback
 from robsim.simulation.callbacks.errors import note_failed_file
-from robsim.simulation.modules import FolderModules, reserved_names
+from robsim.simulation.folder_modules import FolderModules, reserved_names
 from robsim.simulation.slots import SLOTS
 
 _CUTOFF = 0.8  # a folder has files of the user's own, too

@@ -26,7 +26,7 @@ from robsim.gui.panels.run.camera import CameraView
 from robsim.gui.panels.run.controls import Controls
 from robsim.gui.panels.run.tools import Tools
 from robsim.gui.panels.run.transport import Transport
-from robsim.gui.panels.still import Still
+from robsim.gui.panels.still_part import Still
 from robsim.simulation import Experiment, Simulation
 from robsim.trace import Trace
 from robsim.trace.sessions.session import Session

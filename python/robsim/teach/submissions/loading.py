@@ -16,7 +16,7 @@ from typing import Any
 
 from robsim.base.text import one_line, quoted
 from robsim.simulation.callback_folder import CallbackFolder, callback_of_module
-from robsim.simulation.modules import FolderModules, module_name
+from robsim.simulation.folder_modules import FolderModules, module_name
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.files import FILE, FOLDER, SubmissionFiles

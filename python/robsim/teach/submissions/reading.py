@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 from robsim.base.files import as_path
 from robsim.base.text import listed, one_line
 from robsim.simulation.callback_folder import TAKEN, imported_names, misspelled, taken_names
-from robsim.simulation.modules import reserved_names
+from robsim.simulation.folder_modules import reserved_names
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.archive import most_of_archive, read_archive

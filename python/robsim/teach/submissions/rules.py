@@ -13,7 +13,7 @@ from typing import Any
 from robsim.base.checks import check_int
 from robsim.base.spelling import suggestion
 from robsim.base.text import quoted
-from robsim.simulation.modules import reserved_names
+from robsim.simulation.folder_modules import reserved_names
 from robsim.simulation.slots import SLOTS, checked_slots
 
 _MODULE = re.compile(r"[A-Za-z_]\w{0,60}(\.[A-Za-z_]\w{0,60}){0,9}")

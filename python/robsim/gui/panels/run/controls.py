@@ -14,8 +14,8 @@ from robsim.gui._link import Link, Refused
 from robsim.gui.panels.part import Handlers, Part
 from robsim.gui.panels.settings.driving import Driving, as_told
 from robsim.gui.panels.settings.owners import owners_of
-from robsim.gui.panels.settings.pace import Speed
 from robsim.gui.panels.settings.setting import Remarks, Setting
+from robsim.gui.panels.settings.speed import Speed
 from robsim.gui.panels.settings.stages import Stage, Stages
 from robsim.gui.panels.settings.world import world_settings
 from robsim.simulation import Experiment, Simulation

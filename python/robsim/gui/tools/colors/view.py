@@ -28,7 +28,7 @@ from robsim.gui._link import (
     text,
     whole,
 )
-from robsim.gui.tools.colors.still import colors_still
+from robsim.gui.tools.colors.colors_sheet import colors_still
 from robsim.gui.tools.colors.training import (
     OPTIONS,
     ColorTraining,

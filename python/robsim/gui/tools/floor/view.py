@@ -23,9 +23,9 @@ from robsim.gui.tools.floor.fitting import (
     on_work_area,
     replaced,
 )
+from robsim.gui.tools.floor.floor_sheet import floor_still
 from robsim.gui.tools.floor.lens import LensPictures
 from robsim.gui.tools.floor.points import MOST, FloorDraft, FloorPoints, checked_pixel
-from robsim.gui.tools.floor.still import floor_still
 from robsim.gui.tools.pictures import Pictures
 from robsim.gui.tools.tool import (
     TOOL_MESSAGES,

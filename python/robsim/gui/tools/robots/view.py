@@ -17,7 +17,7 @@ from robsim.gui._css_colors import css_color
 from robsim.gui._link import Messages, number, point, switch, text, whole
 from robsim.gui.tools.pictures import OnePicture, Picture, Pictures
 from robsim.gui.tools.robots.drawing import RobotDrawing, cut_out
-from robsim.gui.tools.robots.still import robots_still
+from robsim.gui.tools.robots.robots_sheet import robots_still
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, ToolView
 from robsim.vision.imaging import images
 from robsim.vision.robots.definition import RobotDefinition

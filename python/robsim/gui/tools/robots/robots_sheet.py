@@ -8,7 +8,7 @@ from typing import Any
 
 from robsim.gui.hosts.script import words
 from robsim.gui.tools.pictures import Picture
-from robsim.gui.tools.still import ACCENT, CHOSEN, LINE, QUIET, TEXT, WARNING, Sheet, Shown
+from robsim.gui.tools.sheet import ACCENT, CHOSEN, LINE, QUIET, TEXT, WARNING, Sheet, Shown
 from robsim.vision.robots.sketch import OUTLINE
 
 _WIDTH, _HEIGHT = 800, 500

@@ -12,7 +12,7 @@ from robsim._core import ColorClass, Frame, MarkerLayout, color_histograms
 from robsim.gui.hosts.script import words
 from robsim.gui.tools.colors.training import found_in, painted
 from robsim.gui.tools.pictures import Picture
-from robsim.gui.tools.still import ACCENT, CHOSEN, LINE, QUIET, WARNING, Sheet, Shown
+from robsim.gui.tools.sheet import ACCENT, CHOSEN, LINE, QUIET, WARNING, Sheet, Shown
 
 _WIDTH, _HEIGHT = 1000, 500
 _SIDE = 455  # of the picture

@@ -8,7 +8,7 @@ from typing import Any
 from robsim._core import Frame
 from robsim.gui.hosts.script import words
 from robsim.gui.tools.pictures import Picture
-from robsim.gui.tools.still import QUIET, TEXT, WARNING, Sheet, Shown
+from robsim.gui.tools.sheet import QUIET, TEXT, WARNING, Sheet, Shown
 from robsim.lab.calibration.grid import draw_grid
 from robsim.vision.imaging.calibration import Calibration
 
