@@ -172,7 +172,7 @@ INEXACT_IN_NUMPY = {
 HARMLESS = {
     "control/excitation.py": {"exp", "fft"},
     "simulation/world/disturbances.py": {"linalg"},
-    "simulation/frame_source.py": {"cos", "sin", "@"},
+    "simulation/mirrored_frames.py": {"cos", "sin", "@"},
     "simulation/options.py": {"degrees"},
 }
 

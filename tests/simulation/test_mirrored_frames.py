@@ -7,7 +7,7 @@ import pytest
 
 import robsim
 from drawn_robots import box, painted
-from robsim.simulation.frame_source import drives_backwards
+from robsim.simulation.mirrored_frames import drives_backwards
 from robsim.vision import BlobMarker, RobotDefinition
 from sizes import thorough
 

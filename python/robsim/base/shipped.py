@@ -1,9 +1,7 @@
-"""What ships with robsim, and warnings that point at the user's line."""
+"""The folders that ship with robsim, and copies of its notebooks."""
 
 from __future__ import annotations
 
-import sys
-import warnings
 from os import PathLike
 from pathlib import Path
 
@@ -22,15 +20,3 @@ def copy_notebooks(folder: str | PathLike[str]) -> list[Path]:
     (NotADirectoryError).
     """
     return copy_files(sorted(NOTEBOOKS.glob("*.ipynb")), folder)
-
-
-def warn_user(warning: str | Warning) -> None:
-    """Warn, in the name of the line that called robsim."""
-    level, caller = 1, sys._getframe()
-    while caller.f_back and _is_of_robsim(caller.f_globals.get("__name__", "")):
-        level, caller = level + 1, caller.f_back
-    warnings.warn(warning, stacklevel=level)
-
-
-def _is_of_robsim(module: str) -> bool:
-    return module == "robsim" or module.startswith("robsim.")

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from robsim.base.files import as_path
 from robsim.base.files.reading import parse_json
-from robsim.base.shipped import warn_user
 from robsim.base.text import one_line, quoted
+from robsim.base.warn import warn_user
 from robsim.campaigns.runs import Job, Row
 from robsim.campaigns.spec import (
     ROW_COLUMNS,

@@ -26,10 +26,12 @@ from robsim._core import (
 from robsim.base.checks import Floats, check_bool
 from robsim.base.files import as_path
 from robsim.base.seeds import Seed, seed_sequence
-from robsim.base.shipped import warn_user
 from robsim.base.text import quoted
+from robsim.base.warn import warn_user
 from robsim.simulation import slots as slots
-from robsim.simulation.frame_source import FrameSource, mirrored_remark
+from robsim.simulation.called_motors import motors_of, stop_input_value
+from robsim.simulation.frame_source import FrameSource
+from robsim.simulation.mirrored_frames import mirrored_remark
 from robsim.simulation.options import (
     OPTIONS,
     UNLIMITED,
@@ -39,7 +41,6 @@ from robsim.simulation.options import (
     step_count,
     timeout_value,
 )
-from robsim.simulation.recording import motors_of, stop_input_value
 from robsim.simulation.runner import Runner
 from robsim.simulation.slotted import suggests_names
 from robsim.trace import Trace
@@ -48,7 +49,7 @@ from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
 
 if TYPE_CHECKING:
-    from robsim.simulation.recording import Recording
+    from robsim.simulation.session_recording import SessionRecording
 
 # Where a robot drives.
 _FRAME_TIMEOUT = 1.0  # s, if the frames have no rate
@@ -482,11 +483,11 @@ class Experiment(Runner):
         return np.full((3, 5), np.nan)
 
 
-def _recording_in(folder: str | PathLike[str], *, lossless: bool) -> Recording:
+def _recording_in(folder: str | PathLike[str], *, lossless: bool) -> SessionRecording:
     """Return what records a session; only who records loads it."""
-    from robsim.simulation.recording import Recording
+    from robsim.simulation.session_recording import SessionRecording
 
-    return Recording(as_path(folder, "record"), lossless=lossless)
+    return SessionRecording(as_path(folder, "record"), lossless=lossless)
 
 
 def _default_timeout(frames: object, send: object) -> float:

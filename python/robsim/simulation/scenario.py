@@ -9,8 +9,8 @@ from typing import Any
 
 from robsim._core import ColorClass, MarkerLayout, Replay, RobotModel, RobotParameters
 from robsim.base.files import as_path, read_text, write_whole
-from robsim.base.shipped import warn_user
 from robsim.base.spelling import check_names
+from robsim.base.warn import warn_user
 from robsim.simulation.options import OPTIONS as OPTIONS
 from robsim.simulation.options import Options, check_images, start_value
 from robsim.simulation.world.scene import Floor

@@ -12,8 +12,8 @@ from urllib.parse import urlsplit
 
 from robsim._core import CaptureDevice, PlaneMap, PythonCamera, StreamedCamera
 from robsim.base.checks import check_choice, check_int, is_int
-from robsim.base.shipped import warn_user
 from robsim.base.text import one_line, quoted
+from robsim.base.warn import warn_user
 from robsim.lab.cameras._devices import firewire, gige
 from robsim.lab.cameras._devices.opencv import (
     OF_ADDRESSES,

@@ -12,7 +12,9 @@ from robsim._core import MotorReceiver, PlaneMap, RobotModel, RobotParameters
 from robsim.base.checks import check_float
 from robsim.base.seeds import seed_sequence, stream_number
 from robsim.base.text import quoted
-from robsim.lab.rehearsal.faults import CameraFaults, LabTruth, Lens, truth_of
+from robsim.lab.rehearsal.camera_faults import CameraFaults
+from robsim.lab.rehearsal.lab_truth import LabTruth, truth_of
+from robsim.lab.rehearsal.lens import Lens
 from robsim.simulation import Scenario
 from robsim.simulation.scenario_file import TABLES
 from robsim.simulation.world import world_of_scenario as worlds

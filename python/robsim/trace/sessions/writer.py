@@ -20,8 +20,8 @@ import numpy as np
 from robsim._core import Frame, PlaneMap
 from robsim.base.checks import check_bool, check_float
 from robsim.base.files import PartialFile, as_path, naming, sync_folder, write_whole
-from robsim.base.shipped import warn_user
 from robsim.base.text import cut, one_line
+from robsim.base.warn import warn_user
 from robsim.trace.sessions import _pictures as matroska
 from robsim.trace.sessions._setup import setup_text
 from robsim.trace.sessions.rows import HEADER, Row, line_of, with_frame

@@ -16,8 +16,8 @@ import numpy as np
 from robsim._core import Frame, PlaneMap
 from robsim.base.checks import Floats, check_float, check_int, check_size
 from robsim.base.files import as_path
-from robsim.base.shipped import warn_user
 from robsim.base.text import one_line, quoted
+from robsim.base.warn import warn_user
 from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.calibration_file import as_calibration
 from robsim.vision.imaging.images import (

@@ -13,7 +13,7 @@ from robsim._core import (
     small_markers_remark,
     trusted_width,
 )
-from robsim.base.shipped import warn_user
+from robsim.base.warn import warn_user
 
 # The reasons that are not words yet; the others, such as "no blue blob", are.
 _WORDS = {

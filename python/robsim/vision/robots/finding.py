@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import Blob, ColorClass, find_blobs, rgb_to_yuv
 from robsim.base.checks import Floats
-from robsim.base.shipped import warn_user
 from robsim.base.text import quoted
+from robsim.base.warn import warn_user
 from robsim.vision.imaging.images import Pixels, check_pixels, resized
 from robsim.vision.markers.color_files import as_colors
 from robsim.vision.robots.definition import (

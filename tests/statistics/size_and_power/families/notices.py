@@ -3,7 +3,7 @@
 import numpy as np
 
 import robsim
-from robsim.simulation.frame_source import drives_backwards
+from robsim.simulation.mirrored_frames import drives_backwards
 from size_and_power.trials import Row, Trials, random_of
 
 _STEPS = 100

@@ -1,0 +1,97 @@
+"""The faults of a simulated camera."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from robsim import _core
+from robsim.base.checks import check_float
+from robsim.base.text import quoted
+
+
+@dataclass(frozen=True, kw_only=True)
+class CameraFaults:
+    """What goes wrong with a simulated camera.
+
+    What happens to the frame of a tick depends on the seed of the scenario and the tick alone.
+    Times count from the start of the world (s); it starts when the camera is first opened.
+
+    Parameters
+    ----------
+    late : float
+        Probability that a frame comes `late_by` later than it should. Those behind it wait.
+    late_by : float
+        By how much (s).
+    dropped : float
+        Probability that a frame never comes.
+    repeated : float
+        Probability that the picture before comes again, with a number and a time of its own, as
+        from real cameras: it shows the robot where it was, and nothing in the frame says so.
+    torn : float
+        Probability that the lower part of a frame is that of the one before, or black. A camera
+        knows that such a frame is not complete: `robsim.Camera` counts it and hands it to nobody.
+    stall : tuple of float, optional
+        Start and duration of a silence (s).
+    unplug : tuple of float, optional
+        Start and duration of a time without the camera (s): it fails, and cannot be opened.
+    drift : float
+        Amplitude of the exposure's slow change, relative to the right one, 0..1.
+    drift_period : float
+        Its period (s).
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument has the wrong type or is out of range; the message names it.
+
+    Examples
+    --------
+    >>> faults = robsim.lab.CameraFaults(dropped=0.05, late=0.1, unplug=(20, 3))
+    """
+
+    late: float = 0.0
+    late_by: float = 0.1
+    dropped: float = 0.0
+    repeated: float = 0.0
+    torn: float = 0.0
+    stall: tuple[float, float] | None = None
+    unplug: tuple[float, float] | None = None
+    drift: float = 0.0
+    drift_period: float = 60.0
+
+    def __post_init__(self) -> None:
+        for name in ("late", "dropped", "repeated", "torn", "drift"):
+            check_float(name, getattr(self, name), minimum=0, maximum=1)
+        check_float("late_by", self.late_by, "s", minimum=0, maximum=3600)
+        check_float("drift_period", self.drift_period, "s", exclusive_minimum=0)
+        _span("stall", self.stall)
+        _span("unplug", self.unplug)
+
+    def _native(self, seed: int) -> _core.CameraFaults:
+        return _core.CameraFaults(
+            late=self.late,
+            lateness=self.late_by,
+            dropped=self.dropped,
+            repeated=self.repeated,
+            torn=self.torn,
+            stall=_span("stall", self.stall),
+            unplugged=_span("unplug", self.unplug),
+            drift=self.drift,
+            drift_period=self.drift_period,
+            seed=seed,
+        )
+
+
+def _span(name: str, value: Any) -> tuple[float, float]:
+    """Return start and duration; None = nothing at any time."""
+    if value is None:
+        return 0.0, 0.0
+    try:
+        start, duration = value
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be (start, duration) in s, got {quoted(value)}") from None
+    return (
+        check_float(f"{name}[0]", start, "s", minimum=0),
+        check_float(f"{name}[1]", duration, "s", minimum=0),
+    )

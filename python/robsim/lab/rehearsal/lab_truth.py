@@ -1,0 +1,114 @@
+"""The truth of a simulated lab: where the robot was, tick by tick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robsim._core import Frame
+from robsim.base.checks import Floats
+from robsim.base.text import quoted
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LabTruth:
+    """The ticks of a simulated lab up to now, the last million at most.
+
+    The camera exposes at each tick. Row i of the arrays is tick ``first + i``.
+
+    Attributes
+    ----------
+    first : int
+        Number of the first tick kept.
+    dt : float
+        Time from tick to tick (s).
+    t : array (N,)
+        When they came: ``time.monotonic()`` (s).
+    pose : array (N, 3)
+        Where the robot was: x, y (work-area px), heading (rad).
+    last_u : array (N, 2)
+        The mean of the input that the robot acted on since the tick before (V), before process
+        noise. It has moved the robot here: ``pose[i] = model.predict(pose[i-1], pose[i-2],
+        last_u[i])``.
+    hidden : array (N,) of bool
+        Whether something hid the robot from the camera.
+    shown : array (N,) of int
+        The tick of the picture that the camera delivered for this one: its own, but for a repeated
+        frame. -1: none, or none yet.
+    """
+
+    first: int
+    dt: float
+    t: Floats
+    pose: Floats
+    last_u: Floats
+    hidden: NDArray[np.bool_]
+    shown: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def tick_of(self, frame: Frame) -> int:
+        """Return the tick that a frame of this lab was exposed at.
+
+        Parameters
+        ----------
+        frame : Frame
+            The frame, with the time of its exposure, as `robsim.Camera` delivers it.
+
+        Returns
+        -------
+        int
+            Number of the tick, from the start of the world.
+
+        Raises
+        ------
+        TypeError
+            If `frame` is not a Frame.
+        ValueError
+            If it has no time, or none of these ticks.
+        """
+        if not isinstance(frame, Frame):
+            raise TypeError(f"frame must be a Frame, got {quoted(frame)}")
+        if frame.t is None or frame.epoch is None:
+            raise ValueError("frame must have t and epoch, as those of a live camera have")
+        row = float(frame.epoch + frame.t - self.t[0]) / self.dt
+        nearest = round(row)
+        if abs(row - nearest) > 0.01 or not 0 <= nearest < len(self):
+            raise ValueError("frame must be of this lab, and not from after this truth was read")
+        return self.first + nearest
+
+    def pose_of(self, frame: Frame) -> Floats:
+        """Return where the robot was when a frame of this lab was exposed.
+
+        Parameters
+        ----------
+        frame : Frame
+            The frame, as for `tick_of`. A repeated one shows another pose: that of ``shown``.
+
+        Returns
+        -------
+        array (3,)
+            x, y (work-area px), heading (rad).
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `tick_of`.
+        """
+        pose: Floats = self.pose[self.tick_of(frame) - self.first]
+        return pose
+
+    def __repr__(self) -> str:
+        return f"<LabTruth: {len(self)} ticks from {self.first} on, dt = {self.dt:g} s>"
+
+
+def truth_of(first: int, ticks: Floats, dt: float) -> LabTruth:
+    """Return the truth of the ticks of a native lab."""
+    t, pose, last_u, hidden, shown = np.split(ticks, (1, 4, 6, 7), axis=1)
+    arrays = t[:, 0], pose, last_u, hidden[:, 0] > 0, shown[:, 0].astype(np.int64)
+    for array in arrays:
+        array.flags.writeable = False
+    return LabTruth(first, dt, *arrays)

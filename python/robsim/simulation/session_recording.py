@@ -1,0 +1,106 @@
+"""The session that the steps of an `Experiment` are recorded in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robsim._core import Detection, Measurement, RobotModel, Step
+from robsim.base.checks import Floats
+from robsim.simulation.runner import Runner
+from robsim.trace import Trace
+from robsim.trace.sessions.rows import Row
+from robsim.trace.sessions.writer import SessionWriter, check_is_free
+
+
+class SessionRecording:
+    """The session of an experiment, which begins with its first run, in a folder without one.
+
+    FileExistsError: the folder has a session already.
+    """
+
+    def __init__(self, folder: str | PathLike[str], *, lossless: bool) -> None:
+        check_is_free(folder)
+        self._folder = folder
+        self._lossless = lossless
+        self._writer: SessionWriter | None = None
+        self._is_over = False
+        self._u_before: Floats = np.zeros(2)
+
+    @property
+    def folder(self) -> Path:
+        """Where it is written."""
+        return Path(self._folder)
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether there is something in the folder."""
+        return self._writer is not None
+
+    def begin(
+        self, runner: Runner, model: RobotModel, more: Mapping[str, Any], *, is_live: bool
+    ) -> None:
+        """Write the set-up, unless that is done already; RuntimeError if the session is over."""
+        if self._is_over:
+            raise RuntimeError(
+                f"the session in {self._folder} is complete: make a new Experiment with another "
+                "folder for record"
+            )
+        if self._writer is not None:
+            return
+        setup = {
+            "robot": runner.robot.name,
+            "area": runner.area,
+            "is_live": is_live,
+            "dt": model.dt,
+            "colors": runner.colors,
+            "markers": runner.markers,
+            "model": model,
+            **more,
+        }
+        self._writer = SessionWriter(
+            self._folder, setup=setup, lossless=self._lossless, fps=1 / model.dt, waits=not is_live
+        )
+
+    def add(
+        self,
+        step: Step,
+        u: Floats | None,
+        measured: Measurement | None,
+        detection: Detection | None,
+        t_arrival: float | None,
+        t_sent: float | None,
+        interrupted: bool,
+    ) -> None:
+        """Record a step."""
+        assert self._writer is not None
+        nobody_else_sent = np.array_equal(step.last_u, self._u_before)
+        self._u_before = np.zeros(2) if u is None else u
+        row = Row(
+            k=step.k,
+            t=step.t,
+            t_arrival=math.nan if t_arrival is None else t_arrival,
+            t_sent=math.nan if t_sent is None else t_sent,
+            u=(math.nan, math.nan) if u is None else u,
+            last_u=(math.nan, math.nan) if nobody_else_sent else step.last_u,
+            pose_measured=(math.nan,) * 3 if measured is None else measured.pose,
+            interrupted=interrupted,
+            reason=(detection and detection.reason) or "",
+        )
+        self._writer.add(row, step.frame)
+
+    def flush(self) -> None:
+        """Wait until all that was added is written."""
+        if self._writer is not None:
+            self._writer.flush()
+
+    def close(self, trace: Trace) -> None:
+        """Complete the session."""
+        self._is_over = True
+        if self._writer is not None:
+            self._writer.close(trace)
