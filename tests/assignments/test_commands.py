@@ -47,7 +47,7 @@ def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
     # What is hostile, and the doctor, are tried elsewhere.
     rehearsal = "robsim.teach.assignments.rehearsal"
     monkeypatch.setattr(f"{rehearsal}.hostile_submissions", lambda _: ())
-    monkeypatch.setattr("robsim.teach.assignments.grading.findings._SECONDS", 0.1)
+    monkeypatch.setattr("robsim.teach.assignments.marking.findings._SECONDS", 0.1)
     # With limits of so few tests, right ones may fail.
     assert "right: reference" in run(commands.check, cwd=tmp_path, status=(0, 1)).stdout
     run(commands.pack, cwd=tmp_path)

@@ -19,8 +19,8 @@ from robsim.teach import (
     grade_submission,
     play_run,
 )
-from robsim.teach.assignments.grading import marking, references, task_runs
-from robsim.teach.assignments.grading import references as seeds
+from robsim.teach.assignments.marking import marking, references, task_runs
+from robsim.teach.assignments.marking import references as seeds
 from robsim.teach.grading.calling import judged
 from robsim.teach.submissions.reading import open_submission
 from robsim.trace import Trace
@@ -119,7 +119,7 @@ def test_a_submission_that_fails_is_told_the_slot_the_step_and_the_line(graded_c
 def test_a_hidden_test_says_how_a_run_ended_and_no_more(
     hw3, tmp_path, monkeypatch, does, limits, how
 ):
-    monkeypatch.setattr("robsim.teach.assignments.grading.findings._SECONDS", 0.2)
+    monkeypatch.setattr("robsim.teach.assignments.marking.findings._SECONDS", 0.2)
     limited = replace(hw3, limits=replace(hw3.limits, **limits))
     result = grade_submission(
         limited, written(tmp_path / "s004", f"def estimate_state(step):\n    {does}\n")

@@ -69,7 +69,7 @@ OF_USERS = (
     *("robsim/cli/simulated/bench.py", "robsim/cli/simulated/bench.py"),
     # which read them, packed
     *("robsim/teach/tasks/solutions.py", "robsim/teach/tasks/solutions.bin"),
-    "robsim/teach/assignments/grading/references.py",
+    "robsim/teach/assignments/marking/references.py",
     *("robsim/teach/assignments/_own_tests/", "robsim/teach/assignments/templates/tests/"),
 )
 

@@ -9,7 +9,7 @@ from unittest import mock
 from PIL import Image
 
 from robsim.teach import Key, task
-from robsim.teach.assignments.grading import work
+from robsim.teach.assignments.marking import work
 
 #: Wide limits for the scores of the task to estimate, so that any filter that works is within.
 LIMITS = {

@@ -6,8 +6,8 @@ from robsim.teach.assignments.calibration import calibrate_assignment
 from robsim.teach.assignments.checking import check_assignment
 from robsim.teach.assignments.class_result import ClassResult
 from robsim.teach.assignments.classes.class_run import grade_class, grade_submission, regrade_class
-from robsim.teach.assignments.grading.playing import PlayedRun, play_run
 from robsim.teach.assignments.making import new_assignment
+from robsim.teach.assignments.marking.playing import PlayedRun, play_run
 from robsim.teach.assignments.packing.gradescope import pack_gradescope
 from robsim.teach.assignments.packing.students import pack_students
 from robsim.teach.assignments.results import FailedRun, ScoreResult, SubmissionResult, TestResult

@@ -16,7 +16,7 @@ from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.assignments import limits_file
 from robsim.teach.assignments.assignment import Assignment, TaskTest
 from robsim.teach.assignments.assignment_file import SOLUTIONS, load_assignment, solutions_for
-from robsim.teach.assignments.grading.references import key_for
+from robsim.teach.assignments.marking.references import key_for
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.marks.calibrate import calibrate_task, calibration_seconds, check_solutions

@@ -10,7 +10,7 @@ from robsim.teach.doctor.callbacks.models import check_model, check_motion
 from robsim.teach.doctor.checking import check_folder
 from robsim.teach.doctor.parameter_estimators import check_parameter_estimator
 from robsim.teach.doctor.state_estimators import check_estimator
-from robsim.teach.doctor.tasks.report import TaskReport
+from robsim.teach.doctor.task_checks.report import TaskReport
 
 __all__ = [
     "CheckReport",

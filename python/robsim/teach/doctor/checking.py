@@ -55,6 +55,6 @@ def check_folder(
     """
     if task is None:
         return report_of(path, slots, Surroundings())
-    from robsim.teach.doctor.tasks.checking import check_for_task  # tasks take their time
+    from robsim.teach.doctor.task_checks.checking import check_for_task  # tasks take their time
 
     return check_for_task(path, slots, task)

@@ -20,7 +20,7 @@ import pytest
 from robsim.teach.assignments._own_tests.listing import OwnTest
 from robsim.teach.assignments.assignment import RULES
 from robsim.teach.assignments.assignment_file import load_assignment
-from robsim.teach.assignments.grading.references import key_for, student_for
+from robsim.teach.assignments.marking.references import key_for, student_for
 from robsim.teach.assignments.results import ERROR, FAILED, NOT_RUN, PASSED
 from robsim.teach.errors import AssignmentError, SubmissionError
 from robsim.teach.grading.keys import Key

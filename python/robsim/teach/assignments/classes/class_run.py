@@ -28,8 +28,8 @@ from robsim.teach.assignments.classes.submissions import (
     one_submission,
     submissions_in,
 )
-from robsim.teach.assignments.grading.references import key_for
-from robsim.teach.assignments.grading.work import Unit
+from robsim.teach.assignments.marking.references import key_for
+from robsim.teach.assignments.marking.work import Unit
 from robsim.teach.assignments.results import ERROR, SubmissionResult, TestResult
 from robsim.teach.reports.tables import COLUMNS
 

@@ -10,11 +10,11 @@ from robsim.base.spelling import check_names
 from robsim.base.text import quoted
 from robsim.teach.assignments._own_tests.listing import list_own_tests
 from robsim.teach.assignments.assignment import Assignment, TaskTest
-from robsim.teach.assignments.grading import references as digests
-from robsim.teach.assignments.grading.marking import limit_of
-from robsim.teach.assignments.grading.references import References, key_for
-from robsim.teach.assignments.grading.work import GradingWork, Unit
 from robsim.teach.assignments.limits_file import FILE as LIMITS
+from robsim.teach.assignments.marking import references as digests
+from robsim.teach.assignments.marking.marking import limit_of
+from robsim.teach.assignments.marking.references import References, key_for
+from robsim.teach.assignments.marking.work import GradingWork, Unit
 from robsim.teach.errors import AssignmentError
 from robsim.teach.isolation.check import check_isolation
 from robsim.teach.isolation.start import IsolationError

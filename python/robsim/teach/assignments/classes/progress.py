@@ -15,10 +15,10 @@ from robsim.teach.assignments.assignment import TaskTest
 from robsim.teach.assignments.classes.plan import Plan
 from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import Handed
-from robsim.teach.assignments.grading import references as digests
-from robsim.teach.assignments.grading.marking import labels_of, marked_anew
-from robsim.teach.assignments.grading.task_runs import files_for
-from robsim.teach.assignments.grading.work import Job, Row, Unit
+from robsim.teach.assignments.marking import references as digests
+from robsim.teach.assignments.marking.marking import labels_of, marked_anew
+from robsim.teach.assignments.marking.task_runs import files_for
+from robsim.teach.assignments.marking.work import Job, Row, Unit
 from robsim.teach.assignments.results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult
 from robsim.teach.errors import SubmissionError
 from robsim.teach.reports.similarity import Program, program_of

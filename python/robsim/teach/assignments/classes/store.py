@@ -13,7 +13,7 @@ from robsim.base.checks import Floats
 from robsim.base.files import write_whole
 from robsim.base.text import quoted
 from robsim.teach.assignments.assignment import Assignment
-from robsim.teach.assignments.grading.references import key_for
+from robsim.teach.assignments.marking.references import key_for
 from robsim.teach.assignments.results import SubmissionResult
 from robsim.teach.errors import AssignmentError
 from robsim.teach.reports.gradescope import write_gradescope

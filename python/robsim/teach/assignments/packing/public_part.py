@@ -14,9 +14,9 @@ from robsim.teach.assignments import limits_file
 from robsim.teach.assignments._own_tests.listing import list_own_tests
 from robsim.teach.assignments.assignment import Assignment, TaskTest
 from robsim.teach.assignments.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
-from robsim.teach.assignments.grading.marking import limit_of
-from robsim.teach.assignments.grading.references import References
 from robsim.teach.assignments.making import SHEET, START
+from robsim.teach.assignments.marking.marking import limit_of
+from robsim.teach.assignments.marking.references import References
 from robsim.teach.assignments.results import finite
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.solutions import NAIVE

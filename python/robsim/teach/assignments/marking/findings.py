@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-from robsim.teach.assignments.grading.references import of_submission
-from robsim.teach.assignments.grading.task_runs import RunTest
+from robsim.teach.assignments.marking.references import of_submission
+from robsim.teach.assignments.marking.task_runs import RunTest
 from robsim.teach.assignments.results import PASSED
 from robsim.teach.errors import SubmissionError
 from robsim.teach.grading.calling import judged

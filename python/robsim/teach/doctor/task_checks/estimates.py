@@ -11,7 +11,7 @@ from robsim.base.checks import Floats
 from robsim.estimation.evaluation.errors import wrapped_error
 from robsim.simulation.world.world_of_scenario import frame_size
 from robsim.teach.doctor.callbacks.pose_mistakes import are_right, mistakes
-from robsim.teach.doctor.tasks.seen_run import SeenRun, rms
+from robsim.teach.doctor.task_checks.seen_run import SeenRun, rms
 from robsim.trace.trace import Bools
 
 _SETTLED = 10  # steps

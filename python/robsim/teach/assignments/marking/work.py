@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 from robsim.base.text import said_by
 from robsim.teach.assignments._own_tests.listing import OwnTest, run_own_tests
 from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
-from robsim.teach.assignments.grading.findings import Doctor
-from robsim.teach.assignments.grading.marking import labels_of
-from robsim.teach.assignments.grading.playing import path_of, picture_of
-from robsim.teach.assignments.grading.references import References
-from robsim.teach.assignments.grading.task_runs import RunTest, run_task_test
+from robsim.teach.assignments.marking.findings import Doctor
+from robsim.teach.assignments.marking.marking import labels_of
+from robsim.teach.assignments.marking.playing import path_of, picture_of
+from robsim.teach.assignments.marking.references import References
+from robsim.teach.assignments.marking.task_runs import RunTest, run_task_test
 from robsim.teach.assignments.results import ERROR, FAILED, TestResult
 from robsim.teach.errors import GraderError, GradingError, SubmissionError
 from robsim.teach.submissions import SubmissionFiles

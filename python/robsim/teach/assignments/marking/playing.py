@@ -14,8 +14,8 @@ from robsim.base.spelling import check_names
 from robsim.teach.assignments.assignment import Assignment, TaskTest, check_is_assignment
 from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import check_is_one, one_submission
-from robsim.teach.assignments.grading.references import References, numbers_of, seeds_of
-from robsim.teach.assignments.grading.task_runs import files_for, graded_task
+from robsim.teach.assignments.marking.references import References, numbers_of, seeds_of
+from robsim.teach.assignments.marking.task_runs import files_for, graded_task
 from robsim.teach.errors import SubmissionError
 from robsim.teach.grading.graded_run import graded_run
 from robsim.teach.submissions.reading import open_submission

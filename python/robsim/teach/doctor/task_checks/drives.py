@@ -13,7 +13,7 @@ from robsim.base.checks import Floats
 from robsim.base.report import percent
 from robsim.simulation.slots import RobotSlots
 from robsim.teach.doctor.callbacks.steering import MISTAKES
-from robsim.teach.doctor.tasks.seen_run import SeenRun
+from robsim.teach.doctor.task_checks.seen_run import SeenRun
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import Solution
 from robsim.teach.tasks.trial import TaskTrial, try_solution

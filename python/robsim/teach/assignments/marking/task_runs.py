@@ -6,8 +6,8 @@ import time
 from dataclasses import dataclass, field, replace
 
 from robsim.teach.assignments.assignment import Assignment, TaskTest
-from robsim.teach.assignments.grading.marking import Mark, mark_of, run_to_show, runs_by_badness
-from robsim.teach.assignments.grading.references import References, numbers_of, seeds_of
+from robsim.teach.assignments.marking.marking import Mark, mark_of, run_to_show, runs_by_badness
+from robsim.teach.assignments.marking.references import References, numbers_of, seeds_of
 from robsim.teach.assignments.results import FailedRun
 from robsim.teach.errors import SubmissionError
 from robsim.teach.grading.graded_run import graded_run

@@ -14,14 +14,14 @@ from robsim.simulation.slots import RobotSlots
 from robsim.teach.doctor._trial import TIME_LIMIT, StdoutCapture
 from robsim.teach.doctor.callbacks.folder import FolderReport, Surroundings, report_of
 from robsim.teach.doctor.callbacks.scenes import Setting
-from robsim.teach.doctor.tasks.drives import drive_findings
-from robsim.teach.doctor.tasks.estimates import (
+from robsim.teach.doctor.task_checks.drives import drive_findings
+from robsim.teach.doctor.task_checks.estimates import (
     measured_findings,
     parameter_findings,
     state_findings,
 )
-from robsim.teach.doctor.tasks.report import TaskReport
-from robsim.teach.doctor.tasks.seen_run import SeenRun
+from robsim.teach.doctor.task_checks.report import TaskReport
+from robsim.teach.doctor.task_checks.seen_run import SeenRun
 from robsim.teach.tasks.by_name import task as named_task
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
