@@ -69,7 +69,8 @@ ROOMS = (
         "teach.isolation",
         "teach.grading",
     ),
-    *("teach.tasks", "teach.doctor", "teach.gym", "teach.assignments"),
+    *("teach.tasks", "teach.doctor", "teach.gym"),
+    *("teach.results", "teach.reports", "teach.assignments"),
     *("gui", "cli", "__main__"),
 )
 WINGS = {room.partition(".")[0] for room in ROOMS if not room.startswith("_")}
@@ -116,8 +117,6 @@ def test_estimation_stands_on_eigen_the_processor_and_text_alone():
 
 
 def room_of(module):
-    if module.startswith("robsim.teach.reports"):  # a result makes its own: one room until then
-        return "teach.assignments"
     parts = module.split(".")[1:]
     return next((r for r in (".".join(parts[:2]), parts[0] if parts else "") if r in ROOMS), "")
 

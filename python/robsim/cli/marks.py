@@ -21,9 +21,9 @@ from robsim.teach.assignments import (
     grade_submission,
     play_run,
 )
-from robsim.teach.assignments.results import number
 from robsim.teach.reports import for_student, student_text
 from robsim.teach.reports.writing import CLASS, PAGE
+from robsim.teach.results import number
 
 _MOST_NAMED = 4
 

@@ -10,7 +10,7 @@ from robsim.teach.assignments.making import new_assignment
 from robsim.teach.assignments.marking.playing import PlayedRun, play_run
 from robsim.teach.assignments.packing.gradescope import pack_gradescope
 from robsim.teach.assignments.packing.students import pack_students
-from robsim.teach.assignments.results import FailedRun, ScoreResult, SubmissionResult, TestResult
+from robsim.teach.results import FailedRun, ScoreResult, SubmissionResult, TestResult
 
 __all__ = [
     "Assignment",

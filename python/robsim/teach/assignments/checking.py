@@ -24,8 +24,8 @@ from robsim.teach.assignments.limits_file import RecordedTest, read_limits
 from robsim.teach.assignments.making import SHEET
 from robsim.teach.assignments.packing.public_part import public_part
 from robsim.teach.assignments.rehearsal import FULL, LESS, NOTHING, Part, cast_of, graded
-from robsim.teach.assignments.results import ERROR, SubmissionResult, TestResult, number
 from robsim.teach.errors import AssignmentError
+from robsim.teach.results import ERROR, SubmissionResult, TestResult, number
 from robsim.teach.tasks.marks.calibration import TaskCalibration
 
 #: Who is not what is expected is graded twice more, with other seeds: two of three count.

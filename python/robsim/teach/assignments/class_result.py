@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim.base.report import Column, Quantity, Report, Row, Table
-from robsim.teach.assignments.results import ERROR, NOT_RUN, SubmissionResult
+from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult
 
 _MOST_LISTED = 5
 _WIDEST = 24  # characters of the heading of a column

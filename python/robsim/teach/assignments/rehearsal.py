@@ -16,7 +16,7 @@ from robsim.teach.assignments.classes.plan import Plan
 from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import Handed
 from robsim.teach.assignments.making import write_below
-from robsim.teach.assignments.results import SubmissionResult
+from robsim.teach.results import SubmissionResult
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import Solution
 

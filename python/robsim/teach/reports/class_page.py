@@ -6,17 +6,17 @@ import statistics
 from collections.abc import Mapping, Sequence
 from urllib.parse import quote
 
-from robsim.teach.assignments.results import (
+from robsim.teach.reports import words
+from robsim.teach.reports.drawings import histogram, shade
+from robsim.teach.reports.markup import Html, page, preformatted, tag
+from robsim.teach.reports.similarity import Passage, SimilarPair
+from robsim.teach.results import (
     ERROR,
     NOT_RUN,
     SubmissionResult,
     TestResult,
     number,
 )
-from robsim.teach.reports import words
-from robsim.teach.reports.drawings import histogram, shade
-from robsim.teach.reports.markup import Html, page, preformatted, tag
-from robsim.teach.reports.similarity import Passage, SimilarPair
 
 
 def class_page(

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim.base.checks import Floats
-from robsim.teach.assignments.results import ScoreResult, fraction_of, number
 from robsim.teach.reports.markup import Html, tag
+from robsim.teach.results import ScoreResult, fraction_of, number
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,11 @@ from typing import Any
 
 from robsim.base.checks import check_choice
 from robsim.base.files import as_path, write_whole
-from robsim.teach.assignments.results import ERROR, PASSED, SubmissionResult, TestResult, of_most
 from robsim.teach.reports import words
 from robsim.teach.reports.markup import data_uri, joined, listed, tag
 from robsim.teach.reports.student_page import boxes
 from robsim.teach.reports.student_text import for_student
+from robsim.teach.results import ERROR, PASSED, SubmissionResult, TestResult, of_most
 from robsim.teach.texts import clean_line, clean_text
 
 #: When hidden tests can be shown there. One that is never shown would hide the total for good.

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from robsim.teach.assignments.results import (
+from robsim.teach.reports import words
+from robsim.teach.reports.drawings import scale_of
+from robsim.teach.reports.markup import Html, data_uri, joined, listed, page, preformatted, tag
+from robsim.teach.results import (
     PARTIAL,
     PASSED,
     ScoreResult,
@@ -13,9 +16,6 @@ from robsim.teach.assignments.results import (
     fraction_of,
     number,
 )
-from robsim.teach.reports import words
-from robsim.teach.reports.drawings import scale_of
-from robsim.teach.reports.markup import Html, data_uri, joined, listed, page, preformatted, tag
 
 _HIDDEN = (
     "This test is hidden: its worlds are not given out before or after. To see a run of it, ask "

@@ -6,8 +6,8 @@ import textwrap
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
-from robsim.teach.assignments.results import ERROR, SubmissionResult, TestResult, of_most
 from robsim.teach.reports import words
+from robsim.teach.results import ERROR, SubmissionResult, TestResult, of_most
 from robsim.teach.texts import clean_line, clean_text
 
 _WIDTH = 88

@@ -10,7 +10,8 @@ from typing import Any
 
 from robsim.base.checks import check_choice
 from robsim.base.text import as_cell
-from robsim.teach.assignments.results import (
+from robsim.teach.reports import words
+from robsim.teach.results import (
     ERROR,
     NOT_RUN,
     SubmissionResult,
@@ -18,7 +19,6 @@ from robsim.teach.assignments.results import (
     fraction_of,
     number,
 )
-from robsim.teach.reports import words
 from robsim.teach.texts import clean_line
 
 _Rows = list[list[Any]]

@@ -7,7 +7,7 @@ import re
 import shlex
 
 from robsim.base.report import percent
-from robsim.teach.assignments.results import (
+from robsim.teach.results import (
     ERROR,
     FAILED,
     NOT_RUN,

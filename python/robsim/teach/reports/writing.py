@@ -8,7 +8,6 @@ from os import PathLike
 
 from robsim.base.checks import Floats
 from robsim.base.files import as_folder, write_whole
-from robsim.teach.assignments.results import SubmissionResult
 from robsim.teach.reports.class_page import class_page, tests_of
 from robsim.teach.reports.drawings import DrawnPath, floor_of
 from robsim.teach.reports.markup import Html
@@ -17,6 +16,7 @@ from robsim.teach.reports.student_page import student_page
 from robsim.teach.reports.student_text import for_student, pseudonymous, student_text
 from robsim.teach.reports.tables import marks_table
 from robsim.teach.reports.words import test_title
+from robsim.teach.results import SubmissionResult
 
 RESULT, PAGE, TEXT, TEACHERS = "result.json", "index.html", "result.txt", "teacher.html"
 CLASS, MARKS = "class.html", "class.csv"

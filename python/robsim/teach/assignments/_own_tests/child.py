@@ -21,10 +21,10 @@ from robsim.teach.assignments._own_tests.listing import OwnTest
 from robsim.teach.assignments.assignment import RULES
 from robsim.teach.assignments.assignment_file import load_assignment
 from robsim.teach.assignments.marking.references import key_for, student_for
-from robsim.teach.assignments.results import ERROR, FAILED, NOT_RUN, PASSED
 from robsim.teach.errors import AssignmentError, SubmissionError
 from robsim.teach.grading.keys import Key
 from robsim.teach.grading.pytest_plugin import Grading
+from robsim.teach.results import ERROR, FAILED, NOT_RUN, PASSED
 from robsim.teach.texts import clean_text
 
 _MARKER = (

@@ -16,8 +16,8 @@ from typing import Any
 
 from robsim.base.text import one_line
 from robsim.teach.assignments.assignment import Assignment, FileTests
-from robsim.teach.assignments.results import ERROR, NOT_RUN, TestResult
 from robsim.teach.errors import AssignmentError
+from robsim.teach.results import ERROR, NOT_RUN, TestResult
 from robsim.teach.texts import clean_text
 
 

@@ -30,8 +30,8 @@ from robsim.teach.assignments.classes.submissions import (
 )
 from robsim.teach.assignments.marking.references import key_for
 from robsim.teach.assignments.marking.work import Unit
-from robsim.teach.assignments.results import ERROR, SubmissionResult, TestResult
 from robsim.teach.reports.tables import COLUMNS
+from robsim.teach.results import ERROR, SubmissionResult, TestResult
 
 
 def grade_submission(

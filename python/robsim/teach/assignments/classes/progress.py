@@ -19,9 +19,9 @@ from robsim.teach.assignments.marking import references as digests
 from robsim.teach.assignments.marking.marking import labels_of, marked_anew
 from robsim.teach.assignments.marking.task_runs import files_for
 from robsim.teach.assignments.marking.work import Job, Row, Unit
-from robsim.teach.assignments.results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult
 from robsim.teach.errors import SubmissionError
 from robsim.teach.reports.similarity import Program, program_of
+from robsim.teach.results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult
 from robsim.teach.submissions.reading import Contents, arranged, open_submission
 from robsim.teach.texts import clean_text
 

@@ -14,11 +14,11 @@ from robsim.base.files import write_whole
 from robsim.base.text import quoted
 from robsim.teach.assignments.assignment import Assignment
 from robsim.teach.assignments.marking.references import key_for
-from robsim.teach.assignments.results import SubmissionResult
 from robsim.teach.errors import AssignmentError
 from robsim.teach.reports.gradescope import write_gradescope
 from robsim.teach.reports.similarity import Program, program_of
 from robsim.teach.reports.writing import RESULT, write_class, write_student
+from robsim.teach.results import SubmissionResult
 from robsim.teach.tasks.solutions import MODULE, module_source
 
 PATHS = "paths.json"

@@ -6,9 +6,9 @@ from contextlib import suppress
 
 from robsim.teach.assignments.marking.references import of_submission
 from robsim.teach.assignments.marking.task_runs import RunTest
-from robsim.teach.assignments.results import PASSED
 from robsim.teach.errors import SubmissionError
 from robsim.teach.grading.calling import judged
+from robsim.teach.results import PASSED
 
 _DOCTOR = "robsim.teach.doctor._finding:first_finding"
 _SECONDS = 20.0  # that it may take

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from robsim.teach.assignments.assignment import TaskTest
-from robsim.teach.assignments.results import (
+from robsim.teach.errors import EXIT, TIMEOUT, AssignmentError
+from robsim.teach.results import (
     FAILED,
     PARTIAL,
     PASSED,
@@ -16,7 +17,6 @@ from robsim.teach.assignments.results import (
     ScoreResult,
     TestResult,
 )
-from robsim.teach.errors import EXIT, TIMEOUT, AssignmentError
 from robsim.teach.tasks.score import Score, ScoreLimit
 from robsim.teach.texts import clean_line
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 from robsim.teach.assignments.assignment import Assignment, TaskTest
 from robsim.teach.assignments.marking.marking import Mark, mark_of, run_to_show, runs_by_badness
 from robsim.teach.assignments.marking.references import References, numbers_of, seeds_of
-from robsim.teach.assignments.results import FailedRun
 from robsim.teach.errors import SubmissionError
 from robsim.teach.grading.graded_run import graded_run
 from robsim.teach.grading.task import Task as GradedTask
+from robsim.teach.results import FailedRun
 from robsim.teach.submissions import SubmissionFiles
 from robsim.teach.submissions.reading import Contents, arranged
 from robsim.teach.tasks.solutions import MODULE, module_source

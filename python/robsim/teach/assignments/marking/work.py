@@ -14,8 +14,8 @@ from robsim.teach.assignments.marking.marking import labels_of
 from robsim.teach.assignments.marking.playing import path_of, picture_of
 from robsim.teach.assignments.marking.references import References
 from robsim.teach.assignments.marking.task_runs import RunTest, run_task_test
-from robsim.teach.assignments.results import ERROR, FAILED, TestResult
 from robsim.teach.errors import GraderError, GradingError, SubmissionError
+from robsim.teach.results import ERROR, FAILED, TestResult
 from robsim.teach.submissions import SubmissionFiles
 from robsim.teach.texts import clean_text
 

@@ -17,8 +17,8 @@ from robsim.teach.assignments.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
 from robsim.teach.assignments.making import SHEET, START
 from robsim.teach.assignments.marking.marking import limit_of
 from robsim.teach.assignments.marking.references import References
-from robsim.teach.assignments.results import finite
 from robsim.teach.errors import AssignmentError
+from robsim.teach.results import finite
 from robsim.teach.tasks.solutions import NAIVE
 
 _SHORTEST = 12  # bytes of a solution; fewer may stand anywhere
