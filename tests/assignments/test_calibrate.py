@@ -63,7 +63,7 @@ def test_seeds_come_from_the_key(folder, monkeypatch):
     monkeypatch.setattr(calibration, "calibrate_task", calibrate)
     with pytest.raises(KeyboardInterrupt):
         calibrate_assignment(folder, **QUICK)
-    assert asked == [Key.read(folder / "key").world_seed("", "calibration public", 0)]
+    assert asked == [Key.load(folder / "key").world_seed("", "calibration public", 0)]
     (folder / "key").unlink()
     with pytest.raises(AssignmentError, match="key"):
         calibrate_assignment(folder, **QUICK)

@@ -58,7 +58,7 @@ def test_no_two_have_the_same_numbers_or_the_same_key(tmp_path, template):
 def test_nobody_else_can_read_the_key(tmp_path):
     new_assignment("measure", tmp_path / "hw1")
     assert stat.S_IMODE(os.stat(tmp_path / "hw1/key").st_mode) == 0o600
-    assert not Key.read(tmp_path / "hw1/key").is_public
+    assert not Key.load(tmp_path / "hw1/key").is_public
 
 
 def test_the_name_is_that_of_the_folder_or_what_is_given(tmp_path, monkeypatch):
@@ -113,7 +113,7 @@ def test_what_a_file_does_not_say_comes_from_the_tasks(tmp_path):
     assert (hidden.number, hidden.points) == ("3.1", 4)
     assert shown.reference.name == "reference"
     assert shown.limits["consistency"] == ScoreLimit(full=3.0, zero=100.0, low=0.3, low_zero=0.01)
-    assert found.key == Key.read(tmp_path / "hw3/key")
+    assert found.key == Key.load(tmp_path / "hw3/key")
 
 
 def test_all_that_can_be_said_is_taken(tmp_path):

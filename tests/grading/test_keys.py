@@ -86,24 +86,24 @@ def test_a_key_is_kept_from_others(tmp_path):
     key = Key.new()
     old = os.umask(0)
     try:
-        key.write(tmp_path / "key")
+        key.save(tmp_path / "key")
     finally:
         os.umask(old)
     assert (tmp_path / "key").stat().st_mode & 0o777 == 0o600
-    assert Key.read(tmp_path / "key") == key
+    assert Key.load(tmp_path / "key") == key
     with pytest.raises(FileExistsError):
-        key.write(tmp_path / "key")
+        key.save(tmp_path / "key")
     for mode in (0o640, 0o604, 0o610):
         (tmp_path / "key").chmod(mode)
         with pytest.raises(AssignmentError, match=r"others can read the key .*: chmod 600 "):
-            Key.read(tmp_path / "key")
+            Key.load(tmp_path / "key")
 
 
 def test_who_can_read_a_key_is_not_known_on_windows(tmp_path, monkeypatch):
-    Key.new().write(tmp_path / "key")
+    Key.new().save(tmp_path / "key")
     monkeypatch.setattr("robsim.teach.grading.keys.sys.platform", "win32")
     with pytest.warns(UserWarning, match="is not checked on Windows"):
-        Key.read(tmp_path / "key")
+        Key.load(tmp_path / "key")
 
 
 def test_what_is_no_key_is_refused(tmp_path):
@@ -112,6 +112,6 @@ def test_what_is_no_key_is_refused(tmp_path):
         (tmp_path / "key").write_text(content)
         (tmp_path / "key").chmod(0o600)
         with pytest.raises(AssignmentError, match="is not a key"):
-            Key.read(tmp_path / "key")
+            Key.load(tmp_path / "key")
     with pytest.raises(AssignmentError, match="cannot be read"):
-        Key.read(tmp_path / "other")
+        Key.load(tmp_path / "other")

@@ -230,7 +230,7 @@ def test_the_nearest_marker_says_what_a_submission_may_do(class_room):
 
 
 def test_a_key_that_others_can_read_is_refused(class_room):
-    Key(bytes(range(32))).write(class_room / "key")
+    Key(bytes(range(32))).save(class_room / "key")
     grading(class_room, key=str(class_room / "key"))
     (class_room / "key").chmod(0o644)
     with pytest.raises(pytest.UsageError, match="--robsim-key: others can read"):
@@ -292,7 +292,7 @@ def test_functions_are_called_and_each_test_has_worlds_of_its_own(tmp_path):
     mine = folder_of(tmp_path / "mine", **code)
     (tmp_path / "grade.py").write_text(FUNCTIONS)
     key = Key(bytes(range(32)))
-    key.write(tmp_path / "key")
+    key.save(tmp_path / "key")
     run = graded(tmp_path, "--robsim-submission=mine", "--robsim-key=key", "grade.py")
     assert run.returncode == 0, run.stdout
     started = (tmp_path / "starts").read_text().splitlines()

@@ -186,7 +186,7 @@ EXAMPLES = {
     "solution_folder.task": robsim.teach.MeasureTask,
     "solution_folder.solution": lambda: robsim.teach.MeasureTask().solutions[0],
     "try_solution.task": lambda: robsim.teach.MeasureTask(steps=2, runs=1),
-    "Solution.read.is_right": lambda: True,
+    "Solution.load.is_right": lambda: True,
     "TaskCalibration.from_record.record": lambda: calibrated().as_record(),
     "TaskCalibration.stale.task": robsim.teach.EstimateTask,
     "calibrate_task.task": lambda: robsim.teach.EstimateTask(steps=20, runs=1),

@@ -212,7 +212,7 @@ def _graded(assignment: Path) -> str:
     with tempfile.TemporaryDirectory() as name:
         submission, own = Path(name, "ada"), Path(name, "hw3")
         shutil.copytree(assignment, own)
-        Key.new().write(own / "key")
+        Key.new().save(own / "key")
         submission.mkdir()
         for module, source in reference.files.items():
             (submission / f"{module}.py").write_bytes(source)

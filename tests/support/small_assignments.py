@@ -51,7 +51,7 @@ def assignment(folder, text=PATIENT + TESTS, *, limits=("shown", "hidden"), key=
     tests = {name: {"limits": LIMITS} for name in limits}
     (folder / "limits.json").write_text(json.dumps({"format": 1, "tests": tests}))
     if key and not (folder / "key").exists():
-        Key.new().write(folder / "key")
+        Key.new().save(folder / "key")
     for name, content in files.items():
         (folder / f"{name}.py").write_text(textwrap.dedent(content))
     return folder

@@ -104,7 +104,7 @@ def test_a_folder_without_a_reference_is_refused(tmp_path):
 def test_the_files_of_a_solution_are_as_they_were_read(tmp_path):
     file = tmp_path / "control.py"
     file.write_text("from task import GOAL\n\ndef control(step):\n    return 0, 0\n")
-    solution = robsim.teach.Solution.read(tmp_path, "control", is_right=True)
+    solution = robsim.teach.Solution.load(tmp_path, "control", is_right=True)
     file.write_text("nonsense")
     assert errors_of(ParkTask(steps=3), solution) == [None]
 

@@ -165,7 +165,7 @@ def _assignment(values: dict[str, Any], folder: Path, isolation: Isolation | Non
         given=_given(values, tests),
         given_files=_given_files(folder),
         own_seeds=values.get("seeds", SEEDS[0]) == SEEDS[0],
-        key=keys.Key.read(folder / KEY) if (folder / KEY).exists() else None,
+        key=keys.Key.load(folder / KEY) if (folder / KEY).exists() else None,
         isolation=isolation or values.get("isolation", "auto"),
         limits=limits,
         points=values.get("points"),

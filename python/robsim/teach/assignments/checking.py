@@ -106,7 +106,7 @@ def _still(assignment: Assignment) -> Iterator[Finding]:
     is_needed = any(not test.public for test in assignment.all_tests)
     key = assignment.key
     got = "there is none" if key is None else "public" if key.is_public else "secret"
-    wrong = "" if got == "secret" or not is_needed else "hidden tests need a key: Key.new().write"
+    wrong = "" if got == "secret" or not is_needed else "hidden tests need a key: Key.new().save"
     yield Finding("key", "secret", got, wrong)
     recorded = read_limits(assignment.folder)
     for test in assignment.tests:

@@ -187,7 +187,7 @@ def _fill(folder: Path, task: Task, name: str) -> None:
         "folder": one_line(folder),
         "task": task.name,
     }
-    Key.new().write(folder / KEY)
+    Key.new().save(folder / KEY)
     files = {
         FILE: _filled("assignment.toml", values | _rules(task)),
         "README.md": _filled("README.md", values),

@@ -72,7 +72,7 @@ class Key:
         return hmac.compare_digest(self._secret, Key.public()._secret)
 
     @classmethod
-    def read(cls, path: str | PathLike[str]) -> Key:
+    def load(cls, path: str | PathLike[str]) -> Key:
         """Read a key from a file.
 
         Raises
@@ -97,7 +97,7 @@ class Key:
                 file=one_line(file),
             ) from None
 
-    def write(self, path: str | PathLike[str]) -> None:
+    def save(self, path: str | PathLike[str]) -> None:
         """Write it to a new file that only you can read.
 
         Raises

@@ -49,7 +49,7 @@ class Grading:
             raise pytest.UsageError(f"{_OPTION}: there is no {one_line(self._path)}")
         _keep_apart(self._path, options.file_or_dir or _default_tests(config))
         try:
-            self._key = None if options.robsim_key is None else Key.read(options.robsim_key)
+            self._key = None if options.robsim_key is None else Key.load(options.robsim_key)
         except AssignmentError as error:
             raise pytest.UsageError(f"--robsim-key: {error}") from None
         slots = options.robsim_slots

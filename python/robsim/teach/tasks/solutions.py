@@ -67,7 +67,7 @@ class Solution:
     slots: tuple[str, ...]
 
     @classmethod
-    def read(cls, folder: str | PathLike[str], slots: Iterable[str], *, is_right: bool) -> Solution:
+    def load(cls, folder: str | PathLike[str], slots: Iterable[str], *, is_right: bool) -> Solution:
         """Read the files of a folder, or a single one; nothing of them is run.
 
         Parameters
@@ -141,7 +141,7 @@ def _found(folder: Path, slots: tuple[str, ...]) -> Iterator[Solution]:
         named = (one for one in (folder / kind).glob("*") if not one.name.startswith((".", "__")))
         places = [one for one in named if one.is_dir()]
         for place in sorted(places, key=lambda one: (one.name != first, one.name)):
-            yield Solution.read(place, slots, is_right=kind == "right")
+            yield Solution.load(place, slots, is_right=kind == "right")
 
 
 def with_shared(solutions: Iterable[Solution]) -> Iterator[Solution]:

@@ -336,7 +336,7 @@ def _choices(
                 f"solution must be the path of a folder or a file, got {quoted(solution)}: "
                 f"callbacks are given by name, such as {task.slots[0]}=..."
             )
-        solution = Solution.read(solution, task.slots, is_right=False)
+        solution = Solution.load(solution, task.slots, is_right=False)
     folder = solution_folder(task, solution)
     with folder.callbacks():  # which raises what its files raise
         pass

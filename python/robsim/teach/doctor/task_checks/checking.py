@@ -44,7 +44,7 @@ def check_for_task(
     if not isinstance(task, (str, Task)):
         raise TypeError(f"task must be a Task, or its name, got {quoted(task)}")
     chosen = named_task(task) if isinstance(task, str) else task
-    solution = Solution.read(path, chosen.slots, is_right=False)
+    solution = Solution.load(path, chosen.slots, is_right=False)
     report = report_of(path, slots, _surroundings(chosen))
     is_loaded = all(problem.kind != "not loaded" for problem in report.problems)
     trial = _trial(chosen, path) if is_loaded else None
