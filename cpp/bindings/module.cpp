@@ -8,9 +8,9 @@
 namespace py = pybind11;
 
 using Binding = void(py::module_& module);
-Binding bind_base, bind_plane_maps, bind_imaging, bind_capture, bind_model, bind_world, bind_color,
+Binding bind_base, bind_plane_maps, bind_imaging, bind_capture, bind_model, bind_scene, bind_color,
     bind_markers, bind_blobs, bind_locate, bind_estimation, bind_trace, bind_records, bind_steps,
-    bind_motors, bind_worlds, bind_controllers, bind_remote, bind_loop, bind_laboratory;
+    bind_motors, bind_simulated_worlds, bind_controllers, bind_remote, bind_loop, bind_laboratory;
 
 namespace {
 
@@ -44,9 +44,9 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   // A class comes before the signatures that show it.
   for (Binding* bind :
        {bind_base,       bind_plane_maps,  bind_imaging, bind_capture, bind_model,
-        bind_world,      bind_color,       bind_markers, bind_blobs,   bind_locate,
+        bind_scene,      bind_color,       bind_markers, bind_blobs,   bind_locate,
         bind_estimation, bind_trace,       bind_records, bind_steps,   bind_motors,
-        bind_worlds,     bind_controllers, bind_remote,  bind_loop,    bind_laboratory}) {
+        bind_simulated_worlds,     bind_controllers, bind_remote,  bind_loop,    bind_laboratory}) {
     bind(module);
   }
   pybind11::delattr(module, "__module__");  // the bindings set it

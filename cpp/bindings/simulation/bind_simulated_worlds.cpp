@@ -328,7 +328,7 @@ void bind_external_world(py::module_& module) {
 
 }  // namespace
 
-void bind_worlds(py::module_& module) {
+void bind_simulated_worlds(py::module_& module) {
   bind_world_state(module);
   Class<World, std::shared_ptr<World>>(public_in(module, "robsim._core"), "World",
                                        "A world half, as the loop sees it.");

@@ -87,7 +87,7 @@ py::array with_noise(const VisualNoise& self, const PixelArray& image, std::uint
 
 }  // namespace
 
-void bind_world(py::module_& module) {
+void bind_scene(py::module_& module) {
   Class<Scene, std::shared_ptr<Scene>>(public_in(module, "robsim.simulation"), "Scene", R"(
 The floor and the robot of a Renderer; it never changes, and any number can share it.
 
