@@ -15,7 +15,7 @@ def main() -> None:
     except KeyboardInterrupt:
         sys.exit(130)
     except FileNotFoundError:
-        print("error: the folder that you are in is not there any more", file=sys.stderr)
+        print("error: the current folder no longer exists", file=sys.stderr)
         sys.exit(2)
     run()
 

@@ -1,4 +1,4 @@
-"""Objects that nobody has made: `__new__` alone gives one without a value of C++."""
+"""Objects without a value of C++: `__new__` alone makes them."""
 
 import copy
 

@@ -289,7 +289,7 @@ def test_sessions(recorded, scratch, data):
 
 
 def check_store(path):
-    """Go on with a campaign, read it; whatever is refused in words stays as it is."""
+    """Go on with a campaign, and read it."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".* was begun with ")  # other versions
         attempt(campaign_in, path, also=(OSError,))

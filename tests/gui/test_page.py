@@ -238,8 +238,7 @@ def test_another_user_who_reads_the_address_of_a_browser_does_not_get_the_page(t
         (tmp_path / "spied").touch()
         _, said = program.communicate(timeout=300)
     assert said.splitlines() == [
-        "robsim: user 65534 has asked for the page with the address that started the browser: "
-        "refused"
+        "robsim: refused: user 65534 has used the address of the browser, to get the page"
     ]
     assert b"<title>robsim" in (tmp_path / "seen").read_bytes()
 

@@ -32,7 +32,7 @@ def test_a_folder_that_is_gone_is_told(tmp_path):
     folder = tmp_path / "gone"
     folder.mkdir()
     status, said = ended(folder, "-m", "robsim", "run", before=folder.rmdir)
-    assert (status, said) == (2, ["error: the folder that you are in is not there any more"])
+    assert (status, said) == (2, ["error: the current folder no longer exists"])
 
 
 @pytest.mark.skipif(os.name == "nt", reason="closes a descriptor as a shell of Unix does")

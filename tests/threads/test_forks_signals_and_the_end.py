@@ -147,7 +147,7 @@ for i in range(4):
 @pytest.mark.parametrize("native", [True, False])
 @pytest.mark.parametrize("begins", [True, False])
 def test_the_end_of_python_while_daemon_threads_drive(native, begins):
-    """In the middle of the run, or of its first scenes: the status is that of the program."""
+    """In the middle of the run, or of its first scenes: the program ends with status 0."""
     for _ in range(thorough(6, 1)):
         assert python(RUNNING.format(native=native, begins=begins)) == (0, "", "")
 

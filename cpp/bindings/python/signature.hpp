@@ -101,7 +101,7 @@ class Class : public py::class_<T, Options...> {
  public:
   template <typename... Extra>
   explicit Class(const Extra&... extra) : Base(extra...) {
-    // What pybind11 would give an object the memory by that has none, made without __init__.
+    // pybind11 calls this for the missing memory of an object without __init__.
     py::detail::get_type_info(typeid(T))->operator_new = [](std::size_t) -> void* {
       throw py::type_error("the object was made without its constructor");
     };

@@ -80,7 +80,7 @@ std::atomic<bool> is_end_near{false};
 std::atomic<int> runs_under_way{0};
 struct EndIsNear {};
 
-// Not for long: what a callback does may take hours.
+// The wait is short: a callback may take hours.
 void end_all_runs() {
   is_end_near = true;
   const WithoutInterpreter others;

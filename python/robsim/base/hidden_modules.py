@@ -9,7 +9,7 @@ _NEEDED = ("numpy", "PIL", "matplotlib", "cv2", "tornado", "rich", *sys.stdlib_m
 
 
 def told(error: Exception) -> Exception:
-    """Return the error of an import, or one that says which file has caused it."""
+    """Return the error of an import, or one that names the file at fault."""
     folders = {os.path.realpath(folder or os.curdir) for folder in (sys.path[0], "")}
     for name in _NEEDED:
         file = getattr(sys.modules.get(name), "__file__", None)

@@ -50,7 +50,7 @@ class Store:
 
     def __init__(self, path: str | PathLike[str] | None, spec: CampaignSpec) -> None:
         self.path = None if path is None else as_path(path)
-        self.spec = spec  # with the seed of the store, where it has none of its own
+        self.spec = spec  # an unseeded one takes the seed of the store
         with self._naming():
             self._database = _connection(self.path or ":memory:")
         try:
@@ -287,7 +287,7 @@ def _is_empty(database: sqlite3.Connection) -> bool:
 
 
 def _is_store(database: sqlite3.Connection) -> bool:
-    """Whether a file is a store of ours, and does nothing by itself."""
+    """Whether a file is a store of a campaign, without foreign triggers or views."""
     if database.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION:
         return False
     for kind, name, sql in database.execute("SELECT type, name, sql FROM sqlite_master"):
@@ -323,7 +323,7 @@ def _check_is_whole(database: sqlite3.Connection, path: Path | None) -> None:
 
 
 def _notes(database: sqlite3.Connection) -> dict[str, Any]:
-    """Return what a store says of its campaign; ValueError: it is not what robsim has written."""
+    """Return the notes of a store on its campaign; ValueError: robsim has not written them."""
     found = database.execute("SELECT key, value FROM campaign").fetchall()
     notes = {key: parse_json(value) for key, value in found if isinstance(value, str)}
     for key, kind in {"format": int, "description": dict, "surroundings": dict}.items():

@@ -27,9 +27,9 @@ from robsim.trace.run_info import RunInfo
 FORMAT = "robsim trace 1"
 _INFO = "info"
 _OF_OLD_NUMPY = "allow_pickle"  # numpy below 2.2 stored the keyword as an array
-_MOST_INFO = 2**24  # bytes, 4 a character, that any file may contain
-_MOST_INFO_PACKED = 8  # bytes of the info for each byte of the file: a scenario has pictures
-_MOST_SIGNS = 400_000  # of JSON, in the info: a scenario has at most a quarter
+_MOST_INFO = 2**24  # bytes, 4 for a character, in any file
+_MOST_INFO_PACKED = 8  # bytes for each byte of the file: a scenario has pictures
+_MOST_SIGNS = 400_000  # of JSON; a scenario has at most a quarter
 _MOST_SMALL = 2**28  # bytes that any file may contain
 _PART = 2**20  # bytes that are unpacked at a time
 

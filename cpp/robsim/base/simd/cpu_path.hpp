@@ -6,7 +6,7 @@
 
 // The function that runs on the path in use, of one to three texts: for any processor, with AVX2
 // and, if there is a third one, with AVX-512. A missing second text is the first one, which must be
-// ROBSIM_INLINE: the compiler makes what it can of it for each path. A macro, because elsewhere
+// ROBSIM_INLINE: the compiler optimises it for each path. A macro, because elsewhere
 // than on x86-64 the names of the others do not exist.
 #if ROBSIM_HAS_AVX2_CODE
 #define ROBSIM_PICK(...) ::robsim::simd::pick<__VA_ARGS__>()

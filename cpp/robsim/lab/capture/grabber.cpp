@@ -91,10 +91,10 @@ struct Grabber::State {
 void Grabber::State::check_size(const Image& image) {
   const std::pair<int, int> got(image.width(), image.height());
   if (size && got != *size) {
-    throw CaptureError(CaptureFault::failed,
-                       "the camera's frames have " + size_text(got.first, got.second) +
-                           " in place of " + size_text(size->first, size->second) +
-                           ": open it again with the size that it has");
+    throw CaptureError(CaptureFault::failed, "the camera's frames have " +
+                                                 size_text(got.first, got.second) + " instead of " +
+                                                 size_text(size->first, size->second) +
+                                                 ": open it again with the size that it has");
   }
   if (epoch) return;
   size = got;

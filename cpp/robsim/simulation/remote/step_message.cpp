@@ -49,7 +49,7 @@ struct Numbers {
   operator Matrix() const { return Matrix(at.data()); }
 };
 
-// What a message begins with, byte by byte; what it does not have is 0.
+// The begin of a message, byte by byte; missing values are 0.
 struct FixedPart {
   std::int64_t k;
   double t;

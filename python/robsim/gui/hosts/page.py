@@ -79,23 +79,21 @@ class Page:
     # In the thread.
 
     def redeem(self, ticket: Ticket, peer: tuple[str, int]) -> bool:
-        """Whether who asks with a ticket may have the page, which ends if another may have it."""
+        """Whether the peer may have the page; a second use of a ticket ends the page."""
         if who := stranger(peer, ("127.0.0.1", self.port)):
-            _say(f"{who} has asked for the page with the address that started the browser: refused")
+            _say(f"refused: {who} has used the address of the browser, to get the page")
             return False
         if ticket.is_used:
-            self._end_for("the address that started the browser was used twice")
+            self._end_for("the address of the browser was used twice")
             return False
         ticket.is_used = True
         self._coming = self._loop.call_later(
-            _COMING,
-            self._end_for,
-            "the address that started the browser was used, and no page came",
+            _COMING, self._end_for, "the address of the browser was used, and no page came"
         )
         return True
 
     def _end_for(self, reason: str) -> None:
-        self.fault = f"{reason}: the page ends, as somebody else may have it"
+        self.fault = f"{reason}: the page ends, as another user may have it"
         _say(self.fault)
         self._end.set()
 

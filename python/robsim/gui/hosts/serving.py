@@ -68,7 +68,7 @@ class Host(Protocol):
         """Note that one has gone."""
 
     def redeem(self, ticket: Ticket, peer: tuple[str, int]) -> bool:
-        """Whether somebody may have the page for a ticket."""
+        """Whether the peer may have the page for a ticket."""
 
 
 class Server(tornado.httpserver.HTTPServer):

@@ -7,11 +7,11 @@ import secrets
 import sys
 from pathlib import Path
 
-_ESTABLISHED = "01"  # see proc_pid_net(5); a socket that is closed belongs to nobody
+_ESTABLISHED = "01"  # see proc_pid_net(5); a closed socket has no user
 
 
 class Ticket:
-    """A word that leads to the page once, as all users can read what a browser is called with."""
+    """A word that leads to the page once: all users can read the arguments of a browser."""
 
     def __init__(self) -> None:
         self.word = secrets.token_urlsafe(18)
@@ -23,16 +23,15 @@ class Ticket:
 
 
 def stranger(peer: tuple[str, int], server: tuple[str, int]) -> str:
-    """Return who has connected to a server on loopback, if it is another user; else nothing.
+    """Return the name of the peer of a server on loopback if it is another user; else nothing.
 
-    Only Linux tells it. Elsewhere no other user can read what a browser is called with: macOS
-    and Windows start it by a message.
+    Only Linux reports it. macOS and Windows start the browser by a message, unseen by others.
     """
     if sys.platform != "linux":
         return ""
     user = _user_of(_as_listed(*peer), _as_listed(*server))
     if user is None:
-        return "somebody whom Linux does not tell"
+        return "an unknown user"
     return "" if user in (os.geteuid(), 0) else f"user {user}"
 
 
@@ -49,6 +48,6 @@ def _user_of(*ends: str) -> int | None:
 
 
 def _as_listed(address: str, port: int) -> str:
-    """Return an address as Linux lists it, in its order of bytes; one of IPv6 ends with it."""
+    """Return an address as Linux lists it, in its order of bytes; IPv6 ends alike."""
     word = int.from_bytes(map(int, address.split(".")), sys.byteorder)
     return f"{word:08X}:{port:04X}"

@@ -413,12 +413,11 @@ def _keep(links: list[Link], picture: bytes | None) -> None:
 
 
 def file_to_save(path: str | PathLike[str]) -> Path:
-    """Return the file that a tool is to write: one of its own kind, as its page asks for it."""
+    """Return the file for a tool to write; ValueError for a hidden one, or another suffix."""
     file = as_path(path)
     if file.suffix.lower() != ".toml" or file.name.startswith("."):
         raise ValueError(
-            f"{one_line(file)} is no name for what is saved here: it must end in .toml, and not "
-            "begin with a dot"
+            f"{one_line(file)}: the name of a file must end in .toml, and not begin with a dot"
         )
     refuse_device(file)
     return file

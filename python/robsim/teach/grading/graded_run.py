@@ -135,7 +135,7 @@ def _world(
 
 
 def _driven(simulation: Simulation, steps: int, task: Task) -> Trace:
-    """Run; say whose fault it is if a callback fails here, or what a worker answers cannot be."""
+    """Run; report whose fault a failing callback is, here or in the worker."""
     try:
         return simulation.run(steps)
     except GradingError as error:

@@ -130,7 +130,7 @@ def _row_of(line: bytes, columns: tuple[str, ...]) -> Row:
     for name in ("t", "t_arrival", "t_sent"):
         values[name] = _time(name, texts[name])
     for name, parts in _ARRAYS.items():
-        if any(texts[part] for part in parts):  # else the default of all rows: no memory of its own
+        if any(texts[part] for part in parts):  # else the default, which all rows share
             values[name] = tuple(_float(part, texts[part]) for part in parts)
     for name in ("video_frame", "frame_index", "headings"):
         values[name] = _int(name, texts[name]) if texts.get(name) else None

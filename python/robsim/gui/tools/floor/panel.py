@@ -363,9 +363,8 @@ class FloorPanel(ToolPanel):
         OSError
             If it cannot be written.
         TypeError, ValueError
-            If `path` is no path to a ``.toml`` file, something is missing, or the file is there
-            already, but is no calibration, was neither read nor written by this panel, or has a
-            lens that this floor was not calibrated with.
+            If `path` is no path to a ``.toml`` file, or something is missing. If the file exists:
+            if it is no calibration, is unknown to this panel, or has another lens.
         """
         return self._view.ask(lambda: self._view.save(path))
 
