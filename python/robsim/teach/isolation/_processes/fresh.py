@@ -9,6 +9,7 @@ import base64
 import importlib
 import json
 import os
+import select
 import signal
 import socket
 import subprocess
@@ -17,7 +18,7 @@ import tempfile
 import threading
 import traceback
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from typing import Any, NoReturn
 
 from robsim.teach.errors import GraderError
@@ -36,7 +37,21 @@ if sys.platform == "win32":
 else:
     from robsim.teach.isolation._processes.become_worker import become_worker
     from robsim.teach.isolation._processes.scratch import remove
-    from robsim.teach.isolation._processes.zombies import wait_for_end
+
+    def _wait_for_end(process: int) -> None:
+        """Wait until a child has ended, so that its number is its own until somebody reaps it."""
+        if sys.platform == "darwin":  # which has waitid only for newer versions of Python
+            event = select.kevent(
+                process,
+                select.KQ_FILTER_PROC,
+                select.KQ_EV_ADD | select.KQ_EV_ONESHOT,
+                select.KQ_NOTE_EXIT,
+            )
+            with closing(select.kqueue()) as queue, suppress(ProcessLookupError):  # it has ended
+                queue.control([event], 1)
+        else:
+            os.waitid(os.P_PID, process, os.WEXITED | os.WNOWAIT)
+
 
 _LAST_WORDS = 5.0  # s that may pass between the end of a worker and that of its output
 _AT_ONCE = 1 << 16  # bytes
@@ -144,7 +159,7 @@ class _Keeper:
                 self._over = True
             return code, 0.0, 0
         else:  # noqa: RET505  # mypy follows nothing but this
-            wait_for_end(self._process.pid)
+            _wait_for_end(self._process.pid)
             with self._lock:
                 self._kill()  # what it has left in its session
                 _, status, usage = os.wait4(self._process.pid, 0)
