@@ -98,7 +98,7 @@ A frame in shared memory, which then stays open as long as the frame (under a me
       .def_static("from_bgr", &frame_of<&copy_of_bgr>, "image"_a, py::kw_only(), "t"_a = py::none(),
                   "t_arrival"_a = py::none(), "epoch"_a = py::none(), "index"_a = 0,
                   "plane_map"_a = PlaneMap(), "headings"_a = py::none(), R"(
-Return the frame of a copy of an image in OpenCV's order, BGR.
+Return the frame of an image in BGR, OpenCV's order: a copy.
 
 Parameters
 ----------

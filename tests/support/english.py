@@ -105,6 +105,7 @@ def prose(file, text):
                 end = "." if "|" in line else ""
                 yield from ((number, cell.strip(" #*-") + end) for cell in line.split("|"))
         else:
+            line = re.sub(r'"\w+"_a', "", line)  # the name of an argument
             for part in re.findall(r'//+ (.*)|^\s*/?\*+ (.*)|"([^"]* [^"]* [^"]*)"', line):
                 yield number, "".join(part)
 

@@ -29,10 +29,7 @@ class DaskClient(Protocol):
 
 
 class Workers(Generic[JobT, RowT]):
-    """The workers of an executor, which is used as it is.
-
-    They receive the work, or `sent`, another form of it, with each chunk.
-    """
+    """The workers of an executor; each chunk brings them the work, or `sent`, its other form."""
 
     deaths = 1  # of a run alone make it count as failed; Dask itself has tried it four times
 

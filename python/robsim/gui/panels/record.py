@@ -65,10 +65,7 @@ class Record(ABC):
 
     @property
     def n_resets(self) -> int:
-        """How often the steps have begun anew; any thread may ask.
-
-        What is asked for after it is of that run, or of a later one.
-        """
+        """The number of resets; any thread may ask, before it looks at the steps."""
         return 0
 
     @abstractmethod

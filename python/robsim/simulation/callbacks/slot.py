@@ -153,10 +153,7 @@ _in_run: dict[int, object] = {}  # by their ids
 
 @contextmanager
 def held(callbacks: Iterable[object]) -> Iterator[None]:
-    """Keep callbacks with a true ``_remembers_run`` for the run of this thread.
-
-    RuntimeError: another run has one of them.
-    """
+    """Keep callbacks with ``_remembers_run`` for this run; RuntimeError: another run has one."""
     run = object()
     mine = [one for one in callbacks if getattr(one, "_remembers_run", False) is True]
     try:

@@ -28,10 +28,7 @@ Checks = Callable[[EstimatorUnderTest], Iterable[Problem | str | Table]]
 
 
 def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckReport:
-    """Run the checks of an estimator and return their report.
-
-    `checks` yields problems, the cause first, remarks as strings, and tables.
-    """
+    """Run `checks`, which yield problems, the cause first, remarks and tables; return a report."""
     if isinstance(make, (str, PathLike)):
         make = _from_file(Path(make), slot)
     if not callable(make) or isinstance(make, SlotHandle):

@@ -72,10 +72,7 @@ def samples(polygon: Floats) -> Floats:
 
 
 def crossing(polygon: Floats) -> tuple[int, int] | None:
-    """Return indices of two non-adjacent sides that cross or touch, or None.
-
-    Side i goes from corner i to the next one.
-    """
+    """Return indices of two sides that cross or touch, or None; side i begins at corner i."""
     a, b = polygon, np.roll(polygon, -1, axis=0)
     # [i, j] > 0 or < 0: on which side of the line through side i an end of side j lies.
     start, end = _turns(a, b, a), _turns(a, b, b)
