@@ -42,11 +42,11 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
   translate_errors();
   // A class comes before the signatures that show it.
-  for (Binding* bind :
-       {bind_base,       bind_plane_maps,  bind_imaging, bind_capture, bind_model,
-        bind_scene,      bind_color,       bind_markers, bind_blobs,   bind_locate,
-        bind_estimation, bind_trace,       bind_records, bind_steps,   bind_motors,
-        bind_simulated_worlds,     bind_controllers, bind_remote,  bind_loop,    bind_laboratory}) {
+  for (Binding* bind : {bind_base,        bind_plane_maps, bind_imaging,    bind_capture,
+                        bind_model,       bind_scene,      bind_color,      bind_markers,
+                        bind_blobs,       bind_locate,     bind_estimation, bind_trace,
+                        bind_records,     bind_steps,      bind_motors,     bind_simulated_worlds,
+                        bind_controllers, bind_remote,     bind_loop,       bind_laboratory}) {
     bind(module);
   }
   pybind11::delattr(module, "__module__");  // the bindings set it
