@@ -1,5 +1,6 @@
 """The command ``robsim``, also as ``python -m robsim``."""
 
+import io
 import os
 import sys
 
@@ -8,7 +9,7 @@ def main() -> None:
     """Run the command line; Ctrl-C while it is loaded ends it without a traceback."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # it was closed, or there is no console
-            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115  # until the end
+            setattr(sys, name, io.StringIO())
     try:
         os.getcwd()
         from robsim.cli import main as run

@@ -274,7 +274,7 @@ class Frame:
     @staticmethod
     def from_bgr(image: numpy.typing.NDArray[numpy.uint8], *, t: float | None = None, t_arrival: float | None = None, epoch: float | None = None, index: int = 0, plane_map: PlaneMap = ..., headings: int | None = None) -> Frame:
         """
-        Return the frame of a copy of an image in OpenCV's order, BGR.
+        Return the frame of an image in BGR, OpenCV's order: a copy.
         
         Parameters
         ----------

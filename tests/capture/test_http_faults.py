@@ -136,7 +136,7 @@ def test_a_size_that_changes_is_an_error():
     with MjpegServer(parts) as server, opened(server) as camera:
         camera.read()
         goes_on.set()
-        assert "48 x 64 px in place of 300 x 240 px" in str(read_on(camera)[1])
+        assert "48 x 64 px instead of 300 x 240 px" in str(read_on(camera)[1])
 
 
 def halved(image):
