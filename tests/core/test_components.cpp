@@ -138,20 +138,6 @@ TEST(BitRow, LosesBitsThatHaveNoneBesideThem) {
   }
 }
 
-TEST(BitRow, IsWrittenBitByBit) {
-  std::mt19937_64 random(1);
-  for (const int width : {1, 64, 65, 200}) {
-    BitRow expected(words_of(width));
-    for (std::uint64_t& word : expected) word = random();
-    clear_beyond(expected, width);
-    BitRow row(words_of(width));
-    BitWriter writer(row);
-    for (int u = 0; u < width; ++u) writer.add(is_set(expected, u));
-    writer.finish();
-    EXPECT_EQ(row, expected) << width;
-  }
-}
-
 TEST(BitRow, PacksByteIIntoBitI) {
   for (int i = 0; i < 64; ++i) {
     std::uint8_t bytes[64] = {};
