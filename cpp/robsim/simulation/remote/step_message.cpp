@@ -169,7 +169,7 @@ void append(std::string& bytes, const T* values, std::size_t count) {
 template <typename T>
 std::vector<T> taken(const char*& bytes, std::uint32_t count) {
   std::vector<T> values(count);
-  std::memcpy(static_cast<void*>(values.data()), bytes, count * sizeof(T));
+  if (count > 0) std::memcpy(static_cast<void*>(values.data()), bytes, count * sizeof(T));
   bytes += count * sizeof(T);
   return values;
 }
