@@ -55,7 +55,8 @@ from robsim.simulation.world.disturbances import (
 from robsim.simulation.world.scene import HEADINGS, Floor, as_floor
 from robsim.trace.columns import POSES
 from robsim.trace.timing import MAXIMUM_DELAY
-from robsim.vision.imaging.images import MOST_PIXELS, Pixels, load_image
+from robsim.vision.imaging import images
+from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import GaussianNoise, Noise, UniformNoise
 from robsim.vision.markers.color_files import as_colors
 from robsim.vision.robots.definition import RobotDefinition
@@ -107,7 +108,7 @@ def background_value(background: Pixels | Floor | str | PathLike[str] | None) ->
 
 @lru_cache(maxsize=2)
 def _floor_in_file(file: FileVersion) -> Floor:
-    return Floor(load_image(file.path))
+    return Floor(images.load_image(file.path))
 
 
 def start_value(
@@ -194,10 +195,10 @@ def check_images(
     """Raise ValueError if the images of the floor or of the robot would take too much memory."""
     resolution = resolution or area
     for name, (width, height) in {"area": area, "resolution": resolution}.items():
-        if width * height > MOST_PIXELS:
+        if width * height > images.MOST_PIXELS:
             raise ValueError(
-                f"{name} must have at most {MOST_PIXELS} px in all, such as 8192 x 8192, got "
-                f"{width} x {height}"
+                f"{name} must have at most {images.MOST_PIXELS} px in all, such as 8192 x 8192, "
+                f"got {width} x {height}"
             )
     scale = max(resolution[0] / area[0], resolution[1] / area[1])
     height, width = robot.image.shape[:2]

@@ -26,7 +26,8 @@ from robsim.base.text import cut, quoted
 from robsim.simulation.options import OPTIONS, background_value
 from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import Floor
-from robsim.vision.imaging.images import MOST_PIXELS, Pixels, png_bytes
+from robsim.vision.imaging import images
+from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
 from robsim.vision.markers.color_files import COLOR, color_of
 from robsim.vision.robots.definition import RobotDefinition
@@ -50,19 +51,21 @@ def _image(name: str, value: Any) -> Pixels:
     data = codec.base64_bytes(name, value)
     try:
         with Image.open(io.BytesIO(data), formats=("PNG",)) as image:
-            if image.width * image.height <= MOST_PIXELS and image.mode in ("RGB", "RGBA"):
+            if image.width * image.height <= images.MOST_PIXELS and image.mode in ("RGB", "RGBA"):
                 return np.array(image)
             got = f"{image.mode} of {image.width} x {image.height} px"
     except Exception as error:  # Pillow's decoders raise many types
         raise ValueError(f"{name} must be a PNG image in base64: {cut(error)}") from error
-    raise ValueError(f"{name} must be RGB or RGBA of at most {MOST_PIXELS} px, got {got}")
+    raise ValueError(f"{name} must be RGB or RGBA of at most {images.MOST_PIXELS} px, got {got}")
 
 
 def _png(pixels: Pixels) -> bytes:
     height, width = pixels.shape[:2]
-    if height * width > MOST_PIXELS:
-        raise ValueError(f"an image must have at most {MOST_PIXELS} px, got {width} x {height}")
-    return png_bytes(pixels)
+    if height * width > images.MOST_PIXELS:
+        raise ValueError(
+            f"an image must have at most {images.MOST_PIXELS} px, got {width} x {height}"
+        )
+    return images.png_bytes(pixels)
 
 
 _IMAGE = codec.Entry(_image, "PNG in base64", _png, is_needed=True)

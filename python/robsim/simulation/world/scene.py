@@ -16,14 +16,8 @@ from robsim.base.shipped import ASSETS
 from robsim.base.text import quoted
 from robsim.base.values import Value, frozen
 from robsim.simulation.callbacks.errors import failed, refused
-from robsim.vision.imaging.images import (
-    SHADOW,
-    Pixels,
-    darkened,
-    lightened,
-    load_image,
-    resized,
-)
+from robsim.vision.imaging import images
+from robsim.vision.imaging.images import Pixels
 from robsim.vision.robots.definition import RobotDefinition
 
 
@@ -139,16 +133,16 @@ def _composed(
     adjust_background: Callable[[Pixels], Pixels],
 ) -> Scene:
     floor = _shipped_floor(area) if background is None else background.pixels
-    shadowed_floor = darkened(floor)
+    shadowed_floor = images.darkened(floor)
     home, shadowed_home = _home(floor, shadowed_floor, adjust_background)
     sprite, centre, unit = robot_sprite(
         robot, max(resolution[0] / area[0], resolution[1] / area[1])
     )
     return Scene(
-        floor=(resized(floor, *resolution), resized(shadowed_floor, *resolution)),
-        home=(resized(home, *resolution), resized(shadowed_home, *resolution)),
+        floor=(images.resized(floor, *resolution), images.resized(shadowed_floor, *resolution)),
+        home=(images.resized(home, *resolution), images.resized(shadowed_home, *resolution)),
         shadow_left=_shadow_left(resolution[0]),
-        shadow_factor=SHADOW,
+        shadow_factor=images.SHADOW,
         sprite=sprite,
         centre=centre,
         unit=unit,
@@ -173,12 +167,12 @@ def _home(
     rows = np.flatnonzero((adjusted != shown).reshape(len(floor), -1).any(axis=1))
     # What was drawn in the light is darkened for the shadow, and vice versa.
     home[rows, :left] = adjusted[rows, :left]
-    shadowed_home[rows, :left] = darkened(adjusted[rows, :left])
+    shadowed_home[rows, :left] = images.darkened(adjusted[rows, :left])
     shadowed_home[rows, left:] = adjusted[rows, left:]
     # Only what was drawn: lightened(darkened(floor)) is not exact.
     in_shadow = adjusted[rows, left:]
     drawn = (in_shadow != shown[rows, left:]).any(axis=2, keepdims=True)
-    home[rows, left:] = np.where(drawn, lightened(in_shadow), floor[rows, left:])
+    home[rows, left:] = np.where(drawn, images.lightened(in_shadow), floor[rows, left:])
     return home, shadowed_home
 
 
@@ -208,7 +202,7 @@ def scaled_floor(floor: Floor | None, area: tuple[int, int]) -> Floor | None:
     """Return a floor scaled to the work area; None stays None."""
     if floor is None or floor.pixels.shape[1::-1] == area:
         return floor
-    return Floor(resized(floor.pixels, *area))
+    return Floor(images.resized(floor.pixels, *area))
 
 
 def _shipped_floor(area: tuple[int, int]) -> Pixels:
@@ -221,7 +215,7 @@ def _shipped_floor(area: tuple[int, int]) -> Pixels:
 
 @cache
 def _floor_tile() -> Pixels:
-    return load_image(ASSETS / "floor.jpg")
+    return images.load_image(ASSETS / "floor.jpg")
 
 
 def _adjusted(adjust_background: Callable[[Pixels], Pixels], shown: Pixels) -> Pixels:
@@ -249,7 +243,7 @@ def robot_sprite(robot: RobotDefinition, scale: float) -> tuple[Pixels, tuple[fl
     height, width = robot.image.shape[:2]
     small_width = max(1, round(robot.size * scale))
     small_height = max(1, round(robot.size * scale * height / width))
-    sprite = resized(robot.image, small_width, small_height)
+    sprite = images.resized(robot.image, small_width, small_height)
     assert robot.centre is not None
     centre = (
         (robot.centre[0] + 0.5) * small_width / width - 0.5,
