@@ -187,9 +187,10 @@ def test_what_is_too_large(tmp_path, monkeypatch):
         Scenario.from_toml("#" * (2**20 + 1))
     (tmp_path / "run.toml").write_text("#" + "-" * (2**20 - 1))
     assert Scenario.load(tmp_path / "run.toml") == Scenario()
+    pictured = Scenario(background=np.zeros((8, 10, 3), np.uint8))
     monkeypatch.setattr("robsim.vision.imaging.images.MOST_PIXELS", 79)
     with pytest.raises(ValueError, match="79 px, got 10 x 8"):
-        Scenario(background=np.zeros((8, 10, 3), np.uint8)).to_toml()
+        pictured.to_toml()
 
 
 @pytest.mark.long
