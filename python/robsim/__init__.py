@@ -129,7 +129,9 @@ def _loaded(name: str) -> _Any:
         except (ImportError, AttributeError) as error:
             from robsim.base.hidden_modules import told
 
-            raise told(error) from error
+            if (other := told(error)) is error:
+                raise
+            raise other from error
     if name == "__version__":
         value = _importlib.import_module("importlib.metadata").version("robsim")
     elif name == "wrap_angle":

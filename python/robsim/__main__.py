@@ -12,12 +12,13 @@ def main() -> None:
             setattr(sys, name, io.StringIO())
     try:
         os.getcwd()
-        from robsim.cli import main as run
-    except KeyboardInterrupt:
-        sys.exit(130)
     except FileNotFoundError:
         print("error: the current folder no longer exists", file=sys.stderr)
         sys.exit(2)
+    try:
+        from robsim.cli import main as run
+    except KeyboardInterrupt:
+        sys.exit(130)
     run()
 
 

@@ -152,6 +152,18 @@ def test_the_end_of_python_while_daemon_threads_drive(native, begins):
         assert python(RUNNING.format(native=native, begins=begins)) == (0, "", "")
 
 
+LATE = """
+import atexit
+atexit.register(lambda: print(len(sim.run(2_000_000))))  # after the handler of robsim
+import robsim
+sim = robsim.Simulation()
+"""
+
+
+def test_the_thread_that_ends_python_may_still_run():
+    assert python(LATE) == (0, "2000000\n", "")
+
+
 IMPORTING = """
 import threading
 threading.Thread(target=lambda: __import__("robsim").Simulation().run(5), daemon=True).start()

@@ -77,11 +77,14 @@ void acquire_interpreter(void* state) { PyEval_RestoreThread(static_cast<PyThrea
 
 // Python is about to end: the runs of other threads stop their robots, and never come back.
 std::atomic<bool> is_end_near{false};
+std::thread::id ending;  // the thread that ends Python, which may still run loops itself
 std::atomic<int> runs_under_way{0};
+thread_local int runs_here = 0;  // more than one: a callback runs a second loop
 struct EndIsNear {};
 
 // The wait is short: a callback may take hours.
 void end_all_runs() {
+  ending = std::this_thread::get_id();
   is_end_near = true;
   const WithoutInterpreter others;
   for (int ms = 0; ms < 1000 && runs_under_way > 0; ++ms) {
@@ -92,7 +95,7 @@ void end_all_runs() {
 // Called between two steps: signals, and a progress callback.
 Loop::Pulse pulse(const py::object& progress) {
   return [progress](std::int64_t done) {
-    if (is_end_near) throw EndIsNear();
+    if (is_end_near && std::this_thread::get_id() != ending) throw EndIsNear();
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (!progress.is_none()) progress(done);
   };
@@ -134,10 +137,12 @@ struct RunScope {
   explicit RunScope(SlottedLoop& loop)
       : object(loop.guard().is_running() ? nullptr : &loop.step_object) {
     ++runs_under_way;
+    ++runs_here;
   }
   ~RunScope() {
     if (object) object->forget();
     --runs_under_way;
+    --runs_here;
   }
   StepObject* object;  // null: another run is under way, whose it is
 };
@@ -151,6 +156,7 @@ auto in_run(SlottedLoop& loop, const Work& work) {
   } catch (const ResultError& error) {
     loop.refuse(error);
   } catch (const EndIsNear&) {
+    if (runs_here > 0) throw std::runtime_error("Python ends");  // through the callback
     const WithoutInterpreter others;
     wait_for_the_end();
   }

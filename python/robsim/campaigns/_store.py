@@ -151,7 +151,7 @@ class Store:
     def count(self) -> int:
         with self._naming():
             found = self._database.execute(
-                f"SELECT count(*) FROM runs WHERE {_WANTED}", self._bounds()
+                f"SELECT count(*) FROM runs WHERE {_WANTED}", (self.spec.runs, len(self.spec.cases))
             )
             return int(found.fetchone()[0])
 
@@ -244,12 +244,8 @@ class Store:
         names = ", ".join(map(_quoted, columns))
         return self._database.execute(
             f"SELECT {names} FROM runs WHERE {_WANTED} AND {which} ORDER BY case_id, run",
-            self._bounds(),
+            (self.spec.runs, len(self.spec.cases)),
         )
-
-    def _bounds(self) -> tuple[int, int]:
-        """Return the numbers for `_WANTED`."""
-        return self.spec.runs, len(self.spec.cases)
 
     def close(self) -> None:
         """Close the file; what WAL keeps beside it is brought in."""
@@ -325,7 +321,8 @@ def _check_is_whole(database: sqlite3.Connection, path: Path | None) -> None:
 def _notes(database: sqlite3.Connection) -> dict[str, Any]:
     """Return the notes of a store on its campaign; ValueError: robsim has not written them."""
     found = database.execute("SELECT key, value FROM campaign").fetchall()
-    notes = {key: parse_json(value) for key, value in found if isinstance(value, str)}
+    most = 1_000_000  # of the labels of all cases
+    notes = {key: parse_json(value, most) for key, value in found if isinstance(value, str)}
     for key, kind in {"format": int, "description": dict, "surroundings": dict}.items():
         if not isinstance(notes.get(key), kind):
             raise ValueError(

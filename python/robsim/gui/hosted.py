@@ -152,7 +152,7 @@ class HostedPanel(ABC):
         with lock:
             self._check_open()
             page = self._page
-            if page is not None and (page.has_ended or port not in (0, page.port)):
+            if page is not None and (page.fault or port not in (0, page.port)):
                 page.close()
                 self._page = None
             if self._page is None:

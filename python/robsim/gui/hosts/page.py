@@ -72,21 +72,19 @@ class Page:
             self._loop.call_soon_threadsafe(self._end.set)
         self._thread.join(5)
 
-    @property
-    def has_ended(self) -> bool:
-        return not self._thread.is_alive()
-
     # In the thread.
 
     def redeem(self, ticket: Ticket, peer: tuple[str, int]) -> bool:
         """Whether the peer may have the page; a second use of a ticket ends the page."""
         if who := stranger(peer, ("127.0.0.1", self.port)):
-            _say(f"refused: {who} has used the address of the browser, to get the page")
+            _say(f"refused: {who} has used the address of the browser, to get {self.url}")
             return False
         if ticket.is_used:
             self._end_for("the address of the browser was used twice")
             return False
         ticket.is_used = True
+        if self._coming is not None:
+            self._coming.cancel()
         self._coming = self._loop.call_later(
             _COMING, self._end_for, "the address of the browser was used, and no page came"
         )

@@ -47,7 +47,6 @@ def serving(
         raise RuntimeError("the grader must say hello")
     setup = pickle.loads(body)
     try:
-        setup.submission.write_to(os.getcwd())  # its data files, in the scratch folder
         yield channel, setup
     except BaseException as error:  # also what ends Python
         with suppress(OSError):
@@ -62,6 +61,7 @@ def work(connection: socket.socket, memory: Sequence[int]) -> None:
         return replace(text, slot=name or text.slot)
 
     with serving(connection, told) as (channel, setup):
+        setup.submission.write_to(os.getcwd())  # its data files, in the scratch folder
         loaded = load_slots(setup.submission, setup.rules, os.getcwd())
         names = setup.submission.slots
         channel.send(Kind.READY, bytes(callable(loaded[name]) for name in names))

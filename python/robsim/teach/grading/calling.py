@@ -181,6 +181,7 @@ class JudgeSetup(CallSetup):
 def work(connection: socket.socket, memory: Sequence[int]) -> None:
     with serving(connection, lambda error: replace(error_text(error), slot=None)) as served:
         channel, setup = served
+        setup.submission.write_to(os.getcwd())
         module, _, name = setup.judge.partition(":")
         judge: Callable[..., str] = getattr(importlib.import_module(module), name)
 

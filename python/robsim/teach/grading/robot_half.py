@@ -169,6 +169,7 @@ class RobotHalf(Runner):
 
 def work(connection: socket.socket, memory: Sequence[int]) -> None:
     with serving(connection, _told) as (channel, setup):
+        setup.submission.write_to(os.getcwd())
         callbacks = load_slots(setup.submission, setup.rules, os.getcwd())
         half = RobotHalf(setup, callbacks, channel, memory[0] if memory else None)
         channel.send(Kind.READY, half._ready.to_bytes(ROBOT_SLOTS))

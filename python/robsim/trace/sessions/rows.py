@@ -17,7 +17,7 @@ from robsim.base.checks import Floats
 from robsim.base.text import as_cell, cut, one_line, quoted
 from robsim.trace.columns import GROUPS
 
-_MOST_ROWS = 1_000_000
+_MOST_ROWS = 20_000_000
 _MOST_LINE = 4096  # bytes
 _MOST = 2**63  # of a whole number
 _LONGEST_TIME = 1e15  # s
