@@ -145,6 +145,7 @@ def started(monkeypatch):
     for name in ("WAYLAND_DISPLAY", "BROWSER"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr("robsim.gui.hosts.page._COMING", 1e6)  # s; nothing here is in a hurry
     monkeypatch.setattr("webbrowser.open", lambda url: started.append(url) or True)
     return started
 

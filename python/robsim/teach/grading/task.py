@@ -40,9 +40,9 @@ def rules_of(
 ) -> Rules:
     """Return the rules of an assignment; raise TypeError or ValueError."""
     given: dict[str, Any] = {"slots": slots, "functions": functions, "imports": imports}
+    given["masked"] = masked
     rules = Rules(
         **given,
-        masked=masked,  # type: ignore[arg-type]
         files=limits.submission_files,
         size=limits.submission_size,
         file_size=limits.submission_file_size,
