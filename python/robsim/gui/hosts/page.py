@@ -85,9 +85,8 @@ class Page:
         ticket.is_used = True
         if self._coming is not None:
             self._coming.cancel()
-        self._coming = self._loop.call_later(
-            _COMING, self._end_for, "the address of the browser was used, and no page came"
-        )
+        reason = "the address of the browser was used, and no page came"
+        self._coming = self._loop.call_later(_COMING, lambda: self.pages or self._end_for(reason))
         return True
 
     def _end_for(self, reason: str) -> None:
