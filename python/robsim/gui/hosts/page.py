@@ -85,9 +85,12 @@ class Page:
         ticket.is_used = True
         if self._coming is not None:
             self._coming.cancel()
-        reason = "the address of the browser was used, and no page came"
-        self._coming = self._loop.call_later(_COMING, lambda: self.pages or self._end_for(reason))
+        self._coming = self._loop.call_later(_COMING, self._has_come)
         return True
+
+    def _has_come(self) -> None:
+        if not self.pages:
+            self._end_for("the address of the browser was used, and no page came")
 
     def _end_for(self, reason: str) -> None:
         self.fault = f"{reason}: the page ends, as another user may have it"
