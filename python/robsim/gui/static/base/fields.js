@@ -89,10 +89,7 @@ export function makeSlider(name, { min, max, step }) {
 
 /** Show a value, which `words` say for screen readers. */
 export function showSlider(slider, value, words) {
-  const [min, max] = [Number(slider.min), Number(slider.max)];
   slider.value = String(value);
-  const part = max > min ? (100 * (value - min)) / (max - min) : 0;
-  slider.style.setProperty("--robsim-part", `${part}%`);
   slider.setAttribute("aria-valuetext", words);
 }
 
