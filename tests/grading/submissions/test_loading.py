@@ -10,7 +10,7 @@ import pytest
 import robsim
 import robsim.estimation.reference
 from graded import PATIENT
-from robsim.teach import Submission, SubmissionError
+from robsim.teach import TASKS, Submission, SubmissionError
 from submissions import (
     BOTH,
     CONTROL,
@@ -188,9 +188,12 @@ def test_a_masked_function_cannot_be_had(tmp_path, monkeypatch, home, is_loaded)
     assert robsim.locate is robsim.vision.locate
 
 
-@pytest.mark.parametrize("mask", ["robsim.locate", "robsim.vision.locate"])
-def test_a_mask_holds_at_the_top_and_in_the_wing(tmp_path, monkeypatch, mask):
-    rules = Rules(slots=("control",), masked=(mask,))
+LOCATE = ("robsim.locate", "robsim.vision.locate")
+
+
+@pytest.mark.parametrize("masks", [LOCATE[:1], LOCATE[1:], LOCATE, TASKS["measure"].masked])
+def test_a_mask_holds_at_the_top_and_in_the_wing(tmp_path, monkeypatch, masks):
+    rules = Rules(slots=("control",), masked=masks)
     for home in ("robsim", "robsim.vision"):
         monkeypatch.delitem(vars(robsim), "locate", raising=False)
         source = f"import robsim\n\n\ndef control(step):\n    {home}.locate(None)\n"
@@ -198,6 +201,7 @@ def test_a_mask_holds_at_the_top_and_in_the_wing(tmp_path, monkeypatch, mask):
         with loaded_slots(files, rules) as callbacks, pytest.raises(ImportError, match="not there"):
             callbacks["control"](None)
         assert robsim.locate.__name__ == "locate"
+    assert answer(write(tmp_path / "s002", control=PLAIN), rules) == (1, 2)
 
 
 def test_masks_hold_while_other_threads_import(tmp_path, monkeypatch):

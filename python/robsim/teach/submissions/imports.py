@@ -84,7 +84,7 @@ def _take_attribute(package: str, mask: str, restored: ExitStack) -> None:
             restored.callback(delattr, module, name)
         return
     value = vars(module)[name]
-    if isinstance(value, ModuleType):
+    if issubclass(type(value), ModuleType):  # an _Absent of another mask has no __class__
         delattr(module, name)
     else:
         setattr(module, name, _Absent(mask))
