@@ -217,7 +217,7 @@ The steps of a run in which the default measurement detected no robot, for the s
           "str: the reason, as in `Detection`.")
       .def_readonly("steps", &MissedDetections::steps, "int: number of these steps.")
       .def_readonly("first_k", &MissedDetections::first_k, "int: the first of these steps.")
-      .def_readonly("first", &MissedDetections::first, "Detection: that of the first step.");
+      .def_readonly("first", &MissedDetections::first, "Detection: in the first step.");
   define_repr(missed,
               "<MissedDetections: {0.reason} in {0.steps} steps, first in step {0.first_k}>");
 }

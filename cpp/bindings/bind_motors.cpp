@@ -50,7 +50,7 @@ void bind_counts(py::module_& module) {
   Class<LineCounts> counts(public_in(module, "robsim.lab"), "LineCounts",
                            "How many lines a robot has heard.");
   const auto fields = members<LineCounts>(
-      nullptr, by_name, Field("valid", &LineCounts::valid, "int: lines that it acted upon."),
+      nullptr, by_name, Field("valid", &LineCounts::valid, "int: lines that it obeyed."),
       Field("damaged", &LineCounts::damaged,
             "int: lines that were damaged, too long, or none of the protocol."),
       Field("old", &LineCounts::old, "int: lines that a newer one had overtaken."),

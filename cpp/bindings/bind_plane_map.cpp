@@ -189,13 +189,13 @@ TypeError, ValueError
   const auto matrix = [](const PlaneMap& self) { return to_array(self.matrix().data(), {3, 3}); };
   define_value(
       plane_map,
-      Fields(&plane_map_from,
-             Field("matrix", matrix,
-                   "array (3, 3): the homography from pixels, ideal ones with intrinsics, to the "
-                   "work area.",
-                   std::nullopt),
-             Field("intrinsics", &intrinsics_in, "Intrinsics or None: those of the camera.",
-                   std::nullopt)));
+      Fields(
+          &plane_map_from,
+          Field("matrix", matrix,
+                "array (3, 3): the homography from pixels, ideal ones with intrinsics, to the "
+                "work area.",
+                std::nullopt),
+          Field("intrinsics", &intrinsics_in, "Intrinsics or None: the camera's.", std::nullopt)));
   plane_map
       .def_static(
           "scaled",

@@ -226,7 +226,7 @@ class PlaneMap:
     @property
     def intrinsics(self) -> Intrinsics | None:
         """
-        Intrinsics or None: those of the camera.
+        Intrinsics or None: the camera's.
         """
     @property
     def matrix(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1170,7 +1170,7 @@ class MissedDetections:
     @property
     def first(self) -> Detection:
         """
-        Detection: that of the first step.
+        Detection: in the first step.
         """
     @property
     def first_k(self) -> int:
@@ -1507,7 +1507,7 @@ class Observation:
     @property
     def frame(self) -> Frame | None:
         """
-        Frame or None: what the camera sees.
+        Frame or None: the camera's frame.
         """
     @property
     def interrupted(self) -> bool:
@@ -1737,7 +1737,7 @@ class LineCounts:
     @property
     def valid(self) -> int:
         """
-        int: lines that it acted upon.
+        int: lines that it obeyed.
         """
 class Limits:
     """

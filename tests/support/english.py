@@ -106,8 +106,9 @@ def prose(file, text):
                 yield from ((number, cell.strip(" #*-") + end) for cell in line.split("|"))
         else:
             line = re.sub(r'"\w+"_a', "", line)  # the name of an argument
-            for part in re.findall(r'//+ (.*)|^\s*/?\*+ (.*)|"([^"]* [^"]* [^"]*)"', line):
-                yield number, "".join(part)
+            for *comment, string in re.findall(r'//+ (.*)|^\s*/?\*+ (.*)|"([^"]*)"', line):
+                if string.count(" ") > 1 or any(comment):
+                    yield number, "".join((*comment, string))
 
 
 def faults(file, text, new):

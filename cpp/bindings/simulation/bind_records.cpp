@@ -120,8 +120,8 @@ interrupted : bool
   };
   const Fields fields(
       &make_observation,
-      Field("frame", &Arrived::frame, "Frame or None: what the camera sees.", std::nullopt),
-      by_name, Field("t", &Arrived::t, "float or None: time of the step (s).", std::nullopt),
+      Field("frame", &Arrived::frame, "Frame or None: the camera's frame.", std::nullopt), by_name,
+      Field("t", &Arrived::t, "float or None: time of the step (s).", std::nullopt),
       Field("last_u", known(&Observation::last_u),
             "array (2,) or None: the input since the last step (V).", std::nullopt),
       Field("measurement", known(&Observation::measurement),
