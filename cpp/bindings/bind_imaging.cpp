@@ -205,6 +205,16 @@ Image rgb_of(const ArrayLike& raw, int width, int height, const std::string& for
   return image;
 }
 
+using FormatRow = std::tuple<const char*, const char*, int, const char*>;
+
+std::vector<FormatRow> format_rows() {
+  std::vector<FormatRow> rows;
+  for (const PixelFormat& one : pixel_formats()) {
+    rows.emplace_back(one.name, one.coding, one.iidc.worth, one.genicam.name);
+  }
+  return rows;
+}
+
 }  // namespace
 
 void bind_imaging(py::module_& module) {
@@ -222,9 +232,7 @@ raw : buffer of bytes
 width, height : int
     Size of the frame (px).
 format : str
-    How the camera sends pixels: ``"mono8"``, ``"mono16"``, ``"yuv411"``, ``"yuv422"``,
-    ``"yuv444"``, ``"rgb8"``, ``"bayer_rggb"``, ``"bayer_grbg"``, ``"bayer_gbrg"`` or
-    ``"bayer_bggr"``.
+    How the camera sends pixels: a name of `pixel_formats`.
 bits : int
     That a camera in ``"mono16"`` uses of the 16.
 
@@ -237,5 +245,8 @@ Raises
 ------
 TypeError, ValueError
     If there are too few bytes, or the format does not have that size.
-)");
+)")
+      .def("pixel_formats", &format_rows,
+           "Return how cameras send pixels: name, coding, its worth on FireWire (0: it has none), "
+           "name of GenICam (empty: none), for this in the order of worth.");
 }

@@ -46,13 +46,7 @@ TEST(ImagePool, GivesMemoryAgainWhenNobodyHoldsItAndItHasTheSize) {
 
 // --- raw formats
 
-constexpr PixelFormat formats[] = {PixelFormat::mono8,      PixelFormat::mono16,
-                                   PixelFormat::yuv411,     PixelFormat::yuv422,
-                                   PixelFormat::yuv444,     PixelFormat::rgb8,
-                                   PixelFormat::bayer_rggb, PixelFormat::bayer_grbg,
-                                   PixelFormat::bayer_gbrg, PixelFormat::bayer_bggr};
-
-bool has_size(PixelFormat format, int width, int height) {
+bool has_size(const PixelFormat& format, int width, int height) {
   try {
     check_size(format, width, height);
   } catch (const std::invalid_argument&) {
@@ -62,7 +56,7 @@ bool has_size(PixelFormat format, int width, int height) {
 }
 
 // Rows that end without their gap, as those of a part of a frame do.
-std::vector<std::uint8_t> converted(PixelFormat format, int width, int height, int gap) {
+std::vector<std::uint8_t> converted(const PixelFormat& format, int width, int height, int gap) {
   const std::size_t row = bytes_of_row(format, width);
   const std::size_t stride = row + static_cast<std::size_t>(gap);
   std::vector<std::uint8_t> raw(stride * static_cast<std::size_t>(height - 1) + row);
@@ -76,7 +70,7 @@ std::vector<std::uint8_t> converted(PixelFormat format, int width, int height, i
 
 TEST(RawFormats, StayWithinTheirBytesAndAreTheSameOnAllPaths) {
   const simd::CpuPath before = simd::cpu_path();
-  for (const PixelFormat format : formats) {
+  for (const PixelFormat& format : pixel_formats()) {
     for (int width = 1; width <= 140; ++width) {
       for (const int height : {1, 2, 3}) {
         if (!has_size(format, width, height)) continue;
@@ -85,7 +79,7 @@ TEST(RawFormats, StayWithinTheirBytesAndAreTheSameOnAllPaths) {
           simd::force_cpu_path(path);
           results.push_back(converted(format, width, height, width % 3));
         }
-        EXPECT_EQ(results.front(), results.back()) << name_of(format) << ", " << width;
+        EXPECT_EQ(results.front(), results.back()) << format.name << ", " << width;
       }
     }
   }
@@ -93,26 +87,27 @@ TEST(RawFormats, StayWithinTheirBytesAndAreTheSameOnAllPaths) {
 }
 
 TEST(RawFormats, AreWrittenWithinTheirBytes) {
-  for (const PixelFormat format : formats) {
+  for (const PixelFormat& format : pixel_formats()) {
     for (int width = 2; width <= 40; ++width) {
       if (!has_size(format, width, 3)) continue;
       const std::vector<std::uint8_t> rgb(static_cast<std::size_t>(9 * width), 99);
       std::vector<std::uint8_t> raw(bytes_of(format, width, 3));
       from_rgb({rgb.data(), width, 3, 3 * width}, format, raw.data());
-      EXPECT_NE(raw.front(), 0) << name_of(format);
-      EXPECT_NE(raw.back(), 0) << name_of(format);
+      EXPECT_NE(raw.front(), 0) << format.name;
+      EXPECT_NE(raw.back(), 0) << format.name;
     }
   }
 }
 
 TEST(RawFormats, RefuseViewsThatDoNotFit) {
   std::vector<std::uint8_t> bytes(300);
-  const RawView raw{bytes.data(), 8, 4, 16, PixelFormat::yuv422};
+  const PixelFormat& yuv422 = pixel_format_named("yuv422");
+  const RawView raw{bytes.data(), 8, 4, 16, yuv422};
   EXPECT_THROW(to_rgb(raw, {bytes.data(), 8, 5, 24}), std::invalid_argument);
   EXPECT_THROW(to_rgb(raw, {bytes.data(), 8, 4, 23}), std::invalid_argument);
-  EXPECT_THROW(to_rgb({bytes.data(), 8, 4, 15, PixelFormat::yuv422}, {bytes.data(), 8, 4, 24}),
+  EXPECT_THROW(to_rgb({bytes.data(), 8, 4, 15, yuv422}, {bytes.data(), 8, 4, 24}),
                std::invalid_argument);
-  EXPECT_THROW(raw_view(bytes.data(), 63, PixelFormat::yuv422, 8, 4), std::invalid_argument);
+  EXPECT_THROW(raw_view(bytes.data(), 63, yuv422, 8, 4), std::invalid_argument);
 }
 
 }  // namespace

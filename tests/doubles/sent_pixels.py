@@ -3,15 +3,15 @@
 import numpy as np
 
 #: Pixels that share their chroma, and the order of the bytes.
-_UNITS = {"yuv411": (4, "UYYVYY"), "yuv422": (2, "UYVY"), "yuv444": (1, "UYV")}
+_UNITS = {"yuv411": (4, "UYYVYY"), "yuv422": (2, "UYVY"), "yuyv": (2, "YUYV"), "yuv444": (1, "UYV")}
 _HALF = 1 << 15  # weights are in units of 1/65536
 
 
 def from_rgb(image, format_):
     """Return the bytes of an image (H, W, 3) of uint8; chroma is the mean of its pixels."""
     image = np.asarray(image, int)
-    if format_ == "rgb8":
-        return image.astype(np.uint8).tobytes()
+    if format_ in ("rgb8", "bgr8"):
+        return image[..., :: 1 if format_ == "rgb8" else -1].astype(np.uint8).tobytes()
     if format_.startswith("bayer_"):
         at = np.array(["rgb".index(letter) for letter in format_[6:]]).reshape(2, 2)
         height, width, _ = image.shape

@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 from robsim import _core
+from robsim.lab.cameras._devices import firewire, gige
 from sent_pixels import from_rgb
 
-UNITS = {"yuv411": 4, "yuv422": 2, "yuv444": 1}
+UNITS = {"yuv411": "UYYVYY", "yuv422": "UYVY", "yuyv": "YUYV", "yuv444": "UYV"}
 FILTERS = ("rggb", "grbg", "gbrg", "bggr")
-FORMATS = ("mono8", "mono16", *UNITS, "rgb8", *(f"bayer_{filter_}" for filter_ in FILTERS))
-BITS_OF_PIXEL = {"mono16": 16, "yuv411": 12, "yuv422": 16, "yuv444": 24, "rgb8": 24}
+FORMATS = [name for name, *_ in _core.pixel_formats()]
+BITS_OF_PIXEL = {
+    "mono16": 16, "yuv411": 12, "yuv422": 16, "yuyv": 16, "yuv444": 24, "rgb8": 24, "bgr8": 24
+}  # fmt: skip
 
 
 @pytest.fixture(params=_core.cpu_paths())
@@ -24,8 +27,8 @@ on_every_path = pytest.mark.usefixtures("_path")
 
 
 def planes_of(raw, format_):
-    """Y, and U and V of each pixel, of the orders that `PixelFormat` names."""
-    order = {"yuv411": "UYYVYY", "yuv422": "UYVY", "yuv444": "UYV"}[format_]
+    """Y, and U and V of each pixel, of the order of a unit."""
+    order = UNITS[format_]
     units = raw.reshape(len(raw), -1, len(order)).astype(float)
     y = units[..., [i for i, letter in enumerate(order) if letter == "Y"]]
     u, v = (np.repeat(units[..., order.index(letter)], y.shape[2], axis=1) for letter in "UV")
@@ -97,13 +100,13 @@ def test_what_is_sent_is_what_comes(format_):
     raw = from_rgb(image, format_)
     assert len(raw) == image[..., 0].size * BITS_OF_PIXEL.get(format_, 8) // 8
     again = _core.to_rgb(raw, image.shape[1], image.shape[0], format_)
-    assert from_rgb(again, format_) == raw or "yuv" in format_
+    assert from_rgb(again, format_) == raw or format_ in UNITS
     if "mono" in format_:
         luma = np.rint(image @ (0.299, 0.587, 0.114))
         np.testing.assert_array_equal(again, np.repeat(luma[..., None], 3, axis=2))
-    elif "yuv" in format_:
+    elif format_ in UNITS:
         assert np.abs(again.astype(int) - image).max() <= 2
-    elif format_ == "rgb8":
+    elif format_ in ("rgb8", "bgr8"):
         np.testing.assert_array_equal(again, image)
     else:
         own = channel_of_pixels(format_[6:], image.shape[:2])[..., None]
@@ -115,7 +118,8 @@ def test_what_is_sent_is_what_comes(format_):
 def test_chroma_that_is_sent_is_the_mean_of_its_pixels(rng):
     image = rng.integers(0, 256, (3, 8, 3), dtype=np.uint8)
     luma = image @ (0.299, 0.587, 0.114)
-    for format_, n in UNITS.items():
+    for format_, order in UNITS.items():
+        n = order.count("Y")
         raw = np.frombuffer(from_rgb(image, format_), np.uint8).reshape(3, -1)
         y, u, v = planes_of(raw, format_)
         assert np.abs(y - luma).max() <= 0.51
@@ -149,3 +153,14 @@ def test_a_byte_too_few_is_refused(format_):
 def test_sizes_that_a_format_does_not_have_are_refused(format_, size, expected):
     with pytest.raises(ValueError, match=expected):
         _core.to_rgb(bytes(64), *size, format_)
+
+
+@pytest.mark.parametrize(
+    ("bus", "codings"),
+    [
+        (firewire, "yuv422 rgb8 yuv444 raw8 yuv411 mono8 mono16"),
+        (gige, "rgb8 raw8 yuv422 mono8"),
+    ],
+)
+def test_the_codings_of_a_bus_stand_in_the_order_of_their_worth(bus, codings):
+    assert list(bus.CODINGS) == codings.split()

@@ -1,7 +1,7 @@
 """Write signatures and docstrings from the rows of options and slots: `python write_options.py`.
 
 These are the marked regions of `Simulation` and `Experiment`. In docstrings, also of `Scenario`,
-they are the entries of options and slots.
+they are the entries of options and slots; in the docstring of `Camera`, the codings of pixels.
 """
 
 import re
@@ -9,10 +9,11 @@ import textwrap
 from pathlib import Path
 
 import robsim
+from robsim.lab.cameras._devices import firewire, gige
 from robsim.simulation.options import OPTIONS
 from robsim.simulation.slots import SLOTS, AllCallbacks
 
-FOLDER = Path(__file__).parents[2] / "python" / "robsim" / "simulation"
+FOLDER = Path(__file__).parents[2] / "python" / "robsim"
 OF_SIMULATION = [name for name in OPTIONS if name not in SLOTS]
 #: Options of an experiment with the same type and default as in a simulation.
 OF_EXPERIMENT = ("robot", "seed", "colors", "markers", "smoothing", "model")
@@ -102,9 +103,21 @@ def scenario(text):
     return with_entries(text, "robot", None, documented(OPTIONS))
 
 
+def camera(text):
+    first, second = (", ".join(f'``"{name}"``' for name in bus.CODINGS) for bus in (firewire, gige))
+    doc = (
+        f"How a camera codes its pixels: on FireWire one of {first}; on GigE one of {second}. "
+        "Default: the first of these that it has at that rate. ``raw8`` comes from behind a Bayer "
+        "filter."
+    )
+    return with_entries(text, "coding", "features", entry("coding", "str, optional", doc))
+
+
 def written(folder):
-    """Return the new text of each file of a folder."""
-    files = {folder / f"{make.__name__}.py": make for make in (simulation, experiment, scenario)}
+    """Return the new text of each file below the folder of the package."""
+    makers = (simulation, experiment, scenario)
+    files = {folder / "simulation" / f"{make.__name__}.py": make for make in makers}
+    files[folder / "lab" / "cameras" / "camera.py"] = camera
     return {file: make(file.read_text()) for file, make in files.items()}
 
 

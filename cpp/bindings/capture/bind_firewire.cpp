@@ -42,7 +42,7 @@ py::dict video_of(const FireWireCamera& self) {
           : py::none();
   found["fps"] = video->fps;
   found["speed"] = 100 << (video->speed - DC1394_ISO_SPEED_100);  // Mbit/s
-  found["coding"] = fire_wire::name_of_coding(video->coding);
+  found["coding"] = video->format->coding;
   return found;
 }
 

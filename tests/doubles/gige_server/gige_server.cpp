@@ -222,7 +222,7 @@ void GigeServer::fill(ArvBuffer* buffer, ArvPixelFormat code, double brightness)
   const std::optional<Captured> next = wait_for_next();
   const int width = arv_buffer_get_image_width(buffer);
   const int height = arv_buffer_get_image_height(buffer);
-  const std::optional<PixelFormat> format = pixel_format_of(code);
+  const PixelFormat* const format = pixel_format_of(code);
   const bool is_served =
       next && format && width <= next->image.width() && height <= next->image.height();
   if (!lose(!is_served ? 1 : next->is_complete ? 0 : torn_part) || !is_served) return;

@@ -1,7 +1,10 @@
 #include "raw/from_rgb.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <string>
 
 namespace robsim {
 
@@ -13,9 +16,9 @@ namespace {
 // Source: ITU-R BT.601; JFIF 1.02. In units of 1/65536.
 constexpr int scale_bits = 16;
 
-int luma_of(const std::uint8_t* rgb) {
+std::uint8_t luma_of(const std::uint8_t* rgb) {
   const int y = 19595 * rgb[0] + 38470 * rgb[1] + 7471 * rgb[2];
-  return (y + (1 << (scale_bits - 1))) >> scale_bits;
+  return static_cast<std::uint8_t>((y + (1 << (scale_bits - 1))) >> scale_bits);
 }
 
 struct Chroma {
@@ -42,71 +45,70 @@ Chroma chroma_of(const std::uint8_t* rgb) {
 }
 
 void write_mono8(const std::uint8_t* rgb, int width, std::uint8_t* raw) {
-  for (int u = 0; u < width; ++u) raw[u] = static_cast<std::uint8_t>(luma_of(rgb + 3 * u));
+  for (int u = 0; u < width; ++u) raw[u] = luma_of(rgb + 3 * u);
 }
 
 void write_mono16(const std::uint8_t* rgb, int width, std::uint8_t* raw) {
   for (int u = 0; u < width; ++u, raw += 2) {
-    raw[0] = raw[1] = static_cast<std::uint8_t>(luma_of(rgb + 3 * u));  // 257 Y
+    raw[0] = raw[1] = luma_of(rgb + 3 * u);  // 257 Y
   }
 }
 
-// U and V each stand before half of the unit's Y; a single one comes between them.
+// `order` names the bytes of a unit.
 template <int count>
-void write_yuv(const std::uint8_t* rgb, int width, std::uint8_t* raw) {
-  constexpr int before_v = (count + 1) / 2;
+void write_yuv(const std::uint8_t* rgb, int width, std::uint8_t* raw, const char* order) {
   for (int first = 0; first < width; first += count) {
     const Chroma chroma = chroma_of<count>(rgb);
-    for (int i = 0; i < count; ++i, rgb += 3) {
-      if (i == 0) *raw++ = chroma.u;
-      if (i == before_v) *raw++ = chroma.v;
-      *raw++ = static_cast<std::uint8_t>(luma_of(rgb));
+    for (const char* letter = order; *letter; ++letter) {
+      *raw++ = *letter == 'U' ? chroma.u : *letter == 'V' ? chroma.v : luma_of(rgb);
+      if (*letter == 'Y') rgb += 3;
     }
-    if (before_v == count) *raw++ = chroma.v;
   }
 }
 
-void write_bayer(const ImageView& rgb, PixelFormat format, std::uint8_t* raw) {
-  const bool is_red_up = format == PixelFormat::bayer_rggb || format == PixelFormat::bayer_grbg;
-  const bool is_green_first =
-      format == PixelFormat::bayer_grbg || format == PixelFormat::bayer_gbrg;
+void write_bayer(const ImageView& rgb, const std::string& filter, std::uint8_t* raw) {
   for (int v = 0; v < rgb.height; ++v) {
-    const int channel = (v % 2 == 0) == is_red_up ? 0 : 2;
-    const int green = (v % 2 == 0) == is_green_first ? 0 : 1;
-    const std::uint8_t* row = rgb.row(v);
-    for (int u = 0; u < rgb.width; ++u) *raw++ = row[3 * u + (u % 2 == green ? 1 : channel)];
+    for (int u = 0; u < rgb.width; ++u) {
+      const char color = filter.at(static_cast<std::size_t>(2 * (v % 2) + u % 2));
+      *raw++ = rgb.row(v)[3 * u + (color == 'r' ? 0 : color == 'g' ? 1 : 2)];
+    }
   }
 }
 
 template <typename Write>
-void write_rows(const ImageView& rgb, PixelFormat format, std::uint8_t* raw, Write&& write) {
+void write_rows(const ImageView& rgb, const PixelFormat& format, std::uint8_t* raw, Write&& write) {
   const std::size_t bytes = bytes_of_row(format, rgb.width);
   for (int v = 0; v < rgb.height; ++v, raw += bytes) write(rgb.row(v), rgb.width, raw);
 }
 
 }  // namespace
 
-void from_rgb(const ImageView& rgb, PixelFormat format, std::uint8_t* raw) {
+void from_rgb(const ImageView& rgb, const PixelFormat& format, std::uint8_t* raw) {
   check_size(format, rgb.width, rgb.height);
   const auto rows = [&](auto write) { write_rows(rgb, format, raw, write); };
-  switch (format) {
-    case PixelFormat::mono8:
-      return rows(write_mono8);
-    case PixelFormat::mono16:
-      return rows(write_mono16);
-    case PixelFormat::yuv411:
-      return rows(write_yuv<4>);
-    case PixelFormat::yuv422:
-      return rows(write_yuv<2>);
-    case PixelFormat::yuv444:
-      return rows(write_yuv<1>);
-    case PixelFormat::rgb8:
-      return rows([](const std::uint8_t* from, int width, std::uint8_t* to) {
-        std::memcpy(to, from, std::size_t{3} * static_cast<std::size_t>(width));
-      });
-    default:
-      write_bayer(rgb, format, raw);
-  }
+  const auto yuv = [&](auto write, const char* order) {
+    rows([&](const auto* from, int width, auto* to) { write(from, width, to, order); });
+  };
+  const auto rgb8 = [](int first) {  // the first channel: 0 or 2
+    return [first](const std::uint8_t* from, int width, std::uint8_t* to) {
+      for (int u = 0; u < width; ++u, from += 3) {
+        for (int i = 0; i < 3; ++i) *to++ = from[std::abs(first - i)];
+      }
+    };
+  };
+  const std::map<std::string, std::function<void()>> writers{
+      {"mono8", [&] { rows(write_mono8); }},
+      {"mono16", [&] { rows(write_mono16); }},
+      {"yuv411", [&] { yuv(write_yuv<4>, "UYYVYY"); }},
+      {"yuv422", [&] { yuv(write_yuv<2>, "UYVY"); }},
+      {"yuyv", [&] { yuv(write_yuv<2>, "YUYV"); }},
+      {"yuv444", [&] { yuv(write_yuv<1>, "UYV"); }},
+      {"rgb8", [&] { rows(rgb8(0)); }},
+      {"bgr8", [&] { rows(rgb8(2)); }},
+  };
+  const auto found = writers.find(format.name);
+  found == writers.end() ? write_bayer(rgb, std::string(format.name).substr(6), raw)
+                         : found->second();
 }
 
 }  // namespace robsim

@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <string>
 
 #include "raw/from_rgb.hpp"
 #include "robsim/base/system.hpp"
@@ -35,25 +36,12 @@ void wait_while(std::atomic<std::uint32_t>& word, std::uint32_t seen) {
   syscall(SYS_futex, &word, FUTEX_WAIT, seen, &time, nullptr, 0);
 }
 
-PixelFormat format_of(const CameraState& camera, Coding coding) {
-  constexpr std::array<PixelFormat, 4> mosaics{PixelFormat::bayer_rggb, PixelFormat::bayer_gbrg,
-                                               PixelFormat::bayer_grbg, PixelFormat::bayer_bggr};
-  switch (coding) {
-    case Coding::yuv411:
-      return PixelFormat::yuv411;
-    case Coding::yuv422:
-      return PixelFormat::yuv422;
-    case Coding::yuv444:
-      return PixelFormat::yuv444;
-    case Coding::rgb8:
-      return PixelFormat::rgb8;
-    case Coding::mono16:
-      return PixelFormat::mono16;
-    case Coding::raw8:
-      return mosaics[camera.color_filter & 3];
-    default:
-      return PixelFormat::mono8;
-  }
+const PixelFormat& format_of(const CameraState& camera, Coding coding) {
+  constexpr std::array filters{"rggb", "gbrg", "grbg", "bggr"};  // in IIDC's order
+  constexpr std::array names{"mono8", "yuv411", "yuv422", "yuv444", "rgb8", "mono16"};
+  return pixel_format_named(coding == Coding::raw8
+                                ? std::string("bayer_") + filters[camera.color_filter & 3]
+                                : names[static_cast<std::size_t>(coding)]);
 }
 
 using Table = std::array<std::uint8_t, 256>;
@@ -183,7 +171,7 @@ bool IsoReceiver::receive(CameraState& camera, std::uint32_t number) {
 // False if the picture has been overwritten meanwhile.
 bool IsoReceiver::fill(CameraState& camera, std::uint32_t number, const Transmission& sent,
                        const Brightness& light, const Buffer& buffer) {
-  const PixelFormat format = format_of(camera, sent.coding);
+  const PixelFormat& format = format_of(camera, sent.coding);
   const std::ptrdiff_t stride = 3 * std::ptrdiff_t{camera.width};
   ImageView seen{bus_.picture(camera, number) + sent.top * stride + 3 * sent.left, sent.width,
                  sent.height, stride};

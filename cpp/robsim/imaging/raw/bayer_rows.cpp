@@ -11,18 +11,6 @@ namespace robsim::raw {
 
 namespace {
 
-// In the rows of red pixels the other ones are green, in those of blue pixels, too.
-bool has_red(PixelFormat format, int v) {
-  const bool begins_with_red =
-      format == PixelFormat::bayer_rggb || format == PixelFormat::bayer_grbg;
-  return (v % 2 == 0) == begins_with_red;
-}
-
-bool begins_with_green(PixelFormat format, int v) {
-  const bool first = format == PixelFormat::bayer_grbg || format == PixelFormat::bayer_gbrg;
-  return (v % 2 == 0) == first;
-}
-
 int mean_of_2(int a, int b) { return (a + b + 1) >> 1; }
 int mean_of_4(int a, int b, int c, int d) { return (a + b + c + d + 2) >> 2; }
 
@@ -142,8 +130,9 @@ void convert_bayer(const RawView& raw, const WritableView& rgb) {
     if (!is_last) read(v + 1);
     const ThreeRows three = {padded(v == 0 ? 1 : v - 1), padded(v),
                              padded(is_last ? v - 1 : v + 1)};
-    const int own = has_red(raw.format, v) ? 0 : 2;
-    const bool is_green_first = begins_with_green(raw.format, v);
+    const char* const colors = raw.format.filter + 2 * (v % 2);
+    const bool is_green_first = colors[0] == 'g';
+    const int own = colors[is_green_first] == 'r' ? 0 : 2;
     (is_green_first ? bayer_row<true> : bayer_row<false>)(three, raw.width, own, rgb.row(v));
   }
 }

@@ -3,47 +3,51 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "robsim/imaging/image.hpp"
 
 namespace robsim {
 
-/// How cameras send pixels, by the orders of IIDC and GigE Vision. Bytes in memory:
-///   yuv411  U Y Y V Y Y, of four pixels
-///   yuv422  U Y V Y, of two pixels (not Y U Y V)
-///   yuv444  U Y V
-///   mono16  the high byte first, as IIDC sends it (not as GigE Vision does)
-///   bayer   a byte per pixel; the name is the filter of rows 0 and 1: rggb = R G R G ..,
-///           G B G B ..
-enum class PixelFormat {
-  mono8,
-  mono16,
-  yuv411,
-  yuv422,
-  yuv444,
-  rgb8,
-  bayer_rggb,
-  bayer_grbg,
-  bayer_gbrg,
-  bayer_bggr
+struct RawView;
+
+/// How cameras send pixels, and what buses call it: a row of `pixel_formats`.
+struct PixelFormat {
+  struct Iidc {       // of FireWire; the numbers are those of IIDC 1.31, 4.9.3
+    int coding = -1;  // -1: missing
+    int worth = 0;    // of the coding, for finding colours
+    int filter = 0;   // of raw8
+  };
+  struct GenICam {          // of GigE Vision
+    const char* name = "";  // empty: missing
+    std::int64_t code = -1;
+  };
+
+  const char* name;
+  const char* coding;  // that a user asks of a camera
+  int bits;            // of a pixel
+  int unit;            // px; a row has whole units
+  Iidc iidc;
+  GenICam genicam;
+  void (*convert)(const RawView& raw, const WritableView& rgb);  // of sizes that fit
+  const char* filter = "";  // Bayer: colours of rows 0 and 1, as in "rggb"
 };
 
-const char* name_of(PixelFormat format);
+/// All of them; those of GenICam in the order of their worth.
+const std::vector<PixelFormat>& pixel_formats();
 
 /// Throws std::invalid_argument that lists the names.
-PixelFormat pixel_format_named(const std::string& name);
-
-bool is_bayer(PixelFormat format);
+const PixelFormat& pixel_format_named(const std::string& name);
 
 /// Throws std::invalid_argument unless width and height are above 0 and the format can have them:
-/// yuv411 multiples of 4 px a row, yuv422 of 2, Bayer 2 x 2 px at least.
-void check_size(PixelFormat format, int width, int height);
+/// rows of whole units, Bayer 2 x 2 px at least.
+void check_size(const PixelFormat& format, int width, int height);
 
 /// Of a row without a gap. Throws as `check_size`.
-std::size_t bytes_of_row(PixelFormat format, int width);
+std::size_t bytes_of_row(const PixelFormat& format, int width);
 
 /// Of all rows without gaps. Throws as `check_size`.
-std::size_t bytes_of(PixelFormat format, int width, int height);
+std::size_t bytes_of(const PixelFormat& format, int width, int height);
 
 /// Pixels as a camera sent them, in the memory of somebody else. Nothing beyond the bytes of each
 /// row is read.
@@ -52,7 +56,7 @@ struct RawView {
   int width = 0;
   int height = 0;
   std::ptrdiff_t stride = 0;  // bytes from row to row
-  PixelFormat format = PixelFormat::mono8;
+  const PixelFormat& format;
   int bits = 16;  // that a mono16 camera uses, 8 .. 16, the lowest ones: IIDC's "data depth"
 
   const std::uint8_t* row(int v) const { return data + v * stride; }
@@ -60,7 +64,7 @@ struct RawView {
 
 /// The view of rows without gaps. Throws std::invalid_argument for a size as `check_size`, and if
 /// there are fewer than `bytes_of` them.
-RawView raw_view(const std::uint8_t* data, std::size_t bytes, PixelFormat format, int width,
+RawView raw_view(const std::uint8_t* data, std::size_t bytes, const PixelFormat& format, int width,
                  int height);
 
 /// The pixels of a camera as RGB8. YUV is that of IIDC and JPEG (ITU-R BT.601, all of 0 .. 255), to

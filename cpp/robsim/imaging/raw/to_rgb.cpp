@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "robsim/base/simd/cpu_path.hpp"
 #include "robsim/base/system.hpp"
@@ -23,30 +24,17 @@ ROBSIM_INLINE void mono16_row(const std::uint8_t* raw, int width, int bits, std:
   }
 }
 
-// Where a unit of pixels has their Y, and the U and V that they share.
-struct Unit411 {
-  static constexpr int pixels = 4;
-  static constexpr int bytes = 6;
-  static constexpr int y[] = {1, 2, 4, 5};
-  static constexpr int u = 0;
-  static constexpr int v = 3;
+// Where a unit of pixels has their Y, and the U and V that they share: of the order of its bytes.
+struct Unit {
+  constexpr explicit Unit(const char* order) {
+    for (; order[bytes]; ++bytes) {
+      (order[bytes] == 'Y' ? y[pixels++] : order[bytes] == 'U' ? u : v) = bytes;
+    }
+  }
+  int pixels = 0, bytes = 0, y[4] = {}, u = 0, v = 0;
 };
 
-struct Unit422 {
-  static constexpr int pixels = 2;
-  static constexpr int bytes = 4;
-  static constexpr int y[] = {1, 3};
-  static constexpr int u = 0;
-  static constexpr int v = 2;
-};
-
-struct Unit444 {
-  static constexpr int pixels = 1;
-  static constexpr int bytes = 3;
-  static constexpr int y[] = {1};
-  static constexpr int u = 0;
-  static constexpr int v = 2;
-};
+constexpr Unit uyyvyy("UYYVYY"), uyvy("UYVY"), yuyv("YUYV"), uyv("UYV");
 
 // R = Y + 1.402 (V - 128)
 // G = Y - 0.344136 (U - 128) - 0.714136 (V - 128)
@@ -82,17 +70,17 @@ void convert_planes(const std::int16_t* y, const std::int16_t* u, const std::int
   }
 }
 
-template <typename Unit>
+template <const Unit& unit>
 void yuv_row_baseline(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
   std::int16_t planes[3][pixels_of_block] = {};
   std::uint8_t channels[3][pixels_of_block];
   for (int first = 0; first < width; first += pixels_of_block) {
     const int count = std::min(width - first, pixels_of_block);
-    for (int i = 0; i < count; i += Unit::pixels, raw += Unit::bytes) {
-      for (int k = 0; k < Unit::pixels; ++k) {
-        planes[0][i + k] = raw[Unit::y[k]];
-        planes[1][i + k] = static_cast<std::int16_t>(raw[Unit::u] - 128);
-        planes[2][i + k] = static_cast<std::int16_t>(raw[Unit::v] - 128);
+    for (int i = 0; i < count; i += unit.pixels, raw += unit.bytes) {
+      for (int k = 0; k < unit.pixels; ++k) {
+        planes[0][i + k] = raw[unit.y[k]];
+        planes[1][i + k] = static_cast<std::int16_t>(raw[unit.u] - 128);
+        planes[2][i + k] = static_cast<std::int16_t>(raw[unit.v] - 128);
       }
     }
     convert_planes(planes[0], planes[1], planes[2], channels);
@@ -108,14 +96,14 @@ enum class Plane { y, u, v };
 
 // Takes the values of a plane of 8 pixels to the high bytes of 8 lanes of 16 bits. They are in the
 // 16 bytes from `offset` on; bytes that are not there become 0.
-template <typename Unit>
+template <const Unit& unit>
 constexpr Indices high_bytes_of(Plane plane, int offset) {
   Indices from{};
   for (int i = 0; i < 8; ++i) {
-    const int in_unit = plane == Plane::y   ? Unit::y[i % Unit::pixels]
-                        : plane == Plane::u ? Unit::u
-                                            : Unit::v;
-    const int at = i / Unit::pixels * Unit::bytes + in_unit;
+    const int in_unit = plane == Plane::y   ? unit.y[i % unit.pixels]
+                        : plane == Plane::u ? unit.u
+                                            : unit.v;
+    const int at = i / unit.pixels * unit.bytes + in_unit;
     const bool is_there = at >= offset && at < offset + 16 && (offset == 0 || at >= 16);
     from[static_cast<std::size_t>(2 * i)] = -1;
     from[static_cast<std::size_t>(2 * i + 1)] =
@@ -124,14 +112,14 @@ constexpr Indices high_bytes_of(Plane plane, int offset) {
   return from;
 }
 
-template <typename Unit, Plane plane>
+template <const Unit& unit, Plane plane>
 ROBSIM_AVX2_INLINE __m256i lanes_of(const std::uint8_t* low, const std::uint8_t* high) {
-  static constexpr Indices of_first = high_bytes_of<Unit>(plane, 0);
+  static constexpr Indices of_first = high_bytes_of<unit>(plane, 0);
   const __m256i first = _mm256_shuffle_epi8(simd::load_halves(low, high), in_both_halves(of_first));
-  if constexpr (8 / Unit::pixels * Unit::bytes <= 16) {
+  if constexpr (8 / unit.pixels * unit.bytes <= 16) {
     return first;
   } else {
-    static constexpr Indices of_second = high_bytes_of<Unit>(plane, 8);
+    static constexpr Indices of_second = high_bytes_of<unit>(plane, 8);
     const __m256i second =
         _mm256_shuffle_epi8(simd::load_halves(low + 8, high + 8), in_both_halves(of_second));
     return _mm256_or_si256(first, second);
@@ -153,12 +141,12 @@ ROBSIM_AVX2_INLINE __m256i levels(__m256i sixty_fourths) {
 }
 
 // Of 8 pixels each at two places.
-template <typename Unit>
+template <const Unit& unit>
 ROBSIM_AVX2_INLINE RgbLanes rgb_lanes(const std::uint8_t* low, const std::uint8_t* high) {
   const __m256i minus_128 = _mm256_set1_epi16(static_cast<short>(0x8000));
-  const __m256i u = _mm256_xor_si256(lanes_of<Unit, Plane::u>(low, high), minus_128);
-  const __m256i v = _mm256_xor_si256(lanes_of<Unit, Plane::v>(low, high), minus_128);
-  const __m256i y = _mm256_add_epi16(_mm256_srli_epi16(lanes_of<Unit, Plane::y>(low, high), 2),
+  const __m256i u = _mm256_xor_si256(lanes_of<unit, Plane::u>(low, high), minus_128);
+  const __m256i v = _mm256_xor_si256(lanes_of<unit, Plane::v>(low, high), minus_128);
+  const __m256i y = _mm256_add_epi16(_mm256_srli_epi16(lanes_of<unit, Plane::y>(low, high), 2),
                                      _mm256_set1_epi16(32));
   const __m256i green = _mm256_add_epi16(chroma_terms(green_of_u, u), chroma_terms(green_of_v, v));
   return {{levels(_mm256_add_epi16(y, chroma_terms(red_of_v, v))),
@@ -166,13 +154,13 @@ ROBSIM_AVX2_INLINE RgbLanes rgb_lanes(const std::uint8_t* low, const std::uint8_
            levels(_mm256_add_epi16(y, chroma_terms(blue_of_u, u)))}};
 }
 
-template <typename Unit>
+template <const Unit& unit>
 ROBSIM_AVX2 inline void yuv_row_avx2(const std::uint8_t* raw, int width, std::uint8_t* rgb) {
-  constexpr int bits = 8 * Unit::bytes / Unit::pixels;
+  constexpr int bits = 8 * unit.bytes / unit.pixels;
   // Packing works within halves: pixels 0..7 and 16..23 are joined with 8..15 and 24..31.
   for_each_block<bits>(raw, width, rgb, [](const std::uint8_t* from, std::uint8_t* to) ROBSIM_AVX2 {
-    const RgbLanes even = rgb_lanes<Unit>(from, from + 2 * bits);
-    const RgbLanes odd = rgb_lanes<Unit>(from + bits, from + 3 * bits);
+    const RgbLanes even = rgb_lanes<unit>(from, from + 2 * bits);
+    const RgbLanes odd = rgb_lanes<unit>(from + bits, from + 3 * bits);
     store_rgb(_mm256_packus_epi16(even.channel[0], odd.channel[0]),
               _mm256_packus_epi16(even.channel[1], odd.channel[1]),
               _mm256_packus_epi16(even.channel[2], odd.channel[2]), to);
@@ -181,11 +169,56 @@ ROBSIM_AVX2 inline void yuv_row_avx2(const std::uint8_t* raw, int width, std::ui
 
 #endif
 
+template <typename Convert>
+void convert_rows(const RawView& raw, const WritableView& rgb, Convert&& convert) {
+  for (int v = 0; v < raw.height; ++v) convert(raw.row(v), raw.width, rgb.row(v));
+}
+
+void convert_mono8(const RawView& raw, const WritableView& rgb) {
+  convert_rows(raw, rgb, ROBSIM_PICK(mono8_row));
+}
+
+void convert_mono16(const RawView& raw, const WritableView& rgb) {
+  convert_rows(raw, rgb, [&](const std::uint8_t* from, int width, std::uint8_t* to) {
+    ROBSIM_PICK(mono16_row)(from, width, raw.bits, to);
+  });
+}
+
+template <const Unit& unit>
+void convert_yuv(const RawView& raw, const WritableView& rgb) {
+  convert_rows(raw, rgb, ROBSIM_PICK(yuv_row_baseline<unit>, yuv_row_avx2<unit>));
+}
+
+template <void (*copied)(const ImageView&, const WritableView&)>
+void convert_rgb(const RawView& raw, const WritableView& rgb) {
+  copied({raw.data, raw.width, raw.height, raw.stride}, rgb);
+}
+
 }  // namespace
 
 }  // namespace robsim::raw
 
 namespace robsim {
+
+const std::vector<PixelFormat>& pixel_formats() {
+  using namespace raw;
+  static const std::vector<PixelFormat> formats{
+      {"rgb8", "rgb8", 24, 1, {4, 6}, {"RGB8", 0x02180014}, convert_rgb<copy>},
+      {"bgr8", "rgb8", 24, 1, {}, {"BGR8", 0x02180015}, convert_rgb<copy_bgr>},
+      {"yuv444", "yuv444", 24, 1, {3, 5}, {}, convert_yuv<uyv>},
+      {"bayer_rggb", "raw8", 8, 1, {9, 4, 0}, {"BayerRG8", 0x01080009}, convert_bayer, "rggb"},
+      {"bayer_grbg", "raw8", 8, 1, {9, 4, 2}, {"BayerGR8", 0x01080008}, convert_bayer, "grbg"},
+      {"bayer_gbrg", "raw8", 8, 1, {9, 4, 1}, {"BayerGB8", 0x0108000A}, convert_bayer, "gbrg"},
+      {"bayer_bggr", "raw8", 8, 1, {9, 4, 3}, {"BayerBG8", 0x0108000B}, convert_bayer, "bggr"},
+      {"yuv422", "yuv422", 16, 2, {2, 7}, {"YUV422_8_UYVY", 0x0210001F}, convert_yuv<uyvy>},
+      {"yuyv", "yuv422", 16, 2, {}, {"YUV422_8", 0x02100032}, convert_yuv<yuyv>},
+      {"yuv411", "yuv411", 12, 4, {1, 3}, {}, convert_yuv<uyyvyy>},
+      {"mono8", "mono8", 8, 1, {0, 2}, {"Mono8", 0x01080001}, convert_mono8},
+      // IIDC sends the high byte first. Mono16 of GenICam has the low byte first.
+      {"mono16", "mono16", 16, 1, {5, 1}, {}, convert_mono16},
+  };
+  return formats;
+}
 
 namespace {
 
@@ -203,38 +236,11 @@ void check_views(const RawView& raw, const WritableView& rgb) {
   checked(raw.bits, raw.bits >= 8 && raw.bits <= 16, "bits must be 8 .. 16");
 }
 
-template <typename Convert>
-void convert_rows(const RawView& raw, const WritableView& rgb, Convert&& convert) {
-  for (int v = 0; v < raw.height; ++v) convert(raw.row(v), raw.width, rgb.row(v));
-}
-
-template <typename Unit>
-void convert_yuv_rows(const RawView& raw, const WritableView& rgb) {
-  convert_rows(raw, rgb, ROBSIM_PICK(raw::yuv_row_baseline<Unit>, raw::yuv_row_avx2<Unit>));
-}
-
 }  // namespace
 
 void to_rgb(const RawView& raw, const WritableView& rgb) {
   check_views(raw, rgb);
-  switch (raw.format) {
-    case PixelFormat::mono8:
-      return convert_rows(raw, rgb, ROBSIM_PICK(raw::mono8_row));
-    case PixelFormat::mono16:
-      return convert_rows(raw, rgb, [&](const std::uint8_t* from, int width, std::uint8_t* to) {
-        ROBSIM_PICK(raw::mono16_row)(from, width, raw.bits, to);
-      });
-    case PixelFormat::yuv411:
-      return convert_yuv_rows<raw::Unit411>(raw, rgb);
-    case PixelFormat::yuv422:
-      return convert_yuv_rows<raw::Unit422>(raw, rgb);
-    case PixelFormat::yuv444:
-      return convert_yuv_rows<raw::Unit444>(raw, rgb);
-    case PixelFormat::rgb8:
-      return copy({raw.data, raw.width, raw.height, raw.stride}, rgb);
-    default:
-      return raw::convert_bayer(raw, rgb);
-  }
+  raw.format.convert(raw, rgb);
 }
 
 }  // namespace robsim

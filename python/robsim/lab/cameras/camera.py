@@ -98,10 +98,10 @@ class Camera:
         which the camera has; otherwise `dt` is unknown. Where FireWire or GigE sends another rate
         than was asked for, a warning says so, and `dt` which.
     coding : str, optional
-        How a camera on FireWire codes its pixels: ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
-        ``"raw8"`` (behind a Bayer filter), ``"yuv411"``, ``"mono8"`` or ``"mono16"``; on GigE
-        ``"rgb8"``, ``"raw8"``, ``"yuv422"`` or ``"mono8"``. Default: the first of these that it
-        has at that rate.
+        How a camera codes its pixels: on FireWire one of ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
+        ``"raw8"``, ``"yuv411"``, ``"mono8"``, ``"mono16"``; on GigE one of ``"rgb8"``, ``"raw8"``,
+        ``"yuv422"``, ``"mono8"``. Default: the first of these that it has at that rate. ``raw8``
+        comes from behind a Bayer filter.
     features : CameraFeatures, optional
         Exposure, gain, white balance and the like, on FireWire and on GigE. Default: all as they
         are, and none automatic.

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <limits>
 #include <stdexcept>
@@ -27,36 +26,13 @@ constexpr double silence_in_frames = 3;  // intervals
 constexpr double silence_to_restart = 2;  // s
 constexpr double oldest = 1;              // s; a time stamp that is older is none
 
-// Formats by the colour filter: IIDC 1.31, 4.9.3.
-constexpr std::array<PixelFormat, 4> mosaics{PixelFormat::bayer_rggb, PixelFormat::bayer_gbrg,
-                                             PixelFormat::bayer_grbg, PixelFormat::bayer_bggr};
-
-PixelFormat format_of(const dc1394video_frame_t& frame) {
-  switch (frame.color_coding) {
-    case DC1394_COLOR_CODING_YUV411:
-      return PixelFormat::yuv411;
-    case DC1394_COLOR_CODING_YUV422:
-      return PixelFormat::yuv422;
-    case DC1394_COLOR_CODING_YUV444:
-      return PixelFormat::yuv444;
-    case DC1394_COLOR_CODING_RGB8:
-      return PixelFormat::rgb8;
-    case DC1394_COLOR_CODING_MONO16:
-      return PixelFormat::mono16;
-    case DC1394_COLOR_CODING_RAW8: {
-      const int filter = frame.color_filter - DC1394_COLOR_FILTER_RGGB;
-      return mosaics[static_cast<std::size_t>(filter >= 0 && filter < 4 ? filter : 0)];
-    }
-    default:
-      return PixelFormat::mono8;
-  }
-}
-
 // The library has room for as many packets as the camera says that a frame has, however few.
 RawView view_of(const dc1394video_frame_t& frame) {
   try {
-    RawView raw = raw_view(frame.image, frame.total_bytes, format_of(frame),
-                           static_cast<int>(frame.size[0]), static_cast<int>(frame.size[1]));
+    const PixelFormat* const format = format_of(frame.color_coding, frame.color_filter);
+    if (!format) throw std::invalid_argument("its coding is unknown");
+    RawView raw = raw_view(frame.image, frame.total_bytes, *format, static_cast<int>(frame.size[0]),
+                           static_cast<int>(frame.size[1]));
     raw.bits = std::clamp(static_cast<int>(frame.data_depth), 8, 16);
     return raw;
   } catch (const std::invalid_argument& error) {

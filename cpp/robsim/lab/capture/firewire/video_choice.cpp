@@ -24,30 +24,6 @@ constexpr double cycles = 8000;           // 1/s, of the bus
 constexpr double bandwidth_units = 4915;  // of the bus
 constexpr double same_rate = 0.02;        // relative
 
-struct NamedCoding {
-  dc1394color_coding_t coding;
-  const char* name;
-  int worth;  // for finding colours
-  int bits;   // per pixel
-};
-
-constexpr std::array<NamedCoding, 7> codings{{
-    {DC1394_COLOR_CODING_YUV422, "yuv422", 7, 16},
-    {DC1394_COLOR_CODING_RGB8, "rgb8", 6, 24},
-    {DC1394_COLOR_CODING_YUV444, "yuv444", 5, 24},
-    {DC1394_COLOR_CODING_RAW8, "raw8", 4, 8},
-    {DC1394_COLOR_CODING_YUV411, "yuv411", 3, 12},
-    {DC1394_COLOR_CODING_MONO8, "mono8", 2, 8},
-    {DC1394_COLOR_CODING_MONO16, "mono16", 1, 16},
-}};
-
-const NamedCoding* known(dc1394color_coding_t coding) {
-  for (const NamedCoding& one : codings) {
-    if (one.coding == coding) return &one;
-  }
-  return nullptr;
-}
-
 double rate_of(dc1394framerate_t rate) {
   float value = 0;
   return dc1394_framerate_as_float(rate, &value) == DC1394_SUCCESS ? double{value} : 0.0;
@@ -86,23 +62,24 @@ void set_speed(dc1394camera_t* camera, dc1394speed_t speed) {
 void add_fixed(dc1394camera_t* camera, dc1394video_mode_t mode, dc1394speed_t fastest,
                std::vector<Video>& found) {
   std::uint32_t width = 0, height = 0;
-  Video video;
-  video.mode = mode;
+  dc1394color_coding_t coding{};
   dc1394framerates_t rates{};
   if (dc1394_get_image_size_from_video_mode(camera, mode, &width, &height) != DC1394_SUCCESS ||
-      dc1394_get_color_coding_from_video_mode(camera, mode, &video.coding) != DC1394_SUCCESS ||
+      dc1394_get_color_coding_from_video_mode(camera, mode, &coding) != DC1394_SUCCESS ||
       dc1394_video_get_supported_framerates(camera, mode, &rates) != DC1394_SUCCESS) {
     return;
   }
-  const NamedCoding* coding = known(video.coding);
-  if (!coding) return;
+  Video video;
+  video.mode = mode;
+  video.format = format_of(coding);
+  if (!video.format) return;
   video.width = static_cast<int>(width);
   video.height = static_cast<int>(height);
   for (std::uint32_t i = 0; i < rates.num; ++i) {
     video.rate = rates.framerates[i];
     video.fps = rate_of(video.rate);
     if (video.fps <= 0) continue;
-    const double bytes = video.width * video.height * coding->bits / 8.0;
+    const double bytes = video.width * video.height * video.format->bits / 8.0;
     const auto speed = speed_for(bytes / packets_of(video), fastest);
     if (!speed) continue;
     video.speed = *speed;
@@ -146,17 +123,16 @@ void add_scalable(dc1394camera_t* camera, dc1394video_mode_t mode, const VideoWi
   dc1394color_codings_t offered{};
   if (!region || dc1394_format7_get_color_codings(camera, mode, &offered) != DC1394_SUCCESS) return;
   for (std::uint32_t i = 0; i < offered.num; ++i) {
-    const NamedCoding* coding = known(offered.codings[i]);
-    if (!coding) continue;
     Video video;
     video.mode = mode;
-    video.coding = coding->coding;
+    video.format = format_of(offered.codings[i]);
+    if (!video.format) continue;
     video.left = (*region)[0];
     video.top = (*region)[1];
     video.width = (*region)[2];
     video.height = (*region)[3];
     if (video.width < 1 || video.height < 1) continue;
-    const std::int64_t bytes = std::int64_t{video.width} * video.height * coding->bits / 8;
+    const std::int64_t bytes = std::int64_t{video.width} * video.height * video.format->bits / 8;
     for (const double rate : {wish.fps.value_or(wanted_rate), 15.0, 7.5, 3.75, 1.875}) {
       if (wish.fps && rate != *wish.fps) break;
       // A frame goes in whole packets, one a cycle, in steps of four bytes.
@@ -214,18 +190,18 @@ std::vector<Video> all_videos(dc1394camera_t* camera, const VideoWish& wish) {
 
 bool fits(const Video& video, const VideoWish& wish) {
   if (wish.size && *wish.size != std::pair(video.width, video.height)) return false;
-  if (!wish.coding.empty() && name_of_coding(video.coding) != wish.coding) return false;
+  if (!wish.coding.empty() && video.format->coding != wish.coding) return false;
   return !wish.fps || std::abs(video.fps - *wish.fps) <= same_rate * *wish.fps;
 }
 
 // The larger, the better: the rate, the size, the colours, a fixed mode.
 auto worth_of(const Video& video) {
   return std::tuple(std::min(video.fps, wanted_rate), std::int64_t{video.width} * video.height,
-                    known(video.coding)->worth, !video.has_region(), -video.fps);
+                    video.format->iidc.worth, !video.has_region(), -video.fps);
 }
 
 std::string what_of(const Video& video) {
-  return size_text(video.width, video.height) + " " + name_of_coding(video.coding);
+  return size_text(video.width, video.height) + " " + video.format->coding;
 }
 
 std::string list_of(const std::vector<Video>& videos) {
@@ -246,15 +222,19 @@ std::string list_of(const std::vector<Video>& videos) {
 
 }  // namespace
 
-std::string name_of_coding(dc1394color_coding_t coding) {
-  const NamedCoding* found = known(coding);
-  return found ? found->name : "";
+const PixelFormat* format_of(dc1394color_coding_t coding, int filter) {
+  const PixelFormat* found = nullptr;
+  for (const PixelFormat& one : pixel_formats()) {
+    if (one.iidc.coding != coding - DC1394_COLOR_CODING_MIN) continue;
+    if (!found || one.iidc.filter == filter - DC1394_COLOR_FILTER_MIN) found = &one;
+  }
+  return found;
 }
 
 std::string text_of(const Video& video) {
   char text[96];
   std::snprintf(text, sizeof text, "%d x %d px %s at %g frames/s", video.width, video.height,
-                name_of_coding(video.coding).c_str(), video.fps);
+                video.format->coding, video.fps);
   return text;
 }
 
@@ -283,7 +263,9 @@ double apply(dc1394camera_t* camera, const Video& video) {
     return video.fps;
   }
   check_packets(camera, video.mode);
-  check(dc1394_format7_set_roi(camera, video.mode, video.coding, video.packet_bytes, video.left,
+  const auto coding =
+      static_cast<dc1394color_coding_t>(DC1394_COLOR_CODING_MIN + video.format->iidc.coding);
+  check(dc1394_format7_set_roi(camera, video.mode, coding, video.packet_bytes, video.left,
                                video.top, video.width, video.height),
         "set the region");
   const double interval = interval_of(camera, video.mode);

@@ -23,7 +23,7 @@ struct VideoWish {
 /// A way to send frames that a camera has.
 struct Video {
   dc1394video_mode_t mode{};
-  dc1394color_coding_t coding{};
+  const PixelFormat* format = nullptr;
   dc1394framerate_t rate{};                      // of the formats 0 to 2
   int left = 0, top = 0, width = 0, height = 0;  // px
   double fps = 0;                                // 1/s; of format 7 as far as the bus goes
@@ -36,8 +36,8 @@ struct Video {
 /// "640 x 480 px yuv422 at 30 frames/s"
 std::string text_of(const Video& video);
 
-/// Name of a coding, "raw8"; "" of one that is not read.
-std::string name_of_coding(dc1394color_coding_t coding);
+/// The format of a coding, for raw8 by the colour filter; null: unknown.
+const PixelFormat* format_of(dc1394color_coding_t coding, int filter = DC1394_COLOR_FILTER_MIN);
 
 /// What a camera has that fulfils a wish, the best one first: the rate up to 30 1/s, then the
 /// colours. Throws CaptureError that lists what there is, if there is nothing.

@@ -250,10 +250,8 @@ void GigeCamera::tell(const GigeIdentity& identity) {
   info.identity = identity;
   const char* const format = arv_camera_get_pixel_format_as_string(camera, GFailure().out());
   info.format = format ? format : "";
-  const ArvPixelFormat code = arv_camera_get_pixel_format(camera, GFailure().out());
-  for (const GigeFormat& one : gige_formats()) {
-    if (one.code == code) info.coding = one.coding;
-  }
+  const auto* const known = pixel_format_of(arv_camera_get_pixel_format(camera, GFailure().out()));
+  if (known) info.coding = known->coding;
   SensorRegion& region = info.region;
   arv_camera_get_region(camera, &region.left, &region.top, &region.width, &region.height,
                         GFailure().out());
@@ -315,33 +313,16 @@ Captured GigeCamera::captured(ArvBuffer* buffer, ImagePool& pool) {
   if (device_time > 0) captured.device_time = 1e-9 * static_cast<double>(device_time);
   const RawView raw = view_of(buffer);
   captured.image = pool.take(raw.width, raw.height);
-  const WritableView pixels = captured.image.writable_view();
-  if (arv_buffer_get_image_pixel_format(buffer) == ARV_PIXEL_FORMAT_BGR_8_PACKED) {
-    copy_bgr({raw.data, raw.width, raw.height, raw.stride}, pixels);
-  } else {
-    to_rgb(raw, pixels);
-  }
+  to_rgb(raw, captured.image.writable_view());
   return captured;
 }
 
 // The first packet of a frame tells its size and format, whatever has come of it.
 RawView GigeCamera::view_of(ArvBuffer* buffer) {
-  const ArvPixelFormat code = arv_buffer_get_image_pixel_format(buffer);
-  const bool is_swapped = code == ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED;
-  const bool is_bgr = code == ARV_PIXEL_FORMAT_BGR_8_PACKED;
-  const auto format = is_bgr ? PixelFormat::rgb8
-                             : pixel_format_of(is_swapped ? ARV_PIXEL_FORMAT_YUV_422_PACKED : code);
+  const PixelFormat* const format = pixel_format_of(arv_buffer_get_image_pixel_format(buffer));
   if (!format) fail(CaptureFault::failed, name_ + " delivers frames of another pixel format");
   std::size_t size = 0;
   const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
-  if (is_swapped) {
-    swapped_.resize(size);
-    for (std::size_t i = 0; i + 1 < size; i += 2) {
-      swapped_[i] = data[i + 1];
-      swapped_[i + 1] = data[i];
-    }
-    data = swapped_.data();
-  }
   try {
     return raw_view(data, size, *format, arv_buffer_get_image_width(buffer),
                     arv_buffer_get_image_height(buffer));

@@ -75,9 +75,8 @@ class GigeCamera : public CaptureDevice {
   std::shared_ptr<std::atomic<bool>> is_lost_;  // shared with a thread of Aravis
   std::size_t payload_ = 0;                     // bytes of a frame
   bool is_first_ = true;
-  std::uint64_t last_id_ = 0;          // of the last complete frame; 0: none yet
-  std::int64_t n_incomplete_ = 0;      // counted since then
-  std::vector<std::uint8_t> swapped_;  // YUYV as UYVY
+  std::uint64_t last_id_ = 0;      // of the last complete frame; 0: none yet
+  std::int64_t n_incomplete_ = 0;  // counted since then
 
   mutable std::mutex mutex_;  // of the registers
   std::optional<GigeInfo> info_;

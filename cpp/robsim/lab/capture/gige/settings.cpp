@@ -23,47 +23,48 @@ std::string text_of(double value) {
   return text.data();
 }
 
-std::vector<ArvPixelFormat> available_formats(ArvCamera* camera) {
+using Formats = std::vector<const PixelFormat*>;
+
+// The camera's formats that robsim reads, the best one first.
+Formats formats_of(ArvCamera* camera) {
   GFailure failure;
   guint count = 0;
   gint64* const codes = arv_camera_dup_available_pixel_formats(camera, &count, failure.out());
-  std::vector<ArvPixelFormat> formats;
-  for (guint i = 0; codes && i < count; ++i) {
-    formats.push_back(static_cast<ArvPixelFormat>(codes[i]));
+  Formats formats;
+  for (const PixelFormat& format : pixel_formats()) {
+    if (codes && std::count(codes, codes + count, format.genicam.code)) formats.push_back(&format);
   }
   g_free(codes);
   return formats;
 }
 
-std::string listed(const std::vector<GigeFormat>& formats) {
+std::string listed(const Formats& formats) {
   std::string text;
-  for (const GigeFormat& format : formats)
-    text += (text.empty() ? "" : ", ") + std::string(format.name);
+  for (const PixelFormat* format : formats) {
+    text += (text.empty() ? "" : ", ") + std::string(format->genicam.name);
+  }
   return text;
 }
 
 void apply_format(const std::string& wanted, ArvCamera* camera, const std::string& name) {
-  const std::vector<ArvPixelFormat> there = available_formats(camera);
-  std::vector<GigeFormat> possible;
-  for (const GigeFormat& format : gige_formats()) {
-    if (std::find(there.begin(), there.end(), format.code) != there.end()) {
-      possible.push_back(format);
-    }
-  }
+  const Formats possible = formats_of(camera);
   if (possible.empty()) {
-    refuse(name + " has none of the pixel formats that robsim reads: " + listed(gige_formats()));
+    std::string names;
+    for (const PixelFormat& one : pixel_formats()) {
+      if (*one.genicam.name) names += std::string(" ") + one.genicam.name;
+    }
+    refuse(name + " has no pixel format that robsim reads:" + names);
   }
-  const auto chosen =
-      wanted.empty() ? possible.begin()
-                     : std::find_if(possible.begin(), possible.end(), [&](const GigeFormat& one) {
-                         return one.name == wanted || one.coding == wanted;
-                       });
-  if (chosen == possible.end()) {
+  const auto found = std::find_if(possible.begin(), possible.end(), [&](const PixelFormat* one) {
+    return wanted.empty() || one->genicam.name == wanted || one->coding == wanted;
+  });
+  if (found == possible.end()) {
     refuse(name + ": its format must be one of " + listed(possible) + ", got " + wanted);
   }
+  const auto [format, code] = (*found)->genicam;
   GFailure failure;
-  arv_camera_set_pixel_format(camera, chosen->code, failure.out());
-  if (failure) refuse(name + ": format " + chosen->name + " cannot be set: " + failure.text());
+  arv_camera_set_pixel_format(camera, static_cast<ArvPixelFormat>(code), failure.out());
+  if (failure) refuse(name + ": format " + format + " cannot be set: " + failure.text());
 }
 
 void apply_region(const GigeSettings& settings, ArvCamera* camera, const std::string& name) {
@@ -124,21 +125,6 @@ void apply_rate(double fps, ArvCamera* camera, const std::string& name) {
 }
 
 }  // namespace
-
-const std::vector<GigeFormat>& gige_formats() {
-  static const std::vector<GigeFormat> formats{
-      {"RGB8", "rgb8", ARV_PIXEL_FORMAT_RGB_8_PACKED},
-      {"BGR8", "rgb8", ARV_PIXEL_FORMAT_BGR_8_PACKED},
-      {"BayerRG8", "raw8", ARV_PIXEL_FORMAT_BAYER_RG_8},
-      {"BayerGR8", "raw8", ARV_PIXEL_FORMAT_BAYER_GR_8},
-      {"BayerGB8", "raw8", ARV_PIXEL_FORMAT_BAYER_GB_8},
-      {"BayerBG8", "raw8", ARV_PIXEL_FORMAT_BAYER_BG_8},
-      {"YUV422_8_UYVY", "yuv422", ARV_PIXEL_FORMAT_YUV_422_PACKED},
-      {"YUV422_8", "yuv422", ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED},
-      {"Mono8", "mono8", ARV_PIXEL_FORMAT_MONO_8},
-  };
-  return formats;
-}
 
 void apply(const GigeSettings& settings, ArvCamera* camera, const std::string& name) {
   // Cameras differ in what they have of this: one without a trigger needs none switched off.

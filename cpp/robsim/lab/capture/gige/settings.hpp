@@ -37,15 +37,6 @@ struct GigeSettings {
   std::vector<FeatureWish> features;
 };
 
-struct GigeFormat {
-  const char* name;    // of GenICam
-  const char* coding;  // as other cameras have it, too
-  ArvPixelFormat code;
-};
-
-/// The pixel formats that are understood, the best one first.
-const std::vector<GigeFormat>& gige_formats();
-
 /// Lets a camera run freely with the settings, without automatic changes but for those asked for.
 /// `name` begins what errors say. Throws CaptureError.
 void apply(const GigeSettings& settings, ArvCamera* camera, const std::string& name);

@@ -5,12 +5,18 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from robsim._core import pixel_formats
 from robsim.base.text import quoted
 from robsim.lab.cameras._devices.extensions import Extension, Sent
 from robsim.lab.cameras.features import CameraFeatures
 
 SCHEME, NAME = "firewire", "FireWire"
-CODINGS = ("yuv422", "rgb8", "yuv444", "raw8", "yuv411", "mono8", "mono16")
+#: The best one first.
+CODINGS = tuple(
+    dict.fromkeys(
+        coding for _, coding, worth, _ in sorted(pixel_formats(), key=lambda row: -row[2]) if worth
+    )
+)
 
 EXTENSION = Extension(
     module="robsim._firewire",

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, urlsplit
 
+from robsim._core import pixel_formats
 from robsim.base.text import quoted
 from robsim.lab.cameras._devices.extensions import Extension, Sent
 from robsim.lab.cameras.features import CameraFeatures
@@ -14,7 +15,8 @@ if TYPE_CHECKING:
     from robsim._gige import GigeCamera
 
 SCHEME, NAME = "gige", "GigE Vision"
-CODINGS = ("rgb8", "raw8", "yuv422", "mono8")
+#: The best one first.
+CODINGS = tuple(dict.fromkeys(coding for _, coding, _, genicam in pixel_formats() if genicam))
 
 EXTENSION = Extension(
     module="robsim._gige",
