@@ -65,15 +65,11 @@ PYBIND11_MODULE(_firewire, module) {
   camera
       .def(py::init(&make_camera), py::arg("choice"), py::kw_only(), py::arg("size"),
            py::arg("region"), py::arg("fps"), py::arg("coding"), py::arg("features"))
-      .def(
-          "open", [](const std::shared_ptr<FireWireCamera>& self) { open_in_thread(self); },
-          "Start it, so that what it sends is known. Raises CaptureError.")
-      .def("close", &FireWireCamera::close, py::call_guard<WithoutInterpreter>(), "Give it back.")
       .def_property_readonly("video", &video_of, "dict: what it sends; empty before it is open.")
       .def_property_readonly("guid", &FireWireCamera::guid, "str: its number, 16 digits.")
       .def_property_readonly("restarts", &FireWireCamera::restarts,
                              "int: times that it was made to send again.");
-  bind_features(camera);
+  bind_camera(camera);
   module.def("cameras", &cameras, "Return (guid, vendor, model) of all cameras on the bus.");
   module.def(
       "nodes",

@@ -78,13 +78,9 @@ PYBIND11_MODULE(_gige, module) {
   camera
       .def(py::init(&make_camera), "source"_a, py::kw_only(), "size"_a, "region"_a, "fps"_a,
            "format"_a, "features"_a, "packet_size"_a)
-      .def(
-          "open", [](const std::shared_ptr<GigeCamera>& self) { open_in_thread(self); },
-          "Start it, so that what it sends is known. Raises CaptureError.")
-      .def("close", &GigeCamera::close, py::call_guard<WithoutInterpreter>(), "Give it back.")
       .def_property_readonly("info", &info_of,
                              "dict or None: what it is and what it sends, once it was open.");
-  bind_features(camera);
+  bind_camera(camera);
   module.def(
       "find_cameras",
       [](double seconds) {

@@ -43,24 +43,6 @@ std::vector<FeatureTuple> features_of(const Camera& camera) {
   return found;
 }
 
-/// Gives the class of a camera its features, as Camera.features takes them.
-template <typename Class>
-void bind_features(Class& camera) {
-  namespace py = pybind11;
-  using Camera = typename Class::type;
-  camera
-      .def_property_readonly(
-          "features", &features_of<Camera>,
-          "list of tuple: name, whether it is automatic, values, unit, least, greatest value.")
-      .def(
-          "set_features",
-          [](Camera& self, const Wishes& wishes) {
-            const WithoutInterpreter work;
-            self.set_features(wishes_from(wishes));
-          },
-          py::arg("wishes"), "Set features: pairs (name, values, or None for automatic).");
-}
-
 /// Opens a device, which takes as long as it likes for its answers: Ctrl-C is heard meanwhile, and
 /// after `patience` (s) nobody waits any more. Throws CaptureError.
 inline void open_in_thread(const std::shared_ptr<CaptureDevice>& device, double patience = 30) {
@@ -85,6 +67,28 @@ inline void open_in_thread(const std::shared_ptr<CaptureDevice>& device, double 
                        "the camera has answered, but too slowly to be opened within " +
                            std::to_string(static_cast<int>(patience)) + " s: switch it off and on");
   }
+}
+
+/// Gives the class of a camera its methods, with features as Camera.features takes them.
+template <typename Class>
+void bind_camera(Class& camera) {
+  namespace py = pybind11;
+  using Camera = typename Class::type;
+  camera
+      .def(
+          "open", [](const std::shared_ptr<Camera>& self) { open_in_thread(self); },
+          "Start it, so that what it sends is known. Raises CaptureError.")
+      .def("close", &Camera::close, py::call_guard<WithoutInterpreter>(), "Give it back.")
+      .def_property_readonly(
+          "features", &features_of<Camera>,
+          "list of tuple: name, whether it is automatic, values, unit, least, greatest value.")
+      .def(
+          "set_features",
+          [](Camera& self, const Wishes& wishes) {
+            const WithoutInterpreter work;
+            self.set_features(wishes_from(wishes));
+          },
+          py::arg("wishes"), "Set features: pairs (name, values, or None for automatic).");
 }
 
 }  // namespace robsim::bindings
