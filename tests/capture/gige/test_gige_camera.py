@@ -135,6 +135,7 @@ def test_formats_packets_and_regions_show_the_lab_and_nothing_is_left(server):
 
         with camera_of(server, query=query, **options) as camera:
             assert (camera.region, camera.size) == (region, (width, height))
+            assert camera._device.info["format"] == pixel_format  # by the camera's own table
             frames = driven(server, camera, 8)
         ticks = ticks_of(server, frames, sent_as)
         if pixel_format == "Mono8":
