@@ -73,6 +73,22 @@ def test_a_change_of_what_is_not_there_is_refused(tmp_path, monkeypatch):
         shipped(tmp_path, monkeypatch, '[wrong.naive]\n"velocity" = "0"\n')
 
 
+@pytest.mark.parametrize("name", TASKS)
+def test_one_that_needs_nothing_masked_is_graded_by_the_masks_of_its_task(name, tmp_path):
+    one = TASKS[name](steps=20)
+    allowed = [right for right in one.solutions if right.is_right and not _uses(right, one.masked)]
+    for module, content in allowed[0].files.items():
+        (tmp_path / f"{module}.py").write_bytes(content)
+    given = {f"{_shipped.MODULE}.py": _shipped.module_source(one)}
+    limits = WorkerLimits(call=300, first_call=300, run=600, cpu=300)
+    graded = Submission(tmp_path, slots=one.slots, masked=one.masked, given=given, limits=limits)
+    assert len(graded.run(one.scenario, steps=3, seed=1)) == 3
+
+
+def _uses(solution, masked):
+    return any(name.encode() in b"".join(solution.files.values()) for name in masked)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("code", [
     "robsim.teach.ParkTask().solutions",
