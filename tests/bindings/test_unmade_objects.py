@@ -1,6 +1,7 @@
 """Objects without a value of C++: `__new__` alone makes them."""
 
 import copy
+import pickle
 
 import pytest
 
@@ -34,3 +35,9 @@ def test_a_state_of_something_else_is_refused():
         if "__setstate__" in vars(one) and "__members__" not in vars(one):
             with pytest.raises(TypeError, match="state must be what __getstate__ returned"):
                 one.__new__(one).__setstate__({"x": 1})
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+def test_what_has_no_pickle_is_refused_by_each_protocol(protocol):
+    with pytest.raises(TypeError, match="MotorReceiver"):
+        pickle.dumps(_core.MotorReceiver.__new__(_core.MotorReceiver), protocol)

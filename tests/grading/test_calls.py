@@ -263,6 +263,7 @@ def test_what_goes_wrong_is_the_submissions_fault_with_its_step(tmp_path):
         ("return 1, 2", r"^evaluate_model at step 3: .* \(3,\), got \(2,\)$", None),
         ("return 1, 2, np.nan", "^evaluate_model at step 3: .* finite", None),
         ("return 1e300, 2, 3", "^evaluate_model at step 3: ", None),
+        ("return np.array([-(2**63)] * 3)", "^evaluate_model at step 3: no robot gets", None),
         ("return 'abc'", "^evaluate_model at step 3: TypeError", None),
         ("import os; os._exit(0)", "^evaluate_model at step 3: its process ended by itself", None),
     ):

@@ -1,6 +1,7 @@
 // Signatures of native functions: for inspect and help, and for errors that name the argument.
 #pragma once
 
+#include <algorithm>
 #include <initializer_list>
 #include <tuple>
 
@@ -93,6 +94,20 @@ class Module : public py::module_ {
   }
 };
 
+/// A method: pickle's protocols 0 and 1 would make an object of pybind11's base class, which ends
+/// the process.
+inline py::object reduce_ex() {
+  static const py::handle method =
+      py::cpp_function(
+          [](const py::object& self, int protocol) {
+            const py::handle object(reinterpret_cast<PyObject*>(&PyBaseObject_Type));
+            return object.attr("__reduce_ex__")(self, std::max(protocol, 2));
+          },
+          py::name("__reduce_ex__"), py::is_method(py::none()))
+          .release();
+  return py::reinterpret_borrow<py::object>(method);
+}
+
 /// As py::class_, for methods with signatures.
 template <typename T, typename... Options>
 class Class : public py::class_<T, Options...> {
@@ -101,6 +116,7 @@ class Class : public py::class_<T, Options...> {
  public:
   template <typename... Extra>
   explicit Class(const Extra&... extra) : Base(extra...) {
+    this->attr("__reduce_ex__") = reduce_ex();
     // pybind11 calls this for the missing memory of an object without __init__.
     py::detail::get_type_info(typeid(T))->operator_new = [](std::size_t) -> void* {
       throw py::type_error("the object was made without its constructor");

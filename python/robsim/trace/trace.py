@@ -214,7 +214,7 @@ class Trace:
 
     def __getattr__(self, name: str) -> Any:
         # Only for what is not there. Python itself asks for underscored names, before __init__ too.
-        if not name.startswith("_"):
+        if not name.startswith("_") and "_groups" in vars(self):
             if name in self.names:
                 raise no_attribute(f"{name} is a column: trace[{name!r}]")
             known = (*self.names, *filter(_is_public, dir(self)))

@@ -154,7 +154,7 @@ class Worker:
         if told.type == "MemoryError":
             more = f"it asked for more than {as_size(self._limits.memory)}"
             told = replace(told, message=f"{told.message}: {more}" if told.message else more)
-        if not told.type and slot is not None:  # what says all by itself is said before that
+        if not told.type and (slot is not None or not told.message):  # else it is a sentence
             told = replace(told, type="Exception")
         named = told.slot if told.slot in (*ROBOT_SLOTS, *self._setup.rules.names) else slot
         step = None if k is None else min(k if told.step is None else told.step, k)

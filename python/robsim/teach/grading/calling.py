@@ -148,7 +148,7 @@ def world_slots(worker: CallWorker) -> dict[str, Callable[[Any], NDArray[Any]]]:
     def evaluate_model(world: WorldState) -> NDArray[Any]:
         arrays = world_arrays(world)
         (pose,) = worker.call("evaluate_model", arrays, Wanted([(3,)]), world.k)
-        if (abs(pose) > _FARTHEST).any():
+        if (abs(pose.astype(np.float64)) > _FARTHEST).any():
             worker.refuse("evaluate_model", world.k, f"no robot gets to {pose}")
         return pose
 
