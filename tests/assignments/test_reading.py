@@ -121,7 +121,7 @@ def test_all_that_can_be_said_is_taken(tmp_path):
     slots = ["estimate_state", "control"]
     given = "frames"
     imports = ["numpy"]
-    masked = ["robsim.reference", "robsim.locate"]
+    masked = ["robsim.estimation.reference", "robsim.locate"]
     seeds = "class"
     isolation = "process"
     limits = { call = 2.0, submission = 60 }
@@ -135,7 +135,7 @@ def test_all_that_can_be_said_is_taken(tmp_path):
     assert (found.given, found.imports, found.masked) == (
         "frames",
         ("numpy",),
-        ("robsim.estimation.reference", "robsim.locate"),  # as it is called now
+        ("robsim.estimation.reference", "robsim.locate"),
     )
     assert (found.own_seeds, found.isolation) == (False, "process")
     assert (found.limits.call, found.seconds) == (2.0, 60)

@@ -73,14 +73,10 @@ def _table(folder: Path) -> codec.Table:
     return codec.Table(
         CampaignSpec,
         {
-            "runs": codec.Entry(codec.anything, is_needed=True),
-            "steps": codec.Entry(codec.anything, is_needed=True),
-            "seed": codec.Entry(codec.anything),
-            "metrics": codec.Entry(metrics, is_needed=True),
-            "time_limit": codec.Entry(codec.anything),
-            "keep": codec.Entry(codec.anything),
-            "scenario": codec.Entry(partial(_scenario, folder)),
-            "vary": codec.Entry(partial(codec.by_name, read=partial(_values, folder))),
+            **dict.fromkeys(("runs", "steps", "seed", "time_limit", "keep"), ""),
+            "metrics": codec.Entry("", metrics),
+            "scenario": codec.Entry("", partial(_scenario, folder)),
+            "vary": codec.named(codec.Entry("", partial(_values, folder))),
         },
     )
 
@@ -108,7 +104,7 @@ def _metric(name: Any, folder: Path) -> Any:
 def _scenario(folder: Path, name: str, value: Any) -> Scenario:
     if isinstance(value, str):
         return Scenario.load(folder / value)
-    return Scenario(**options_of(codec.as_table(name, value, ", or a file"), OPTIONS))
+    return Scenario(**options_of(codec.as_table(name, value, ", or a file")))
 
 
 def _values(folder: Path, name: str, values: Any) -> Any:
@@ -140,4 +136,4 @@ def _value(name: str, value: Any, folder: Path) -> Any:
         return folder / value if isinstance(value, str) else value
     if value == _NONE and ((name in OPTIONS and OPTIONS[name].is_table) or name in SLOTS):
         return None
-    return options_of({name: value}, OPTIONS)[name] if name in OPTIONS else value
+    return options_of({name: value})[name] if name in OPTIONS else value

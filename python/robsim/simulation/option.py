@@ -24,7 +24,7 @@ class Option:
     default: Any
     doc: str
     kind: str = ""  # type in words, for the documentation
-    plain: tuple[Any, ...] = ()  # form in files other than a table: words, then types
+    plain: bool = False  # whether files may have it as a whole number, too
     unit: str = ""  # also the comment in files
     types: tuple[type, ...] = ()  # of a normal form that is a table in files
     example: str = ""  # a value, for messages
@@ -74,7 +74,6 @@ class Number(Option):
     minimum: float
     maximum: float
     kind: str = "float"
-    plain: tuple[Any, ...] = ("a number", int, float)
 
     @property
     def limits(self) -> str:  # type: ignore[override]
@@ -94,7 +93,6 @@ class Whole(Number):
     maximum: int
     reason: str = ""
     kind: str = "int"
-    plain: tuple[Any, ...] = ("a whole number", int)
 
     def _plain_form(self, value: Any) -> Any:
         try:
@@ -109,7 +107,6 @@ class Choice(Option):
 
     choices: tuple[str, ...]
     kind: str = "str"
-    plain: tuple[Any, ...] = ("a text", str)
 
     def _plain_form(self, value: Any) -> Any:
         return check_choice(self.name, value, self.choices)
@@ -120,7 +117,6 @@ class Switch(Option):
     """On or off; None is off."""
 
     kind: str = "bool"
-    plain: tuple[Any, ...] = ("true or false", bool)
 
     def _plain_form(self, value: Any) -> Any:
         if value is None or isinstance(value, (bool, np.bool_)):
@@ -133,7 +129,6 @@ class Size(Option):
     """Width and height in px."""
 
     kind: str = "tuple of int"
-    plain: tuple[Any, ...] = ("[width, height] in px", list)
 
     def _plain_form(self, value: Any) -> Any:
         return check_size(self.name, value)

@@ -123,7 +123,9 @@ def start_value(
                 f"start must be a pose (x, y, heading) or 'random', got {quoted(start)}"
             )
         return start
-    expected = f"start must be a pose (x, y, heading) in px, px and rad, got {quoted(start)}"
+    expected = (
+        f"start must be a pose (x, y, heading) in px, px and rad, or 'random', got {quoted(start)}"
+    )
     try:
         pose = as_float_array("start", start)
     except TypeError:
@@ -248,7 +250,7 @@ class Options:
         WORLD, HEADINGS,
         "Number of headings that the robot is drawn in: the nearest one, at integer pixels. None: "
         "drawn at its exact position and heading.",
-        minimum=1, maximum=360, plain=('a whole number, or "continuous"', int),
+        minimum=1, maximum=360,
     )  # fmt: skip
     noise: Noise | None = value(
         WORLD, None, "Camera noise.",
@@ -290,13 +292,12 @@ class Options:
         ROBOT, None,
         "The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.",
         kind='array (3,) or "random"', unit="px, px, rad",
-        plain=('[x, y, heading] in px, px and rad, or "random"', list, str),
     )  # fmt: skip
     seed: Seed = value(
         WORLD, None,
         "Seed of all random numbers of the run. None = unpredictable: another one in each run.",
         kind="int, SeedSequence or Generator", normal=seed_value,
-        types=(SeedRecord,), plain=("a whole number, or a table [seed]", int),
+        types=(SeedRecord,), plain=True,
     )  # fmt: skip
     colors: str | PathLike[str] | Iterable[ColorClass] | None = value(
         ROBOT, None,

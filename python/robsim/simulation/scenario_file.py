@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable
-from dataclasses import fields
+from functools import partial
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from PIL import Image
 
 from robsim._core import (
     DriveAround,
@@ -19,19 +15,19 @@ from robsim._core import (
     Spin,
     Unicycle,
 )
-from robsim.base.checks import check_choice
-from robsim.base.files import codec, parse_toml
+from robsim.base.checks import check_choice, check_float, check_text
+from robsim.base.files import codec
 from robsim.base.seeds import SeedRecord
-from robsim.base.text import cut, quoted
+from robsim.simulation.option import Option, Switch
 from robsim.simulation.options import OPTIONS, background_value
 from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import Floor
 from robsim.vision.imaging import images
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.imaging.noise import GaussianNoise, UniformNoise
-from robsim.vision.markers.color_files import COLOR, color_of
+from robsim.vision.markers.color_files import COLORS
 from robsim.vision.robots.definition import RobotDefinition
-from robsim.vision.robots.files import LAYOUT, MARKERS, ROBOT_KEYS
+from robsim.vision.robots.files import LAYOUT, ROBOT_KEYS
 from robsim.vision.robots.lookup import as_robot, robot_names, shipped_robots
 
 if TYPE_CHECKING:
@@ -39,24 +35,11 @@ if TYPE_CHECKING:
 
 MOST_BYTES = 64 * 2**20  # of a file
 _FORMAT = 1
-_HEADER = "A simulated world and a run of robsim: read it with robsim.Scenario.load."
 _CONTINUOUS = "continuous"  # TOML has no None
 
 
-def _numbers_tuple(name: str, value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
 def _image(name: str, value: Any) -> Pixels:
-    data = codec.base64_bytes(name, value)
-    try:
-        with Image.open(io.BytesIO(data), formats=("PNG",)) as image:
-            if image.width * image.height <= images.MOST_PIXELS and image.mode in ("RGB", "RGBA"):
-                return np.array(image)
-            got = f"{image.mode} of {image.width} x {image.height} px"
-    except Exception as error:  # Pillow's decoders raise many types
-        raise ValueError(f"{name} must be a PNG image in base64: {cut(error)}") from error
-    raise ValueError(f"{name} must be RGB or RGBA of at most {images.MOST_PIXELS} px, got {got}")
+    return images.decoded(io.BytesIO(codec.base64_bytes(name, value)), name)
 
 
 def _png(pixels: Pixels) -> bytes:
@@ -68,75 +51,96 @@ def _png(pixels: Pixels) -> bytes:
     return images.png_bytes(pixels)
 
 
-_IMAGE = codec.Entry(_image, "PNG in base64", _png, is_needed=True)
-_ENTROPY = codec.Entry(_numbers_tuple)
+def _numbers(name: str, value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
 
+
+_IMAGE = codec.Entry("PNG in base64", _image, _png)
+_VOLTAGES = codec.Entry("V, float64 in base64", codec.base64_pairs, codec.pairs_base64)
+
+_KEYS: dict[type, dict[str, codec.Row]] = {
+    GaussianNoise: {"percent": codec.Entry("%", check_float)},
+    UniformNoise: {"percent": codec.Entry("%", check_float)},
+    Dropout: {"probability": codec.Entry("", check_float), "steps": ""},
+    PoseNoise: {"covariance": "px^2, px rad, rad^2, a step"},
+    WheelNoise: {"sigma": "V"},
+    ParameterMismatch: {"sigma": codec.Entry("relative", check_float)},
+    SeedRecord: dict.fromkeys(("entropy", "spawn_key"), codec.Entry("", _numbers)),
+    RobotParameters: {
+        "mass": "kg",
+        "inertia": "kg m^2",
+        "linear_friction": "N s/m",
+        "angular_friction": "N m s/rad",
+        "wheel_radius": "m",
+        "wheel_base": "m",
+        "motor_gain": "N m/V",
+        "motor_offset": "N m",
+        "dt": "s",
+    },
+    Unicycle: {},
+    Spin: {"voltage": "V"},
+    DriveAround: {"low": "V", "high": "V", "hold": "steps"},
+    Replay: {"u": _VOLTAGES},
+    RobotDefinition: {**ROBOT_KEYS, "image": _IMAGE},
+}
 #: The values that are tables, by their kinds.
-TABLES: dict[type, codec.Table] = {
-    kind: codec.Table(kind, keys)
-    for kind, keys in {
-        GaussianNoise: {"percent": codec.Entry(codec.number, "%")},
-        UniformNoise: {"percent": codec.Entry(codec.number, "%")},
-        Dropout: {"probability": codec.Entry(codec.number), "steps": codec.Entry(codec.count)},
-        PoseNoise: {"covariance": codec.Entry(codec.numbers, "px^2, px rad, rad^2, a step")},
-        WheelNoise: {"sigma": codec.Entry(codec.numbers, "V")},
-        ParameterMismatch: {"sigma": codec.Entry(codec.number, "relative")},
-        SeedRecord: {"entropy": _ENTROPY, "spawn_key": _ENTROPY},
-        RobotParameters: {
-            "mass": codec.Entry(codec.number, "kg"),
-            "inertia": codec.Entry(codec.number, "kg m^2"),
-            "linear_friction": codec.Entry(codec.number, "N s/m"),
-            "angular_friction": codec.Entry(codec.number, "N m s/rad"),
-            "wheel_radius": codec.Entry(codec.number, "m"),
-            "wheel_base": codec.Entry(codec.number, "m"),
-            "motor_gain": codec.Entry(codec.numbers, "N m/V"),
-            "motor_offset": codec.Entry(codec.numbers, "N m"),
-            "dt": codec.Entry(codec.number, "s"),
-        },
-        Unicycle: {},
-        Spin: {"voltage": codec.Entry(codec.number, "V")},
-        DriveAround: {
-            "low": codec.Entry(codec.number, "V"),
-            "high": codec.Entry(codec.number, "V"),
-            "hold": codec.Entry(codec.count, "steps"),
-        },
-        Replay: {
-            "u": codec.Entry(codec.base64_pairs, "V, float64 in base64", codec.pairs_base64, True),
-        },
-        RobotDefinition: ROBOT_KEYS | {"image": _IMAGE, "markers": MARKERS},
-    }.items()
-} | {
+TABLES = {kind: codec.Table(kind, keys) for kind, keys in _KEYS.items()} | {
     RobotModel: codec.Table(
-        RobotModel.from_theta,
-        {
-            "theta": codec.Entry(
-                codec.numbers, "rows X, Y, P; columns a1, a2, b1, b2, d1", is_needed=True
-            ),
-            "dt": codec.Entry(codec.number, "s"),
-        },
+        RobotModel.from_theta, {"theta": "rows X, Y, P; columns a1, a2, b1, b2, d1", "dt": "s"}
     ),
     Floor: codec.Table(lambda pixels: background_value(pixels), {"pixels": _IMAGE}),
     MarkerLayout: LAYOUT,
 }
 
-# --- writing
+
+def _read(name: str, value: Any) -> Any:
+    """Return the value of an option that TOML has given."""
+    if name == "robot" and not isinstance(value, dict):
+        return check_choice(name, value, tuple(robot_names()))
+    if name == "headings":
+        expected = f'a whole number, or "{_CONTINUOUS}"'
+        return None if value == _CONTINUOUS else codec.of_type(name, value, expected, int)
+    option = OPTIONS[name]
+    if isinstance(option, Switch):
+        return codec.flag(name, value)
+    if not option.types:
+        return value
+    if option.plain and not isinstance(value, dict):
+        return codec.of_type(name, value, f"a whole number, or a table [{name}]", int)
+    table = dict(codec.as_table(name, value, f" [{name}]"))
+    kinds = {kind.__name__: kind for kind in option.types}
+    return TABLES[kinds[codec.kind_of(table, tuple(kinds))]].read(name, table)
+
+
+def _written(option: Option, value: Any) -> Any:
+    """Return the value of an option as TOML has it: a table, or a plain value."""
+    if isinstance(value, RobotDefinition):
+        for shipped in shipped_robots():
+            if as_robot(shipped) == value:
+                return shipped
+    if (table := TABLES.get(kind := type(value))) is None:
+        return codec.plain(value)
+    has_kind = len(option.types) > 1 or not table.keys
+    return table.write(value, kind.__name__ if has_kind else "")
+
+
+_FILE = codec.Table(
+    codec.together,
+    {"format": ""}
+    | {
+        name: codec.Entry(option.unit, _read, partial(_written, option))
+        for name, option in OPTIONS.items()
+    }
+    | {"colors": COLORS},
+    "A simulated world and a run of robsim: read it with robsim.Scenario.load.",
+    what="a scenario has no option",
+)
 
 
 def to_toml(changes: dict[str, Any]) -> str:
     """Return options, in their normal forms, as TOML; ValueError for more than a file may have."""
-    import tomlkit
-
-    document = tomlkit.document()
-    document.add(tomlkit.comment(_HEADER))
-    document.add("format", tomlkit.item(_FORMAT))
-    written = {name: _written(name, value) for name, value in changes.items()}
-    # Below a table, a plain value would belong to it.
-    for name, value in sorted(written.items(), key=lambda item: isinstance(item[1], dict)):
-        if isinstance(value, dict):
-            document.add(name, value)
-        else:
-            document.add(name, codec.item(value, OPTIONS[name].unit))
-    text = document.as_string()
+    values = {name: _CONTINUOUS if value is None else value for name, value in changes.items()}
+    text = str(_FILE.write({"format": _FORMAT, **values}).as_string())
     if len(text.encode()) > MOST_BYTES:
         raise ValueError(
             f"a scenario must fit into a file of {MOST_BYTES >> 20} MB, got one of "
@@ -145,58 +149,17 @@ def to_toml(changes: dict[str, Any]) -> str:
     return text
 
 
-def _written(name: str, value: Any) -> Any:
-    """Return the value of an option as TOML has it: a table, or a plain value."""
-    if name == "colors":
-        return codec.super_table({color.name: COLOR.write(color) for color in value})
-    if isinstance(value, RobotDefinition) and (shipped := _shipped_name(value)) is not None:
-        return shipped
-    if (table := TABLES.get(kind := type(value))) is not None:
-        has_kind = len(OPTIONS[name].types) > 1 or not table.keys
-        return table.write(value, kind.__name__ if has_kind else "")
-    return _CONTINUOUS if name == "headings" and value is None else codec.plain(value)
-
-
-def _shipped_name(robot: RobotDefinition) -> str | None:
-    return next((name for name in shipped_robots() if as_robot(name) == robot), None)
-
-
-# --- reading
-
-
 def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
     """Return the scenario of a text; a ValueError names `source`, ``"scenario file run.toml"``."""
-    if not isinstance(text, str):
-        raise TypeError(f"text must be a str, got {quoted(text)}")
-    with codec.telling(source, text):
-        return cls(
-            **options_of(parse_toml(text, MOST_BYTES), [field.name for field in fields(cls)])
-        )
+    check_text("text", text)
+    return codec.read_table(  # type: ignore[no-any-return]
+        text, lambda table: cls(**options_of(table)), source, MOST_BYTES
+    )
 
 
-def options_of(values: dict[str, Any], known: Iterable[str]) -> dict[str, Any]:
+def options_of(table: dict[str, Any]) -> dict[str, Any]:
     """Return the options of a table, as `Scenario` takes them; raise for what is wrong."""
-    if "format" in values:
-        codec.check_format(values, _FORMAT)
-    known = list(known)
-    options = {name: value for name, value in values.items() if name != "format"}
-    for name in options:
-        codec.check_key(name, known, "a scenario has no option")
-    return {name: codec.read_key(name, _read_option, value) for name, value in options.items()}
-
-
-def _read_option(name: str, value: Any) -> Any:
-    """Return the value of an option that TOML has given."""
-    if name == "colors":
-        return (*codec.by_name(name, value, color_of, " such as [colors.red]").values(),)
-    if name == "robot" and not isinstance(value, dict):
-        text = codec.of_type(name, value, "a text, or a table [robot]", str)
-        return check_choice("robot", text, tuple(robot_names()))
-    if name == "headings" and value == _CONTINUOUS:
-        return None
-    option = OPTIONS[name]
-    if option.plain and not (option.types and isinstance(value, dict)):
-        return codec.of_type(name, value, *option.plain)
-    table = dict(codec.as_table(name, value, f" [{name}]"))
-    kinds = {kind.__name__: kind for kind in option.types}
-    return TABLES[kinds[codec.kind_of(table, tuple(kinds))]].read(name, table)
+    codec.check_format({"format": _FORMAT} | table, _FORMAT)
+    options: dict[str, Any] = _FILE.read("scenario", table)
+    options.pop("format", None)
+    return options

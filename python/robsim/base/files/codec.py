@@ -7,22 +7,20 @@ import datetime
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
+from inspect import signature
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from robsim.base.checks import as_float_array, check_choice, check_float, check_int
+from robsim.base.checks import check_choice, check_text
 from robsim.base.files.reading import MOST_TOML, as_path, parse_toml, read_text
 from robsim.base.spelling import check_names
 from robsim.base.text import cut, one_line, quoted
 
-if TYPE_CHECKING:
-    from tomlkit.items import Item
-
 Read = Callable[[str, Any], Any]
 _WRONG = (TypeError, ValueError, OverflowError)
-_MOST_ROWS = 10_000  # of an array that is not in base64, such as a polygon
 _LONGEST_LINE = 1000  # characters, among which a key is looked for
 
 
@@ -49,11 +47,15 @@ def within(*path: str) -> Iterator[None]:
         raise WrongTable(str(error), path) from error
 
 
-@contextmanager
-def telling(source: object, text: str) -> Iterator[None]:
-    """Let a ValueError inside the context name a file, and the line of the key in its text."""
+def read_table(
+    text: str, read: Callable[[dict[str, Any]], Any], source: object, most: int = MOST_TOML
+) -> Any:
+    """Return the result of `read` for the table of a text of at most so many bytes.
+
+    A ValueError names the source, the line of the key, table and key.
+    """
     try:
-        yield
+        return read(parse_toml(text, most))
     except _WRONG as error:
         wrong = error if isinstance(error, WrongTable) else WrongTable(str(error))
         line = _line_of(text, (*wrong.path, wrong.key))
@@ -67,15 +69,12 @@ def load_table(
     what: str = "",
     most: int = MOST_TOML,
 ) -> Any:
-    """Read the table of a file of at most so many bytes; return the result of `read`.
+    """Read a file, as `read_table` reads its text.
 
-    A ValueError names file, line, table and key. It starts with `what`, the kind of the file, such
-    as ``"colour file "``.
+    Errors start with `what`, the kind of the file, such as ``"colour file "``.
     """
     file = as_path(path)
-    text = read_text(file, most)
-    with telling(f"{what}{file}", text):
-        return read(parse_toml(text, most))
+    return read_table(read_text(file, most), read, f"{what}{file}", most)
 
 
 def _line_of(text: str, path: tuple[str, ...]) -> int:
@@ -113,76 +112,110 @@ def plain(value: Any) -> Any:
     return [plain(one) for one in value] if isinstance(value, (tuple, list)) else value
 
 
+def anything(name: str, value: Any) -> Any:
+    """Return what came: its owner checks it."""
+    return value
+
+
+def together(**values: Any) -> dict[str, Any]:
+    """Return the values of a table as they are."""
+    return values
+
+
 @dataclass(frozen=True)
 class Entry:
     """A key of a table: how its value is read and written."""
 
-    read: Read  # takes the name, for messages, and the value in the file
     unit: str = ""  # the comment behind the value
+    read: Read = anything  # takes the name, for messages, and the value in the file
     write: Callable[[Any], Any] = plain  # returns what TOML has
-    is_needed: bool = False
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of a file, for a value."""
+    """A table of a file, for a value; also the entry of a table in another one."""
 
     make: Callable[..., Any]  # takes the values of the keys, by their names
-    keys: dict[str, Entry]  # in the order of the file
+    keys: Mapping[str, Row]  # in the order of the file; a text is Entry(unit)
     said: str = ""  # the comment above the keys
+    needed: tuple[str, ...] = ()  # beside the parameters of `make` without a default
+    parts: Callable[[Any], Any] = lambda value: value  # returns the values, or their object
+    what: str = "there is no key"  # it begins the error for an unknown one
     ignores_others: bool = False
+    unit = ""
+
+    @cached_property
+    def _entries(self) -> dict[str, Entry | Table]:
+        return {key: Entry(one) if isinstance(one, str) else one for key, one in self.keys.items()}
+
+    @cached_property
+    def _needed(self) -> tuple[str, ...]:
+        needed = {
+            name
+            for name, one in signature(self.make).parameters.items()
+            if one.default is one.empty and one.kind is not one.VAR_KEYWORD
+        }
+        return tuple(key for key in self.keys if key in {*needed, *self.needed})
 
     def read(self, name: str, value: Any) -> Any:
         """Return the value of a table."""
-        return self.make(**self.values(name, value))
-
-    def values(self, name: str, value: Any) -> dict[str, Any]:
-        """Return the values of the keys of a table, by their names."""
-        table = as_table(name, value)
-        if self.ignores_others:
-            table = {key: one for key, one in table.items() if key in self.keys}
-        for key in table:
-            check_key(key, self.keys)
-        for key, one in self.keys.items():
-            if one.is_needed and key not in table:
+        table = as_table(name, value, f" with {', '.join(self.keys)}")
+        given = {key: one for key, one in table.items() if key in self.keys}
+        for key in () if self.ignores_others else table:
+            check_key(key, self.keys, self.what)
+        for key in self._needed:
+            if key not in table:
                 raise ValueError(f"{key} is missing")
-        return {key: read_key(key, self.keys[key].read, given) for key, given in table.items()}
+        return self.make(**{key: read_key(key, self._entries[key], given[key]) for key in given})
 
     def write(self, value: Any, kind: str = "") -> Any:
         """Return the table of a value, without None and NaN; a kind becomes its first key."""
-        import tomlkit  # it costs milliseconds
-
-        table = tomlkit.table()
-        if self.said:
-            table.add(tomlkit.comment(self.said))
-        if kind:
-            table.add("kind", kind)
-        for name, key in self.keys.items():
-            held = value.get(name) if isinstance(value, Mapping) else getattr(value, name)
-            given = None if held is None else key.write(held)
+        if (parts := self.parts(value)) is None:
+            return None
+        written: dict[str, Any] = {"kind": kind} if kind else {}
+        for key, entry in self._entries.items():
+            held = parts.get(key) if isinstance(parts, Mapping) else getattr(parts, key)
+            given = None if held is None else entry.write(held)
             if given is not None and given == given:  # NaN = not known
-                table.add(name, item(given, key.unit))
-        return table
+                written[key] = item(given, entry.unit)
+        return table_of(written, self.said)
 
 
-def item(value: Any, unit: str = "") -> Item:
+Row = Entry | Table | str
+
+
+def table_of(written: Mapping[str, Any], said: str = "") -> Any:
+    """Return a table of values as `item` returns them; one of tables alone has no line."""
+    import tomlkit  # it costs milliseconds
+
+    is_table = {key: isinstance(one, dict) for key, one in written.items()}
+    table = tomlkit.table(is_super_table=bool(written) and all(is_table.values()))
+    for line in said.splitlines():
+        table.add(tomlkit.comment(line))
+    # Below a table, a plain value would belong to it.
+    for key in sorted(written, key=is_table.__getitem__):
+        table.add(key, written[key])
+    return table
+
+
+def item(value: Any, unit: str = "") -> Any:
     """Return a value as it is written, with a comment; bytes are base64."""
     import tomlkit
 
     if isinstance(value, bytes):
         lines = base64.encodebytes(value).decode()
-        made: Item = tomlkit.string(f"\n{lines}", multiline=True, literal=True)
+        made: Any = tomlkit.string(f"\n{lines}", multiline=True, literal=True)
     else:
         made = tomlkit.item(value)
     return made.comment(unit) if unit else made
 
 
-def read_key(name: str, read: Read, value: Any) -> Any:
+def read_key(name: str, entry: Entry | Table, value: Any) -> Any:
     """Return the value of a key; if it is a table, errors name its path."""
     if not isinstance(value, dict):
-        return read(name, value)
+        return entry.read(name, value)
     with within(name):
-        return read(name, value)
+        return entry.read(name, value)
 
 
 def as_table(name: str, value: Any, hint: str = "") -> dict[str, Any]:
@@ -191,45 +224,43 @@ def as_table(name: str, value: Any, hint: str = "") -> dict[str, Any]:
     return table
 
 
-def check_key(key: str, known: Iterable[str], what: str = "there is no key") -> None:
+def check_key(key: str, known: Iterable[str], what: str) -> None:
     """Raise an error for an unknown key, with the one that was meant."""
     check_names(what, [key], known, lambda sentence: WrongTable(sentence, key=key))
 
 
-def by_name(name: str, value: Any, read: Read, hint: str = "") -> dict[str, Any]:
-    """Read each of the tables in a table; return the results by their names."""
-    tables = as_table(name, value, hint)
-    return {key: read_key(key, read, table) for key, table in tables.items()}
+def named(entry: Entry | Table, hint: str = "") -> Entry:
+    """Return the entry of a table of entries by any names: of a dict."""
+
+    def read(name: str, value: Any) -> dict[str, Any]:
+        table = as_table(name, value, hint)
+        return {key: read_key(key, entry, one) for key, one in table.items()}
+
+    def write(values: Mapping[str, Any]) -> Any:
+        return table_of({key: entry.write(one) for key, one in values.items()})
+
+    return Entry("", read, write)
 
 
-def super_table(tables: Mapping[str, Any]) -> Any:
-    """Return a table that has only tables, and no line in the file."""
-    import tomlkit
+def listed(entry: Table) -> Entry:
+    """Return the entry of a list of tables, each below a line ``[[name]]``."""
 
-    table = tomlkit.table(is_super_table=True)
-    for name, one in tables.items():
-        table.add(name, one)
-    return table
+    def read(name: str, value: Any) -> list[Any]:
+        if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
+            raise TypeError(
+                f"{name} must be tables, each below a line [[{name}]], got {in_words(value)}"
+            )
+        with within(name):
+            return [read_key(str(number), entry, one) for number, one in enumerate(value, 1)]
 
-
-def listed_tables(name: str, value: Any, read: Read) -> list[Any]:
-    """Read each table of a list, ``[[name]]``; return the results."""
-    if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
-        raise TypeError(
-            f"{name} must be tables, each below a line [[{name}]], got {in_words(value)}"
-        )
-    made = []
-    for number, one in enumerate(value, 1):
-        with within(name, str(number)):
-            made.append(read(name, one))
-    return made
+    return Entry("", read)
 
 
 def kind_of(table: dict[str, Any], kinds: tuple[str, ...]) -> str:
     """Take the key ``kind`` out of a table; where there is one kind alone, it may be missing."""
     if "kind" not in table and len(kinds) > 1:
         raise ValueError(f"kind is missing, one of {', '.join(map(repr, kinds))}")
-    return check_choice("kind", text("kind", table.pop("kind", kinds[0])), kinds)
+    return check_choice("kind", table.pop("kind", kinds[0]), kinds)
 
 
 # --- kinds of values
@@ -251,38 +282,8 @@ def of_type(name: str, value: Any, expected: str, *types: type) -> Any:
     raise TypeError(f"{name} must be {expected}, got {in_words(value)}")
 
 
-def anything(name: str, value: Any) -> Any:
-    """Return what came: its owner checks it."""
-    return value
-
-
-def text(name: str, value: Any) -> str:
-    return str(of_type(name, value, "a text", str))
-
-
 def flag(name: str, value: Any) -> bool:
     return bool(of_type(name, value, "true or false", bool))
-
-
-def number(name: str, value: Any) -> float:
-    return check_float(name, of_type(name, value, "a number", int, float))
-
-
-def up_to(most: float) -> Read:
-    """Return a reader of numbers from 0 to the most."""
-    return lambda name, value: check_float(
-        name, of_type(name, value, "a number", int, float), minimum=0, maximum=most
-    )
-
-
-def count(name: str, value: Any) -> int:
-    whole = of_type(name, value, "a whole number", int)
-    return check_int(name, whole, minimum=0, maximum=2**31 - 1)
-
-
-def choice(*choices: str) -> Read:
-    """Return a reader of one of some texts."""
-    return lambda name, value: check_choice(name, value, choices)
 
 
 def date(name: str, value: Any) -> datetime.datetime:
@@ -297,33 +298,9 @@ def names(name: str, value: Any) -> tuple[str, ...]:
     return tuple(value)
 
 
-def numbers(name: str, value: Any) -> Any:
-    """Return a number or an array that its owner checks."""
-    if isinstance(value, list) and len(value) > _MOST_ROWS:
-        raise ValueError(f"{name} must have at most {_MOST_ROWS} rows, got {len(value)}")
-    return of_type(name, value, "numbers", list, int, float)
-
-
-def array(*shape: int) -> Read:
-    """Return a reader of finite numbers of a shape."""
-
-    def read(name: str, value: Any) -> Any:
-        size = " x ".join(map(str, shape))
-        expected = f"{name} must be {size} finite numbers, got {in_words(value)}"
-        try:
-            found = as_float_array(name, value)
-        except TypeError:
-            raise TypeError(expected) from None
-        if found.shape != shape or not np.isfinite(found).all():
-            raise ValueError(expected)
-        return found
-
-    return read
-
-
 def base64_bytes(name: str, value: Any) -> bytes:
     try:
-        return base64.b64decode("".join(text(name, value).split()), validate=True)
+        return base64.b64decode("".join(check_text(name, value).split()), validate=True)
     except ValueError as error:
         raise ValueError(f"{name} must be base64: {error}") from error
 

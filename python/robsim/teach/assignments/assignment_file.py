@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
-from robsim.base.checks import check_choice, check_name
-from robsim.base.files import as_folder, codec, parse_toml, read_text
+from robsim.base.checks import check_choice, check_float, check_name, check_text
+from robsim.base.files import as_folder, codec, read_text
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line, quoted
 from robsim.teach.assignments.assignment import SECONDS, SEEDS, Assignment, FileTests, TaskTest
@@ -25,17 +26,12 @@ from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import MODULE, Solution, solutions_in
 
 FILE, KEY, GIVEN, SOLUTIONS = "assignment.toml", "key", "given", "solutions"
-#: What files of version 0.1 may mask, by the names of then.
-_OLD_MASKS = {
-    "robsim.reference": "robsim.estimation.reference",
-    **{f"robsim.{room}": f"robsim.teach.{room}" for room in ("tasks", "grading", "assignments")},
-}
 _GIVEN = ("pose", "blobs", "frames")  # each has what those before it have
 _MOST_POINTS, _MOST_SECONDS, _MOST_GIVEN = 1e6, 1e6, 2**24
 
 
 def _title(name: str, value: Any) -> str:
-    if not codec.text(name, value):
+    if not check_text(name, value):
         raise ValueError(f"{name} must be a text, got none")
     return str(value)
 
@@ -48,13 +44,9 @@ def _path(name: str, value: Any) -> str:
 
 
 def _test_name(name: str, value: Any) -> str:
-    if not codec.text(name, value).isidentifier():  # it is part of the names of files
+    if not check_text(name, value).isidentifier():  # it is part of the names of files
         raise ValueError(f"{name} must be of letters, digits and _, got {quoted(value)}")
     return str(value)
-
-
-def _limits(**limits: Any) -> tuple[float, WorkerLimits]:
-    return limits.pop("submission", SECONDS), WorkerLimits(**limits)
 
 
 def _slots(name: str, value: Any) -> tuple[str, ...]:
@@ -63,44 +55,53 @@ def _slots(name: str, value: Any) -> tuple[str, ...]:
     return slots
 
 
-_POINTS = codec.Entry(codec.up_to(_MOST_POINTS))
-_PUBLIC = codec.Entry(codec.flag, is_needed=True)
+def _limits(submission: float = SECONDS, **limits: Any) -> tuple[float, WorkerLimits]:
+    return submission, WorkerLimits(**limits)
+
+
+_POINTS = codec.Entry("", partial(check_float, minimum=0, maximum=_MOST_POINTS))
+_SECONDS = codec.Entry("", partial(check_float, minimum=0, maximum=_MOST_SECONDS))
 _LIMITS = codec.Table(
-    _limits,
-    {name: codec.Entry(codec.anything) for name in WorkerLimits.__dataclass_fields__}
-    | {"submission": codec.Entry(codec.up_to(_MOST_SECONDS))},
+    _limits, dict.fromkeys(WorkerLimits.__dataclass_fields__, "") | {"submission": _SECONDS}
 )
-_TEST = codec.Table(
-    dict,
-    {
-        "name": codec.Entry(_test_name, is_needed=True),
-        "title": codec.Entry(_title),
-        "number": codec.Entry(_title),
-        "task": codec.Entry(codec.choice(*TASKS), is_needed=True),
-        "points": replace(_POINTS, is_needed=True),
-        "public": _PUBLIC,
-        "parameters": codec.Entry(codec.as_table),
-    },
-)
-_FILE_TESTS = codec.Table(dict, {"path": codec.Entry(_path, is_needed=True), "public": _PUBLIC})
-_ASSIGNMENT = codec.Table(
-    dict,
-    {
-        "name": codec.Entry(check_name, is_needed=True),
-        "title": codec.Entry(_title, is_needed=True),
-        "slots": codec.Entry(_slots),
-        "functions": codec.Entry(codec.names),
-        "given": codec.Entry(codec.choice(*_GIVEN)),
-        "imports": codec.Entry(codec.names),
-        "masked": codec.Entry(codec.names),
-        "seeds": codec.Entry(codec.choice(*SEEDS)),
-        "isolation": codec.Entry(codec.choice(*LEVELS)),
-        "points": _POINTS,
-        "limits": codec.Entry(_LIMITS.read),
-        "tests": codec.Entry(partial(codec.listed_tables, read=_TEST.read)),
-        "files": codec.Entry(partial(codec.listed_tables, read=_FILE_TESTS.read)),
-    },
-)
+
+
+def _table(folder: Path) -> codec.Table:
+    """Return the table of the file in a folder."""
+    tests = codec.Table(
+        partial(_test, folder, read_limits(folder)),
+        {
+            "name": codec.Entry("", _test_name),
+            "title": codec.Entry("", _title),
+            "number": codec.Entry("", _title),
+            "task": codec.Entry("", partial(check_choice, choices=tuple(TASKS))),
+            "points": _POINTS,
+            "public": codec.Entry("", codec.flag),
+            "parameters": codec.Entry("", codec.as_table),
+        },
+    )
+    files = codec.Table(
+        partial(_file_tests, folder),
+        {"path": codec.Entry("", _path), "public": codec.Entry("", codec.flag)},
+    )
+    return codec.Table(
+        partial(_assignment, folder),
+        {
+            "name": codec.Entry("", check_name),
+            "title": codec.Entry("", _title),
+            "slots": codec.Entry("", _slots),
+            "functions": codec.Entry("", codec.names),
+            "given": codec.Entry("", partial(check_choice, choices=_GIVEN)),
+            "imports": codec.Entry("", codec.names),
+            "masked": codec.Entry("", codec.names),
+            "seeds": codec.Entry("", partial(check_choice, choices=SEEDS)),
+            "isolation": codec.Entry("", partial(check_choice, choices=LEVELS)),
+            "points": _POINTS,
+            "limits": _LIMITS,
+            "tests": codec.listed(tests),
+            "files": codec.listed(files),
+        },
+    )
 
 
 def load_assignment(
@@ -128,12 +129,12 @@ def load_assignment(
         check_choice("isolation", isolation, LEVELS)
     folder = as_folder(folder)
     try:
-        written = _text_in(folder)
-        with codec.telling(FILE, written):
-            values = _ASSIGNMENT.read(FILE, parse_toml(written))
-            return _assignment(values, folder, isolation)
+        made: Assignment = codec.read_table(
+            _text_in(folder), lambda table: _table(folder).read(FILE, table), FILE
+        )
     except ValueError as error:
         raise AssignmentError(str(error), file=FILE) from None
+    return made if isolation is None else replace(made, isolation=isolation)
 
 
 def _text_in(folder: Path) -> str:
@@ -146,52 +147,58 @@ def _text_in(folder: Path) -> str:
         raise ValueError(str(error)) from None
 
 
-def _assignment(values: dict[str, Any], folder: Path, isolation: Isolation | None) -> Assignment:
-    tests = _tests(values.get("tests", []), folder)
-    files = tuple(
-        _file_tests(one, folder, number) for number, one in enumerate(values.get("files", []), 1)
-    )
+def _assignment(
+    folder: Path,
+    *,
+    name: str,
+    title: str,
+    slots: tuple[str, ...] | None = None,
+    given: str | None = None,
+    masked: tuple[str, ...] | None = None,
+    seeds: str = SEEDS[0],
+    limits: tuple[float, WorkerLimits] = (SECONDS, WorkerLimits()),
+    tests: Sequence[TaskTest] = (),
+    files: Sequence[FileTests] = (),
+    **others: Any,
+) -> Assignment:
+    names = [test.name for test in tests]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise ValueError(f"two tests have the name {quoted(twice)}")
     if not tests and not files:
         raise ValueError("it has no tests: add some, each below a line [[tests]] or [[files]]")
-    seconds, limits = values.get("limits", (SECONDS, WorkerLimits()))
     assignment = Assignment(
         folder=folder.absolute(),
-        name=values["name"],
-        title=values["title"],
-        slots=_slots_for(values, tests),
-        functions=values.get("functions", ()),
-        imports=values.get("imports"),
-        masked=_masked(values, tests),
-        given=_given(values, tests),
+        name=name,
+        title=title,
+        slots=_slots_for(slots, tests),
+        masked=_masked(masked, tests),
+        given=_given_for(given, tests),
         given_files=_given_files(folder),
-        own_seeds=values.get("seeds", SEEDS[0]) == SEEDS[0],
+        own_seeds=seeds == SEEDS[0],
         key=keys.Key.load(folder / KEY) if (folder / KEY).exists() else None,
-        isolation=isolation or values.get("isolation", "auto"),
-        limits=limits,
-        points=values.get("points"),
-        seconds=seconds,
-        tests=tests,
-        files=files,
+        limits=limits[1],
+        seconds=limits[0],
+        tests=tuple(tests),
+        files=tuple(files),
+        **others,
     )
     assignment._rules()
     return assignment
 
 
-def _tests(tables: list[dict[str, Any]], folder: Path) -> tuple[TaskTest, ...]:
-    recorded = read_limits(folder)
-    tests: dict[str, TaskTest] = {}
-    for number, values in enumerate(tables, 1):
-        with codec.within("tests", str(number)):
-            test = _test(values, folder, recorded)
-        if test.name in tests:
-            raise ValueError(f"two tests have the name {quoted(test.name)}")
-        tests[test.name] = test
-    return tuple(tests.values())
-
-
-def _test(values: dict[str, Any], folder: Path, recorded: Mapping[str, RecordedTest]) -> TaskTest:
-    name, made = values["name"], _task(values["task"], values.get("parameters", {}))
-    known = recorded.get(name, RecordedTest())
+def _test(
+    folder: Path,
+    recorded: Mapping[str, RecordedTest],
+    *,
+    name: str,
+    task: str,
+    parameters: Mapping[str, Any] = MappingProxyType({}),
+    title: str | None = None,
+    points: float,
+    public: bool,
+    **number: str,
+) -> TaskTest:
+    made, known = _task(task, parameters), recorded.get(name, RecordedTest())
     check_names(
         f"limits.json, {name}: the task has no score",
         known.limits,
@@ -202,15 +209,15 @@ def _test(values: dict[str, Any], folder: Path, recorded: Mapping[str, RecordedT
     stale = None if known.calibration is None else known.calibration.stale(made, solutions)
     return TaskTest(
         name=name,
-        title=values.get("title", made.title),
-        number=values.get("number", ""),
+        title=made.title if title is None else title,
         task=made,
-        points=values["points"],
-        public=values["public"],
+        points=points,
+        public=public,
         limits=known.limits,
         stale=stale or "",
         reference=solutions[0],
         reference_values=known.reference,
+        **number,
     )
 
 
@@ -235,39 +242,32 @@ def solutions_for(folder: Path, made: Task) -> tuple[Solution, ...]:
         raise AssignmentError(f"{SOLUTIONS}/{made.name}: {error}", file=SOLUTIONS) from None
 
 
-def _file_tests(values: dict[str, Any], folder: Path, number: int) -> FileTests:
-    path = folder / values["path"]
-    if not path.is_file():
-        raise codec.WrongTable(
-            f"there is no file {one_line(values['path'])}", ("files", str(number))
-        )
-    return FileTests(path=path.absolute(), public=values["public"])
+def _file_tests(folder: Path, path: str, public: bool) -> FileTests:
+    if not (folder / path).is_file():
+        raise ValueError(f"there is no file {one_line(path)}")
+    return FileTests(path=(folder / path).absolute(), public=public)
 
 
-def _slots_for(values: dict[str, Any], tests: tuple[TaskTest, ...]) -> tuple[str, ...]:
+def _slots_for(slots: tuple[str, ...] | None, tests: Sequence[TaskTest]) -> tuple[str, ...]:
     needed = tuple(dict.fromkeys(slot for test in tests for slot in test.task.slots))
-    slots: tuple[str, ...] = values.get("slots", needed)
-    if not slots and "slots" not in values:
+    if not needed and slots is None:
         raise ValueError("slots is missing")
-    if missing := [slot for slot in needed if slot not in slots]:
-        raise codec.WrongTable(f"slots must have {', '.join(missing)}, which its tasks need")
-    return slots
+    if missing := [slot for slot in needed if slots is not None and slot not in slots]:
+        raise ValueError(f"slots must have {', '.join(missing)}, which its tasks need")
+    return needed if slots is None else slots
 
 
-def _given(values: dict[str, Any], tests: tuple[TaskTest, ...]) -> str:
+def _given_for(given: str | None, tests: Sequence[TaskTest]) -> str:
     most = max((_GIVEN.index(test.task.given) for test in tests), default=0)
-    given: str = values.get("given", _GIVEN[most])
-    if _GIVEN.index(given) < most:
-        raise codec.WrongTable(
-            f"given must be {_GIVEN[most]!r}, as its tasks need it, got {quoted(given)}"
-        )
-    return given
+    if given is not None and _GIVEN.index(given) < most:
+        raise ValueError(f"given must be {_GIVEN[most]!r}, as its tasks need it, got {given!r}")
+    return given or _GIVEN[most]
 
 
-def _masked(values: dict[str, Any], tests: tuple[TaskTest, ...]) -> tuple[str, ...]:
+def _masked(names: tuple[str, ...] | None, tests: Sequence[TaskTest]) -> tuple[str, ...]:
     of_tests = [name for test in tests for name in test.task.masked]
-    names = values.get("masked", [*(of_tests or Task.masked), "robsim.teach.assignments"])
-    return tuple(dict.fromkeys(_OLD_MASKS.get(name, name) for name in names))
+    default = (*(of_tests or Task.masked), "robsim.teach.assignments")
+    return tuple(dict.fromkeys(default if names is None else names))
 
 
 def _given_files(folder: Path) -> dict[str, bytes]:

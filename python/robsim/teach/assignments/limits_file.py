@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
+from robsim.base.checks import as_float_array
 from robsim.base.files import codec
-from robsim.base.text import quoted
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.marks.calibration import TaskCalibration
 from robsim.teach.tasks.score import ScoreLimit
@@ -19,7 +17,6 @@ from robsim.teach.tasks.score import ScoreLimit
 FILE = "limits.json"
 FORMAT = 1
 _MOST = 2**24  # bytes
-_LIMIT = ("full", "zero", "low", "low_zero")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +46,7 @@ def read_limits(folder: Path) -> dict[str, RecordedTest]:
     try:
         data = codec.as_table("the file", json.loads(content[: _MOST + 1]))
         codec.check_format(data, FORMAT)
-        return codec.by_name("tests", data.get("tests", {}), _TEST.read)
+        return codec.named(_TEST).read("tests", data.get("tests", {}))  # type: ignore[no-any-return]
     except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
         _refuse(f"it is not JSON: {error}")
     except (ValueError, TypeError) as error:
@@ -61,23 +58,18 @@ def _calibration(name: str, record: Any) -> TaskCalibration | None:
 
 
 def _numbers(name: str, value: Any) -> tuple[float, ...]:
-    if not isinstance(value, list) or not all(
-        one is None or isinstance(one, (int, float)) for one in value
-    ):
-        raise TypeError(f"{name} must be numbers, got {quoted(value)}")
-    return tuple(math.nan if one is None else float(one) for one in value)
+    if not isinstance(value, list) or as_float_array(name, value).ndim != 1:
+        raise TypeError(f"{name} must be a list of numbers, got {codec.in_words(value)}")
+    return tuple(as_float_array(name, value).tolist())
 
 
-_SCORE = codec.Table(
-    ScoreLimit,
-    {key: codec.Entry(codec.anything, is_needed=key in ("full", "zero")) for key in _LIMIT},
-)
+_SCORE = codec.Table(ScoreLimit, dict.fromkeys(("full", "zero", "low", "low_zero"), ""))
 _TEST = codec.Table(
     RecordedTest,
     {
-        "limits": codec.Entry(partial(codec.by_name, read=_SCORE.read)),
-        "reference": codec.Entry(partial(codec.by_name, read=_numbers)),
-        "calibration": codec.Entry(_calibration),
+        "limits": codec.named(_SCORE),
+        "reference": codec.named(codec.Entry("", _numbers)),
+        "calibration": codec.Entry("", _calibration),
     },
     ignores_others=True,
 )

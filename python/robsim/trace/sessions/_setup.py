@@ -5,15 +5,15 @@ from __future__ import annotations
 import datetime
 import platform
 from collections.abc import Mapping
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from robsim._core import ColorClass, MarkerLayout, PlaneMap, RobotModel, fitting_roles
-from robsim.base.checks import check_float, check_mm_per_px, check_size
+from robsim._core import ColorClass, MarkerLayout, PlaneMap, RobotModel
+from robsim.base.checks import check_float, check_mm_per_px, check_size, check_text
 from robsim.base.files import codec, parse_toml
 from robsim.base.text import quoted
 from robsim.vision.imaging.calibration_file import PLANE_MAP
@@ -21,11 +21,9 @@ from robsim.vision.markers.color_files import COLOR
 from robsim.vision.robots.files import LAYOUT
 
 FORMAT = 2
-_READABLE = (1, 2)
 _KINDS = (str, bool, int, float, list, dict, datetime.datetime)
 _PACKAGES = ("robsim", "numpy", "pillow", "opencv-python-headless", "opencv-python")
 _LARGEST_INT = 2**63  # of TOML
-_OLD_NAMES = ("red", "blue")  # of the markers in format 1, whatever their colours
 
 
 def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str:
@@ -110,76 +108,42 @@ class Setup(SimpleNamespace):
 
 
 def _values(table: dict[str, Any]) -> dict[str, Any]:
-    codec.check_format(table, *_READABLE)
-    given = {key: codec.read_key(key, _KEYS[key], table[key]) for key in _KEYS if key in table}
-    return dict.fromkeys(_KEYS) | {"robot": "", "table": table} | given
-
-
-def _dt(name: str, value: Any) -> float:
-    return check_float(name, value, "s", exclusive_minimum=0, maximum=1e6)
-
-
-def _plane_map(name: str, value: Any) -> PlaneMap:
-    if isinstance(value, dict):
-        return PLANE_MAP.read(name, value)  # type: ignore[no-any-return]
-    return PlaneMap(codec.array(3, 3)(name, value))
+    codec.check_format(table, FORMAT)
+    given = dict(table)
+    if isinstance(matrix := given.get("plane_map"), list):
+        given["plane_map"] = {"matrix": matrix}
+    read: dict[str, Any] = _SETUP.read("setup", given)
+    return dict.fromkeys(_SETUP.keys) | {"robot": "", "table": table} | read
 
 
 def _input(name: str, value: Any) -> tuple[float, float]:
-    left, right = codec.array(2)(name, value).tolist()
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"{name} must be two voltages, got {codec.in_words(value)}")
+    left, right = (check_float(name, one, "V") for one in value)
     return left, right
-
-
-def _colors(name: str, value: Any) -> list[ColorClass]:
-    return codec.listed_tables(name, value, _TABLES[ColorClass].read)
-
-
-def _markers(name: str, value: Any) -> MarkerLayout:
-    table = codec.as_table(name, value)
-    if table.keys() >= {*_OLD_NAMES}:
-        table = _tables_of_format_1(table)
-    return LAYOUT.read(name, table)  # type: ignore[no-any-return]
-
-
-def _tables_of_format_1(table: dict[str, Any]) -> dict[str, Any]:
-    """Return the table of a layout as it is written today: the roles follow from the places."""
-    roles = fitting_roles(*(codec.array(2)(old, table[old]) for old in _OLD_NAMES))
-    colors = table.get("colors", _OLD_NAMES)
-    if not isinstance(colors, (list, tuple)) or len(colors) != len(_OLD_NAMES):
-        raise ValueError(f"colors must be two names, got {quoted(colors)}")
-    tables = {key: table[key] for key in LAYOUT.keys if key in table}
-    for role, old, color in zip(roles, _OLD_NAMES, colors, strict=True):
-        marker = {"color": color, "position": table[old]}
-        marker |= {key: table.get(f"{old}_{key}") for key in ("area", "polygon")}
-        tables[role] = {k: one for k, one in marker.items() if one is not None and one == one}
-    return tables
 
 
 _TABLES: dict[type, codec.Table] = {
     PlaneMap: PLANE_MAP,
     MarkerLayout: LAYOUT,
-    RobotModel: codec.Table(
-        RobotModel.from_theta,
-        {
-            "dt": codec.Entry(_dt, is_needed=True),
-            "theta": codec.Entry(codec.array(3, 5), is_needed=True),
-        },
-    ),
+    RobotModel: codec.Table(RobotModel.from_theta, {"dt": "s", "theta": ""}, needed=("dt",)),
     ColorClass: codec.Table(
-        ColorClass,
-        {"name": codec.Entry(codec.text, is_needed=True)}
-        | {channel: replace(key, is_needed=True) for channel, key in COLOR.keys.items()},
+        ColorClass, {"name": codec.Entry("", check_text), **COLOR.keys}, needed=(*COLOR.keys,)
     ),
 }
-_KEYS: dict[str, codec.Read] = {
-    "area": check_size,
-    "dt": _dt,
-    "plane_map": _plane_map,
-    "mm_per_px": lambda _, value: check_mm_per_px(value),
-    "stop_input": _input,
-    "colors": _colors,
-    "markers": _markers,
-    "model": _TABLES[RobotModel].read,
-    "robot": codec.text,
-    "started": codec.date,
-}
+_SETUP = codec.Table(
+    codec.together,
+    {
+        "area": codec.Entry("", check_size),
+        "dt": codec.Entry("", partial(check_float, exclusive_minimum=0, maximum=1e6)),
+        "plane_map": PLANE_MAP,
+        "mm_per_px": codec.Entry("", lambda _, value: check_mm_per_px(value)),
+        "stop_input": codec.Entry("", _input),
+        "colors": codec.listed(_TABLES[ColorClass]),
+        "markers": LAYOUT,
+        "model": _TABLES[RobotModel],
+        "robot": codec.Entry("", check_text),
+        "started": codec.Entry("", codec.date),
+    },
+    ignores_others=True,
+)

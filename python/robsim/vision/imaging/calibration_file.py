@@ -3,121 +3,136 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from functools import partial
 from os import PathLike
 from typing import Any
 
-import numpy as np
-
 from robsim._core import Intrinsics, PlaneMap
-from robsim.base.checks import check_mm_per_px, check_size
+from robsim.base.checks import check_float, check_mm_per_px, check_size
 from robsim.base.files import as_path, codec, write_whole
 from robsim.base.text import one_line, quoted
 from robsim.vision.imaging.calibration import Calibration, Residuals, check_region
 
 _FORMAT = 1
-_HEADER = (
-    "A camera that was calibrated by robsim: its lens, and how it looks at the floor.",
-    "It holds as long as the camera, its lens and its size of frames stay as they are. Give it to",
-    "robsim live --calibration, robsim track --calibration, or robsim.Camera(calibration=...).",
-)
-_LONGEST_NUMBER = 10  # digits; Python refuses to read thousands of them
-_NUMBER = re.compile("0|[1-9][0-9]*")  # 01 would be another name of 1
+_HEADER = """\
+A camera that was calibrated by robsim: its lens, and how it looks at the floor.
+It holds as long as the camera, its lens and its size of frames stay as they are. Give it to
+robsim live --calibration, robsim track --calibration, or robsim.Camera(calibration=...)."""
+_MARKS = "Where the frames showed the floor sheets' marks, by their numbers: u, v (px)."
+_NUMBER = re.compile("0|[1-9][0-9]{0,8}")  # 01 would be another name of 1
 
 
 def _rows(array: Any) -> Any:
-    import tomlkit
-
-    return tomlkit.item(np.asarray(array).tolist()).multiline(True)
+    return codec.item(array.tolist()).multiline(True)
 
 
-_MATRIX = codec.Entry(codec.array(3, 3), "", _rows, is_needed=True)
-_DISTORTION = codec.Entry(codec.array(5), "k1, k2, p1, p2, k3", is_needed=True)
+_MATRIX = codec.Entry("", write=_rows)
 #: A lens, and the map of a plane with one, as files have them.
-INTRINSICS = codec.Table(Intrinsics, {"matrix": _MATRIX, "distortion": _DISTORTION})
-_CAMERA = codec.Entry(INTRINSICS.read, "", INTRINSICS.write, is_needed=True)
-PLANE_MAP = codec.Table(PlaneMap, {"matrix": _MATRIX, "intrinsics": _CAMERA})
-_RESIDUALS = {
-    "rms": codec.Entry(codec.anything, "how well it fits: root mean square (px of the frame)"),
-    "worst": codec.Entry(codec.anything, "the largest (px of the frame)"),
-} | dict.fromkeys(("points", "pictures"), codec.Entry(codec.anything))
-_MARKS = "Where the frames showed the floor sheets' marks, by their numbers: u, v (px)."
-_FRAMES = codec.Table(
-    dict,
+INTRINSICS = codec.Table(
+    Intrinsics, {"matrix": _MATRIX, "distortion": "k1, k2, p1, p2, k3"}, needed=("distortion",)
+)
+PLANE_MAP = codec.Table(PlaneMap, {"matrix": _MATRIX, "intrinsics": INTRINSICS}, needed=("matrix",))
+_RESIDUALS = codec.Table(
+    Residuals,
     {
-        "size": codec.Entry(check_size, "width and height (px)", is_needed=True),
-        "region": codec.Entry(check_region, "of the sensor: left, top, width, height (px)"),
+        "rms": "how well it fits: root mean square (px of the frame)",
+        "worst": "the largest (px of the frame)",
+        "points": "",
+        "pictures": "",
+    },
+)
+_FRAMES = codec.Table(
+    codec.together,
+    {
+        "size": codec.Entry("width and height (px)", check_size),
+        "region": codec.Entry("of the sensor: left, top, width, height (px)", check_region),
     },
     "What" + " it is a calibration of.",  # kept files have these words
+    needed=("size",),
 )
 
 
-def _lens(matrix: Any, distortion: Any, **residuals: Any) -> dict[str, Any]:
-    intrinsics = Intrinsics(matrix, distortion=distortion.tolist())
-    return {"intrinsics": intrinsics, "lens_residuals": _residuals(residuals)}
-
-
-def _floor(matrix: Any, **given: Any) -> dict[str, Any]:
-    residuals = {name: given.pop(name) for name in _RESIDUALS if name in given}
-    return given | {"floor": PlaneMap(matrix), "floor_residuals": _residuals(residuals)}
-
-
 def _residuals(given: dict[str, Any]) -> Residuals | None:
-    missing = [name for name in _RESIDUALS if name not in given]
-    if given and missing:
-        raise ValueError(f"{missing[0]} is missing")
-    return Residuals(**given) if given else None
+    return _RESIDUALS.read("residuals", given) if given else None
+
+
+def _lens(matrix: Any, distortion: Any, **residuals: Any) -> dict[str, Any]:
+    lens = Intrinsics(matrix, distortion=distortion)
+    return {"intrinsics": lens, "lens_residuals": _residuals(residuals)}
+
+
+def _lens_parts(one: Calibration) -> Any:
+    lens, residuals = one.intrinsics, one.lens_residuals
+    numbers = vars(residuals) if residuals else {}
+    return lens and {"matrix": lens.matrix, "distortion": lens.distortion, **numbers}
+
+
+def _floor(matrix: Any, area: Any, **given: Any) -> dict[str, Any]:
+    residuals = {name: given.pop(name) for name in _RESIDUALS.keys if name in given}
+    floor = {"floor": PlaneMap(matrix), "floor_residuals": _residuals(residuals)}
+    return given | floor | {"area": area}
+
+
+def _floor_parts(one: Calibration) -> Any:
+    numbers = vars(one.floor_residuals) if one.floor_residuals else {}
+    return one.floor and {**vars(one), "matrix": one.floor.matrix, **numbers}
 
 
 _LENS = codec.Table(
     _lens,
-    INTRINSICS.keys | _RESIDUALS,
+    {**INTRINSICS.keys, **_RESIDUALS.keys},
     "Focal lengths and centre (px), then how the lens distorts, as OpenCV has it.",
+    parts=_lens_parts,
 )
 _FLOOR = codec.Table(
     _floor,
     {
-        "area": codec.Entry(check_size, "the work area: width and height (px)", is_needed=True),
+        "area": codec.Entry("the work area: width and height (px)", check_size),
         "mm_per_px": codec.Entry(
-            lambda _, value: check_mm_per_px(value), "a px of the work area on the floor (mm)"
+            "a px of the work area on the floor (mm)", lambda _, value: check_mm_per_px(value)
         ),
-        "marker_height": codec.Entry(codec.number, "of the robot's markers above the floor (mm)"),
+        "marker_height": codec.Entry("of the robot's markers above the floor (mm)", check_float),
         "matrix": _MATRIX,
-        **_RESIDUALS,
+        **_RESIDUALS.keys,
     },
     "The matrix takes (u, v, 1) of an ideal lens to (x, y, 1) on the floor, times a number.",
+    parts=_floor_parts,
 )
 
 
+def _read_marks(name: str, value: Any) -> dict[Any, Any]:
+    """Return a table with numbers as keys; another key stays, to be refused."""
+    table = codec.as_table(name, value)
+    return {int(key) if _NUMBER.fullmatch(key) else key: pixel for key, pixel in table.items()}
+
+
+def _write_by_name(said: str, values: Mapping[Any, Any]) -> Any:
+    items = {str(name): codec.item(codec.plain(one)) for name, one in values.items()}
+    return codec.table_of(items, said) if items else None
+
+
 def _calibration(
-    *, format: int, frames: Any, lens: Any = (), floor: Any = (), **others: Any
+    format: int, frames: Any, lens: Any = (), floor: Any = (), **others: Any
 ) -> Calibration:
     return Calibration(**frames, **dict(lens), **dict(floor), **others)
-
-
-def _marks(name: str, value: Any) -> dict[Any, Any]:
-    """Return a table with numbers as keys; another key stays, to be refused."""
-    return {
-        int(key) if len(key) < _LONGEST_NUMBER and _NUMBER.fullmatch(key) else key: pixel
-        for key, pixel in codec.as_table(name, value).items()
-    }
-
-
-def _any_keys(said: str, values: dict[str, Any]) -> Any:
-    return codec.Table(dict, dict.fromkeys(values, codec.Entry(codec.anything)), said).write(values)
 
 
 _FILE = codec.Table(
     _calibration,
     {
-        "format": codec.Entry(codec.anything),
-        "date": codec.Entry(codec.date),
-        "frames": codec.Entry(_FRAMES.read, "", _FRAMES.write, is_needed=True),
-        "lens": codec.Entry(_LENS.read, "", _LENS.write),
-        "floor": codec.Entry(_FLOOR.read, "", _FLOOR.write),
-        "features": codec.Entry(codec.anything, "", partial(_any_keys, "Settings of the camera.")),
-        "marks": codec.Entry(_marks, "", partial(_any_keys, _MARKS)),
+        "format": "",
+        "date": codec.Entry("", codec.date),
+        "frames": _FRAMES,
+        "lens": _LENS,
+        "floor": _FLOOR,
+        "features": codec.Entry("", write=partial(_write_by_name, "Settings of the camera.")),
+        "marks": codec.Entry("", _read_marks, partial(_write_by_name, _MARKS)),
     },
+    _HEADER,
+    parts=lambda one: (
+        vars(one) | {"format": _FORMAT} | dict.fromkeys(("frames", "lens", "floor"), one)
+    ),
 )
 
 
@@ -165,26 +180,7 @@ def as_calibration(value: Any, plane_map: PlaneMap | None = None) -> Calibration
 
 def calibration_text(one: Calibration) -> str:
     """Return the file of a calibration."""
-    values = {
-        "format": _FORMAT,
-        "date": one.date,
-        "frames": one,
-        "lens": one.intrinsics
-        and {
-            "matrix": one.intrinsics.matrix,
-            "distortion": one.intrinsics.distortion,
-            **_numbers_of(one.lens_residuals),
-        },
-        "floor": one.floor
-        and {**vars(one), "matrix": one.floor.matrix, **_numbers_of(one.floor_residuals)},
-        "features": one.features or None,
-        "marks": {str(mark): [*at] for mark, at in one.marks.items()} or None,
-    }
-    return "".join(f"# {line}\n" for line in _HEADER) + str(_FILE.write(values).as_string())
-
-
-def _numbers_of(residuals: Residuals | None) -> dict[str, Any]:
-    return {} if residuals is None else vars(residuals)
+    return str(_FILE.write(one).as_string())
 
 
 def load_calibration(path: str | PathLike[str]) -> Calibration:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import ImageColor
 
 from robsim._core import ColorClass, Frame, rgb_to_yuv
-from robsim.base.checks import check_int, check_text
+from robsim.base.checks import check_text
 from robsim.base.files import as_path, codec, parse_toml, read_text, write_whole
 from robsim.base.shipped import ASSETS
 from robsim.base.text import listed, quoted
@@ -30,23 +30,27 @@ _HEADER = """\
 """
 
 
-def _range(name: str, value: Any) -> tuple[int, int]:
-    numbers = value if isinstance(value, list) else []
-    if len(numbers) != 2 or not all(type(one) is int for one in numbers):
-        raise ValueError(
-            f"{name} must be [lower, upper], two whole numbers, got {codec.in_words(value)}"
-        )
-    lower, upper = (check_int(name, one, minimum=0, maximum=255) for one in numbers)
-    return lower, upper
+def _range(name: str, value: Any) -> list[int]:
+    if not isinstance(value, list) or not all(type(one) is int for one in value):
+        raise TypeError(f"{name} must be [lower, upper], two whole numbers, got {quoted(value)}")
+    return value
 
 
 #: A colour class without its name.
-COLOR = codec.Table(dict, {channel: codec.Entry(_range) for channel in "yuv"})
+COLOR = codec.Table(codec.together, dict.fromkeys("yuv", codec.Entry("", _range)))
 
 
-def color_of(name: str, table: Any) -> ColorClass:
-    """Return the colour class of a table."""
-    return ColorClass(name, **COLOR.read(name, codec.as_table(name, table, " with y, u and v")))
+def _color(name: str, value: Any) -> ColorClass:
+    return ColorClass(name, **COLOR.read(name, value))
+
+
+_BY_NAME = codec.named(codec.Entry("", _color, COLOR.write), " such as [colors.red]")
+#: Colour classes in tables by their names.
+COLORS = codec.Entry(
+    "",
+    lambda name, value: (*_BY_NAME.read(name, value).values(),),
+    lambda colors: _BY_NAME.write({color.name: color for color in colors}),
+)
 
 
 def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ...]:
@@ -96,7 +100,7 @@ def _colors_of(tables: dict[str, Any]) -> tuple[ColorClass, ...]:
     if not tables:
         raise ValueError("it has no colours, expected tables such as [red]")
     _check_count(len(tables))
-    return (*codec.by_name("", tables, color_of).values(),)
+    return COLORS.read("", tables)  # type: ignore[no-any-return]
 
 
 def _check_count(count: int) -> None:
@@ -117,12 +121,7 @@ def colors_to_toml(colors: ColorClass | Iterable[ColorClass]) -> str:
     str
         A TOML table for each colour.
     """
-    import tomlkit
-
-    document = tomlkit.document()
-    for color in _classes(colors):
-        document.add(color.name, COLOR.write(color))
-    return document.as_string()
+    return str(COLORS.write(_classes(colors)).as_string())
 
 
 def save_colors(

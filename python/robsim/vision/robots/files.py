@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Mapping
 from contextlib import suppress
 from functools import lru_cache, partial
 from os import PathLike
@@ -15,13 +14,13 @@ import numpy as np
 from PIL import Image
 
 from robsim._core import MarkerLayout
-from robsim.base.checks import Floats
+from robsim.base.checks import as_float_array, check_choice, check_float, check_text
 from robsim.base.files import as_path, codec, naming, write_whole
 from robsim.base.text import one_line, quoted
 from robsim.base.values import FileVersion
 from robsim.vision.imaging.images import load_image
 from robsim.vision.robots.definition import DEFAULT_COLORS, BlobMarker, RobotDefinition
-from robsim.vision.robots.marker_roles import roles_of, taken_roles
+from robsim.vision.robots.marker_roles import ROLES, roles_of
 
 #: The definition file of a robot folder, and the image beside it.
 TOML = "robot.toml"
@@ -30,90 +29,65 @@ _WHAT = "robot definition "
 _OTHER_IMAGE = "robot-2.png"  # while a definition that uses the first one is replaced
 
 _MARKER = codec.Table(
-    BlobMarker,
+    lambda polygon, kind="blob", **color: {"polygon": polygon, **color},
     {
-        "color": codec.Entry(codec.text),
-        "polygon": codec.Entry(codec.numbers, "px of the image", is_needed=True),
+        "kind": codec.Entry("", partial(check_choice, choices=("blob",))),
+        "color": "",
+        "polygon": "px of the image",
     },
+    parts=vars,
 )
-_MARKER_KINDS = ("blob",)
 
 
-def _markers(name: str, value: Any) -> dict[str, BlobMarker]:
-    """Return the markers that a file has in a table for each role, such as ``[markers.right]``."""
-    tables = codec.as_table(name, value)
-    colors = zip(roles_of(name, tables), DEFAULT_COLORS, strict=True)
-    return {
-        role: codec.read_key(role, partial(_marker, color), tables[role]) for role, color in colors
-    }
+def _markers(**markers: dict[str, Any]) -> dict[str, BlobMarker]:
+    made = {}
+    for role, color in zip(roles_of("markers", markers), DEFAULT_COLORS, strict=True):
+        with codec.within(role):
+            made[role] = BlobMarker(**{"color": color} | markers[role])
+    return made
 
 
-def _marker(color: str, role: str, value: Any) -> BlobMarker:
-    table = {"color": color} | codec.as_table(role, value)
-    codec.kind_of(table, _MARKER_KINDS)
-    return _MARKER.read(role, table)  # type: ignore[no-any-return]
-
-
-def _markers_table(markers: Mapping[str, BlobMarker]) -> Any:
-    return codec.super_table({role: _MARKER.write(one) for role, one in markers.items()})
-
-
+_ROLES = tuple(role for roles in ROLES for role in roles)
 #: The keys of a robot, but for its image.
-ROBOT_KEYS = {
-    "name": codec.Entry(codec.text, is_needed=True),
-    "size": codec.Entry(codec.number, "px", is_needed=True),
-    "alignment": codec.Entry(codec.number, "degrees", is_needed=True),
-    "centre": codec.Entry(codec.numbers, "px of the image"),
-    "outline": codec.Entry(codec.numbers, is_needed=True),
-    "maximum_blobs": codec.Entry(codec.count),
+ROBOT_KEYS: dict[str, codec.Row] = {
+    "name": "",
+    "size": codec.Entry("px", check_float),
+    "alignment": codec.Entry("degrees", check_float),
+    "centre": "px of the image",
+    "outline": "",
+    "maximum_blobs": "",
+    "markers": codec.Table(_markers, dict.fromkeys(_ROLES, _MARKER)),
 }
-MARKERS = codec.Entry(_markers, "", _markers_table, is_needed=True)
-
-
-class _LayoutTable(codec.Table):
-    """The table of a marker layout, with a table for each role, such as ``[markers.right]``.
-
-    The layout has the color of each role in ``colors``, its position in ``positions``, and so on.
-    """
-
-    _ROLE = codec.Table(
-        dict,
-        {
-            "color": codec.Entry(codec.text),
-            "position": codec.Entry(
-                codec.numbers, "px, forward and right of the centre", is_needed=True
-            ),
-            "area": codec.Entry(codec.number, "px^2"),
-            "polygon": codec.Entry(codec.numbers, "px, its corners"),
-        },
-    )
-
-    def values(self, name: str, value: Any) -> dict[str, Any]:
-        table = dict(codec.as_table(name, value))
-        tables = taken_roles(table)
-        values = super().values(name, table)
-        for role in roles_of(name, tables):
-            for key, one in codec.read_key(role, self._ROLE.read, tables[role]).items():
-                values.setdefault(f"{key}s", {})[role] = one
-        return values
-
-    def write(self, value: Any, kind: str = "") -> Any:
-        table = super().write(value, kind)
-        given = {key: getattr(value, f"{key}s") for key in self._ROLE.keys}
-        for role in value.roles:
-            table.add(role, self._ROLE.write({key: by and by[role] for key, by in given.items()}))
-        return table
-
-
-#: Where the markers are on the work area, as files have it.
-LAYOUT = _LayoutTable(
-    MarkerLayout.from_positions,
+_ROLE = codec.Table(
+    codec.together,
     {
-        "distance_tolerance": codec.Entry(codec.number, "fraction"),
-        "area_tolerance": codec.Entry(codec.number, "ratio"),
-        "maximum_blobs": codec.Entry(codec.count),
+        "color": codec.Entry("", check_text),
+        "position": codec.Entry("px, forward and right of the centre", as_float_array),
+        "area": codec.Entry("px^2", check_float),
+        "polygon": codec.Entry("px, its corners", as_float_array),
     },
+    needed=("position",),
 )
+
+
+def _layout(**values: Any) -> MarkerLayout:
+    """Return a layout: the color of each role is in ``colors``, its position in ``positions``."""
+    markers = {role: values.pop(role) for role in _ROLES if role in values}
+    for role in roles_of("markers", markers):
+        for key, one in markers[role].items():
+            values.setdefault(f"{key}s", {})[role] = one
+    return MarkerLayout.from_positions(**values)
+
+
+def _parts_of(layout: MarkerLayout) -> dict[str, Any]:
+    by_role = {key: getattr(layout, f"{key}s") or {} for key in _ROLE.keys}
+    roles = {role: {key: of.get(role) for key, of in by_role.items()} for role in layout.roles}
+    return {key: getattr(layout, key) for key in _LAYOUT_KEYS} | roles
+
+
+_LAYOUT_KEYS = {"distance_tolerance": "fraction", "area_tolerance": "ratio", "maximum_blobs": ""}
+#: Where the markers are on the work area, as files have it.
+LAYOUT = codec.Table(_layout, _LAYOUT_KEYS | dict.fromkeys(_ROLES, _ROLE), parts=_parts_of)
 
 _TEXT = """\
 # The appearance of a robot from above. Written by robsim; it may be edited by hand.
@@ -219,14 +193,16 @@ def _image_name(file: FileVersion) -> str:
 
 def _image_file(name: str, value: Any) -> str:
     # PureWindowsPath knows the path separators of all systems.
-    file = codec.text(name, value)
+    file = check_text(name, value)
     if file in ("", ".", "..") or PureWindowsPath(file).name != file:
         raise ValueError(f"{name} must be the name of a file beside {TOML}, got {quoted(file)}")
     return file
 
 
 _ROBOT = codec.Table(
-    dict, ROBOT_KEYS | {"image": codec.Entry(_image_file, is_needed=True), "markers": MARKERS}
+    codec.together,
+    ROBOT_KEYS | {"image": codec.Entry("", _image_file)},
+    needed=("name", "image", "size", "alignment", "outline", "markers"),
 )
 
 
@@ -240,30 +216,19 @@ def _definition(file: FileVersion, image: FileVersion) -> RobotDefinition:
 
 
 def _as_text(robot: RobotDefinition, image: str) -> str:
-    import tomlkit
-
-    assert robot.centre is not None
-    filled = _TEXT.format(
-        name=tomlkit.string(robot.name).as_string(),
-        image=image,
-        size=float(robot.size),
-        alignment=float(robot.alignment),
-        centre=_point(robot.centre),
-        outline=_points(robot.outline),
-        maximum_blobs=robot.maximum_blobs,
+    values = {key: _toml(getattr(robot, key)) for key in ROBOT_KEYS if key != "markers"}
+    return _TEXT.format(image=image, **values) + "".join(
+        _MARKER_TEXT.format(role=role, color=_toml(one.color), polygon=_toml(one.polygon))
+        for role, one in robot.markers.items()
     )
-    for role, marker in robot.markers.items():
-        color = tomlkit.string(marker.color).as_string()
-        filled += _MARKER_TEXT.format(role=role, color=color, polygon=_points(marker.polygon))
-    return filled
 
 
-def _point(point: Floats) -> str:
-    return "[" + ", ".join(f"{value:.2f}" for value in np.round(point, 2) + 0.0) + "]"
-
-
-def _points(points: Floats) -> str:
-    """Return the points as TOML, four per line."""
-    texts = [_point(point) for point in points]
-    lines = [", ".join(texts[i : i + 4]) for i in range(0, len(texts), 4)]
+def _toml(value: Any) -> str:
+    """Return a value as TOML, four points a line."""
+    if not isinstance(value, np.ndarray):
+        return str(codec.item(value).as_string())
+    if value.ndim == 1:
+        return "[" + ", ".join(f"{one:.2f}" for one in np.round(value, 2) + 0.0) + "]"
+    points = [_toml(point) for point in value]
+    lines = [", ".join(points[i : i + 4]) for i in range(0, len(points), 4)]
     return "[\n" + "".join(f"    {line},\n" for line in lines) + "]"

@@ -57,7 +57,7 @@ def default_robot() -> str:
 @lru_cache(maxsize=1)
 def _stored_name(file: FileVersion) -> str:
     name: str = codec.load_table(
-        file.path, lambda table: codec.text("robot", table.get("robot", DEFAULT))
+        file.path, lambda table: check_text("robot", table.get("robot", DEFAULT))
     )
     return name
 

@@ -49,7 +49,3 @@ def roles_of(name: str, values: Any) -> tuple[str, str]:
         if set(values) == set(roles):
             return roles
     raise ValueError(f"{expected}, got {quoted(list(values))}")
-
-
-def taken_roles(table: dict[str, Any]) -> dict[str, Any]:
-    return {role: table.pop(role) for roles in ROLES for role in roles if role in table}
