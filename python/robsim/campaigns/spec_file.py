@@ -20,34 +20,8 @@ from robsim.simulation.options import OPTIONS
 from robsim.simulation.scenario_file import MOST_BYTES, options_of
 from robsim.simulation.slots import SLOTS
 
-EXAMPLE = """\
-# A campaign of robsim: run it with robsim campaign FILE.
-runs = 20 # of each combination of what [vary] has
-steps = 50 # of each run
-seed = 1 # run i has the same seed in every case
-metrics = ["tracking"] # or "mine:final": the function final(trace) in mine.py beside this file
-# or { kind = "score_path", waypoints = [[300, 300], [600, 300]] } # or score_pose, with pose
-# keep = "traces" # with --store: not only the numbers of each run
-
-# What the runs have in common, as in a file of robsim run --scenario; or scenario = "FILE".
-[scenario]
-resolution = [480, 480] # px
-start = "random"
-measure = true
-
-[scenario.control]
-kind = "DriveAround"
-
-# Options and their values: a list, or a table of label = value. All combinations are run.
-# The value of a slot, such as control, may be a folder with a file for it: control = ["mine"].
-[vary]
-camera_delay = [0, 1]
-
-[vary.noise]
-0 = "none"
-10 = { kind = "GaussianNoise", percent = 10 }
-20 = { kind = "GaussianNoise", percent = 20 }
-"""
+#: A campaign that can be run, with comments.
+EXAMPLE = Path(__file__).with_name("example.toml").read_text(encoding="utf-8")
 
 _NONE = "none"  # TOML has no None
 
@@ -74,9 +48,9 @@ def _table(folder: Path) -> codec.Table:
         CampaignSpec,
         {
             **dict.fromkeys(("runs", "steps", "seed", "time_limit", "keep"), ""),
-            "metrics": codec.Entry("", metrics),
-            "scenario": codec.Entry("", partial(_scenario, folder)),
-            "vary": codec.named(codec.Entry("", partial(_values, folder))),
+            "metrics": metrics,
+            "scenario": partial(_scenario, folder),
+            "vary": codec.named(partial(_values, folder)),
         },
     )
 

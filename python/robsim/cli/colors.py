@@ -21,12 +21,9 @@ from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
 from robsim.cli.text import Region, parse_noise, parse_point, parse_region
 from robsim.simulation import Simulation
 from robsim.vision.imaging.images import Pixels, load_image, save_image
-from robsim.vision.markers.color_files import (
-    colors_to_toml,
-    load_colors,
-    paint_classes,
-)
+from robsim.vision.markers.color_files import colors_to_toml, load_colors
 from robsim.vision.markers.color_score import score_color
+from robsim.vision.markers.painting import paint_classes
 from robsim.vision.robots.polygons import inner_box
 
 HELP = (

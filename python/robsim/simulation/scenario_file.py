@@ -61,11 +61,11 @@ _VOLTAGES = codec.Entry("V, float64 in base64", codec.base64_pairs, codec.pairs_
 _KEYS: dict[type, dict[str, codec.Row]] = {
     GaussianNoise: {"percent": codec.Entry("%", check_float)},
     UniformNoise: {"percent": codec.Entry("%", check_float)},
-    Dropout: {"probability": codec.Entry("", check_float), "steps": ""},
+    Dropout: {"probability": check_float, "steps": ""},
     PoseNoise: {"covariance": "px^2, px rad, rad^2, a step"},
     WheelNoise: {"sigma": "V"},
     ParameterMismatch: {"sigma": codec.Entry("relative", check_float)},
-    SeedRecord: dict.fromkeys(("entropy", "spawn_key"), codec.Entry("", _numbers)),
+    SeedRecord: dict.fromkeys(("entropy", "spawn_key"), _numbers),
     RobotParameters: {
         "mass": "kg",
         "inertia": "kg m^2",

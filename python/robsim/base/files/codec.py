@@ -48,14 +48,18 @@ def within(*path: str) -> Iterator[None]:
 
 
 def read_table(
-    text: str, read: Callable[[dict[str, Any]], Any], source: object, most: int = MOST_TOML
+    text: str,
+    read: Callable[[dict[str, Any]], Any],
+    source: object,
+    most: int = MOST_TOML,
+    parse: Callable[[str, int], Any] = parse_toml,
 ) -> Any:
     """Return the result of `read` for the table of a text of at most so many bytes.
 
     A ValueError names the source, the line of the key, table and key.
     """
     try:
-        return read(parse_toml(text, most))
+        return read(parse(text, most))
     except _WRONG as error:
         wrong = error if isinstance(error, WrongTable) else WrongTable(str(error))
         line = _line_of(text, (*wrong.path, wrong.key))
@@ -136,17 +140,17 @@ class Table:
     """A table of a file, for a value; also the entry of a table in another one."""
 
     make: Callable[..., Any]  # takes the values of the keys, by their names
-    keys: Mapping[str, Row]  # in the order of the file; a text is Entry(unit)
+    keys: Mapping[str, Row]  # in the order of the file
     said: str = ""  # the comment above the keys
     needed: tuple[str, ...] = ()  # beside the parameters of `make` without a default
-    parts: Callable[[Any], Any] = lambda value: value  # returns the values, or their object
+    parts: Callable[[Any], Any] = lambda value: (value,)  # returns objects with the values
     what: str = "there is no key"  # it begins the error for an unknown one
     ignores_others: bool = False
     unit = ""
 
     @cached_property
     def _entries(self) -> dict[str, Entry | Table]:
-        return {key: Entry(one) if isinstance(one, str) else one for key, one in self.keys.items()}
+        return {key: _entry(row) for key, row in self.keys.items()}
 
     @cached_property
     def _needed(self) -> tuple[str, ...]:
@@ -174,14 +178,32 @@ class Table:
             return None
         written: dict[str, Any] = {"kind": kind} if kind else {}
         for key, entry in self._entries.items():
-            held = parts.get(key) if isinstance(parts, Mapping) else getattr(parts, key)
+            held = _held(parts, key)
             given = None if held is None else entry.write(held)
             if given is not None and given == given:  # NaN = not known
                 written[key] = item(given, entry.unit)
         return table_of(written, self.said)
 
 
-Row = Entry | Table | str
+#: What describes a key; a text is the unit of a value that its owner checks, a function reads one.
+Row = Entry | Table | str | Read
+
+
+def _entry(row: Row) -> Entry | Table:
+    if isinstance(row, (Entry, Table)):
+        return row
+    return Entry(row) if isinstance(row, str) else Entry("", row)
+
+
+def _held(parts: Iterable[Any], key: str) -> Any:
+    """Return a value of the first part that has it, by key or attribute; None = none has."""
+    for part in parts:
+        if isinstance(part, Mapping):
+            if key in part:
+                return part[key]
+        elif hasattr(part, key):
+            return getattr(part, key)
+    return None
 
 
 def table_of(written: Mapping[str, Any], said: str = "") -> Any:
@@ -229,15 +251,17 @@ def check_key(key: str, known: Iterable[str], what: str) -> None:
     check_names(what, [key], known, lambda sentence: WrongTable(sentence, key=key))
 
 
-def named(entry: Entry | Table, hint: str = "") -> Entry:
-    """Return the entry of a table of entries by any names: of a dict."""
+def named(row: Row, hint: str = "", said: str = "") -> Entry:
+    """Return the entry of a table of rows by any names, below a comment: of a dict."""
+    entry = _entry(row)
 
     def read(name: str, value: Any) -> dict[str, Any]:
         table = as_table(name, value, hint)
         return {key: read_key(key, entry, one) for key, one in table.items()}
 
-    def write(values: Mapping[str, Any]) -> Any:
-        return table_of({key: entry.write(one) for key, one in values.items()})
+    def write(values: Mapping[Any, Any]) -> Any:
+        written = {str(key): item(entry.write(one)) for key, one in values.items()}
+        return table_of(written, said) if written else None
 
     return Entry("", read, write)
 
@@ -317,10 +341,9 @@ def pairs_base64(values: Any) -> bytes:
     return np.asarray(values, "<f8").tobytes()
 
 
-def check_format(table: Mapping[str, Any], *readable: int, hint: str = "") -> None:
-    """Raise ValueError unless the key ``format`` of a file is one of these."""
+def check_format(table: Mapping[str, Any], expected: int) -> None:
+    """Raise ValueError unless the key ``format`` of a file is this one."""
     given = table.get("format")
-    if type(given) is not int or given not in readable:
-        expected = " or ".join(map(str, readable))
-        hint = hint or "another one is of a newer robsim"
+    if type(given) is not int or given != expected:
+        hint = "is it such a file, written by this robsim?"
         raise WrongTable(f"format must be {expected}, got {in_words(given)}: {hint}")

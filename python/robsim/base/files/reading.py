@@ -74,6 +74,8 @@ def parse_json(text: str, most: int = _MOST_SIGNS) -> Any:
         return json.loads(text)
     except RecursionError:
         raise ValueError("it is nested too deep") from None
+    except ValueError as error:
+        raise ValueError(f"this is not JSON: {cut(error)}") from None
 
 
 def content_of(path: Path, size: int = -1) -> bytes:

@@ -59,8 +59,8 @@ def _limits(submission: float = SECONDS, **limits: Any) -> tuple[float, WorkerLi
     return submission, WorkerLimits(**limits)
 
 
-_POINTS = codec.Entry("", partial(check_float, minimum=0, maximum=_MOST_POINTS))
-_SECONDS = codec.Entry("", partial(check_float, minimum=0, maximum=_MOST_SECONDS))
+_POINTS = partial(check_float, minimum=0, maximum=_MOST_POINTS)
+_SECONDS = partial(check_float, minimum=0, maximum=_MOST_SECONDS)
 _LIMITS = codec.Table(
     _limits, dict.fromkeys(WorkerLimits.__dataclass_fields__, "") | {"submission": _SECONDS}
 )
@@ -71,31 +71,31 @@ def _table(folder: Path) -> codec.Table:
     tests = codec.Table(
         partial(_test, folder, read_limits(folder)),
         {
-            "name": codec.Entry("", _test_name),
-            "title": codec.Entry("", _title),
-            "number": codec.Entry("", _title),
-            "task": codec.Entry("", partial(check_choice, choices=tuple(TASKS))),
+            "name": _test_name,
+            "title": _title,
+            "number": _title,
+            "task": partial(check_choice, choices=tuple(TASKS)),
             "points": _POINTS,
-            "public": codec.Entry("", codec.flag),
-            "parameters": codec.Entry("", codec.as_table),
+            "public": codec.flag,
+            "parameters": codec.as_table,
         },
     )
     files = codec.Table(
         partial(_file_tests, folder),
-        {"path": codec.Entry("", _path), "public": codec.Entry("", codec.flag)},
+        {"path": _path, "public": codec.flag},
     )
     return codec.Table(
         partial(_assignment, folder),
         {
-            "name": codec.Entry("", check_name),
-            "title": codec.Entry("", _title),
-            "slots": codec.Entry("", _slots),
-            "functions": codec.Entry("", codec.names),
-            "given": codec.Entry("", partial(check_choice, choices=_GIVEN)),
-            "imports": codec.Entry("", codec.names),
-            "masked": codec.Entry("", codec.names),
-            "seeds": codec.Entry("", partial(check_choice, choices=SEEDS)),
-            "isolation": codec.Entry("", partial(check_choice, choices=LEVELS)),
+            "name": check_name,
+            "title": _title,
+            "slots": _slots,
+            "functions": codec.names,
+            "given": partial(check_choice, choices=_GIVEN),
+            "imports": codec.names,
+            "masked": codec.names,
+            "seeds": partial(check_choice, choices=SEEDS),
+            "isolation": partial(check_choice, choices=LEVELS),
             "points": _POINTS,
             "limits": _LIMITS,
             "tests": codec.listed(tests),

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from robsim.base.checks import as_float_array
-from robsim.base.files import codec
+from robsim.base.files import codec, read_text
+from robsim.base.files.reading import parse_json
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.marks.calibration import TaskCalibration
 from robsim.teach.tasks.score import ScoreLimit
@@ -38,19 +38,18 @@ def read_limits(folder: Path) -> dict[str, RecordedTest]:
     content raises AssignmentError.
     """
     try:
-        content = (folder / FILE).read_bytes()
+        text = read_text(folder / FILE, _MOST)
+        return codec.read_table(text, _read, FILE, _MOST, parse_json)  # type: ignore[no-any-return]
     except FileNotFoundError:
         return {}
-    except OSError as error:
-        _refuse(f"it cannot be read: {error.strerror}")
-    try:
-        data = codec.as_table("the file", json.loads(content[: _MOST + 1]))
-        codec.check_format(data, FORMAT)
-        return codec.named(_TEST).read("tests", data.get("tests", {}))  # type: ignore[no-any-return]
-    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
-        _refuse(f"it is not JSON: {error}")
-    except (ValueError, TypeError) as error:
-        _refuse(error)
+    except (OSError, ValueError) as error:
+        raise AssignmentError(str(error), file=FILE) from None
+
+
+def _read(data: Any) -> dict[str, RecordedTest]:
+    table = codec.as_table("the file", data)
+    codec.check_format(table, FORMAT)
+    return codec.named(_TEST).read("tests", table.get("tests", {}))  # type: ignore[no-any-return]
 
 
 def _calibration(name: str, record: Any) -> TaskCalibration | None:
@@ -68,12 +67,8 @@ _TEST = codec.Table(
     RecordedTest,
     {
         "limits": codec.named(_SCORE),
-        "reference": codec.named(codec.Entry("", _numbers)),
-        "calibration": codec.Entry("", _calibration),
+        "reference": codec.named(_numbers),
+        "calibration": _calibration,
     },
     ignores_others=True,
 )
-
-
-def _refuse(message: object) -> NoReturn:
-    raise AssignmentError(f"{FILE}: {message}", file=FILE) from None

@@ -67,9 +67,8 @@ def _as_toml(name: str, value: Any) -> Any:
     if isinstance(value, Mapping):
         items = {str(key): _as_toml(f"{name}.{key}", item) for key, item in value.items()}
         # Plain values stand before the tables, or they would be a part of the last one.
-        tables = {key: item for key, item in items.items() if isinstance(item, dict)}
-        plain = {key: item for key, item in items.items() if key not in tables}
-        return {key: item for key, item in (plain | tables).items() if item is not None}
+        order = sorted(items, key=lambda key: isinstance(items[key], dict))
+        return {key: items[key] for key in order if items[key] is not None}
     if isinstance(value, PlaneMap) and value.intrinsics is None:
         return value.matrix.tolist()
     if (table := _TABLES.get(type(value))) is not None:
@@ -127,23 +126,21 @@ _TABLES: dict[type, codec.Table] = {
     PlaneMap: PLANE_MAP,
     MarkerLayout: LAYOUT,
     RobotModel: codec.Table(RobotModel.from_theta, {"dt": "s", "theta": ""}, needed=("dt",)),
-    ColorClass: codec.Table(
-        ColorClass, {"name": codec.Entry("", check_text), **COLOR.keys}, needed=(*COLOR.keys,)
-    ),
+    ColorClass: codec.Table(ColorClass, {"name": check_text, **COLOR.keys}, needed=(*COLOR.keys,)),
 }
 _SETUP = codec.Table(
     codec.together,
     {
-        "area": codec.Entry("", check_size),
-        "dt": codec.Entry("", partial(check_float, exclusive_minimum=0, maximum=1e6)),
+        "area": check_size,
+        "dt": partial(check_float, exclusive_minimum=0, maximum=1e6),
         "plane_map": PLANE_MAP,
-        "mm_per_px": codec.Entry("", lambda _, value: check_mm_per_px(value)),
-        "stop_input": codec.Entry("", _input),
+        "mm_per_px": lambda _, value: check_mm_per_px(value),
+        "stop_input": _input,
         "colors": codec.listed(_TABLES[ColorClass]),
         "markers": LAYOUT,
         "model": _TABLES[RobotModel],
-        "robot": codec.Entry("", check_text),
-        "started": codec.Entry("", codec.date),
+        "robot": check_text,
+        "started": codec.date,
     },
     ignores_others=True,
 )

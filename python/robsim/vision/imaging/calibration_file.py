@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from functools import partial
 from os import PathLike
 from typing import Any
 
@@ -62,28 +60,17 @@ def _lens(matrix: Any, distortion: Any, **residuals: Any) -> dict[str, Any]:
     return {"intrinsics": lens, "lens_residuals": _residuals(residuals)}
 
 
-def _lens_parts(one: Calibration) -> Any:
-    lens, residuals = one.intrinsics, one.lens_residuals
-    numbers = vars(residuals) if residuals else {}
-    return lens and {"matrix": lens.matrix, "distortion": lens.distortion, **numbers}
-
-
 def _floor(matrix: Any, area: Any, **given: Any) -> dict[str, Any]:
     residuals = {name: given.pop(name) for name in _RESIDUALS.keys if name in given}
     floor = {"floor": PlaneMap(matrix), "floor_residuals": _residuals(residuals)}
     return given | floor | {"area": area}
 
 
-def _floor_parts(one: Calibration) -> Any:
-    numbers = vars(one.floor_residuals) if one.floor_residuals else {}
-    return one.floor and {**vars(one), "matrix": one.floor.matrix, **numbers}
-
-
 _LENS = codec.Table(
     _lens,
     {**INTRINSICS.keys, **_RESIDUALS.keys},
     "Focal lengths and centre (px), then how the lens distorts, as OpenCV has it.",
-    parts=_lens_parts,
+    parts=lambda one: one.intrinsics and (one.intrinsics, one.lens_residuals),
 )
 _FLOOR = codec.Table(
     _floor,
@@ -97,7 +84,7 @@ _FLOOR = codec.Table(
         **_RESIDUALS.keys,
     },
     "The matrix takes (u, v, 1) of an ideal lens to (x, y, 1) on the floor, times a number.",
-    parts=_floor_parts,
+    parts=lambda one: one.floor and (one, one.floor, one.floor_residuals),
 )
 
 
@@ -105,11 +92,6 @@ def _read_marks(name: str, value: Any) -> dict[Any, Any]:
     """Return a table with numbers as keys; another key stays, to be refused."""
     table = codec.as_table(name, value)
     return {int(key) if _NUMBER.fullmatch(key) else key: pixel for key, pixel in table.items()}
-
-
-def _write_by_name(said: str, values: Mapping[Any, Any]) -> Any:
-    items = {str(name): codec.item(codec.plain(one)) for name, one in values.items()}
-    return codec.table_of(items, said) if items else None
 
 
 def _calibration(
@@ -122,17 +104,15 @@ _FILE = codec.Table(
     _calibration,
     {
         "format": "",
-        "date": codec.Entry("", codec.date),
+        "date": codec.date,
         "frames": _FRAMES,
         "lens": _LENS,
         "floor": _FLOOR,
-        "features": codec.Entry("", write=partial(_write_by_name, "Settings of the camera.")),
-        "marks": codec.Entry("", _read_marks, partial(_write_by_name, _MARKS)),
+        "features": codec.named("", said="Settings of the camera."),
+        "marks": codec.Entry("", _read_marks, codec.named("", said=_MARKS).write),
     },
     _HEADER,
-    parts=lambda one: (
-        vars(one) | {"format": _FORMAT} | dict.fromkeys(("frames", "lens", "floor"), one)
-    ),
+    parts=lambda one: ({"format": _FORMAT, "frames": one, "lens": one, "floor": one}, one),
 )
 
 
@@ -210,5 +190,5 @@ def load_calibration(path: str | PathLike[str]) -> Calibration:
 
 
 def _read(table: dict[str, Any]) -> Calibration:
-    codec.check_format(table, _FORMAT, hint="is it a calibration that robsim wrote?")
+    codec.check_format(table, _FORMAT)
     return _FILE.read("calibration", table)  # type: ignore[no-any-return]

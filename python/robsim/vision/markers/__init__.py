@@ -15,14 +15,10 @@ from robsim._core import (
     rgb_to_yuv,
     surrounding_chroma,
 )
-from robsim.vision.markers.color_files import (
-    colors_to_toml,
-    load_colors,
-    paint_classes,
-    save_colors,
-)
+from robsim.vision.markers.color_files import colors_to_toml, load_colors, save_colors
 from robsim.vision.markers.color_score import ColorScore, score_color
 from robsim.vision.markers.missed_detections import SmallMarkersWarning
+from robsim.vision.markers.painting import paint_classes
 from robsim.vision.markers.trained_color import TrainedColor
 from robsim.vision.markers.training import train_color, train_markers
 

@@ -31,11 +31,10 @@ _OTHER_IMAGE = "robot-2.png"  # while a definition that uses the first one is re
 _MARKER = codec.Table(
     lambda polygon, kind="blob", **color: {"polygon": polygon, **color},
     {
-        "kind": codec.Entry("", partial(check_choice, choices=("blob",))),
+        "kind": partial(check_choice, choices=("blob",)),
         "color": "",
         "polygon": "px of the image",
     },
-    parts=vars,
 )
 
 
@@ -61,7 +60,7 @@ ROBOT_KEYS: dict[str, codec.Row] = {
 _ROLE = codec.Table(
     codec.together,
     {
-        "color": codec.Entry("", check_text),
+        "color": check_text,
         "position": codec.Entry("px, forward and right of the centre", as_float_array),
         "area": codec.Entry("px^2", check_float),
         "polygon": codec.Entry("px, its corners", as_float_array),
@@ -79,15 +78,23 @@ def _layout(**values: Any) -> MarkerLayout:
     return MarkerLayout.from_positions(**values)
 
 
-def _parts_of(layout: MarkerLayout) -> dict[str, Any]:
+def _parts_of(layout: MarkerLayout) -> tuple[Any, ...]:
     by_role = {key: getattr(layout, f"{key}s") or {} for key in _ROLE.keys}
     roles = {role: {key: of.get(role) for key, of in by_role.items()} for role in layout.roles}
-    return {key: getattr(layout, key) for key in _LAYOUT_KEYS} | roles
+    return layout, roles
 
 
-_LAYOUT_KEYS = {"distance_tolerance": "fraction", "area_tolerance": "ratio", "maximum_blobs": ""}
 #: Where the markers are on the work area, as files have it.
-LAYOUT = codec.Table(_layout, _LAYOUT_KEYS | dict.fromkeys(_ROLES, _ROLE), parts=_parts_of)
+LAYOUT = codec.Table(
+    _layout,
+    {
+        "distance_tolerance": "fraction",
+        "area_tolerance": "ratio",
+        "maximum_blobs": "",
+        **dict.fromkeys(_ROLES, _ROLE),
+    },
+    parts=_parts_of,
+)
 
 _TEXT = """\
 # The appearance of a robot from above. Written by robsim; it may be edited by hand.
@@ -201,7 +208,7 @@ def _image_file(name: str, value: Any) -> str:
 
 _ROBOT = codec.Table(
     codec.together,
-    ROBOT_KEYS | {"image": codec.Entry("", _image_file)},
+    ROBOT_KEYS | {"image": _image_file},
     needed=("name", "image", "size", "alignment", "outline", "markers"),
 )
 

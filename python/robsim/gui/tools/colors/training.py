@@ -15,7 +15,7 @@ from robsim.base.text import quoted
 from robsim.gui._link import boxes_of, numbers
 from robsim.gui.tools.history import History
 from robsim.vision.imaging import images
-from robsim.vision.markers.color_files import paint_of
+from robsim.vision.markers.painting import paint_of
 from robsim.vision.markers.training import Sample
 
 Region = tuple[int, int, int, int]

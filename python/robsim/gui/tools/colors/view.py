@@ -40,8 +40,9 @@ from robsim.gui.tools.colors.training import (
 from robsim.gui.tools.pictures import Picture, Pictures
 from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView, file_to_save
 from robsim.vision.imaging import images
-from robsim.vision.markers.color_files import colors_of_text, colors_to_toml, paint_of, save_colors
+from robsim.vision.markers.color_files import colors_of_text, colors_to_toml, save_colors
 from robsim.vision.markers.color_score import score_color
+from robsim.vision.markers.painting import paint_of
 from robsim.vision.robots.definition import RobotDefinition
 
 _LONGEST = 8000  # characters of a colour file
