@@ -133,7 +133,6 @@ _FILE = codec.Table(
     }
     | {"colors": COLORS},
     "A simulated world and a run of robsim: read it with robsim.Scenario.load.",
-    what="a scenario has no option",
 )
 
 

@@ -144,7 +144,6 @@ class Table:
     said: str = ""  # the comment above the keys
     needed: tuple[str, ...] = ()  # beside the parameters of `make` without a default
     parts: Callable[[Any], Any] = lambda value: (value,)  # returns objects with the values
-    what: str = "there is no key"  # it begins the error for an unknown one
     ignores_others: bool = False
     unit = ""
 
@@ -166,7 +165,7 @@ class Table:
         table = as_table(name, value, f" with {', '.join(self.keys)}")
         given = {key: one for key, one in table.items() if key in self.keys}
         for key in () if self.ignores_others else table:
-            check_key(key, self.keys, self.what)
+            check_key(key, self.keys)
         for key in self._needed:
             if key not in table:
                 raise ValueError(f"{key} is missing")
@@ -232,6 +231,11 @@ def item(value: Any, unit: str = "") -> Any:
     return made.comment(unit) if unit else made
 
 
+def rows(array: Any) -> Any:
+    """Return an array as it is written, a row a line."""
+    return item(plain(array)).multiline(True)
+
+
 def read_key(name: str, entry: Entry | Table, value: Any) -> Any:
     """Return the value of a key; if it is a table, errors name its path."""
     if not isinstance(value, dict):
@@ -246,7 +250,7 @@ def as_table(name: str, value: Any, hint: str = "") -> dict[str, Any]:
     return table
 
 
-def check_key(key: str, known: Iterable[str], what: str) -> None:
+def check_key(key: str, known: Iterable[str], what: str = "there is no key") -> None:
     """Raise an error for an unknown key, with the one that was meant."""
     check_names(what, [key], known, lambda sentence: WrongTable(sentence, key=key))
 

@@ -79,6 +79,7 @@ def _table(folder: Path) -> codec.Table:
             "public": codec.flag,
             "parameters": codec.as_table,
         },
+        needed=("points", "public"),
     )
     files = codec.Table(
         partial(_file_tests, folder),
@@ -101,6 +102,7 @@ def _table(folder: Path) -> codec.Table:
             "tests": codec.listed(tests),
             "files": codec.listed(files),
         },
+        needed=("name", "title"),
     )
 
 
@@ -149,9 +151,6 @@ def _text_in(folder: Path) -> str:
 
 def _assignment(
     folder: Path,
-    *,
-    name: str,
-    title: str,
     slots: tuple[str, ...] | None = None,
     given: str | None = None,
     masked: tuple[str, ...] | None = None,
@@ -168,16 +167,14 @@ def _assignment(
         raise ValueError("it has no tests: add some, each below a line [[tests]] or [[files]]")
     assignment = Assignment(
         folder=folder.absolute(),
-        name=name,
-        title=title,
         slots=_slots_for(slots, tests),
         masked=_masked(masked, tests),
         given=_given_for(given, tests),
         given_files=_given_files(folder),
         own_seeds=seeds == SEEDS[0],
         key=keys.Key.load(folder / KEY) if (folder / KEY).exists() else None,
-        limits=limits[1],
         seconds=limits[0],
+        limits=limits[1],
         tests=tuple(tests),
         files=tuple(files),
         **others,
@@ -189,14 +186,10 @@ def _assignment(
 def _test(
     folder: Path,
     recorded: Mapping[str, RecordedTest],
-    *,
     name: str,
     task: str,
     parameters: Mapping[str, Any] = MappingProxyType({}),
-    title: str | None = None,
-    points: float,
-    public: bool,
-    **number: str,
+    **others: Any,
 ) -> TaskTest:
     made, known = _task(task, parameters), recorded.get(name, RecordedTest())
     check_names(
@@ -207,17 +200,14 @@ def _test(
     )
     solutions = solutions_for(folder, made)
     stale = None if known.calibration is None else known.calibration.stale(made, solutions)
+    rest = {"title": made.title, "stale": stale or "", **others}
     return TaskTest(
         name=name,
-        title=made.title if title is None else title,
         task=made,
-        points=points,
-        public=public,
         limits=known.limits,
-        stale=stale or "",
         reference=solutions[0],
         reference_values=known.reference,
-        **number,
+        **rest,
     )
 
 

@@ -21,11 +21,7 @@ _MARKS = "Where the frames showed the floor sheets' marks, by their numbers: u, 
 _NUMBER = re.compile("0|[1-9][0-9]{0,8}")  # 01 would be another name of 1
 
 
-def _rows(array: Any) -> Any:
-    return codec.item(array.tolist()).multiline(True)
-
-
-_MATRIX = codec.Entry("", write=_rows)
+_MATRIX = codec.Entry("", write=codec.rows)
 #: A lens, and the map of a plane with one, as files have them.
 INTRINSICS = codec.Table(
     Intrinsics, {"matrix": _MATRIX, "distortion": "k1, k2, p1, p2, k3"}, needed=("distortion",)

@@ -28,12 +28,15 @@ IMAGE = "robot.png"
 _WHAT = "robot definition "
 _OTHER_IMAGE = "robot-2.png"  # while a definition that uses the first one is replaced
 
+_POINTS = codec.Entry("", write=codec.rows)
 _MARKER = codec.Table(
     lambda polygon, kind="blob", **color: {"polygon": polygon, **color},
     {
         "kind": partial(check_choice, choices=("blob",)),
         "color": "",
-        "polygon": "px of the image",
+        "polygon": codec.Entry(
+            "px of the image; the camera is to measure its area", write=codec.rows
+        ),
     },
 )
 
@@ -50,11 +53,11 @@ _ROLES = tuple(role for roles in ROLES for role in roles)
 #: The keys of a robot, but for its image.
 ROBOT_KEYS: dict[str, codec.Row] = {
     "name": "",
-    "size": codec.Entry("px", check_float),
-    "alignment": codec.Entry("degrees", check_float),
-    "centre": "px of the image",
-    "outline": "",
-    "maximum_blobs": "",
+    "size": codec.Entry("width of the image on the work area (px)", check_float),
+    "alignment": codec.Entry("degrees clockwise, after which the robot faces right", check_float),
+    "centre": "around which it turns (px of the image)",
+    "outline": _POINTS,
+    "maximum_blobs": "the largest of each colour, among which the markers are searched",
     "markers": codec.Table(_markers, dict.fromkeys(_ROLES, _MARKER)),
 }
 _ROLE = codec.Table(
@@ -95,35 +98,6 @@ LAYOUT = codec.Table(
     },
     parts=_parts_of,
 )
-
-_TEXT = """\
-# The appearance of a robot from above. Written by robsim; it may be edited by hand.
-# `robsim robots show FOLDER` checks and draws it.
-
-name = {name}
-image = "{image}"   # beside this file; surroundings transparent
-size = {size}   # width of the image on the work area (px)
-alignment = {alignment}   # degrees clockwise, after which the robot faces right
-
-# Points are [right, down] in image pixels; the centre of the top left pixel is (0, 0).
-# The robot's centre, around which it turns:
-centre = {centre}
-
-# Polygons. Around the robot:
-outline = {outline}
-
-# Number of the largest blobs of each colour among which the markers are searched:
-maximum_blobs = {maximum_blobs}
-
-# The two markers by where they sit on the robot: right and left, or front and back. A colour is a
-# class of a colour file; area and centroid of a polygon are those that the camera is to measure.
-"""
-
-_MARKER_TEXT = """
-[markers.{role}]
-color = {color}
-polygon = {polygon}
-"""
 
 
 def read_robot(folder: Path) -> RobotDefinition:
@@ -174,7 +148,7 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     image, old = _image_names(folder, content.getvalue())
     if image != old:
         write_whole(folder / image, content.getvalue())
-    write_whole(folder / TOML, _as_text(robot, image).encode())
+    write_whole(folder / TOML, _FILE.write((robot, image)).as_string().encode())
     if old in (IMAGE, _OTHER_IMAGE) and old != image:
         with suppress(OSError):
             (folder / old).unlink()
@@ -195,7 +169,7 @@ def _image_names(folder: Path, content: bytes) -> tuple[str, str | None]:
 @lru_cache(maxsize=16)
 def _image_name(file: FileVersion) -> str:
     """Return the name of the image of a definition file."""
-    return str(codec.load_table(file.path, lambda table: _ROBOT.read(TOML, table)["image"], _WHAT))
+    return str(codec.load_table(file.path, lambda table: _FILE.read(TOML, table)["image"], _WHAT))
 
 
 def _image_file(name: str, value: Any) -> str:
@@ -206,36 +180,42 @@ def _image_file(name: str, value: Any) -> str:
     return file
 
 
-_ROBOT = codec.Table(
+def _saved_parts(saved: tuple[RobotDefinition, str]) -> tuple[Any, ...]:
+    robot, image = saved
+    markers = {
+        role: {"color": one.color, "polygon": _near(one.polygon)}
+        for role, one in robot.markers.items()
+    }
+    points = {"centre": _near(robot.centre), "outline": _near(robot.outline)}
+    return {"image": image, "markers": markers, **points}, robot
+
+
+def _near(points: Any) -> Any:
+    return np.round(points, 2) + 0.0  # no -0.0
+
+
+_FILE = codec.Table(
     codec.together,
-    ROBOT_KEYS | {"image": _image_file},
+    {
+        "name": "",
+        "image": codec.Entry("beside this file; surroundings transparent", _image_file),
+        **ROBOT_KEYS,
+    },
+    """\
+The appearance of a robot from above. Written by robsim; it may be edited by hand.
+`robsim robots show FOLDER` checks and draws it.
+Points are [right, down] in image pixels; the centre of the top left pixel is (0, 0).
+The two markers are by where they sit on the robot: right and left, or front and back. A colour is a
+class of a colour file; area and centroid of a polygon are those that the camera is to measure.""",
     needed=("name", "image", "size", "alignment", "outline", "markers"),
+    parts=_saved_parts,
 )
 
 
 @lru_cache(maxsize=16)
 def _definition(file: FileVersion, image: FileVersion) -> RobotDefinition:
     def robot_of(table: dict[str, Any]) -> RobotDefinition:
-        values = _ROBOT.read(TOML, table)
+        values = _FILE.read(TOML, table)
         return RobotDefinition(**values | {"image": load_image(image.path, mode="RGBA")})
 
     return codec.load_table(file.path, robot_of, _WHAT)  # type: ignore[no-any-return]
-
-
-def _as_text(robot: RobotDefinition, image: str) -> str:
-    values = {key: _toml(getattr(robot, key)) for key in ROBOT_KEYS if key != "markers"}
-    return _TEXT.format(image=image, **values) + "".join(
-        _MARKER_TEXT.format(role=role, color=_toml(one.color), polygon=_toml(one.polygon))
-        for role, one in robot.markers.items()
-    )
-
-
-def _toml(value: Any) -> str:
-    """Return a value as TOML, four points a line."""
-    if not isinstance(value, np.ndarray):
-        return str(codec.item(value).as_string())
-    if value.ndim == 1:
-        return "[" + ", ".join(f"{one:.2f}" for one in np.round(value, 2) + 0.0) + "]"
-    points = [_toml(point) for point in value]
-    lines = [", ".join(points[i : i + 4]) for i in range(0, len(points), 4)]
-    return "[\n" + "".join(f"    {line},\n" for line in lines) + "]"
