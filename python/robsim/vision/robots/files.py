@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 from contextlib import suppress
 from functools import lru_cache, partial
@@ -11,14 +10,13 @@ from pathlib import Path, PureWindowsPath
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from robsim._core import MarkerLayout
 from robsim.base.checks import as_float_array, check_choice, check_float, check_text
 from robsim.base.files import as_path, codec, naming, write_whole
 from robsim.base.text import one_line, quoted
 from robsim.base.values import FileVersion
-from robsim.vision.imaging.images import load_image
+from robsim.vision.imaging.images import load_image, png_bytes
 from robsim.vision.robots.definition import DEFAULT_COLORS, BlobMarker, RobotDefinition
 from robsim.vision.robots.marker_roles import ROLES, roles_of
 
@@ -143,11 +141,10 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     folder = as_path(folder, "folder")
     with naming(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    content = io.BytesIO()
-    Image.fromarray(robot.image).save(content, format="PNG", compress_level=1)
-    image, old = _image_names(folder, content.getvalue())
+    content = png_bytes(robot.image)
+    image, old = _image_names(folder, content)
     if image != old:
-        write_whole(folder / image, content.getvalue())
+        write_whole(folder / image, content)
     write_whole(folder / TOML, _FILE.write((robot, image)).as_string().encode())
     if old in (IMAGE, _OTHER_IMAGE) and old != image:
         with suppress(OSError):
