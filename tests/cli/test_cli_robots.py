@@ -127,7 +127,7 @@ def test_show_of_a_folder_says_what_is_wrong(tmp_path):
     assert result.exit_code == 0
     assert Path("robot--a-b.png").is_file()
     assert result.stderr.count("error: ") == 2  # markers too small to be detected
-    file.write_text(text.replace("centre = [239.50", "centre = [1.0"))
+    file.write_text(text.replace("centre = [239.5", "centre = [1.0"))
     assert "centre" in refused("show", tmp_path / "folder")
 
 

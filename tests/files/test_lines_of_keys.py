@@ -17,7 +17,7 @@ SCENARIOS = {
         r"line 5: \[noise\] percent must be a number, got 'x'"
     ),
     "noise.kind = 'UniformNoise'\nnoise.percent = -1": r"line 2: \[noise\] percent must",
-    "markers = { left.position = 1 }": r"line 1: \[markers\]",
+    "markers = { left.position = 1 }": r"line 1: \[markers\.left\] position",
     "[markers.left]\nposition = [1, 2]\n[markers.right]\nposition = [1, 3]\narea = 'x'": (
         r"line 5: \[markers\.right\] area must be a number, got 'x'"
     ),

@@ -108,8 +108,8 @@ def png(mode, size):
 REFUSED = {
     "areas = [3, 3]": "'areas'.*'area'",
     "area = [1, 2]": "area",
-    "boundary = {}": "boundary .*a table",
-    "smoothing = true": "smoothing .*got true",
+    "boundary = {}": "boundary .*'bounce'",
+    "smoothing = true": "smoothing .*got True",
     "measure = 1": "measure .*true or false",
     "start = [1, 2, nan]": "start",
     "start = [300, 300, 90]": "start .*in degrees",

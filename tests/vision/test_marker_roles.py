@@ -322,7 +322,7 @@ def test_comments_in_a_file_survive_new_roles(user_folder):
     text = file.read_text()
     assert load_robot("mine").marker_layout().colors == {"front": "blue", "back": "red"}
     assert '[markers.back]\ncolor = "red"  # matt paper\n' in text
-    assert "alignment = 180.0   # degrees clockwise" in text
+    assert "alignment = 180.0 # degrees clockwise" in text
     assert "[markers.right]" not in text
     rotate_robot("mine", -90)
     assert load_robot("mine").marker_layout().colors == {"right": "red", "left": "blue"}

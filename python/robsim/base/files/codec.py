@@ -264,8 +264,7 @@ def named(row: Row, hint: str = "", said: str = "") -> Entry:
         return {key: read_key(key, entry, one) for key, one in table.items()}
 
     def write(values: Mapping[Any, Any]) -> Any:
-        written = {str(key): item(entry.write(one)) for key, one in values.items()}
-        return table_of(written, said) if written else None
+        return table_of({str(key): item(entry.write(one)) for key, one in values.items()}, said)
 
     return Entry("", read, write)
 

@@ -108,7 +108,10 @@ _FILE = codec.Table(
         "marks": codec.Entry("", _read_marks, codec.named("", said=_MARKS).write),
     },
     _HEADER,
-    parts=lambda one: ({"format": _FORMAT, "frames": one, "lens": one, "floor": one}, one),
+    parts=lambda one: (
+        {"format": _FORMAT, "frames": one, "lens": one, "floor": one},
+        {"date": one.date, "features": one.features or None, "marks": one.marks or None},
+    ),
 )
 
 

@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 from robsim._core import MarkerLayout
-from robsim.base.checks import as_float_array, check_choice, check_float, check_text
+from robsim.base.checks import check_choice, check_float, check_text
 from robsim.base.files import as_path, codec, naming, write_whole
 from robsim.base.text import one_line, quoted
 from robsim.base.values import FileVersion
 from robsim.vision.imaging.images import load_image, png_bytes
 from robsim.vision.robots.definition import DEFAULT_COLORS, BlobMarker, RobotDefinition
 from robsim.vision.robots.marker_roles import ROLES, roles_of
+from robsim.vision.robots.polygon_checks import finite_array
 
 #: The definition file of a robot folder, and the image beside it.
 TOML = "robot.toml"
@@ -62,9 +63,11 @@ _ROLE = codec.Table(
     codec.together,
     {
         "color": check_text,
-        "position": codec.Entry("px, forward and right of the centre", as_float_array),
+        "position": codec.Entry(
+            "px, forward and right of the centre", partial(finite_array, shape=(2,))
+        ),
         "area": codec.Entry("px^2", check_float),
-        "polygon": codec.Entry("px, its corners", as_float_array),
+        "polygon": codec.Entry("px, its corners", partial(finite_array, shape=(-1, 2))),
     },
     needed=("position",),
 )
