@@ -173,6 +173,11 @@ t, dt : float, optional
   define_repr(world, "<WorldState of step {0.k}>");
 }
 
+template <typename T>
+auto setter(T WorldOptions::* option) {
+  return [option](SlottedWorld& self, const T& value) { self.set(option, value); };
+}
+
 void bind_simulated_world(py::module_& module) {
   Class<SlottedWorld, World, std::shared_ptr<SlottedWorld>>(
       public_in(module, "robsim._core"), "SimulatedWorld",
@@ -184,8 +189,8 @@ void bind_simulated_world(py::module_& module) {
       .def("set_make_scene", &SlottedWorld::set_make_scene, "make"_a, "makes_at_start"_a)
       .def("set_true_model", &SlottedWorld::set_true_model, "draw"_a)
       .def("set_start", &SlottedWorld::set_start, "start"_a)
-      .def("set_robot_radius", &SlottedWorld::set_robot_radius, "radius"_a)
-      .def("set_noise", &SlottedWorld::set_noise, "noise"_a)
+      .def("set_robot_radius", setter(&WorldOptions::robot_radius), "radius"_a)
+      .def("set_noise", setter(&WorldOptions::noise), "noise"_a)
       .def("set_dropout", &SlottedWorld::set_dropout, "probability"_a, "steps"_a)
       .def("set_disturbance", &SlottedWorld::set_disturbance, "pose_factor"_a, "input_sigma"_a)
       .def("set_seeds", &SlottedWorld::set_seeds, py::kw_only(), "noise"_a, "dropout"_a,

@@ -58,16 +58,6 @@ void SimulatedWorld::set_start(const Pose& start) {
   options_.start.heading = wrap_angle(start.heading);
 }
 
-void SimulatedWorld::set_robot_radius(double radius) {
-  const RunGuard::Look look(guard());
-  options_.robot_radius = radius;
-}
-
-void SimulatedWorld::set_noise(const VisualNoise& noise) {
-  const RunGuard::Look look(guard());
-  options_.noise = noise;
-}
-
 void SimulatedWorld::set_dropout(double probability, int steps) {
   const RunGuard::Look look(guard());
   options_.dropout.probability = probability;

@@ -91,9 +91,12 @@ class SimulatedWorld : public World {
   const std::optional<RobotModel>& model() const { return model_; }
 
   // To be changed before the start, or between two steps.
+  template <typename T>
+  void set(T WorldOptions::* option, const T& value) {
+    const RunGuard::Look look(guard());
+    options_.*option = value;
+  }
   void set_start(const Pose& start);
-  void set_robot_radius(double radius);
-  void set_noise(const VisualNoise& noise);
   void set_dropout(double probability, int steps);
   void set_disturbance(const Eigen::Matrix3d& pose_factor, std::array<double, 2> input_sigma);
   void set_seeds(std::uint64_t noise, std::uint64_t dropout, std::uint64_t disturbance);
