@@ -97,9 +97,9 @@ Parameters
 voltage : float
     Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
 )");
-  const Fields spin_fields(
-      [](double voltage) { return std::make_shared<Spin>(voltage); },
-      Field("voltage", &Spin::voltage, "float: voltage of the left motor (V).", Spin().voltage()));
+  const auto spin_fields = members<Spin>(
+      [](const Spin& made) { made.check(); },
+      Field("voltage", &Spin::voltage, "float: voltage of the left motor (V).", Spin().voltage));
   define_value(spin, spin_fields);
   define_repr(spin, spin_fields);
 
@@ -115,13 +115,11 @@ low, high : float
 hold : int
     Steps for which a voltage is held.
 )");
-  const Fields fields(
-      [](double low, double high, int hold) {
-        return std::make_shared<DriveAround>(low, high, hold);
-      },
-      by_name, Field("low", &DriveAround::low, "float: lowest voltage (V).", defaults.low()),
-      Field("high", &DriveAround::high, "float: highest voltage (V).", defaults.high()),
-      Field("hold", &DriveAround::hold, "int: steps a voltage is held for.", defaults.hold()));
+  const auto fields = members<DriveAround>(
+      [](const DriveAround& made) { made.check(); }, by_name,
+      Field("low", &DriveAround::low, "float: lowest voltage (V).", defaults.low),
+      Field("high", &DriveAround::high, "float: highest voltage (V).", defaults.high),
+      Field("hold", &DriveAround::hold, "int: steps a voltage is held for.", defaults.hold));
   define_value(drive, fields);
   define_repr(drive, fields);
 }

@@ -11,13 +11,13 @@
 
 namespace robsim {
 
-Spin::Spin(double voltage) : voltage_(voltage) {
+void Spin::check() const {
   if (!std::isfinite(voltage)) throw std::invalid_argument("voltage must be finite (V)");
 }
 
-Input Spin::operator()(const Step&) const { return {voltage_, -voltage_}; }
+Input Spin::operator()(const Step&) const { return {voltage, -voltage}; }
 
-DriveAround::DriveAround(double low, double high, int hold) : low_(low), high_(high), hold_(hold) {
+void DriveAround::check() const {
   if (!(std::isfinite(low) && std::isfinite(high) && low <= high)) {
     throw std::invalid_argument("low must not be above high, both finite (V), got low=" +
                                 to_text(low) + " and high=" + to_text(high));
@@ -26,9 +26,9 @@ DriveAround::DriveAround(double low, double high, int hold) : low_(low), high_(h
 }
 
 Input DriveAround::operator()(const Step& step) const {
-  const auto block = static_cast<std::uint64_t>(step.k / hold_);
+  const auto block = static_cast<std::uint64_t>(step.k / hold);
   const auto voltage = [&](std::uint64_t motor) {
-    return low_ + (high_ - low_) * random_uniform(step.controller_seed, 2 * block + motor);
+    return low + (high - low) * random_uniform(step.controller_seed, 2 * block + motor);
   };
   return {voltage(0), voltage(1)};
 }

@@ -15,33 +15,23 @@ class Controller {
 };
 
 /// Turns on the spot: (+voltage, -voltage).
-class Spin : public Controller {
- public:
-  /// Throws std::invalid_argument unless the voltage (V) is finite.
-  explicit Spin(double voltage = 0.05);
+struct Spin : Controller {
+  double voltage = 0.05;  // V
 
+  /// Throws std::invalid_argument unless the voltage is finite.
+  void check() const;
   Input operator()(const Step& step) const override;
-  double voltage() const { return voltage_; }
-
- private:
-  double voltage_;
 };
 
-/// Drives around: for each motor a random voltage, uniform in [low, high) V, held for `hold` steps.
-class DriveAround : public Controller {
- public:
+/// Drives around: for each motor a random voltage, uniform in [low, high), held for `hold` steps.
+struct DriveAround : Controller {
+  double low = -0.5;  // V
+  double high = 1.5;  // V
+  int hold = 10;
+
   /// Throws std::invalid_argument unless low <= high, both finite, and hold >= 1.
-  explicit DriveAround(double low = -0.5, double high = 1.5, int hold = 10);
-
+  void check() const;
   Input operator()(const Step& step) const override;
-  double low() const { return low_; }
-  double high() const { return high_; }
-  int hold() const { return hold_; }
-
- private:
-  double low_;
-  double high_;
-  int hold_;
 };
 
 /// Gives recorded inputs once more: in step k that of row k.
