@@ -220,11 +220,12 @@ std::string to_bytes(const StepMessage& m) {
     fixed.standard_errors_unscaled = *m.standard_errors_unscaled;
   }
   if (has(m.measurement, measurement_part)) {
-    const auto& covariance = m.measurement->covariance;
-    fixed.measured = m.measurement->pose;
+    // All fields, so that a new one does not compile before it is in the message; the pair is not.
+    const auto& [pose, covariance, misfit, signal_to_noise, pair] = *m.measurement;
+    fixed.measured = pose;
     if (has(covariance, covariance_part)) fixed.measured_covariance = *covariance;
-    fixed.misfit = m.measurement->misfit;
-    fixed.signal_to_noise = m.measurement->signal_to_noise;
+    fixed.misfit = misfit;
+    fixed.signal_to_noise = signal_to_noise;
   }
   if (has(m.missed, missed_part)) fixed.missed = static_cast<std::uint32_t>(*m.missed);
   if (has(m.estimate, estimate_part)) {
