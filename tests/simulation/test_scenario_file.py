@@ -1,5 +1,6 @@
 import base64
 import contextlib
+import inspect
 import io
 import tomllib
 
@@ -11,6 +12,8 @@ from PIL import Image
 
 import robsim
 from robsim import Replay, Scenario
+from robsim.simulation.scenario_file import TABLES
+from robsim.vision import MarkerLayout
 from scenarios import FULL, scenarios
 from sizes import thorough
 
@@ -44,6 +47,11 @@ def test_every_bit_of_a_number_is_kept(one, other):
         numbers = [value.hex() for value in np.ravel(getattr(again, "u", one)).tolist()]
         assert again == control
         assert one.hex() in numbers
+
+
+@pytest.mark.parametrize("kind", [kind for kind in TABLES if kind is not MarkerLayout])
+def test_a_table_has_a_key_for_each_argument_of_its_value(kind):
+    assert TABLES[kind].keys.keys() == inspect.signature(TABLES[kind].make).parameters.keys()
 
 
 def test_only_what_is_not_the_default_is_written():
