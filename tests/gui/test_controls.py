@@ -1,5 +1,8 @@
 """What can be set in a panel while its run goes on."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -56,6 +59,15 @@ def test_each_choice_can_be_made_and_stepped(watch):
                 assert watcher.newest("state")["state"] == "paused"
                 made += 1
     assert sim.n_steps == made == 22
+
+
+def test_each_control_has_a_label_and_is_in_the_protocol(watch):
+    gui = Path(robsim.gui.__file__).parent
+    texts = json.loads((gui / "static/texts.json").read_text("utf-8"))
+    protocol = (gui / "PROTOCOL.md").read_text("utf-8")
+    for described in watch(small()).newest("setup")["controls"]:
+        assert f"control.{described['name']}" in texts
+        assert f"`{described['name']}`" in protocol
 
 
 def test_ranges_reach_the_world(watch):
