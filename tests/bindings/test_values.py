@@ -136,8 +136,9 @@ def test_a_class_of_the_users_own_keeps_what_it_adds():
 
 def test_a_pickle_is_checked_as_the_constructor_is():
     drive = DriveAround.__new__(DriveAround)
+    (low, high, _, *others), own = DriveAround().__getstate__()
     with pytest.raises(ValueError, match="hold"):
-        drive.__setstate__(((0.0, 1.0, 0), {}))
+        drive.__setstate__(((low, high, 0, *others), own))
     for state in ([], [0.0] * 7, [np.nan] * 84):
         filters = RecursiveLeastSquares.__new__(RecursiveLeastSquares)
         with pytest.raises(ValueError, match="state"):

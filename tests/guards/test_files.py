@@ -17,7 +17,10 @@ VERSIONS = sorted((Path(__file__).parents[1] / "data").glob("[0-9]*"))
 def test_a_file_of_an_earlier_version_is_read_as_it_was(version, kind, tmp_path):
     folder = shutil.copytree(version, tmp_path / version.name)
     found = json.loads(json.dumps(digest(KINDS[kind](folder))))
-    assert found == json.loads((version / EXPECTED).read_text())[kind]
+    expected = json.loads((version / EXPECTED).read_text())[kind]
+    if kind == "trace":  # later columns are not in it
+        found = {name: found.get(name) for name in expected}
+    assert found == expected
 
 
 def test_there_are_files_of_each_version():
