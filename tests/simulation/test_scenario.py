@@ -9,7 +9,7 @@ from hypothesis import given, settings
 import robsim
 from refusals import IMAGE
 from robsim import Replay, Scenario, Simulation, Spin
-from robsim.base.seeds import STREAMS, stream, stream_number
+from robsim.base.seeds import STREAMS, SeedRecord, stream, stream_number
 from robsim.simulation.option import ROBOT, WORLD, Number
 from robsim.simulation.options import OPTIONS
 from scenarios import FULL, scenarios
@@ -125,6 +125,16 @@ def test_seeds_are_data():
     one, other = (Scenario(seed=np.random.default_rng(3)) for _ in "12")
     assert one == other
     assert type(one.seed) is int
+
+
+@pytest.mark.parametrize("make", [int, lambda n: -n, np.random.SeedSequence, SeedRecord])
+def test_a_seed_has_a_limit(make):
+    for call in (Scenario, robsim.Simulation):
+        with pytest.raises(ValueError, match=r"(seed|entropy) .*2\*\*4096"):
+            call(seed=make(10**2000))
+    with pytest.raises(ValueError, match="seed "):
+        robsim.Simulation().reset(seed=10**2000)
+    assert Scenario(seed=2**4096 - 1).seed == 2**4096 - 1
 
 
 def test_the_streams_of_a_robot_do_not_depend_on_how_many_there_are():

@@ -30,8 +30,20 @@ class SeedRecord:
 
 
 def _check_numbers(name: str, numbers: Any) -> None:
-    if not isinstance(numbers, tuple) or not all(type(n) is int and n >= 0 for n in numbers):
-        raise ValueError(f"{name} must have ints of at least 0, got {quoted(numbers)}")
+    if not isinstance(numbers, tuple) or not all(type(n) is int for n in numbers):
+        raise ValueError(f"{name} must have ints, got {quoted(numbers)}")
+    for number in numbers:
+        _check_range(name, number)
+
+
+_MOST_BITS = 4096  # at most 1234 digits: Python writes 4300
+
+
+def _check_range(name: str, number: int) -> None:
+    if number < 0 or number.bit_length() > _MOST_BITS:
+        raise ValueError(
+            f"{name} must be at least 0 and below 2**{_MOST_BITS}, got {quoted(number)}"
+        )
 
 
 Seed = int | np.random.SeedSequence | np.random.Generator | SeedRecord | None
@@ -47,7 +59,7 @@ _ROBOTS = 2**16  # the spawn key under which robots 1, 2, ... have theirs: of no
 def seed_sequence(seed: Seed) -> np.random.SeedSequence:
     """Return the seed of a run; a Generator draws one, and None = entropy of the operating system.
 
-    A negative number or another type raises ValueError or TypeError.
+    A number that is negative or huge, or another type, raises ValueError or TypeError.
     """
     if isinstance(seed, np.random.SeedSequence):
         return seed
@@ -59,14 +71,17 @@ def seed_sequence(seed: Seed) -> np.random.SeedSequence:
         return np.random.SeedSequence()
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
         raise TypeError(f"seed must be an int, SeedSequence, Generator or None, got {quoted(seed)}")
-    if seed < 0:
-        raise ValueError(f"seed must be at least 0, got {quoted(seed)}")
-    return np.random.SeedSequence(int(seed))
+    seed = int(seed)
+    _check_range("seed", seed)
+    return np.random.SeedSequence(seed)
 
 
 def seed_value(seed: Seed) -> int | SeedRecord | None:
     """Return a seed as data: an int where that says it all, or a record; None stays None."""
-    if seed is None or (type(seed) is int and seed >= 0):
+    if seed is None:
+        return None
+    if type(seed) is int:
+        _check_range("seed", seed)
         return seed
     if not isinstance(seed, SeedRecord):
         record = seed_record(seed_sequence(seed))

@@ -163,7 +163,8 @@ def whole_number(text: str) -> int:
     try:
         return int(text)
     except ValueError:
-        raise typer.BadParameter(f"it must be a whole number, got {quoted(text)}") from None
+        limit = " of at most 4300 digits" if len(text) > 4300 else ""
+        raise typer.BadParameter(f"it must be a whole number{limit}, got {quoted(text)}") from None
 
 
 def number(text: str) -> float:
