@@ -1,6 +1,7 @@
 """Images: files, arrays, smaller copies."""
 
 import re
+import tracemalloc
 import zlib
 
 import numpy as np
@@ -21,6 +22,22 @@ from robsim.vision import load_image, rgb_to_yuv
 @pytest.fixture
 def pixels(rng):
     return rng.integers(0, 256, (6, 9, 3), dtype=np.uint8)
+
+
+@pytest.fixture(autouse=True, params=[512, 4])
+def _tile(request, monkeypatch):
+    monkeypatch.setattr("robsim.vision.imaging.images._TILE", request.param)
+
+
+def test_a_large_picture_is_copied_once(tmp_path, monkeypatch):
+    monkeypatch.setattr("robsim.vision.imaging.images._TILE", 512)
+    Image.new("RGB", (2000, 1500)).save(tmp_path / "a.png")
+    tracemalloc.start()
+    try:
+        pixels = load_image(tmp_path / "a.png")
+        assert tracemalloc.get_traced_memory()[1] < 1.5 * pixels.nbytes
+    finally:
+        tracemalloc.stop()
 
 
 def test_a_lossless_picture_is_read_as_it_was_written(pixels, tmp_path):

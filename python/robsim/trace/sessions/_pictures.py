@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from robsim.base.text import cut, one_line
-from robsim.vision.imaging.images import MOST_PIXELS
+from robsim.vision.imaging.images import MOST_PIXELS, pixels_of
 
 _EBML, _SEGMENT, _CLUSTER = 0x1A45DFA3, 0x18538067, 0x1F43B675
 _UNKNOWN_SIZE = b"\x01" + 7 * b"\xff"
@@ -220,7 +220,7 @@ class Pictures:
                     raise ValueError(f"{width} x {height} px are too many")
                 if self.size not in ((0, 0), image.size):
                     raise ValueError(f"{width} x {height} px, unlike the first one")
-                return np.array(image if image.mode == "RGB" else image.convert("RGB"))
+                return pixels_of(image, "RGB")
         except Exception as error:  # Pillow's decoders raise many types
             raise ValueError(
                 f"frame {number} of {one_line(self._file)} is damaged: {cut(error)}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import warnings
 from collections.abc import Iterable
+from itertools import product
 from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -22,10 +23,9 @@ Pixels = NDArray[np.uint8]
 _WHITE = 65535  # of an image with 16 bits per pixel
 #: Limit of a picture, and of the frames of a video (px).
 MOST_PIXELS = 2**26
+_TILE = 512  # px
 # Formats that Pillow registers but cannot decode, or leaves to other programs.
 _FOREIGN = {"BUFR", "EPS", "FPX", "GRIB", "HDF5", "MIC", "MPEG", "WMF"}
-# Raised by Pillow for a file that would decompress to a huge image.
-_BOMBS = (Image.DecompressionBombError, Image.DecompressionBombWarning)
 
 
 def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
@@ -57,28 +57,33 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
 
 
 def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
-    """Return the pixels of an open image, called `name` in messages; raises as `load_image`.
-
-    `mode` is ``"RGB"`` or ``"RGBA"``; None = as it is, RGBA for transparency. Any thread may call
-    it.
-    """
+    """Return the `pixels_of` a file, `name` in messages, in any thread; raises as `load_image`."""
     try:
         with Image.open(file, formats=_formats()) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise Image.DecompressionBombError
-            upright = _eight_bits(ImageOps.exif_transpose(image))
-            own = "RGBA" if upright.has_transparency_data else "RGB"
-            return np.array(upright.convert(mode or own))
+            ImageOps.exif_transpose(image, in_place=True)
+            return pixels_of(image, mode)
     except UnidentifiedImageError as error:
-        raise ValueError(
-            f"{name} is not in an image format that Pillow reads, such as PNG or JPEG"
-        ) from error
-    except _BOMBS as error:
+        raise ValueError(f"{name} is not in an image format of Pillow, such as PNG") from error
+    except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         raise ValueError(f"{name} has too many pixels: at most {MOST_PIXELS} are read") from error
     except MemoryError as error:
         raise ValueError(f"{name} cannot be read: there is not enough memory") from error
     except Exception as error:  # Pillow's decoders raise many types
         raise ValueError(f"{name} cannot be read as an image: {cut(error)}") from error
+
+
+def pixels_of(image: Image.Image, mode: str | None = None) -> Pixels:
+    """Return the pixels in a mode, RGB or RGBA; None = its own. Whole copies take more memory."""
+    has_alpha = _eight_bits(image.crop((0, 0, 1, 1))).has_transparency_data
+    mode = mode or ("RGBA" if has_alpha else "RGB")
+    pixels = np.empty((image.height, image.width, len(mode)), np.uint8)
+    for top, left in product(range(0, image.height, _TILE), range(0, image.width, _TILE)):
+        part = pixels[top : top + _TILE, left : left + _TILE]
+        tile = image.crop((left, top, left + part.shape[1], top + part.shape[0]))
+        part[:] = np.asarray(_eight_bits(tile).convert(mode))
+    return pixels
 
 
 def _formats() -> list[str]:
@@ -95,9 +100,7 @@ def image_suffixes() -> set[str]:
 def _eight_bits(image: Image.Image) -> Image.Image:
     """Return an image with 8 bits per channel; Pillow itself would clip 16-bit values at 255."""
     if image.mode == "F":
-        raise ValueError(
-            "its pixels are floating-point numbers, save it with 8 or 16 bits per channel"
-        )
+        raise ValueError("its pixels are floats, save it with 8 or 16 bits per channel")
     if not image.mode.startswith("I"):
         return image
     pixels = np.clip(np.asarray(image, dtype=np.int64), 0, _WHITE)
@@ -208,5 +211,5 @@ def lightened(pixels: Pixels) -> Pixels:
 
 def _looked_up(table: bytes, pixels: Pixels) -> Pixels:
     """Return ``table[pixels]``; `bytes.translate` is several times faster than indexing."""
-    contiguous = np.ascontiguousarray(pixels)
-    return np.frombuffer(bytearray(contiguous).translate(table), np.uint8).reshape(pixels.shape)
+    looked_up = bytearray(np.ascontiguousarray(pixels)).translate(table)
+    return np.frombuffer(looked_up, np.uint8).reshape(pixels.shape)
