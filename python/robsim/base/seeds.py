@@ -19,31 +19,20 @@ class SeedRecord:
     spawn_key: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        if not isinstance(self.entropy, tuple):
-            _check_numbers("entropy", (self.entropy,))
-        else:
-            _check_numbers("entropy", self.entropy)
-        _check_numbers("spawn_key", self.spawn_key)
+        _check("entropy", self.entropy if isinstance(self.entropy, tuple) else (self.entropy,))
+        _check("spawn_key", self.spawn_key)
 
     def __repr__(self) -> str:
         return f"SeedSequence(entropy={self.entropy}, spawn_key={self.spawn_key})"
 
 
-def _check_numbers(name: str, numbers: Any) -> None:
-    if not isinstance(numbers, tuple) or not all(type(n) is int for n in numbers):
-        raise ValueError(f"{name} must have ints, got {quoted(numbers)}")
-    for number in numbers:
-        _check_range(name, number)
-
-
 _MOST_BITS = 4096  # at most 1234 digits: Python writes 4300
 
 
-def _check_range(name: str, number: int) -> None:
-    if number < 0 or number.bit_length() > _MOST_BITS:
-        raise ValueError(
-            f"{name} must be at least 0 and below 2**{_MOST_BITS}, got {quoted(number)}"
-        )
+def _check(name: str, numbers: Any) -> None:
+    for n in numbers if isinstance(numbers, tuple) else (None,):
+        if type(n) is not int or n < 0 or n.bit_length() > _MOST_BITS:
+            raise ValueError(f"{name} must lie within 0..2**{_MOST_BITS} - 1, got {quoted(n)}")
 
 
 Seed = int | np.random.SeedSequence | np.random.Generator | SeedRecord | None
@@ -71,17 +60,15 @@ def seed_sequence(seed: Seed) -> np.random.SeedSequence:
         return np.random.SeedSequence()
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
         raise TypeError(f"seed must be an int, SeedSequence, Generator or None, got {quoted(seed)}")
-    seed = int(seed)
-    _check_range("seed", seed)
-    return np.random.SeedSequence(seed)
+    _check("seed", (int(seed),))
+    return np.random.SeedSequence(int(seed))
 
 
 def seed_value(seed: Seed) -> int | SeedRecord | None:
     """Return a seed as data: an int where that says it all, or a record; None stays None."""
-    if seed is None:
-        return None
     if type(seed) is int:
-        _check_range("seed", seed)
+        _check("seed", (seed,))
+    if seed is None or type(seed) is int:
         return seed
     if not isinstance(seed, SeedRecord):
         record = seed_record(seed_sequence(seed))

@@ -19,7 +19,6 @@ _MOST_PARTS = 8  # of a dotted key: the time to parse it is their square
 
 _PART = r"""(?>[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 _LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-])(?:{_PART}[ \t]*\.[ \t]*){{{_MOST_PARTS}}}+{_PART}")
-
 _LONG_NUMBER = re.compile(r"\b[0-9](?:_?[0-9]){4300}")
 
 
@@ -66,10 +65,8 @@ def parse_toml(text: str, most: int = MOST_TOML) -> dict[str, Any]:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         if type(error) is ValueError and (number := _LONG_NUMBER.search(text)):
-            line = text[: number.end()].rpartition("\n")[2]
-            raise ValueError(
-                f"a number must have at most 4300 digits, got {quoted(line)}"
-            ) from None
+            line = quoted(text[: number.end()].rpartition("\n")[2])
+            raise ValueError(f"a number must have at most 4300 digits, got {line}") from None
         raise ValueError(f"this is not a TOML file: {cut(error)}") from error
 
 
