@@ -27,6 +27,7 @@ from robsim import (
     Spin,
     Step,
     Unicycle,
+    _core,
     find_blobs,
 )
 from robsim._core import WorldState
@@ -249,6 +250,32 @@ def test_a_call_that_fits_no_signature_says_what_is_wrong():
         for word in words:
             assert word in str(caught.value)
         assert "incompatible" not in str(caught.value)  # nor pybind11's list of signatures
+
+
+def members_of_native_classes():
+    for kind in vars(_core).values():
+        is_native = isinstance(kind, type)
+        for name, member in vars(kind).items() if is_native else ():
+            if not name.startswith("_"):
+                yield f"{kind.__name__}.{name}", member
+
+
+@pytest.mark.parametrize("wrong", [(), (None,), ({1: []},), (3, 3)])
+def test_a_method_needs_an_object_of_its_class(wrong):
+    """A call with None reaches no null pointer, and the message is not pybind11's."""
+    for name, member in members_of_native_classes():
+        if isinstance(member, property):
+            with pytest.raises((TypeError, RuntimeError, AttributeError)):
+                member.fget(*wrong)
+        elif type(member).__name__ == "instancemethod":
+            with pytest.raises(TypeError) as caught:
+                member(*wrong)
+            assert "incompatible" not in str(caught.value), name
+
+
+def test_an_array_of_a_wrong_kind_is_named_as_one():
+    with pytest.raises(TypeError, match="time must be an array of numbers, got "):
+        _core.model_steps({1: []}, 1.0)
 
 
 def test_a_type_error_of_a_callback_stays_what_it_is():

@@ -61,6 +61,10 @@ std::string expected(Type<T>, py::handle value) {
     return (std::string("AEIOU").find(name.front()) < 5 ? "an " : "a ") + name;
   }
 }
+template <typename T, int flags>
+std::string expected(Type<py::array_t<T, flags>>, py::handle) {
+  return "an array of " + many(Type<T>());
+}
 template <typename T>
 std::string expected(Type<std::shared_ptr<T>>, py::handle value) {
   return expected(Type<T>(), value);

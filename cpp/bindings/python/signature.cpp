@@ -13,7 +13,7 @@ namespace {
 // The parameters of a function without `self`.
 struct Signature {
   std::string name;  // as users call it: "find_blobs", "Frame", "predict"
-  bool has_self = false;
+  py::handle owner;  // of a method, whose first argument is an object of this class
   std::vector<Parameter> parameters;
 };
 
@@ -32,7 +32,7 @@ std::string default_text(const py::object& value) {
 
 // "(image, *, copy=True, t=None)".
 std::string text_of(const Signature& signature) {
-  std::string text = signature.has_self ? "self" : "";
+  std::string text = signature.owner ? "self" : "";
   bool is_keyword_only = false;
   for (const Parameter& parameter : signature.parameters) {
     text += text.empty() ? "" : ", ";
@@ -78,7 +78,7 @@ bool has_odd_value(PyObject* const* arguments, Py_ssize_t n_positional, PyObject
 // Throws an error for an argument of a wrong type.
 void check_types(const Signature& signature, PyObject* const* arguments, Py_ssize_t n_positional,
                  PyObject* keywords) {
-  Py_ssize_t i = signature.has_self;
+  Py_ssize_t i = signature.owner ? 1 : 0;
   for (const Parameter& parameter : signature.parameters) {
     if (i == n_positional) break;
     parameter.check(arguments[i++], parameter.name);
@@ -103,7 +103,7 @@ void check_names(const Signature& signature, Py_ssize_t n_positional, PyObject* 
   }
   py::module_::import("robsim.base.spelling")
       .attr("check_call")(signature.name, names, required, n_allowed,
-                          n_positional - signature.has_self, given);
+                          n_positional - (signature.owner ? 1 : 0), given);
 }
 
 // Raises the error of wrong arguments of a call. If they are right, or the error cannot be shown,
@@ -114,8 +114,9 @@ bool complain(PyObject* self, PyObject* const* arguments, Py_ssize_t n_positiona
   std::optional<py::error_already_set> before;
   if (PyErr_Occurred()) before.emplace();
   try {
-    if (signature.has_self && n_positional == 0) {
-      throw py::type_error(signature.name + "() is a method: it needs an object");
+    if (signature.owner && (n_positional == 0 || !py::isinstance(arguments[0], signature.owner))) {
+      const auto owner = signature.owner.attr("__name__").cast<std::string>();
+      throw py::type_error(signature.name + "() is a method: it needs an object of " + owner);
     }
     if (!are_names_right) check_names(signature, n_positional, keywords);
     check_types(signature, arguments, n_positional, keywords);
@@ -222,7 +223,7 @@ void ParameterList::set_checks(std::initializer_list<Check> checks) {
 
 void sign_function(py::handle owner, const char* name, const ParameterList& parameters) {
   const py::object function = owner.attr(name);
-  give_signature(function, {name, false, parameters.get()});
+  give_signature(function, {name, {}, parameters.get()});
   give_owner(function, owner);
 }
 
@@ -231,7 +232,7 @@ void sign_method(py::handle owner, const char* name, const ParameterList& parame
   const bool is_init = method == "__init__";
   if (!is_init && method != "__call__" && method.substr(0, 2) == "__") return;
   const auto shown = is_init ? owner.attr("__name__").cast<std::string>() : method;
-  give_signature(owner.attr(name), {shown, true, parameters.get()});
+  give_signature(owner.attr(name), {shown, owner, parameters.get()});
 }
 
 }  // namespace robsim::bindings

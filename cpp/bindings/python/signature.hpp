@@ -152,7 +152,9 @@ class Class : public py::class_<T, Options...> {
   }
   template <typename Get, typename... Rest>
   Class& def_property_readonly(const char* name, const Get& get, const Rest&... rest) {
-    Base::def_property_readonly(name, get, rest...);
+    // Of None, pybind11 would call a method of the class.
+    const py::cpp_function getter(py::method_adaptor<T>(get), py::arg().none(false));
+    Base::def_property_readonly(name, getter, py::return_value_policy::reference_internal, rest...);
     return *this;
   }
 };

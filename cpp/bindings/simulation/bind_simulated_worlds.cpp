@@ -318,10 +318,11 @@ class PythonSource : public ExternalWorld, public SlotValues {
 };
 
 void bind_external_world(py::module_& module) {
-  py::enum_<Arrival>(public_in(module, "robsim._core"), "Arrival",
-                     "What a source of frames may say in place of a frame.")
-      .value("NOTHING_YET", Arrival::nothing_yet)
-      .value("END", Arrival::end);
+  py::delattr(py::enum_<Arrival>(public_in(module, "robsim._core"), "Arrival",
+                                 "What a source of frames may say in place of a frame.")
+                  .value("NOTHING_YET", Arrival::nothing_yet)
+                  .value("END", Arrival::end),
+              "__init__");  // it complains in pybind11's words
 
   Class<PythonSource, World, std::shared_ptr<PythonSource>>(
       public_in(module, "robsim._core"), "ExternalWorld",
