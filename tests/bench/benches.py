@@ -72,6 +72,17 @@ def grading(given: argparse.Namespace) -> Report:
     return run_grading_bench(rounds=given.rounds)
 
 
+def limits(given: argparse.Namespace) -> Report:
+    """Cost of reading the worst file of each row of SECURITY.md, in two minutes.
+
+    Peak memory and CPU time of a separate process for each file, and whether
+    SECURITY.md promises as much.
+    """
+    from bench_limits.run import run_limits_bench
+
+    return run_limits_bench(seed=given.seed)
+
+
 def panel(given: argparse.Namespace) -> Report:
     """What Chromium paints of a panel, in half a minute.
 
@@ -89,7 +100,7 @@ _ROUNDS = {camera: 25, campaign: 3, grading: 25}
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="./run bench", description=__doc__)
     names = parser.add_subparsers(metavar="NAME", required=True)
-    for bench in (accuracy, camera, campaign, grading, panel):
+    for bench in (accuracy, camera, campaign, grading, limits, panel):
         about = str(bench.__doc__)
         one = names.add_parser(bench.__name__, help=about.split(".\n")[0], description=about)
         one.set_defaults(bench=bench)
@@ -97,6 +108,8 @@ def _parser() -> argparse.ArgumentParser:
         if bench in _ROUNDS:
             many = f"timings of each case; default {_ROUNDS[bench]}"
             one.add_argument("--rounds", type=int, default=_ROUNDS[bench], metavar="N", help=many)
+        if bench is limits:
+            one.add_argument("--seed", type=int, default=1, help="of the contents; default 1")
         if bench is accuracy:
             many = "frames of each case; default 200"
             one.add_argument("--frames", type=int, default=200, metavar="N", help=many)

@@ -1,4 +1,4 @@
-"""The benchmarks of grading and of the panel."""
+"""The benchmarks of grading, of limits and of the panel."""
 
 import json
 import sys
@@ -9,6 +9,7 @@ import pytest
 
 import benches
 from bench_grading import run as grading_run
+from bench_limits import run as limits_run
 from bench_panel import hosts
 from bench_panel import run as panel_run
 from bench_panel.figures import Painted, PanelBench, Watched, painted
@@ -82,3 +83,17 @@ def chromium():
 @pytest.mark.slow
 def test_frames_are_painted_in_their_order(chromium, monkeypatch):
     assert_order(monkeypatch, hosts, lambda s: hosts.measure_page(chromium, s))
+
+
+# --- hostile files
+
+
+@pytest.mark.slow
+def test_hostile_files_take_what_is_promised(monkeypatch, capsys):
+    few = {"names": ["trace, text", "TOML, keys", "store, view", "submission, notebook"]}
+    monkeypatch.setattr(limits_run.run_limits_bench, "__kwdefaults__", {"seed": 1} | few)
+    benches.main(["limits", "--json"])
+    found = json.loads(capsys.readouterr().out)["files"]
+    assert [*found] == few["names"]
+    for name, row in found.items():
+        assert row["within"] == "kept", (name, row)

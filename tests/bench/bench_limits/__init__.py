@@ -1,0 +1,1 @@
+"""What the worst file of each row of SECURITY.md takes: ``./run bench limits``."""
