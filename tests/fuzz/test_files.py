@@ -8,6 +8,7 @@ import io
 import json
 import shutil
 import sqlite3
+import struct
 import warnings
 import zipfile
 from contextlib import closing, suppress
@@ -20,6 +21,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import robsim
+import worker_answers
 from fuzzing import SEEDS, attempt, fuzzed, mutations, refused
 from robsim.campaigns import campaign
 from robsim.trace import Session
@@ -337,7 +339,53 @@ def test_stores(scratch, data):
     check_store(path)
 
 
+def check_messages(path):
+    """Run with a worker that gives the answers in the file."""
+    hear(path.read_bytes())
+
+
+def hear(content, steps=6):
+    refusal = (worker_answers.Refused,)
+    trace = attempt(worker_answers.run, worker_answers.replies(content), steps, also=refusal)
+    if trace is not None:
+        assert np.abs(trace.u).max() <= 12
+        assert np.isfinite(trace.pose_estimated).all()
+
+
+WILD = st.sampled_from((0.0, 1.0, -1.0, 1e-300, 1e9, -1e9, 1e12))
+PARTS = sorted(worker_answers.HAS.keys() - {"frame"})
+
+
+@st.composite
+def answers(draw):
+    """An answer that may be right alone, or nearly: its parts, counts and numbers change."""
+    states, blobs = draw(st.sampled_from([0, 0, 1, 2, 1024])), draw(st.sampled_from([0, 0, 1, 4]))
+    first = worker_answers.PARAMETERS
+    places = st.integers(0, 57).map(lambda i: first + 8 * i)
+    numbers = draw(st.lists(st.tuples(places, WILD), max_size=3))
+    words = [(worker_answers.N_STATES, states), (worker_answers.N_BLOBS, blobs)]
+    if draw(st.integers(0, 9)) == 0:
+        words.append((worker_answers.DONE, draw(st.integers(0, 15))))
+    end = struct.pack(f"<{2 * blobs + states}d", *[draw(WILD)] * (2 * blobs + states))
+    parts = draw(st.sets(st.sampled_from(PARTS)))
+    nothing = bytes(worker_answers.SIZE)
+    return worker_answers.answer(
+        nothing, "u", "estimate", *parts, numbers=numbers, words=words, end=end
+    )
+
+
+@pytest.mark.long
+@fuzzed
+@given(st.data())
+def test_messages(data):
+    """Sequences of answers of a worker, damaged or not: the robot half of a graded run."""
+    good = worker_answers.good(bytes(worker_answers.SIZE))
+    said = st.lists(st.one_of(st.just(good), answers()), min_size=1, max_size=6)
+    hear(some(data, [worker_answers.stored(data.draw(said)), *corpus("messages")]))
+
+
 READERS = {
+    "messages": check_messages,
     "traces": check_trace,
     "scenarios": check_scenario,
     "colors": check_colors,

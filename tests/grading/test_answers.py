@@ -5,69 +5,27 @@ import struct
 import numpy as np
 import pytest
 
-import robsim
-from robsim import _core
 from sizes import thorough
+from worker_answers import (
+    DONE,
+    ERRORS,
+    ESTIMATE,
+    INPUT,
+    MEASURED,
+    MISSED,
+    N_BLOBS,
+    N_STATES,
+    PARAMETERS,
+    PARTS,
+    STAGES,
+    K,
+    Refused,
+    answer,
+    good,
+    run,
+)
 
 pytestmark = pytest.mark.sanitized
-
-# Where in a message its numbers lie: see step_message.cpp.
-K, U = 0, 8 + 8
-DONE, PARTS, MISSED, N_BLOBS, N_STATES, NEXT = (32 + 4 * i for i in range(6))
-FRAME = 56
-PARAMETERS = FRAME + 96 + 8 + 15 * 8 + 3 * 8
-ERRORS = PARAMETERS + 15 * 8
-MEASURED = ERRORS + 15 * 8
-ESTIMATE = MEASURED + 14 * 8
-INPUT = ESTIMATE + 12 * 8
-SIZE = INPUT + 16
-HAS = {"frame": 2, "parameters": 8, "errors": 16, "measured": 32, "covariance": 64, "missed": 128}
-HAS |= {"estimate": 256, "u": 512}
-STAGES = ("estimate_parameters", "measure", "estimate_state", "control")
-
-
-class Refused(Exception):
-    pass
-
-
-def refuse(slot, k, what):
-    raise Refused(slot, k, what)
-
-
-def answer(message, *parts, numbers=(), end=b"", words=()):
-    """The answer of somebody who says these things, from the message that came."""
-    said = bytearray(message[:SIZE])
-    said[FRAME:] = bytes(SIZE - FRAME)
-    struct.pack_into("<6I", said, DONE, 15, sum(HAS[part] for part in parts), 0, 0, 0, 0)
-    for place, value in numbers:
-        struct.pack_into("<d", said, place, value)
-    for place, value in words:
-        struct.pack_into("<I", said, place, value)
-    return bytes(said) + end
-
-
-def run(reply, steps=2, slots=STAGES):
-    """A run whose stages somebody fills who gives `reply(message)` to each message."""
-    sim = robsim.Simulation(resolution=(200, 200), seed=1)
-    robot = _core.RemoteRobot(
-        lambda message, pixels, slot, k: reply(message),
-        refuse,
-        world=sim._world,
-        slots=slots,
-        sends_frames=False,
-        sends_samples=True,
-        measures_first=False,
-        has_standard_errors=False,
-        largest_input=12.0,
-    )
-    for slot in slots:
-        sim._core.set_slot(slot, robot)
-        sim._callbacks[slot] = robot
-    return sim.run(steps)
-
-
-def good(message):
-    return answer(message, "u", "estimate", "measured", "parameters", numbers=[(INPUT, 0.5)])
 
 
 def test_an_answer_as_it_should_be_is_taken():
@@ -164,34 +122,6 @@ def test_a_state_of_another_size_is_refused_where_it_comes():
     with pytest.raises(Refused) as refused:
         run(growing, steps=5)
     assert refused.value.args[:2] == ("estimate_state", 4)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("seed", range(thorough(9, 1)))
-def test_sequences_of_answers_are_taken_or_refused(seed):
-    """Each answer may be right alone: parts, counts and numbers change from step to step."""
-    rng = np.random.default_rng(seed)
-
-    def any_of_them(message):
-        parts = [part for part in HAS if part != "frame" and rng.random() < 0.6]
-        states, blobs = rng.choice([0, 0, 1, 2, 1024]), rng.choice([0, 0, 1, 4, 512])
-        wild = [0.0, 1.0, -1.0, 1e-300, 1e9, -1e9, 1e12]
-        numbers = [(PARAMETERS + 8 * i, rng.choice(wild)) for i in rng.integers(58, size=3)]
-        words = [(N_STATES, states), (N_BLOBS, blobs), (MISSED, rng.integers(5))]
-        if rng.random() < 0.1:
-            words.append((DONE, rng.integers(16)))
-        end = rng.choice(wild, size=2 * blobs + states).tobytes()
-        return answer(message, "u", "estimate", *parts, numbers=numbers, words=words, end=end)
-
-    refusals = 0
-    for _ in range(100):
-        try:
-            trace = run(any_of_them, steps=6)
-        except Refused:
-            refusals += 1
-            continue
-        assert np.isfinite(trace.pose_estimated).all()
-    assert refusals > 20
 
 
 class AnswerError(Exception):
