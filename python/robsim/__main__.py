@@ -6,7 +6,7 @@ import sys
 
 
 def main() -> None:
-    """Run the command line; Ctrl-C while it is loaded ends it without a traceback."""
+    """Run the command line; Ctrl-C while it is loaded ends it in a word, without a traceback."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # it was closed, or there is no console
             setattr(sys, name, io.StringIO())
@@ -18,6 +18,7 @@ def main() -> None:
     try:
         from robsim.cli import main as run
     except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
         sys.exit(130)
     run()
 
