@@ -70,9 +70,9 @@ def stored(answers):
 
 
 def replies(content):
-    """Return what says the answers of such a file one by one, the last one for ever.
+    """Return a function that gives the answers of such a file, at the end the last one again.
 
-    A step of 0 stands for the one that is asked for.
+    A step of 0 stands for the step of the message.
     """
     answers = []
     while len(content) >= 4:

@@ -71,7 +71,8 @@ class LimitsBench(Report):
     def remarks(self) -> tuple[str, ...]:
         """How to read the table."""
         return (
-            "memory: the peak beside Python and its packages; promise: 256 MB and ten times the "
+            "memory: the peak beside Python and its packages",
+            "promise: 256 MB and ten times the "
             "file, 2 s for each MB, at least 2 s (SECURITY.md says which pictures take more)",
         )
 
