@@ -1,1 +1,1 @@
-"""What the worst file of each row of SECURITY.md takes: ``./run bench limits``."""
+"""Cost of the worst file of each row of SECURITY.md: ``./run bench limits``."""

@@ -1,4 +1,4 @@
-"""Files that take the most of their readers, by what they are: how one is made, and how read."""
+"""Files that take the most of their readers, by kind: how each is made and read."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SIDE = 8192  # px of the largest picture
 
 
 def _trace(path: Path, info: Callable[[dict[str, Any]], str], rows: int = 3) -> None:
-    """Save a trace of zeros with a text of its own."""
+    """Save a trace of zeros with another text."""
     robsim.Simulation(seed=1).run(3).save(path)
     with np.load(path) as whole:
         record = json.loads(str(whole["info"]))
@@ -174,7 +174,7 @@ def _steps(path: Path) -> object:
 
 Case = tuple[str, Callable[[Path, Rng], None], Callable[[Path], object]]
 
-#: The name of the file, how it is made, and how it is read, by what is bad in it.
+#: The name of the file, how it is made, and how it is read, by the fault in it.
 WORST: dict[str, Case] = {
     "trace, text": ("a.npz", trace_text, robsim.Trace.load),
     "trace, arrays": ("a.npz", trace_arrays, robsim.Trace.load),

@@ -1,4 +1,4 @@
-"""`run_limits_bench`: each file is made by a process of its own, and read by another."""
+"""`run_limits_bench`: separate processes make and read each file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MB = 2**20
 
 @dataclass(frozen=True)
 class Taken:
-    """What the reading of a file took beside its size: MB of memory, s of CPU; how it ended."""
+    """Cost of a reading: size of the file and memory (MB), CPU time (s), and the end."""
 
     file: float
     memory: float
@@ -36,20 +36,20 @@ class Taken:
 
 @dataclass(frozen=True, kw_only=True)
 class LimitsBench(Report):
-    """What the worst file of each kind takes of its reader.
+    """Cost of reading the worst file of each kind.
 
     Attributes
     ----------
     files : dict of str to Taken
-        By what is bad in the file.
+        By the fault of the file.
     """
 
     files: Mapping[str, Taken]
 
     @property
     def title(self) -> str:
-        """What was measured."""
-        return "Hostile files: what each takes of a process that reads it"
+        """Return the title of the report."""
+        return "Hostile files: the cost of reading each in a separate process"
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -69,7 +69,7 @@ class LimitsBench(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """How to read the table."""
+        """Return notes on the columns."""
         return (
             "memory: the peak beside Python and its packages",
             "promise: 256 MB and ten times the "
