@@ -335,7 +335,7 @@ ALSO = {
 
 def session():
     with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "setup.toml").write_text("format = 1")
+        Path(folder, "setup.toml").write_text("format = 2")
         return robsim.trace.Session(folder)
 
 

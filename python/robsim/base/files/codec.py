@@ -348,5 +348,7 @@ def check_format(table: Mapping[str, Any], expected: int) -> None:
     """Raise ValueError unless the key ``format`` of a file is this one."""
     given = table.get("format")
     if type(given) is not int or given != expected:
-        hint = "is it such a file, written by this robsim?"
-        raise WrongTable(f"format must be {expected}, got {in_words(given)}: {hint}")
+        raise WrongTable(
+            f"format must be {expected}, got {in_words(given)}: the file is of another robsim, or "
+            "of another kind"
+        )
