@@ -1,8 +1,11 @@
 """The SQLite file of a campaign: what is in it, what is refused, what is left after an end."""
 
 import functools
+import json
+import os
 import re
 import sqlite3
+import struct
 import subprocess
 import sys
 from contextlib import closing
@@ -124,7 +127,7 @@ def test_other_code_is_refused(store, tmp_path):
 def test_a_store_of_another_version_goes_on_with_a_warning(store, monkeypatch):
     first = run(store, runs=2)
     monkeypatch.setattr("robsim.campaigns._store.surroundings", lambda: {"numpy": "9.9"})
-    with pytest.warns(UserWarning, match=r"begun with numpy .*, here is 9\.9"):
+    with pytest.warns(UserWarning, match=r"begun with numpy .*, here is '9\.9'"):
         assert run(store, runs=2).checksum == first.checksum
 
 
@@ -347,6 +350,18 @@ print(result.checksum)
     assert len({out for out, _ in ended}) == 1  # with one seed, though none was given
 
 
+def change(store, script):
+    with closing(sqlite3.connect(store)) as database:
+        database.executescript(script)
+
+
+def changed_schema(table, old, new):
+    return (
+        "PRAGMA writable_schema = ON; UPDATE sqlite_master "
+        f"SET sql = replace(sql, '{old}', '{new}') WHERE name = '{table}'"
+    )
+
+
 @pytest.mark.parametrize(
     "trap",
     [
@@ -356,13 +371,72 @@ print(result.checksum)
         "VALUES (1, 1, zeroblob(900000000)); END",
         "ALTER TABLE campaign ADD COLUMN much AS (hex(zeroblob(400000000)))",
         "CREATE VIRTUAL TABLE traces2 USING fts5(text)",
+        "CREATE INDEX more ON runs (hex(zeroblob(run + 100)))",
+        "CREATE INDEX more ON runs (run) WHERE length(hex(zeroblob(run + 100))) > 5",
+        changed_schema("runs", "error TEXT", "error TEXT CHECK (length(hex(zeroblob(100))) > 5)"),
+        changed_schema("campaign", "value TEXT", "value TEXT DEFAULT (hex(zeroblob(100)))"),
         "UPDATE campaign SET value = " + repr("[" * 90_000 + "]" * 90_000),
+        """UPDATE campaign SET value = '{"seed": {"a": 5}}' WHERE key = 'description'""",
+        """UPDATE campaign SET value = '{"seed": {"entropy": "x"}}' WHERE key = 'description'""",
+        "UPDATE campaign SET value = '{}' WHERE key = 'description'",
+        "UPDATE runs SET seconds = 'abc'",
+        "UPDATE columns SET name = 'mine'",
     ],
-    ids=["view", "trigger", "column", "virtual", "deep"],
 )
-def test_a_store_that_would_do_something_by_itself_is_refused(store, trap):
+def test_a_store_that_robsim_has_not_written_is_refused_by_its_name(store, trap):
+    run(store, seed=None)
+    change(store, trap)
+    with pytest.raises(ValueError, match=re.escape(f"store {store}: ")):
+        run(store, seed=None)
+
+
+def test_a_value_of_a_store_has_a_largest_size(store, monkeypatch):
     run(store)
-    with closing(sqlite3.connect(store)) as database:
-        database.executescript(trap)
-    with pytest.raises(ValueError, match=r"robsim has not made|deep"):
+    change(store, "UPDATE campaign SET value = zeroblob(200000) WHERE key = 'format'")
+    monkeypatch.setattr("robsim.campaigns._store._MOST_VALUE", 100_000)
+    with pytest.raises(OSError, match="too big"):
+        run(store)
+
+
+def test_other_surroundings_are_told_in_one_line(store):
+    run(store)
+    value = json.dumps({"robsim": "\x1b[31m\n"})
+    change(store, f"UPDATE campaign SET value = '{value}' WHERE key = 'surroundings'")
+    with pytest.warns(UserWarning, match="begun with robsim") as caught:
+        run(store)
+    assert str(caught[0].message).isprintable()
+
+
+def hot_journal(store, other):
+    """Put a journal beside a store that names another file, which SQLite would delete."""
+    other.write_bytes(b"mine\0/nowhere\0")
+    name, magic = bytes(other), bytes.fromhex("d9d505f920a163d7")
+    head = magic + struct.pack(">5I", 0, 1, store.stat().st_size // PAGE, 512, PAGE)
+    end = struct.pack(">I", 2**30 // PAGE + 1) + name + struct.pack(">2I", len(name), sum(name))
+    store.with_name(f"{store.name}-journal").write_bytes(head.ljust(512, b"\0") + end + magic)
+
+
+@pytest.mark.parametrize("is_linked", [False, True])
+def test_a_journal_beside_a_store_deletes_no_other_file(store, tmp_path, is_linked):
+    result, other = run(store, keep="traces", runs=1), tmp_path / "thesis"
+    change(store, "PRAGMA journal_mode = DELETE")
+    hot_journal(store, other)
+    if is_linked:
+        store = tmp_path / "link.sqlite"
+        store.symlink_to("store.sqlite")
+    for read in (lambda: run(store, runs=2), lambda: result.trace(0, 0)):
+        with pytest.raises(ValueError, match="journal"):
+            read()
+        assert other.exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no pipes")
+@pytest.mark.parametrize("beside", ["", "-journal"])
+def test_a_pipe_beside_a_store_is_not_waited_for(store, beside):
+    run(store)
+    change(store, "PRAGMA journal_mode = DELETE")
+    place = store.with_name(store.name + beside)
+    place.unlink(missing_ok=True)
+    os.mkfifo(place)
+    with pytest.raises((ValueError, OSError)):
         run(store)

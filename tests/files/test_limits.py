@@ -172,7 +172,7 @@ def test_a_device_without_an_end_is_no_file(tmp_path):
     file = tmp_path / "file.toml"
     file.symlink_to("/dev/zero")
     for read in (robsim.load_colors, robsim.Scenario.load):
-        with pytest.raises(ValueError, match=r"file\.toml .* MB"):
+        with pytest.raises(ValueError, match=r"file\.toml must be a regular file"):
             read(file)
 
 

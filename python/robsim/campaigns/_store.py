@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
@@ -14,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim.base.files import as_path
-from robsim.base.files.reading import parse_json
-from robsim.base.text import one_line, quoted
+from robsim.base.files.reading import open_file, parse_json
+from robsim.base.text import one_line, quoted, said_by
 from robsim.base.warn import warn_user
 from robsim.campaigns.runs import Job, Row
 from robsim.campaigns.spec import (
@@ -33,10 +35,24 @@ _PATIENCE = 30.0  # s that another program may have the file for itself
 _BATCH = 1000  # rows
 _NUMBERS = ("case_id", "run", "seconds")  # of ROW_COLUMNS
 _TEXTS = ("error", "line")
-_TABLES = ("campaign", "cases", "columns", "runs")  # whose content is read at opening
-_OURS = (*_TABLES, "traces")
+_MOST_VALUE = 2**27  # bytes of a trace or text
+_SUPER_JOURNAL = bytes.fromhex("d9d505f920a163d7")  # ends a journal that names another file
+_MOST_LABELS = 1_000_000  # of all cases
+_NOTES = {"format": int, "description": dict, "surroundings": dict}
+_SCHEMA = {  # %s: columns of options and metrics
+    "campaign": "CREATE TABLE campaign (key TEXT PRIMARY KEY, value TEXT)",
+    "cases": "CREATE TABLE cases (case_id INTEGER PRIMARY KEY%s)",
+    "columns": "CREATE TABLE columns (position INTEGER PRIMARY KEY, name TEXT, sql_name TEXT)",
+    "runs": "CREATE TABLE runs (case_id INTEGER REFERENCES cases, run INTEGER, error TEXT, "
+    "line TEXT, seconds REAL%s, PRIMARY KEY (case_id, run)) WITHOUT ROWID",
+    "traces": "CREATE TABLE traces (case_id INTEGER, run INTEGER, trace BLOB, "
+    "PRIMARY KEY (case_id, run))",
+    "results": "CREATE VIEW results AS SELECT * FROM cases JOIN runs USING (case_id)",
+}
+_OURS = re.compile(
+    "|".join(map(re.escape, _SCHEMA.values())).replace("%s", r'(?:, "(?:[^"]|"")*+"(?: REAL)?)*+')
+)
 _WANTED = "run >= 0 AND run < ? AND case_id >= 0 AND case_id < ?"  # of a larger campaign, too
-_VIEW = "CREATE VIEW results AS SELECT * FROM cases JOIN runs USING (case_id)"
 
 
 class Store:
@@ -51,10 +67,10 @@ class Store:
     def __init__(self, path: str | PathLike[str] | None, spec: CampaignSpec) -> None:
         self.path = None if path is None else as_path(path)
         self.spec = spec  # an unseeded one takes the seed of the store
-        with self._naming():
+        with _naming(self.path):
             self._database = _connection(self.path or ":memory:")
         try:
-            with self._naming():
+            with _naming(self.path):
                 self._open()
         except BaseException:
             self._database.close()
@@ -69,8 +85,8 @@ class Store:
                 if _is_empty(self._database):  # still: no other process was first
                     self._create()
                     return
-        _check_is_store(self._database, self.path)
-        _check_is_whole(self._database, self.path)
+        _check_is_store(self._database)
+        _check_is_whole(self._database)
         self._check_fits()
         self._synchronize()
 
@@ -84,18 +100,8 @@ class Store:
         options = "".join(f", {_quoted(name)}" for name in self.spec.vary)
         execute = self._database.execute
         execute(f"PRAGMA application_id = {_APPLICATION}")
-        execute("CREATE TABLE campaign (key TEXT PRIMARY KEY, value TEXT)")
-        execute(f"CREATE TABLE cases (case_id INTEGER PRIMARY KEY{options})")
-        execute(
-            "CREATE TABLE runs (case_id INTEGER REFERENCES cases, run INTEGER, error TEXT, "
-            "line TEXT, seconds REAL, PRIMARY KEY (case_id, run)) WITHOUT ROWID"
-        )
-        execute("CREATE TABLE columns (position INTEGER PRIMARY KEY, name TEXT, sql_name TEXT)")
-        execute(
-            "CREATE TABLE traces (case_id INTEGER, run INTEGER, trace BLOB, "
-            "PRIMARY KEY (case_id, run))"
-        )
-        execute(_VIEW)
+        for name, sql in _SCHEMA.items():
+            execute(sql.replace("%s", options if name == "cases" else ""))
         assert self.spec.scenario is not None
         content = {
             "format": _FORMAT,
@@ -117,25 +123,15 @@ class Store:
             self.spec = self.spec._with_seed(seed)
         if (other := difference(notes["description"], description_of(self.spec))) is not None:
             raise ValueError(
-                f"store {one_line(self.path)} has another campaign: {other}; give another file, "
-                "or remove this one"
+                f"it has another campaign: {other}; give another file, or remove this one"
             )
         now, then = surroundings(), notes["surroundings"]
         if changed := [name for name in now if now[name] != then.get(name)]:
             name = changed[0]
             warn_user(
-                f"store {one_line(self.path)} was begun with {name} {then.get(name)}, here is "
-                f"{now[name]}: the last digits may differ"
+                f"store {one_line(self.path)} was begun with {name} {quoted(then.get(name))}, here "
+                f"is {now[name]!r}: the last digits may differ"
             )
-
-    @contextmanager
-    def _naming(self) -> Iterator[None]:
-        """Let an error of SQLite name the file."""
-        try:
-            yield
-        except sqlite3.Error as error:
-            where = "in memory" if self.path is None else one_line(self.path)
-            raise OSError(f"store {where}: {error}") from error
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -149,7 +145,7 @@ class Store:
         self._database.execute("COMMIT")
 
     def count(self) -> int:
-        with self._naming():
+        with _naming(self.path):
             found = self._database.execute(
                 f"SELECT count(*) FROM runs WHERE {_WANTED}", (self.spec.runs, len(self.spec.cases))
             )
@@ -158,7 +154,7 @@ class Store:
     def missing(self) -> Iterator[Job]:
         """Yield the missing runs, cases x runs; each case is looked up in its turn."""
         for case in self.spec.cases:
-            with self._naming():
+            with _naming(self.path):
                 found = self._database.execute(
                     "SELECT run FROM runs WHERE case_id = ?", (case.index,)
                 )
@@ -167,7 +163,7 @@ class Store:
 
     def add(self, rows: Sequence[Row]) -> None:
         """Write rows, all or none; one that is there stays as it is."""
-        with self._naming(), self._transaction():
+        with _naming(self.path), self._transaction():
             columns = self._columns()  # another program may have added some
             for row in rows:
                 for name in row.numbers:
@@ -180,12 +176,12 @@ class Store:
         found = self._database.execute("SELECT name, sql_name FROM columns ORDER BY position")
         columns = dict(found.fetchall())
         there = {name for _, name, *_ in self._database.execute("PRAGMA table_info(runs)")}
+        metrics = tuple(f"{name}_" for name in self.spec.metrics)
         if not (
-            there.issuperset(columns.values()) and all(isinstance(name, str) for name in columns)
+            there.issuperset(columns.values())
+            and all(f"{name}_".startswith(metrics) for name in columns)
         ):
-            raise ValueError(
-                f"store {one_line(self.path)}: its runs have not the columns that it names"
-            )
+            raise ValueError("its runs have not the columns that it names")
         return columns
 
     def _add_column(self, name: str, columns: Mapping[str, str]) -> str:
@@ -212,7 +208,7 @@ class Store:
     def read(self) -> dict[str, NDArray[Any]]:
         """Return the columns of all runs, cases x runs; LookupError while runs are missing."""
         count = len(self.spec.cases) * self.spec.runs
-        with self._naming():
+        with _naming(self.path):
             if (there := self.count()) != count:
                 raise LookupError(f"the store has {there} of {count} runs")
             metrics = self._columns()
@@ -249,7 +245,7 @@ class Store:
 
     def close(self) -> None:
         """Close the file; what WAL keeps beside it is brought in."""
-        with self._naming():
+        with _naming(self.path):
             self._database.close()
 
 
@@ -257,23 +253,39 @@ def trace_in_store(path: Path, description: Mapping[str, Any], case: int, run: i
     """Return a run's trace; None without trace or store, ValueError for a damaged one."""
     if not path.exists():
         return None
-    try:
-        with closing(_connection(path)) as database:
-            if not _is_store(database) or _notes(database)["description"] != description:
-                return None
-            found = database.execute(
-                "SELECT trace FROM traces WHERE case_id = ? AND run = ?", (case, run)
-            ).fetchone()
-    except sqlite3.Error as error:
-        raise OSError(f"store {one_line(path)}: {error}") from error
+    with _naming(path), closing(_connection(path)) as database:
+        if not _is_store(database) or _notes(database)["description"] != description:
+            return None
+        found = database.execute(
+            "SELECT trace FROM traces WHERE case_id = ? AND run = ?", (case, run)
+        ).fetchone()
     if found is None:
         return None
     return Trace._unpacked(found[0], f"store {one_line(path)}: run {run} of case {case}")
 
 
+@contextmanager
+def _naming(path: Path | None) -> Iterator[None]:
+    """Let an error of SQLite, or of a content that robsim has not written, name the file."""
+    where = "store in memory" if path is None else f"store {one_line(path)}"
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise OSError(f"{where}: {error}") from error
+    except (ValueError, TypeError, KeyError, IndexError, OverflowError) as error:
+        said = one_line(error) if type(error) is ValueError else f"damaged: {said_by(error)}"
+        raise ValueError(f"{where}: {said}") from error
+
+
 def _connection(file: Path | str) -> sqlite3.Connection:
     """Return a connection to a file that may come from anybody."""
+    for name in {os.path.abspath(file), os.path.realpath(file)}:
+        with suppress(FileNotFoundError), open_file(Path(f"{name}-journal")) as journal:
+            journal.seek(max(0, journal.seek(0, os.SEEK_END) - len(_SUPER_JOURNAL)))
+            if journal.read() == _SUPER_JOURNAL:  # SQLite would delete the other file
+                raise ValueError(f"robsim has not made {one_line(journal.name)}: move it away")
     database = sqlite3.connect(file, timeout=_PATIENCE, isolation_level=None)
+    database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _MOST_VALUE)
     database.execute("PRAGMA trusted_schema = OFF")
     return database
 
@@ -283,51 +295,44 @@ def _is_empty(database: sqlite3.Connection) -> bool:
 
 
 def _is_store(database: sqlite3.Connection) -> bool:
-    """Whether a file is a store of a campaign, without foreign triggers or views."""
+    """Whether a file is a store of a campaign, with what robsim has made and nothing else."""
     if database.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION:
         return False
-    for kind, name, sql in database.execute("SELECT type, name, sql FROM sqlite_master"):
-        is_plain = kind == "table" and name in _OURS and " VIRTUAL " not in sql.upper()
-        if not (is_plain or kind == "index" or sql == _VIEW):
-            return False
-        columns = database.execute("SELECT hidden FROM pragma_table_xinfo(?)", (name,))
-        if any(hidden for (hidden,) in columns):  # computed whenever it is read
-            return False
-    return True
+    return all(
+        kind == "index" if sql is None else _OURS.fullmatch(sql)
+        for kind, sql in database.execute("SELECT type, sql FROM sqlite_master")
+    )
 
 
-def _check_is_store(database: sqlite3.Connection, path: Path | None) -> None:
+def _check_is_store(database: sqlite3.Connection) -> None:
     """Raise ValueError for a file of another program, or of another version."""
     if not _is_store(database):
         raise ValueError(
-            f"store {one_line(path)} is no store of a campaign, or has tables, views or triggers "
-            "that robsim has not made: give another file"
+            "it is no store of a campaign, or has tables, indexes, views or triggers that robsim "
+            "has not made: give another file"
         )
     number = _notes(database)["format"]
     if number != _FORMAT:
-        raise ValueError(
-            f"store {one_line(path)} has format {number}, this version of robsim reads {_FORMAT}"
-        )
+        raise ValueError(f"it has format {quoted(number)}, this version of robsim reads {_FORMAT}")
 
 
-def _check_is_whole(database: sqlite3.Connection, path: Path | None) -> None:
+def _check_is_whole(database: sqlite3.Connection) -> None:
     """Raise ValueError if pages of the tables are damaged; a trace is checked when it is read."""
-    for table in _TABLES:
+    for table in ("campaign", "cases", "columns", "runs"):  # whose content is read at opening
         problem = database.execute(f"PRAGMA quick_check({table})").fetchone()[0]
         if problem != "ok":
-            raise ValueError(f"store {one_line(path)} is damaged: {one_line(problem)}")
+            raise ValueError(f"it is damaged: {one_line(problem)}")
 
 
 def _notes(database: sqlite3.Connection) -> dict[str, Any]:
     """Return the notes of a store on its campaign; ValueError: robsim has not written them."""
-    found = database.execute("SELECT key, value FROM campaign").fetchall()
-    most = 1_000_000  # of the labels of all cases
-    notes = {key: parse_json(value, most) for key, value in found if isinstance(value, str)}
-    for key, kind in {"format": int, "description": dict, "surroundings": dict}.items():
-        if not isinstance(notes.get(key), kind):
-            raise ValueError(
-                f"the store of a campaign must have its {key}, got {quoted(notes.get(key))}"
-            )
+    notes = {}
+    for key, kind in _NOTES.items():
+        found = database.execute("SELECT value FROM campaign WHERE key = ?", (key,)).fetchone()
+        value = found[0] if found else None
+        notes[key] = parse_json(value, _MOST_LABELS) if isinstance(value, str) else None
+        if not isinstance(notes[key], kind):
+            raise ValueError(f"its {key} must be {kind.__name__}, got {quoted(notes[key])}")
     return notes
 
 

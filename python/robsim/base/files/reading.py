@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import stat
 import tomllib
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from robsim.base.spelling import closest
 from robsim.base.text import cut, one_line, quoted
@@ -85,7 +87,7 @@ def parse_json(text: str, most: int = _MOST_SIGNS) -> Any:
 def content_of(path: Path, size: int = -1) -> bytes:
     """Return the first `size` bytes of a file, all by default; FileNotFoundError suggests one."""
     try:
-        with path.open("rb") as file:
+        with open_file(path) as file:
             return file.read(size)
     except FileNotFoundError as error:
         others = path.parent.glob(f"*{path.suffix}") if path.suffix else ()
@@ -94,3 +96,16 @@ def content_of(path: Path, size: int = -1) -> bytes:
             raise FileNotFoundError(error.errno, error.strerror, str(path)) from None
         hint = f"did you mean {meant + path.suffix!r}?"
         raise FileNotFoundError(f"there is no file {one_line(path)}; {hint}") from None
+
+
+def open_file(path: Path) -> BinaryIO:
+    """Open a file to be read; ValueError: a pipe or device, which may never end."""
+    return open(path, "rb", opener=_regular)
+
+
+def _regular(path: str, flags: int) -> int:
+    descriptor = os.open(path, flags | getattr(os, "O_NONBLOCK", 0))  # no wait for a pipe's writer
+    if stat.S_ISREG(os.fstat(descriptor).st_mode):
+        return descriptor
+    os.close(descriptor)
+    raise ValueError(f"{one_line(path)} must be a regular file, not a pipe or a device")
