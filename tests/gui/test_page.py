@@ -187,6 +187,41 @@ def test_a_page_ends_that_somebody_else_may_have(started, capsys, monkeypatch):
         assert "no page came" in capsys.readouterr().err
 
 
+class Terminal:
+    """A terminal that stops at the first word, or is gone; `words` holds its input."""
+
+    def __init__(self, *, is_gone):
+        self.goes_on, self.is_gone, self.words = threading.Event(), is_gone, []
+
+    def write(self, word):
+        self.words.append(word)
+        if self.is_gone:
+            raise BrokenPipeError
+        self.goes_on.wait(300)
+
+    def flush(self):
+        pass
+
+
+@pytest.mark.parametrize("is_gone", [False, True])
+def test_a_terminal_that_takes_no_words_stops_no_page(page, started, monkeypatch, is_gone):
+    terminal = Terminal(is_gone=is_gone)
+    monkeypatch.setattr("sys.stderr", terminal)
+    page.open()
+    path = "/" + page.ticket.word
+    try:
+        monkeypatch.setattr("robsim.gui.hosts.page.stranger", lambda *ends: "another user (5)")
+        assert [request(page, path)[0] for _ in range(3)] == [403] * 3
+        assert request(page, f"/{page.secret}/")[0] == 200
+        wait_for(lambda: terminal.words)
+        assert len([word for word in terminal.words if "(5)" in word]) == 1
+        monkeypatch.setattr("robsim.gui.hosts.page.stranger", lambda *ends: "")
+        assert [request(page, path)[0] for _ in range(2)] == [302, 403]
+        wait_for(lambda: not page._thread.is_alive())
+    finally:
+        terminal.goes_on.set()
+
+
 OPENING = """
 import pathlib, time, webbrowser
 import robsim
@@ -238,7 +273,7 @@ def test_another_user_who_reads_the_address_of_a_browser_does_not_get_the_page(t
         assert refused.startswith("403 "), fault
         (tmp_path / "spied").touch()
         _, said = program.communicate(timeout=300)
-    refusal = r"robsim: refused: user 65534 .* to get http://127\.0\.0\.1:\d+/\S+/\n"
+    refusal = r"robsim: another user \(65534\) .* go to http://127\.0\.0\.1:\d+/\S+/\n"
     assert re.fullmatch(refusal, said)
     assert b"<title>robsim" in (tmp_path / "seen").read_bytes()
 

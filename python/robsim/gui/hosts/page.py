@@ -38,6 +38,8 @@ class Page:
         self._change = threading.Condition()
         self._left: float | None = None  # when the last page went
         self._coming: asyncio.TimerHandle | None = None  # ends the wait for a page
+        self._strangers: set[str] = set()  # that were refused
+        self._saying = threading.Thread()  # the latest message
         started: Future[None] = Future()
         self._thread = threading.Thread(
             target=self._run, args=(started,), name="robsim page", daemon=True
@@ -65,6 +67,8 @@ class Page:
                 self._left is None or time.monotonic() < self._left + patience
             ):
                 self._change.wait(0.2)  # short: on Windows nothing else lets Ctrl-C in
+        with suppress(RuntimeError):  # no message
+            self._saying.join(_GOODBYE)
 
     def close(self) -> None:
         """End the server; the view goes on."""
@@ -77,7 +81,12 @@ class Page:
     def redeem(self, ticket: Ticket, peer: tuple[str, int]) -> bool:
         """Whether the peer may have the page; a second use of a ticket ends the page."""
         if who := stranger(peer, ("127.0.0.1", self.port)):
-            _say(f"refused: {who} has used the address of the browser, to get {self.url}")
+            if who not in self._strangers:
+                self._strangers.add(who)
+                self._say(
+                    f"{who} tried to open your page, and was refused; "
+                    f"if your browser did not open it, go to {self.url}"
+                )
             return False
         if ticket.is_used:
             self._end_for("the address of the browser was used twice")
@@ -94,8 +103,15 @@ class Page:
 
     def _end_for(self, reason: str) -> None:
         self.fault = f"{reason}: the page ends, as another user may have it"
-        _say(self.fault)
         self._end.set()
+        self._say(self.fault)
+
+    def _say(self, text: str) -> None:
+        """Write to the terminal, which may take nothing, or only much later."""
+        self._saying = threading.Thread(
+            target=_print, args=(text,), name="robsim message", daemon=True
+        )
+        self._saying.start()
 
     def came(self, page: Socket) -> None:
         with self._change:
@@ -136,9 +152,10 @@ class Page:
         await server.close_all_connections()
 
 
-def _say(text: str) -> None:
+def _print(text: str) -> None:
     if sys.stderr is not None:
-        print(f"robsim: {text}", file=sys.stderr, flush=True)
+        with suppress(Exception):  # a closed pipe
+            print(f"robsim: {text}", file=sys.stderr, flush=True)
 
 
 def _listen(port: int) -> socket.socket:

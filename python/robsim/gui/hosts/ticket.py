@@ -32,7 +32,7 @@ def stranger(peer: tuple[str, int], server: tuple[str, int]) -> str:
     user = _user_of(_as_listed(*peer), _as_listed(*server))
     if user is None:
         return "an unknown user"
-    return "" if user in (os.geteuid(), 0) else f"user {user}"
+    return "" if user in (os.geteuid(), 0) else f"another user ({user})"
 
 
 def _user_of(*ends: str) -> int | None:
