@@ -6,6 +6,7 @@ import pickle
 import re
 import stat
 import sys
+import tracemalloc
 from dataclasses import replace
 
 import pytest
@@ -160,6 +161,23 @@ def test_what_is_no_assignment_is_said_to_be_none(tmp_path):
     assert "TOML" in refused(tmp_path)
     nothing = assignment(tmp_path, 'name = "hw3"\ntitle = "x"\nslots = ["control"]', limits=())
     assert "no tests" in refused(nothing)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes")
+def test_given_files_have_an_end_and_are_not_read_before_it_is_known(tmp_path):
+    made = assignment(tmp_path, TESTS)
+    (tmp_path / "given").mkdir()
+    os.mkfifo(tmp_path / "given/pipe")
+    assert "regular file" in refused(made)
+    (tmp_path / "given/pipe").unlink()
+    with (tmp_path / "given/much").open("wb") as file:
+        file.truncate(2**30)
+    tracemalloc.start()
+    try:
+        assert "MB" in refused(made)
+        assert tracemalloc.get_traced_memory()[1] < 2**26
+    finally:
+        tracemalloc.stop()
 
 
 def test_what_is_wrong_is_named_with_its_key(tmp_path):

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import re
 import tracemalloc
 import zipfile
@@ -168,12 +169,33 @@ def test_a_text_that_would_take_long(tmp_path):
             assert len(str(caught.value)) < 500 + len(str(tmp_path))
 
 
-def test_a_device_without_an_end_is_no_file(tmp_path):
-    file = tmp_path / "file.toml"
-    file.symlink_to("/dev/zero")
-    for read in (robsim.load_colors, robsim.Scenario.load):
-        with pytest.raises(ValueError, match=r"file\.toml must be a regular file"):
-            read(file)
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes")
+def test_a_pipe_or_a_device_without_an_end_is_no_file(tmp_path):
+    device, pipe = tmp_path / "device.mkv", tmp_path / "pipe.mkv"
+    device.symlink_to("/dev/zero")
+    os.mkfifo(pipe)
+    readers = robsim.load_colors, robsim.Scenario.load, robsim.Trace.load, imaging.load_image
+    for file in (device, pipe):
+        for read in readers:
+            with pytest.raises(ValueError, match=rf"{file.name} must be a regular file"):
+                read(file)
+    for read in readers:
+        with pytest.raises(IsADirectoryError):
+            read(tmp_path)
+
+
+@pytest.mark.parametrize("number", ["9", "0.9", "0xf", "0b1", "1_0"])
+def test_a_number_of_many_digits_takes_little_memory(tmp_path, number):
+    file = tmp_path / "scenario.toml"
+    file.write_text(f"seed = {number}{number[-1] * 2_000_000}")
+    tracemalloc.start()
+    try:
+        with pytest.raises(ValueError, match=r"scenario\.toml.* digits") as caught:
+            robsim.Scenario.load(file)
+        assert tracemalloc.get_traced_memory()[1] < 128 * MB
+    finally:
+        tracemalloc.stop()
+    assert "sys." not in str(caught.value)
 
 
 def test_a_colour_file_has_at_most_1000_colours(tmp_path):

@@ -1,6 +1,7 @@
 """Sessions from elsewhere: damaged, or hostile."""
 
 import io
+import os
 import shutil
 import struct
 import tracemalloc
@@ -224,6 +225,14 @@ def test_any_damage_is_told_or_harmless(folder, rng):
         except (ValueError, TypeError) as error:
             told = str(error)
         assert told.isprintable(), told
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes")
+@pytest.mark.parametrize("name", ["steps.csv", "frames.mkv"])
+def test_a_pipe_in_a_session_is_not_waited_for(folder, name):
+    (folder / name).unlink()
+    os.mkfifo(folder / name)
+    refused(folder, rf"{name} must be a regular file")
 
 
 def test_a_folder_without_a_session_is_told(tmp_path):

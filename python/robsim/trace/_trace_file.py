@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim.base.checks import Floats
-from robsim.base.files import packed_arrays, write_whole
+from robsim.base.files import open_file, packed_arrays, write_whole
 from robsim.base.files.reading import parse_json
 from robsim.base.text import cut, listed, one_line, quoted
 from robsim.trace.columns import check_group_name
@@ -66,7 +66,7 @@ def _most_unpacked(size: int) -> int:
 
 def read_trace(path: Path, build: Callable[[Content], T]) -> T:
     """Return what `build` makes of a file that `write_trace` wrote; else a ValueError names it."""
-    with path.open("rb") as file:
+    with open_file(path) as file:
         return _built(file, one_line(path), build)
 
 

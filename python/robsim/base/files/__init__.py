@@ -5,6 +5,7 @@ from robsim.base.files.reading import (
     as_folder,
     as_path,
     content_of,
+    open_file,
     parse_toml,
     read_text,
 )
@@ -28,6 +29,7 @@ __all__ = [
     "content_of",
     "copy_files",
     "naming",
+    "open_file",
     "open_whole",
     "packed_arrays",
     "parse_toml",

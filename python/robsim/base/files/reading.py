@@ -19,6 +19,9 @@ MOST_TOML = 2**20
 _MOST_SIGNS = 100_000  # ',', '=', ... outside of images; a second to parse
 _MOST_PARTS = 8  # of a dotted key: the time to parse it is their square
 
+_MOST_DIGITS = 4000  # of a number: each takes 124 bytes to parse
+_LONG_NUMBER = re.compile(rf"(?<![0-9A-Fa-f_])[0-9A-Fa-f_]{{{_MOST_DIGITS + 1}}}")
+
 _PART = r"""(?>[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 _LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-])(?:{_PART}[ \t]*\.[ \t]*){{{_MOST_PARTS}}}+{_PART}")
 _LONG_NUMBER = re.compile(r"\b[0-9](?:_?[0-9]){4300}")
@@ -61,6 +64,7 @@ def parse_toml(text: str, most: int = MOST_TOML) -> dict[str, Any]:
     lines = text.count("\n")
     if signs > _MOST_SIGNS or lines > _MOST_SIGNS + len(text) // 50:  # a line of base64 has 76
         raise ValueError(f"it has more than {_MOST_SIGNS} keys, values and comments")
+    _check_numbers(text)
     if key := _LONG_KEY.search(text):
         raise ValueError(f"a key must have at most {_MOST_PARTS} parts, got {quoted(key.group())}")
     try:
@@ -76,12 +80,18 @@ def parse_json(text: str, most: int = _MOST_SIGNS) -> Any:
     """Parse a JSON text of at most `most` values and keys; a ValueError says why it cannot be."""
     if sum(map(text.count, "[{,:")) > most:
         raise ValueError(f"it has more than {most} keys and values")
+    _check_numbers(text)
     try:
         return json.loads(text)
     except RecursionError:
         raise ValueError("it is nested too deep") from None
     except ValueError as error:
         raise ValueError(f"this is not JSON: {cut(error)}") from None
+
+
+def _check_numbers(text: str) -> None:
+    if _LONG_NUMBER.search(text):
+        raise ValueError(f"a number must have at most {_MOST_DIGITS} digits")
 
 
 def content_of(path: Path, size: int = -1) -> bytes:
@@ -105,7 +115,8 @@ def open_file(path: Path) -> BinaryIO:
 
 def _regular(path: str, flags: int) -> int:
     descriptor = os.open(path, flags | getattr(os, "O_NONBLOCK", 0))  # no wait for a pipe's writer
-    if stat.S_ISREG(os.fstat(descriptor).st_mode):
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode) or stat.S_ISDIR(mode):  # a folder: Python's own error
         return descriptor
     os.close(descriptor)
     raise ValueError(f"{one_line(path)} must be a regular file, not a pipe or a device")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from robsim._core import Frame, PlaneMap, Step
-from robsim.base.files import as_path
+from robsim.base.files import as_path, open_file
 from robsim.base.text import one_line
 from robsim.gui._driver import Driver
 from robsim.gui._link import FrameClock
@@ -184,7 +184,7 @@ def given_picture(picture: Any) -> tuple[images.Pixels, str]:
         return picture.image, "a picture"
     if isinstance(picture, (str, PathLike)):
         path = as_path(picture, "picture")
-        with path.open("rb") as file:
+        with open_file(path) as file:
             return images.decoded(file, one_line(path)), path.name
     channels = 4 if isinstance(picture, np.ndarray) and picture.shape[2:] == (4,) else 3
     return images.check_pixels("picture", picture, channels, "a path, a Frame or "), "a picture"

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 from robsim.base.checks import check_choice, check_float, check_name, check_text
-from robsim.base.files import as_folder, codec, read_text
+from robsim.base.files import as_folder, codec, content_of, read_text
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line, quoted
 from robsim.teach.assignments.assignment import SECONDS, SEEDS, Assignment, FileTests, TaskTest
@@ -267,13 +267,14 @@ def _given_files(folder: Path) -> dict[str, bytes]:
         return {}
     try:
         files = [file for file in sorted(place.iterdir()) if not file.name.startswith((".", "__"))]
-        found = {file.name: file.read_bytes() for file in files if file.name != f"{MODULE}.py"}
+        files = [file for file in files if file.name != f"{MODULE}.py"]
+        if sum(file.stat().st_size for file in files) > _MOST_GIVEN:
+            raise ValueError(f"it must have at most {_MOST_GIVEN >> 20} MB")
+        found = {file.name: content_of(file, _MOST_GIVEN) for file in files}
         for name in found:
             checked_path(name, GIVEN)
     except OSError as error:
         raise ValueError(f"{GIVEN}/ must have files alone: {error}") from None
     except Exception as error:
         raise ValueError(f"{GIVEN}/: {error}") from None
-    if sum(map(len, found.values())) > _MOST_GIVEN:
-        raise ValueError(f"{GIVEN}/ must have at most {_MOST_GIVEN >> 20} MB")
     return found

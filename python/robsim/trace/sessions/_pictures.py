@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from robsim.base.files import open_file
 from robsim.base.text import cut, one_line
 from robsim.vision.imaging.images import MOST_PIXELS, pixels_of
 
@@ -199,11 +200,8 @@ class Pictures:
     @contextmanager
     def opened(self) -> Iterator[int]:
         """Give a descriptor for `read` and `encoded`."""
-        descriptor = os.open(self._file, os.O_RDONLY | getattr(os, "O_BINARY", 0))
-        try:
-            yield descriptor
-        finally:
-            os.close(descriptor)
+        with open_file(self._file) as file:
+            yield file.fileno()
 
     def encoded(self, descriptor: int, number: int) -> bytes:
         """Return a picture as it stands in the file."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from robsim._core import Intrinsics, PlaneMap
 from robsim.base.checks import Floats
+from robsim.base.files import open_file
 from robsim.base.text import as_cell, cut, one_line, quoted
 from robsim.trace.columns import GROUPS
 
@@ -92,7 +93,7 @@ def _cell(value: Any) -> str:
 
 def read_rows(file: Path) -> tuple[list[Row], bool]:
     """Return the rows of a time base, and whether its last line is torn; else ValueError."""
-    with file.open("rb") as stream:
+    with open_file(file) as stream:
         head = stream.readline(_MOST_LINE)
         by_header = {_header(columns): columns for columns in _COLUMNS_BY_FORMAT.values()}
         if head in by_header:

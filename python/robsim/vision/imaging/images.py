@@ -16,7 +16,7 @@ from PIL import Image, ImageOps, UnidentifiedImageError
 
 from robsim._core import Frame
 from robsim.base.checks import check_choice
-from robsim.base.files import as_path, write_whole
+from robsim.base.files import as_path, open_file, write_whole
 from robsim.base.text import cut, one_line, quoted
 
 Pixels = NDArray[np.uint8]
@@ -51,7 +51,7 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
         If the file is not an image, is damaged, or is too large.
     """
     check_choice("mode", mode, ("RGB", "RGBA"))
-    with as_path(path).open("rb") as file, warnings.catch_warnings():
+    with open_file(as_path(path)) as file, warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
         return decoded(file, one_line(path), mode)
 

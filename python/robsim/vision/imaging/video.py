@@ -18,7 +18,7 @@ from PIL import Image
 
 from robsim._core import Frame
 from robsim.base.checks import check_float
-from robsim.base.files import PartialFile, as_path, content_of
+from robsim.base.files import PartialFile, as_path, content_of, open_file
 from robsim.base.text import one_line
 from robsim.vision.imaging.images import (
     Pixels,
@@ -107,7 +107,7 @@ def noted_headings(file: Path) -> int | None:
     if padding is None:
         return None
     length = len(padding) + _NOTE_LENGTH
-    with file.open("rb") as stream:
+    with open_file(file) as stream:
         size = stream.seek(0, SEEK_END)
         stream.seek(max(0, size - length))
         end = stream.read(length)
