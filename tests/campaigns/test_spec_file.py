@@ -3,6 +3,7 @@
 import csv
 import json
 import sqlite3
+import sys
 from contextlib import closing
 
 import numpy as np
@@ -87,6 +88,7 @@ WRONG = [
     (PLAIN + "[scenario]\nnoize = 3\n", "noize"),
     (PLAIN + '[vary]\nmotor_delay = ["a"]\n', "motor_delay"),
     (PLAIN.replace("parameters", "no_such_module:x"), "no_such_module:x"),
+    (PLAIN.replace("parameters", ".x:f"), "module:function"),
     (PLAIN + '[vary]\ncontrol = ["nothing"]\n', "nothing"),
     (PLAIN + 'keep = "all"\n', "keep"),
 ]
@@ -97,6 +99,19 @@ def test_what_is_wrong_in_a_file_is_named(tmp_path):
         (tmp_path / "campaign.toml").write_text(text)
         with pytest.raises((ValueError, FileNotFoundError), match=rf"\b{message}\b"):
             load_spec(tmp_path / "campaign.toml")
+
+
+@pytest.mark.parametrize("end", ["SystemExit(0)", "GeneratorExit"])
+@pytest.mark.parametrize("name", ["metrics_that_end.py", "control.py"])
+def test_code_that_ends_python_is_named(tmp_path, monkeypatch, end, name):
+    monkeypatch.setattr("sys.path", [*sys.path])
+    (tmp_path / name).write_text(f"raise {end}\n")
+    metric = "metrics_that_end:x" if name.startswith("metrics") else "parameters"
+    text = PLAIN.replace("parameters", metric) + '[vary]\ncontrol = ["."]\n'
+    (tmp_path / "few.toml").write_text(text)
+    ended = command("campaign", "few.toml", cwd=tmp_path)
+    assert ended.exit_code == 1
+    assert name in ended.stderr
 
 
 @pytest.mark.long

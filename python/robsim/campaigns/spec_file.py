@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from robsim.base.files import as_path, codec
-from robsim.base.text import quoted
+from robsim.base.text import cut, quoted
 from robsim.campaigns._metrics import score_value
 from robsim.campaigns.choices import FOLDER
 from robsim.campaigns.spec import CampaignSpec
@@ -66,13 +66,15 @@ def _metric(name: Any, folder: Path) -> Any:
     if not isinstance(name, str) or ":" not in name:
         return name
     module, _, function = name.partition(":")
+    if not all(map(str.isidentifier, module.split("."))):
+        raise ValueError(f"metrics must be names or 'module:function', got {quoted(name)}")
     # Other processes are told this path, too.
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
     try:
         return getattr(importlib.import_module(module), function)
     except (ImportError, AttributeError) as error:
-        raise ValueError(f"metrics: there is no {quoted(name)}: {error}") from error
+        raise ValueError(f"metrics: there is no {quoted(name)}: {cut(error)}") from error
 
 
 def _scenario(folder: Path, name: str, value: Any) -> Scenario:

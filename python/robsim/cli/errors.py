@@ -16,7 +16,8 @@ from rich.console import Console, RenderableType
 from rich.measure import Measurement
 from rich.text import Text
 
-from robsim.base.text import one_line, printable
+from robsim.base.source_line import line_of_error
+from robsim.base.text import one_line, printable, said_by
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -55,7 +56,9 @@ def report_errors(folder: Path | None = None) -> Iterator[None]:
     """
     try:
         yield
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         from robsim.simulation.callbacks.errors import callback_of
         from robsim.simulation.slots import SLOTS
 
@@ -63,6 +66,9 @@ def report_errors(folder: Path | None = None) -> Iterator[None]:
             raise
         if folder is not None and (text := _in_callbacks(error, folder)):
             print_error(text)
+            raise typer.Exit(code=1) from error
+        if not isinstance(error, Exception):  # a module of the user ended Python
+            print_error(f"{line_of_error(error)}: {said_by(error)}")
             raise typer.Exit(code=1) from error
         if not isinstance(error, (ValueError, TypeError, OSError, ImportError, RuntimeError)):
             raise
