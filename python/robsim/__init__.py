@@ -124,14 +124,15 @@ def __getattr__(name: str) -> _Any:
 
 def _loaded(name: str) -> _Any:
     if name in _WINGS:
-        try:
-            return _importlib.import_module(f"robsim.{name}")
-        except (ImportError, AttributeError) as error:
-            from robsim.base.hidden_modules import told
+        from robsim.base.hidden_modules import check_modules
 
-            if (other := told(error)) is error:
-                raise
-            raise other from error
+        try:
+            wing = _importlib.import_module(f"robsim.{name}")
+        except (ImportError, AttributeError) as error:
+            check_modules(error)
+            raise
+        check_modules()
+        return wing
     if name == "__version__":
         value = _importlib.import_module("importlib.metadata").version("robsim")
     elif name == "wrap_angle":

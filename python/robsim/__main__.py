@@ -17,10 +17,16 @@ def main() -> None:
         sys.exit(2)
     try:
         from robsim.cli import main as run
+
+        run()
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         sys.exit(130)
-    run()
+    except (ImportError, AttributeError) as error:
+        from robsim.base.hidden_modules import check_modules
+
+        check_modules(error)
+        raise
 
 
 if __name__ == "__main__":

@@ -20,10 +20,11 @@ def ended(folder, *arguments, before=None):
     return run.returncode, run.stderr.splitlines()
 
 
-@pytest.mark.parametrize("name", ["numpy", "random"])
-def test_a_file_that_hides_a_module_is_named(tmp_path, name):
+@pytest.mark.parametrize("name", ["numpy", "random", "copy", "tomllib"])
+@pytest.mark.parametrize("words", ["-c|import robsim; robsim.Simulation", "-m|robsim|run"])
+def test_a_file_that_hides_a_module_is_named(tmp_path, name, words):
     (tmp_path / f"{name}.py").write_text("x = 1\n")
-    _, said = ended(tmp_path, "-c", "import robsim; robsim.Simulation")
+    _, said = ended(tmp_path, *words.split("|"))
     assert f"{name}.py stands in for the module {name}, which robsim needs: rename" in said[-1]
 
 

@@ -422,6 +422,10 @@ def test_wrong_info(forge):
             refuses(forge(info={key: value}))
         if key in ("format", "groups", "first_step", "theta_true", "dt", "area"):
             refuses(forge(without=[key]), key)
+    for key in ("area", "callbacks", "changed", "marker_colors"):
+        refuses(forge(info={key: None}), f"{key} must be a list")
+    for key in ("format", "first_step", "groups"):
+        refuses(forge(without=[key]), f"has no {key}")
     for text in ("", "{", "[]", "1", "{}", "9" * 5000, "[" * 100_000, 5, ["a", "b"]):
         refuses(forge(text=text))
 

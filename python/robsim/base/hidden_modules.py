@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import os
 import sys
-import traceback
 
 _NEEDED = ("numpy", "PIL", "matplotlib", "cv2", "tornado", "rich", *sys.stdlib_module_names)
+_USED = ("copy", "csv", "json", "tomllib")  # long after their import, which finds no fault
 
 
-def told(error: Exception) -> Exception:
-    """Return the error of an import, or one that names the file at fault."""
-    said = "".join(traceback.format_exception(error))
-    for name in _NEEDED:
+def check_modules(error: Exception | None = None) -> None:
+    """Raise ImportError for a file that stands in for a module, and has led to the error."""
+    said = ""
+    if error is not None:
+        import traceback  # such a file, too
+
+        said = "".join(traceback.format_exception(error))
+    for name in _NEEDED if said else _USED:
         file = getattr(sys.modules.get(name), "__file__", None) or ""
         is_of_user = os.path.dirname(file) in (*sys.path[:1], os.path.abspath(os.curdir))
-        if file and is_of_user and (file in said or f"'{name}'" in said):
-            return ImportError(
+        if file and is_of_user and (not said or file in said or f"'{name}'" in said):
+            raise ImportError(
                 f"{file} stands in for the module {name}, which robsim needs: rename your file"
-            )
-    return error
+            ) from error

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from robsim.base.checks import Floats
 from robsim.base.files import open_file, packed_arrays, write_whole
 from robsim.base.files.reading import parse_json
-from robsim.base.text import cut, listed, one_line, quoted
+from robsim.base.text import cut, listed, one_line, quoted, said_by
 from robsim.trace.columns import check_group_name
 from robsim.trace.run_info import RunInfo
 
@@ -82,7 +82,7 @@ def _built(file: BinaryIO, name: str, build: Callable[[Content], T]) -> T:
         with zipfile.ZipFile(file) as archive:
             return build(_content_of(archive, size=file.seek(0, os.SEEK_END)))
     except _BROKEN as error:
-        message = cut(error) or type(error).__name__
+        message = cut(error) if type(error) is ValueError else said_by(error)
         raise ValueError(f"{name} is not a trace of robsim, or damaged: {message}") from error
 
 
@@ -107,6 +107,8 @@ _BROKEN = (
 def _content_of(archive: zipfile.ZipFile, size: int) -> Content:
     """Return the content of a trace; nothing is unpacked before it is known how large it is."""
     info = _read_info(archive, size)
+    if missing := {"format", "first_step", "groups", "area"} - info.keys():
+        raise ValueError(f"its info has no {min(missing)}")
     if info.pop("format") != FORMAT:
         raise ValueError(f"its format is not {FORMAT!r}")
     first_step = info.pop("first_step")
@@ -120,9 +122,10 @@ def _content_of(archive: zipfile.ZipFile, size: int) -> Content:
         raise ValueError(f"its groups are not those that it was saved with, but {listed(stored)}")
     _check_sizes(archive, names, size)
     groups = {name: _read_array(archive, name) for name in names}
-    info["area"] = tuple(info["area"])
-    for name in ("callbacks", "changed", "marker_colors"):
-        info[name] = tuple(info.get(name, ()))
+    for name in ("area", "callbacks", "changed", "marker_colors"):
+        if not isinstance(value := info.get(name, []), list):
+            raise ValueError(f"its {name} must be a list, got {quoted(value)}")
+        info[name] = tuple(value)
     return groups, RunInfo(**info), first_step
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 
 from robsim.base.files import open_file
 from robsim.base.text import cut, one_line
@@ -220,6 +220,7 @@ class Pictures:
                     raise ValueError(f"{width} x {height} px, unlike the first one")
                 return pixels_of(image, "RGB")
         except Exception as error:  # Pillow's decoders raise many types
+            said = "no picture" if isinstance(error, UnidentifiedImageError) else cut(error)
             raise ValueError(
-                f"frame {number} of {one_line(self._file)} is damaged: {cut(error)}"
+                f"frame {number} of {one_line(self._file)} is damaged: {said}"
             ) from error
