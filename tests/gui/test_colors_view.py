@@ -1,6 +1,7 @@
 """The panel that trains colours, without a browser: messages, methods, and the classes."""
 
 import io
+import sys
 import threading
 from contextlib import ExitStack
 
@@ -12,6 +13,7 @@ import robsim
 from browsers import FakeBrowser, settled
 from python_devices import PATIENT, SteppedCamera
 from robsim import ColorClass
+from robsim.base.text import one_line
 from robsim.gui.tools.colors.training import ColorTraining
 from robsim.gui.tools.pictures import OnePicture
 from robsim.vision import classify, color_histograms, load_colors, save_colors, save_image
@@ -135,12 +137,36 @@ def test_what_is_wrong_is_said_and_changes_nothing(view):
         ("save", {"file": "/dev/null/colors.toml"}, "/dev/null"),
         ("save", {"file": ".bash_profile"}, "must end in .toml"),
         ("save", {"file": "colors.sh"}, "must end in .toml"),
-        ("save", {"file": ".colors.toml"}, "not begin with a dot"),
+        ("save", {"file": ".colors.toml"}, "begin with a letter"),
     ):
         browser = FakeBrowser(view, 80)  # a line is not told of too many at once
         browser.say(kind, **fields)
         assert said in browser.take("note", level="error")[0]["text"]
         assert view.training.value == (ColorClass("red", v=(200, 255)),)
+
+
+@pytest.mark.parametrize(
+    ("name", "target"),
+    [
+        *(
+            (name, None)
+            for name in ("new/c.toml", "$(id).toml", "-rf.toml", "a\nb.toml", "\x1b.toml")
+        ),
+        ("profile.toml", ".bash_profile"),
+        ("hidden.toml", ".hidden.toml"),
+        ("without.toml", "without"),
+        ("folder.toml", "new/c.toml"),
+    ],
+)
+@pytest.mark.skipif(sys.platform == "win32", reason="no such names")
+def test_a_page_writes_no_file_of_another_kind(view, tmp_path, name, target):
+    view.training.put(ColorClass("red", v=(200, 255)))
+    if target:
+        (tmp_path / name).symlink_to(target)
+    browser = FakeBrowser(view, 80)
+    browser.say("save", file=str(tmp_path / name))
+    assert one_line(name) in browser.take("note", level="error")[0]["text"]
+    assert [file.name for file in tmp_path.iterdir()] == ([name] if target else [])
 
 
 def test_a_recording_is_looked_through_and_trained_on(tmp_path):

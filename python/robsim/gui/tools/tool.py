@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import re
 import time
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
@@ -16,7 +18,7 @@ from PIL import Image
 
 from robsim._core import Frame, reduced
 from robsim.base.files import as_path
-from robsim.base.text import one_line
+from robsim.base.text import one_line, quoted
 from robsim.gui._link import (
     COMMON,
     SLOW,
@@ -413,12 +415,17 @@ def _keep(links: list[Link], picture: bytes | None) -> None:
 
 
 def file_to_save(path: str | PathLike[str]) -> Path:
-    """Return the file for a tool to write; ValueError for a hidden one, or another suffix."""
+    """Return the file for a tool to write; ValueError for another name, also through a link."""
     file = as_path(path)
-    if file.suffix.lower() != ".toml" or file.name.startswith("."):
-        raise ValueError(
-            f"{one_line(file)}: the name of a file must end in .toml, and not begin with a dot"
-        )
+    real = Path(os.path.realpath(file))
+    for name in (file.name, real.name):
+        if not (name.isprintable() and re.fullmatch(r"\w.*\.toml", name, re.IGNORECASE)):
+            raise ValueError(
+                f"{one_line(file)}: the name of a file must end in .toml, and begin with a letter, "
+                f"a digit or _, got {quoted(name)}"
+            )
+    if not real.parent.is_dir():
+        raise ValueError(f"{one_line(file)}: there is no folder {one_line(file.parent)}")
     refuse_device(file)
     return file
 
