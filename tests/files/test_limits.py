@@ -190,7 +190,7 @@ def test_a_number_of_many_digits_takes_little_memory(tmp_path, number):
     file.write_text(f"seed = {number}{number[-1] * 2_000_000}")
     tracemalloc.start()
     try:
-        with pytest.raises(ValueError, match=r"scenario\.toml.* (digits|bits)") as caught:
+        with pytest.raises(ValueError, match=r"scenario\.toml.* digits") as caught:
             robsim.Scenario.load(file)
         assert tracemalloc.get_traced_memory()[1] < 128 * MB
     finally:
