@@ -26,7 +26,7 @@ from robsim.teach.texts import ErrorText, clean_text
 
 R = TypeVar("R")
 
-# The same for all workers, so that they come from one zygote.
+# The same for most workers, so that they come from one zygote.
 _MODULES = (
     "numpy",
     *("robsim.lab.cameras", "robsim.control", "robsim.estimation.evaluation"),
@@ -45,7 +45,12 @@ class Worker:
     _LIMITS = LIMITS
 
     def __init__(
-        self, setup: Setup | CallSetup, task: Task, memory: FrameMemory | None = None
+        self,
+        setup: Setup | CallSetup,
+        task: Task,
+        memory: FrameMemory | None = None,
+        *,
+        modules: Sequence[str] = (),
     ) -> None:
         self.memory = memory
         self._setup = setup
@@ -57,7 +62,7 @@ class Worker:
             with theirs:
                 self.process = start_worker(
                     entry=self._ENTRY,
-                    modules=_MODULES,
+                    modules=(*_MODULES, *modules),
                     channel=theirs,
                     memory=[] if memory is None else [memory.descriptor],
                     limits=self._limits,

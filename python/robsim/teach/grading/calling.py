@@ -193,10 +193,13 @@ def work(connection: socket.socket, memory: Sequence[int]) -> None:
 
 
 class JudgeWorker(Worker):
-    """A process in which a judge looks at a submission."""
+    """A process in which a judge, who is there before any mask, looks at a submission."""
 
     _ENTRY = "robsim.teach.grading.calling:work"
     _LIMITS = LIMITS | {Kind.RESULT: _MOST_SAID}
+
+    def __init__(self, setup: JudgeSetup, task: Task) -> None:
+        super().__init__(setup, task, modules=[setup.judge.partition(":")[0]])
 
     def said(self, seconds: float) -> str:
         """Return what the judge says, within so many seconds, as text that is harmless."""

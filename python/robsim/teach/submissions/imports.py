@@ -24,7 +24,7 @@ class _Masked(MetaPathFinder):
         self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         if mask := _above(name, self._masked):
-            raise _not_here(mask)
+            raise not_here(mask)
         return None
 
 
@@ -32,7 +32,7 @@ def _above(name: str, masked: Sequence[str]) -> str | None:
     return next((mask for mask in masked if f"{name}.".startswith(f"{mask}.")), None)
 
 
-def _not_here(mask: str) -> ImportError:
+def not_here(mask: str) -> ImportError:
     return ImportError(f"{mask} is not there for this assignment: do without it", name=mask)
 
 
@@ -43,10 +43,10 @@ class _Absent:
         object.__setattr__(self, "_mask", mask)
 
     def __call__(self, *args: object, **options: object) -> NoReturn:
-        raise _not_here(object.__getattribute__(self, "_mask"))
+        raise not_here(object.__getattribute__(self, "_mask"))
 
     def __getattribute__(self, name: str) -> NoReturn:
-        raise _not_here(object.__getattribute__(self, "_mask"))
+        raise not_here(object.__getattribute__(self, "_mask"))
 
 
 @contextmanager
@@ -115,7 +115,7 @@ def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
         if not level:
             for whole in (name, *(f"{name}.{inner}" for inner in fromlist or ())):
                 if mask := _above(whole, rules.masked):
-                    raise _not_here(mask)
+                    raise not_here(mask)
             top = name.partition(".")[0]
             if allowed is not None and top not in allowed:
                 may = ", ".join(sorted(rules.imports or ())) or "nothing"
