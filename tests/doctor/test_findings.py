@@ -1,4 +1,4 @@
-"""The first finding in a submission, as the grader asks for it: of the submission alone."""
+"""The first finding in a submission, in the grader's worker: it is about the submission alone."""
 
 import re
 

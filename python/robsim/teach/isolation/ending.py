@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from robsim.teach.isolation.limits import WorkerLimits, as_size
 
-#: Exit codes of a worker's own: it could not shut itself in; it found no more memory.
+#: Exit codes: before the report of its layers, it could not shut itself in; it found no memory.
 NOT_SHUT_IN, NO_MEMORY = 70, 71
 #: In the place of an exit code: it was ended, from outside or because of its processor time.
 KILLED = -getattr(signal, "SIGKILL", 9)
@@ -53,8 +53,6 @@ def _by_limit(code: int, cpu_seconds: float, limits: WorkerLimits) -> str:
     """Return which limit ended a worker; "" = none did."""
     if code == NO_MEMORY:
         return f"its process asked for more than {as_size(limits.memory)} of memory"
-    if code == NOT_SHUT_IN:
-        return "the worker could not shut itself in (exit code 70)"
     by_time = {-getattr(signal, "SIGXCPU", 24), KILLED}
     if code in by_time and cpu_seconds >= math.ceil(limits.cpu) - 0.5:
         return f"its process used more than {math.ceil(limits.cpu)} s of processor time"
