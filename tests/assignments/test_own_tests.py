@@ -107,7 +107,9 @@ def test_what_the_submission_does_is_its_fault(tmp_path):
     assert "The robot stands still." in fails.sentence
     assert "control at step 3" in fails.sentence
     assert "ZeroDivisionError" in bounds.sentence
-    fast = results(hw4, handed_in(tmp_path / "s003", "def control(step):\n    return 9.0, 9.0\n"))
+    source = "def control(step):\n    print('fast')\n    return 9.0, 9.0\n"
+    fast = results(hw4, handed_in(tmp_path / "s003", source))
+    assert fast["test_within_bounds"].output.startswith("fast\n")
     assert fast["test_within_bounds"].sentence == "more than 3 V"
     assert fast["test_drives"].status == "passed"
     assert "fit" in fast["test_fits"].sentence

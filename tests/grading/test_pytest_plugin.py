@@ -62,10 +62,12 @@ def test_wrong_slot(submission):
 
 
 def test_asks_too_much(submission):
-    assert len(submission.run(SCENARIO, steps=2)) == 3
+    assert len(submission.run(SCENARIO, steps=2)) == 3  # it prints "begins"
 """
 FAILS = """
     def control(step):
+        if step.k == 0:
+            print("begins")
         if step.k == 3:
             print("here \\x1b[31m \\x00")
             raise ValueError("\\x1b[31m \\ufffe")
@@ -73,7 +75,7 @@ FAILS = """
     """
 OUTCOMES = {
     "test_begins": "passed",
-    "test_ends": "submission: control at step 3, control.py, line 5: ValueError: ",
+    "test_ends": "submission: control at step 3, control.py, line 7: ValueError: ",
     "test_with_a_callback_of_the_teachers": "assignment: a callback of the assignment has failed: "
     "estimate_state at step 0, grade.py, line 23: ZeroDivisionError",
     "test_measures": "submission: mine has no measure.py",
@@ -119,6 +121,7 @@ def assert_as_told(run, folder):
         assert f"ERROR grade.py::{name} - assignment: " in run.stdout
     assert "\x1b" not in run.stdout
     assert "here \\x1b[31m \\x00" in run.stdout  # what it has printed
+    assert run.stdout.count("printed by the submission") == 2  # test_ends, test_asks_too_much
     assert "1 / 0" in run.stdout  # the teacher's line
     for internal in ("_submission.py", "_graded_run.py", "_pytest/", "pluggy/"):
         assert internal not in run.stdout

@@ -120,11 +120,12 @@ class Grading:
     ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
         """Show whose fault an error is, in place of our own lines."""
         report = yield
-        if call.excinfo is None or not isinstance(error := call.excinfo.value, GradingError):
+        error = call.excinfo.value if call.excinfo is not None else None
+        if report.failed and (output := printed_in(item, error)):
+            report.sections.append(("printed by the submission", output))
+        if call.excinfo is None or not isinstance(error, GradingError):
             return report
         setattr(report, _WHOSE, error.whose)  # xdist takes it along
-        if isinstance(error, SubmissionError) and error.output:
-            report.sections.append(("printed by the submission", error.output))
         if not item.config.getoption("fulltrace"):
             report.longrepr = _in_short(call.excinfo, f"{error.whose}: {error}")
         return report
@@ -138,6 +139,13 @@ class Grading:
         if whose is None:
             return None
         return _FAILED if whose == SubmissionError.whose else _ERROR
+
+
+def printed_in(item: pytest.Item, error: BaseException | None) -> str:
+    """Return the output of the submission in the last run of a test, or before its error."""
+    fixtures = getattr(item, "funcargs", {})
+    source = error if isinstance(error, SubmissionError) else fixtures.get("submission")
+    return getattr(source, "output", "")
 
 
 def _default_tests(config: pytest.Config) -> Sequence[str]:

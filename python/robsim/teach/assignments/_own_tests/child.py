@@ -23,7 +23,7 @@ from robsim.teach.assignments.assignment_file import load_assignment
 from robsim.teach.assignments.marking.references import key_for, student_for
 from robsim.teach.errors import AssignmentError, SubmissionError
 from robsim.teach.grading.keys import Key
-from robsim.teach.grading.pytest_plugin import Grading
+from robsim.teach.grading.pytest_plugin import Grading, printed_in
 from robsim.teach.results import ERROR, FAILED, NOT_RUN, PASSED
 from robsim.teach.texts import clean_text
 
@@ -74,7 +74,8 @@ class Points:
         test = self._tests[item.nodeid]
         error = None if call.excinfo is None else call.excinfo.value
         if report.when == "call" or (report.when == "setup" and not report.passed):
-            self._say("result", _told(test, report, error))
+            output = clean_text(printed_in(item, error))
+            self._say("result", {"output": output, **_told(test, report, error)})
         elif report.failed:  # when it was taken down
             self._say("result", {"name": test.name, **_failed_by_others(test, error)})
         return report
@@ -110,11 +111,7 @@ def _is_count(value: object) -> bool:
 
 
 def _told(test: OwnTest, report: pytest.TestReport, error: BaseException | None) -> dict[str, Any]:
-    told: dict[str, Any] = {
-        "name": test.name,
-        "seconds": report.duration,
-        "output": clean_text(error.output) if isinstance(error, SubmissionError) else "",
-    }
+    told: dict[str, Any] = {"name": test.name, "seconds": report.duration}
     if report.passed:
         return told | {"status": PASSED, "sentence": test.success, "points": test.points}
     if report.skipped:
