@@ -283,7 +283,7 @@ def imported_names(sources: Mapping[str, bytes]) -> set[str]:
         for node in ast.walk(tree):
             if isinstance(node, ast.Import):
                 imported |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and not node.level and node.module:
+            elif isinstance(node, ast.ImportFrom) and node.level < 2 and node.module:
                 imported.add(node.module.partition(".")[0])
         names |= imported - {name}
     return names

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 import io
 import linecache
+import re
 import sys
 import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -22,6 +24,7 @@ _RESERVED = sys.stdlib_module_names | {
     "__main__", "robsim", "numpy", "PIL", "matplotlib", "cv2", "pandas", "rich", "tqdm", "typer"
 }  # fmt: skip
 _PACKAGE = "robsim_callbacks."
+_RELATIVE = re.compile(rb"\bfrom\s*\.")
 # sys.modules is shared by the process: one folder at a time.
 _LOCK = threading.RLock()
 
@@ -122,10 +125,23 @@ def module_name(slot: str) -> str:
 
 def _compiled(source: bytes, file: str) -> Any:
     text = _decoded(source, file)
-    code = compile(source, file, "exec", dont_inherit=True)
+    tree = _with_plain_imports(source, file) if _RELATIVE.search(source) else source
+    code = compile(tree, file, "exec", dont_inherit=True)
     # Tracebacks show the lines that were compiled, even if the file has changed since.
     linecache.cache[file] = (len(source), None, list(io.StringIO(text)), file)
     return code
+
+
+def _with_plain_imports(source: bytes, file: str) -> Any:
+    """Return a syntax tree in which ``from .helper import x`` has no dot."""
+    tree = compile(source, file, "exec", ast.PyCF_ONLY_AST, dont_inherit=True)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            if node.module is None:
+                names = ", ".join(alias.name for alias in node.names)
+                raise SyntaxError(f"write import {names}", (file, node.lineno, None, None))
+            node.level = 0
+    return tree
 
 
 def _decoded(source: bytes, file: str) -> str:

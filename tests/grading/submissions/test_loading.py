@@ -21,6 +21,7 @@ from submissions import (
     notebook,
     packed,
     read_submission,
+    refused,
     sent,
     write,
 )
@@ -87,6 +88,25 @@ def test_a_submission_of_each_kind_gives_the_bytes_of_its_folder(tmp_path):
     for path in (folder, zipped, tmp_path / "mine.py", cells):
         with loaded_slots(sent(path), CONTROL) as callbacks:
             assert bytes_of(robsim.Simulation(**options, **callbacks).run(20)) == expected
+
+
+def test_files_beside_each_other_are_imported_with_a_dot_or_without(tmp_path):
+    files = {"helper": "from .deeper import VALUE\n", "deeper": "VALUE = 3.0\n"}
+    source = (
+        "from .helper import VALUE\nimport deeper\ncontrol = lambda step: (VALUE, deeper.VALUE)"
+    )
+    folder = write(tmp_path / "mine", control=source, **files)
+    assert answer(folder) == (3, 3)
+    assert robsim.Simulation.from_folder(folder).run(2).u[0].tolist() == [3, 3]
+    (tmp_path / "s002.py").write_text(source)
+    given = {f"{name}.py": text.encode() for name, text in files.items()}
+    with loaded_slots(read_submission(tmp_path / "s002.py", CONTROL, given), CONTROL) as callbacks:
+        assert callbacks["control"](None) == (3, 3)
+    error = failure(write(tmp_path / "s001", control=f"from . import helper\n{PLAIN}", **files))
+    assert "write import helper" in str(error)
+    assert error.line == 1
+    taken = write(tmp_path / "s002", control=f"from .random import x\n{PLAIN}", random="x = 1")
+    assert "rename it" in str(refused(taken))
 
 
 def test_slots_of_the_rules_alone_are_loaded(tmp_path):
