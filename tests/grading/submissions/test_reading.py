@@ -4,6 +4,7 @@ import pickle
 
 import pytest
 
+import robsim
 from submissions import (
     BOTH,
     CONTROL,
@@ -125,7 +126,10 @@ def test_what_is_no_python_is_told_with_its_line(tmp_path):
         (b"def control(step:\n    pass", "line 1: "),
         (b"x = 1\n\ny = \xe9", "line 3: it is not UTF-8 text, it has the byte 0xe9"),
         (b"x = 1\n\0", "line 2: it is not UTF-8 text, it has a null character"),
-        (b"# coding: latin-1\nx = 1", "line 1: it says that it is in 'latin-1'"),
+        (b"# coding: ascii\nx = '\xe9'", "line 2: it is not ASCII text, it has the byte 0xe9"),
+        (b"# coding: hex\nx = 1", "line 1: it says that it is in 'hex'"),
+        (b"# coding: punycode\nx = 1", "line 1: it says that it is in 'punycode'"),
+        (b"# coding: unicode_escape\nx = 1", "line 1: it says that it is in 'unicode_escape'"),
         (b"\n# coding=utf7\nx = 1", "line 2: it says that it is in 'utf7'"),
         (b"x = " + b"-" * 100_000 + b"1", "nested too deeply"),
         (b"x" + b"()" * 50_000, "nested too deeply"),
@@ -143,6 +147,30 @@ def test_what_is_no_python_is_told_with_its_line(tmp_path):
         assert str(error).isprintable()
         assert len(str(error)) < 500
         assert error.file == "control.py"
+
+
+CODED = """# -*- coding: {} -*-
+from helper import NAME
+def control(step):
+    return "gr\xfc\xdfe", NAME
+"""
+
+
+@pytest.mark.parametrize("coding", ["latin-1", "cp1252", "iso-8859-15", "utf-8", "utf_8_sig"])
+def test_a_line_with_the_coding_counts_as_in_python(tmp_path, coding):
+    helper = f"#!/usr/bin/python\n# vim: set fileencoding={coding} :\nNAME = '\xe9'\n"
+    folder = write(tmp_path / "s001", control="")
+    (folder / "control.py").write_bytes(CODED.format(coding).encode(coding))
+    (folder / "helper.py").write_bytes(helper.encode(coding))
+    assert answer(folder) == ("gr\xfc\xdfe", "\xe9")
+    assert robsim.teach.check_folder(folder).checks["control"].problems[0].kind != "not loaded"
+    alone = f"# coding: {coding}\n" + "def control(step):\n    return '\xe4'\n"
+    (tmp_path / "mine.py").write_bytes(alone.encode(coding))
+    assert answer(tmp_path / "mine.py") == "\xe4"
+
+
+def test_a_coding_below_the_first_line_of_code_does_not_count(tmp_path):
+    assert answer(write(tmp_path / "s001", control=f"x = 1\n# coding: hex\n{PLAIN}")) == (1, 2)
 
 
 def test_a_helper_that_nobody_imports_may_be_broken(tmp_path):

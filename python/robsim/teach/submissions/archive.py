@@ -48,12 +48,12 @@ def read_archive(content: bytes, whole: str, rules: Rules, intake: Intake) -> No
 def _take(
     archive: zipfile.ZipFile, entry: zipfile.ZipInfo, whole: str, rules: Rules, intake: Intake
 ) -> None:
-    # `filename` ends at a null character, and has lost the backslashes of Windows there.
+    # `filename` ends at a null character.
     name = entry.orig_filename
     if not intake.wants(name):
         return
     _check_kind(entry, whole, name)
-    if entry.is_dir() or name.endswith("/"):
+    if entry.is_dir() or name.endswith(("/", "\\")):
         return
     intake.add(name, _content(archive, entry, whole, rules, intake))
 

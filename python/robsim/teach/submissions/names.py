@@ -10,7 +10,7 @@ from robsim.teach.errors import SubmissionError
 
 # Learning platforms put a student's whole name before that of a file.
 _LONGEST_PART, _LONGEST, _DEEPEST = 150, 250, 8
-_FORBIDDEN = frozenset('<>:"|?*\\')
+_FORBIDDEN = frozenset('<>:"|?*')
 _DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9¹²³])(\..*)?", re.IGNORECASE)
 _DRIVE = re.compile(r"[A-Za-z]:")
 # What tools leave beside the files of their users; hidden files are passed over, too.
@@ -28,8 +28,8 @@ def checked_path(name: str, whole: str) -> str | None:
     if name.startswith(("/", "\\")) or _DRIVE.match(name):
         said = "is an absolute path: pack the folder itself, and nothing else"
         raise refusal_in(whole, name, said)
-    parts = [part for part in name.split("/") if part not in ("", ".")]
-    if ".." in parts or ".." in re.split(r"[\\/]", name):
+    parts = [part for part in re.split(r"[\\/]", name) if part not in ("", ".")]  # of old zips
+    if ".." in parts:
         raise refusal_in(whole, name, "leads out of the folder: pack the folder itself")
     if any(part.startswith(".") or part.lower() in _LEFTOVERS for part in parts):
         return None

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 import symtable
 import threading
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from robsim.base.text import one_line, quoted
 from robsim.simulation.callback_folder import misspelled
@@ -20,6 +21,8 @@ _MOST_WORDS = 250_000
 _WORD = re.compile(r"\d[\w.]*+|\w++|[^\w\s]")
 _LONG_CHAIN = re.compile(r"(?<!\w)(?:\w++[\s\\]*+\.[\s\\]*+){64}")
 _CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*([-\w.]+)")
+# A text in ASCII, with a line break for codings that have escapes.
+_PLAIN = bytes(range(32, 93)) + b"n" + bytes(range(93, 127))
 _LOCK = threading.Lock()  # filters of warnings belong to all threads
 
 
@@ -32,28 +35,33 @@ def quiet() -> Iterator[None]:
 
 
 def decoded(content: bytes, place: str) -> str:
-    """Return the text of a Python file; raise SubmissionError unless it is UTF-8."""
+    """Return the text of a Python file in its coding (PEP 263); raise SubmissionError."""
+    coding = _coding(content, place)
     offset, problem = content.find(b"\0"), "a null character"
     if offset < 0:
         try:
-            text = content.decode("utf-8-sig")
+            text = content.decode("utf-8-sig" if coding == "utf-8" else coding)
         except UnicodeDecodeError as error:
             offset, problem = error.start, f"the byte 0x{content[error.start]:02x}"
         else:
-            _check_coding(content, place)
             return text.replace("\r\n", "\n").replace("\r", "\n")
     line = content.count(b"\n", 0, offset) + 1
-    said = f": it is not UTF-8 text, it has {problem}: save it as UTF-8 text"
+    said = f": it is not {coding.upper()} text, it has {problem}: save it as UTF-8 text"
     raise refusal(place, said, line)
 
 
-def _check_coding(content: bytes, place: str) -> None:
+def _coding(content: bytes, place: str) -> str:
     for number, line in enumerate(content.split(b"\n", 2)[:2], 1):
-        found = _CODING.match(line)
-        name = found[1].decode("ascii", "replace").lower() if found else "utf-8"
-        if name.replace("_", "-") not in ("utf-8", "utf8", "ascii", "us-ascii"):
+        if found := _CODING.match(line):
+            name = found[1].decode("ascii", "replace")
+            with suppress(LookupError, UnicodeError):  # there is no such coding, or it is no text
+                if _PLAIN.decode(name) == _PLAIN.decode("ascii"):
+                    return codecs.lookup(name).name
             said = f"{quoted(name)}: save it as UTF-8 text, and delete this line"
             raise refusal(place, f": it says that it is in {said}", number)
+        if line.strip() and not line.lstrip().startswith(b"#"):
+            break
+    return "utf-8"
 
 
 def check_extent(text: str, place: str) -> None:
