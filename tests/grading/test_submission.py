@@ -98,6 +98,24 @@ def test_what_it_prints_is_kept_and_cut(tmp_path):
     assert len(loud.output) < 1100
 
 
+def test_windows_of_opencv_do_nothing(tmp_path):
+    pytest.importorskip("cv2")
+    source = """
+        import cv2
+        from cv2 import waitKey
+        def control(step):
+            cv2.namedWindow("robot")
+            cv2.imshow("robot", step.frame.image)
+            key = waitKey(1)
+            cv2.destroyAllWindows()
+            return key, 2.0
+        """
+    folder = folder_of(tmp_path / "mine", control=source)
+    submission = Submission(folder, slots="control", frames=True, limits=PATIENT)
+    trace = submission.run(robsim.Scenario(resolution=(200, 200)), steps=2, seed=1)
+    assert trace.u[0].tolist() == [-1, 2]
+
+
 def test_nothing_of_a_run_is_there_in_the_next(tmp_path):
     counts = """
         import pathlib

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import importlib
 import io
 import json
@@ -10,21 +11,38 @@ import socket
 import sys
 import tempfile
 import traceback
-from collections.abc import Sequence
-from typing import TextIO
+from collections.abc import Callable, Sequence
+from functools import partial
+from types import ModuleType
+from typing import Any, TextIO
 
 from robsim.teach.isolation._layers.layer import Layers
 from robsim.teach.isolation.ending import NO_MEMORY, NOT_SHUT_IN
 from robsim.teach.isolation.limits import Request
 
+# Of OpenCV. matplotlib has its backend from the environment.
+_WINDOWS = (
+    *("imshow", "namedWindow", "moveWindow", "resizeWindow", "setWindowTitle", "setMouseCallback"),
+    *("createTrackbar", "destroyWindow", "destroyAllWindows", "waitKey", "waitKeyEx"),
+)
+
 
 def settle(scratch: str) -> None:
-    """Print to descriptors 1 and 2 at once, and be at home in a folder."""
+    """Print to descriptors 1 and 2 at once, be at home in a folder, and show no windows."""
     sys.stdout, sys.stderr = _unbuffered(1), _unbuffered(2)
     os.chdir(scratch)
     for name in ("HOME", "USERPROFILE", "TMPDIR", "TMP", "TEMP", "MPLCONFIGDIR"):
         os.environ[name] = scratch
     tempfile.tempdir = scratch
+    builtins.__import__ = partial(_imported, builtins.__import__)
+
+
+def _imported(plain: Callable[..., ModuleType], name: str, *how: Any, **options: Any) -> ModuleType:
+    module = plain(name, *how, **options)
+    if name.partition(".")[0] == "cv2":
+        nothing = dict.fromkeys(_WINDOWS, lambda *_, **__: -1)  # as waitKey without a key
+        vars(sys.modules["cv2"]).update(nothing)
+    return module
 
 
 def _unbuffered(descriptor: int) -> TextIO:
