@@ -2,6 +2,7 @@
 
 import dataclasses
 import gc
+import math
 import os
 import re
 import sys
@@ -15,6 +16,7 @@ import graded
 import robsim
 from graded import HONEST, PATIENT, assert_same_trace, folder_of, ran_here
 from robsim.teach import Key, Submission, SubmissionError, WorkerLimits, check_isolation
+from robsim.teach.isolation._process import WorkerProcess
 from sizes import thorough
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("patient_grader")]
@@ -88,6 +90,23 @@ def test_the_first_call_and_the_run_have_limits_of_their_own(tmp_path):
     assert len(submission(tmp_path, control=slow, limits=SHORT).run(SCENARIO, steps=1)) == 1
     error = failure(tmp_path, slow, limits=dataclasses.replace(PATIENT, run=0.9))
     assert "the run took longer than 0.9 s" in str(error)
+
+
+def test_time_in_which_others_have_the_processor_does_not_count(tmp_path, monkeypatch):
+    monkeypatch.setattr("robsim.teach.grading._worker._BUSY", 1e4)
+    waits = "import time\ndef control(step):\n    time.sleep(0.3 * step.k)\n    return 1, 2"
+    limits = dataclasses.replace(SHORT, call=0.1)
+    if sys.platform == "linux":
+        mine = submission(tmp_path, control=waits, limits=limits)
+        assert len(mine.run(SCENARIO, steps=2)) == 2
+        monkeypatch.setattr("robsim.teach.grading._worker._BUSY", 1.0)
+    for known in (True, False):
+        if not known:
+            cpu_seconds = property(lambda process: math.nan)
+            monkeypatch.setattr(WorkerProcess, "cpu_seconds", cpu_seconds)
+            monkeypatch.setattr("robsim.teach.grading._worker._BUSY", 1e4)
+        with pytest.raises(SubmissionError, match="control took longer than 0"):
+            submission(tmp_path, control=waits, limits=limits).run(SCENARIO, steps=2)
 
 
 def test_what_it_prints_is_kept_and_cut(tmp_path):

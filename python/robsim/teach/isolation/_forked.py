@@ -49,6 +49,7 @@ def _asked(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> Work
     user = users.take_user() if request.shut and USER not in request.without else None
     request = replace(request, user=user)
     ours, theirs = socket.socketpair()
+    ours.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)  # which tells the worker's number
     reading, writing = os.pipe()
     try:
         with theirs:

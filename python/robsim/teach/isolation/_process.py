@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import selectors
 import socket
+import struct
 import sys
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Self
@@ -20,6 +23,7 @@ from robsim.teach.isolation.limits import Request
 _START = 60.0  # s that a worker may take to shut itself in, where it is fresh with its imports
 _END = 60.0  # s that its end, and that of all it has left, may take
 _AT_ONCE = 1 << 16  # bytes
+_CREDENTIALS = struct.Struct("3i")  # of who has sent something: process, user, group
 
 
 class WorkerLost(Exception):
@@ -48,6 +52,7 @@ class WorkerProcess:
         self._pipe = pipe
         self._printed = printed or Printed(request.limits.output)
         self._killed = False
+        self._number = 0  # of its process; 0 = not known
         self._ending: Ending | None = None
         self._over = threading.Event()
         self._on_end = on_end
@@ -64,6 +69,8 @@ class WorkerProcess:
     def _first_report(self) -> Layers:
         self._life.settimeout(_START)
         try:
+            if sys.platform == "linux":
+                self._number = _sender(self._life)
             report = self._lines.readline()
         except TimeoutError:
             self._on_hang()
@@ -147,6 +154,14 @@ class WorkerProcess:
         )
 
     @property
+    def cpu_seconds(self) -> float:
+        """Processor time of all its threads until now (s); NaN = not known."""
+        if sys.platform == "linux" and self._number:
+            with suppress(OSError):  # it has ended
+                return time.clock_gettime(~self._number << 3 | 2)  # as clock_getcpuclockid()
+        return math.nan
+
+    @property
     def output(self) -> str:
         """What it has printed, with a line that says where it was cut. It may be anything."""
         return self._printed.text
@@ -170,3 +185,14 @@ class WorkerProcess:
 
     def __exit__(self, *_: object) -> None:
         self.kill()
+
+
+if sys.platform == "linux":
+
+    def _sender(connection: socket.socket) -> int:
+        """Return the number, as it is here, of the process whose bytes come next; 0 = not known."""
+        space = socket.CMSG_SPACE(_CREDENTIALS.size)
+        for _, kind, data in connection.recvmsg(1, space, socket.MSG_PEEK)[1]:
+            if kind == socket.SCM_CREDENTIALS:
+                return int(_CREDENTIALS.unpack(data)[0])
+        return 0

@@ -20,7 +20,8 @@ class WorkerLimits:
     Parameters
     ----------
     call : float, default: 1.0
-        One callback (s), by the grader's clock.
+        One callback (s): processor time on Linux, and ten times as long by the grader's clock;
+        elsewhere this clock alone.
     first_call : float, default: 10.0
         Loading the submission, and the first call (s).
     run : float, default: 60.0
