@@ -18,7 +18,9 @@ from robsim.teach import (
     SubmissionError,
     grade_submission,
     play_run,
+    task,
 )
+from robsim.teach.assignments.assignment import TaskTest
 from robsim.teach.assignments.marking import marking, references, task_runs
 from robsim.teach.assignments.marking import references as seeds
 from robsim.teach.grading.calling import judged
@@ -142,6 +144,28 @@ def test_a_run_that_fails_is_shown_where_that_costs_more(hw3, graded):
     bad = tuple(replace(score, fraction=0.0) for score in half.scores)
     assert marking.run_to_show(replace(half, failed=failed, scores=bad, runs=4), [2, 0]) == 0
     assert marking.run_to_show(replace(half, failed=()), [1, 0]) == 0
+
+
+def test_a_lost_score_is_told_in_a_sentence():
+    told = {}
+    for name in ("measure", "follow"):
+        one = task(name, runs=1)
+        limits = {score.name: ScoreLimit(full=2.0, zero=9.0) for score in one.scores}
+        numbers = {score.name: [1.0] for score in one.scores}
+        for lost in one.scores:
+            for public in (False, True):
+                test = TaskTest(
+                    name="t", title="T", task=one, points=1, public=public, limits=limits
+                )
+                mark = marking.mark_of(test, (), numbers | {lost.name: [100.0]}, numbers)
+                told[lost.name, public] = mark.sentence
+    frames = (
+        "The share of frames with a false pose, or without one where the robot can be seen, is "
+    )
+    assert told["lost", False] == f"{frames}too large."
+    assert told["lost", True].startswith(f"{frames}too large: ")
+    assert told["left", False].startswith("The share of waypoints ")
+    assert told["heading", False] == "The error of the heading is too large."
 
 
 def test_a_run_that_fails_is_played_up_to_there(graded_class, tmp_path):

@@ -180,7 +180,7 @@ def _of_scores(
         if is_passed:
             return "All is as good as it must be."
         return "The others were as good as they must be."
-    lost = [score for score in scores if score.fraction < 1]
+    lost = [replace(score, title=_subject(score)) for score in scores if score.fraction < 1]
     lost.sort(key=lambda score: (1 - score.fraction) * score.share, reverse=True)
     if public:
         return _told(lost[0], through)
@@ -192,8 +192,14 @@ def _of_scores(
 
 def _are(titles: list[str], direction: str) -> str:
     *others, last = titles
-    text = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+    text = f"{', '.join(others).replace(',,', ',')} and {last} are" if others else f"{last} is"
     return f"{text[0].upper()}{text[1:]} {direction}."
+
+
+def _subject(score: ScoreResult) -> str:
+    """Return the subject of a sentence on a score: the title of a share names the counted."""
+    title = f"share of {score.title}" if score.unit == "%" else score.title
+    return f"{title}," if ", " in title else title
 
 
 def _direction(score: ScoreResult) -> str:
