@@ -239,7 +239,7 @@ def test_the_world_of_a_submission_is_that_of_one_process(tmp_path):
 
 
 def test_what_the_submission_switches_off_is_the_default(tmp_path):
-    off = world(tmp_path, "ENABLED = False\n").run(SCENARIO, steps=8, seed=2)
+    off = world(tmp_path, "ENABLED = False\n", defaults=True).run(SCENARIO, steps=8, seed=2)
     plain = robsim.Simulation(SCENARIO.replace(model=robsim.RobotModel()), seed=2).run(8)
     assert_same_trace(off, plain)
 

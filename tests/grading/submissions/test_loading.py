@@ -4,12 +4,14 @@ import importlib
 import shutil
 import sys
 import traceback
+from dataclasses import replace
 
 import pytest
 
 import robsim
 import robsim.estimation.reference
 from graded import PATIENT
+from robsim.simulation.callback_folder import new_folder
 from robsim.teach import TASKS, Submission, SubmissionError
 from submissions import (
     BOTH,
@@ -116,7 +118,36 @@ def test_slots_of_the_rules_alone_are_loaded(tmp_path):
     off = "ENABLED = False\n\n\ndef measure(step): ...\n"
     folder = write(tmp_path / "s002", control=PLAIN, measure=off)
     with loaded_slots(sent(folder, BOTH), BOTH) as callbacks:
+        assert [*callbacks] == ["control"]
+    rules = replace(BOTH, defaults=True)
+    with loaded_slots(sent(folder, rules), rules) as callbacks:
         assert callbacks["measure"] is False
+
+
+def test_what_robsim_brings_along_is_not_handed_in(tmp_path):
+    new_folder(tmp_path / "new")
+    untouched = (tmp_path / "new/estimate_state.py").read_text()
+    for slot, source, why in (
+        ("measure", "measure = True", "is the stage of robsim"),
+        ("measure", (tmp_path / "new/measure.py").read_text(), "ENABLED = False"),
+        ("estimate_state", untouched.replace("= False", "= True"), "untouched"),
+        ("control", "import robsim\ncontrol = robsim.Spin(0.1)", "an object of robsim"),
+        (
+            "control",
+            "from robsim.control import FollowPath\ncontrol = FollowPath([(1, 1)])",
+            "an ob",
+        ),
+    ):
+        rules = Rules(slots=(slot,))
+        folder = write(tmp_path / f"s{len(why)}{slot}", **{slot: source})
+        assert f"nothing is handed in: {slot} " in str(failure(folder, rules))
+        assert why in str(failure(folder, rules))
+        with loaded_slots(sent(folder, rules), replace(rules, defaults=True)) as callbacks:
+            assert [*callbacks] == [slot]
+    changed = untouched.replace("= False", "= True").replace("step.k == 0", "step.k < 1")
+    rules = Rules(slots=("estimate_state",))
+    with loaded_slots(sent(write(tmp_path / "s9", estimate_state=changed), rules), rules) as own:
+        assert callable(own["estimate_state"])
 
 
 GIVEN = {"task.py": b"GOAL = 3\n", "table.csv": b"1,2\n"}

@@ -19,7 +19,7 @@ from robsim.teach.tasks.solutions import MODULE, Solution, module_source
 #: Who has the public tests has their key, too: they are the same for all.
 SEEDS = ("student", "class")
 #: The attributes that bound a submission, as of `robsim.teach.Submission`.
-RULES = ("slots", "functions", "imports", "masked")
+RULES = ("slots", "functions", "imports", "masked", "defaults")
 #: s that the tests of a submission may take: Gradescope's 10 minutes less one.
 SECONDS = 540.0
 
@@ -92,6 +92,8 @@ class Assignment:
     slots, functions, imports, masked : tuple of str
         What a submission may fill, may define for the teacher's own tests, may import (None = all),
         and cannot have; as for `robsim.teach.Submission`.
+    defaults : bool
+        Whether stages and objects of robsim may fill slots; else they are not handed in.
     given : str
         What it gets at each step: ``"frames"``, ``"blobs"`` or ``"pose"``.
     given_files : mapping of str to bytes
@@ -122,6 +124,7 @@ class Assignment:
     functions: tuple[str, ...] = ()
     imports: tuple[str, ...] | None = None
     masked: tuple[str, ...] = ()
+    defaults: bool = False
     given: str
     given_files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     own_seeds: bool = True
@@ -155,7 +158,7 @@ class Assignment:
         """Return the rules of a submission for all or some slots; raise TypeError or ValueError."""
         functions = self.functions if slots is None else ()
         wanted = self.slots if slots is None else slots
-        return rules_of(wanted, functions, self.imports, self.masked, self.limits)
+        return rules_of(wanted, functions, self.imports, self.masked, self.defaults, self.limits)
 
 
 def check_is_assignment(assignment: Any) -> None:

@@ -95,6 +95,7 @@ def _table(folder: Path) -> codec.Table:
             "given": partial(check_choice, choices=_GIVEN),
             "imports": codec.names,
             "masked": codec.names,
+            "defaults": codec.flag,
             "seeds": partial(check_choice, choices=SEEDS),
             "isolation": partial(check_choice, choices=LEVELS),
             "points": _POINTS,

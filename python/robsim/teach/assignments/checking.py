@@ -156,7 +156,7 @@ def _rehearsed(plan: Plan, scratch: Path, executor: Engine, progress: bool) -> I
     bar = progress_bar(total=len(parts), unit="submission") if progress else None
     tries: dict[str, list[SubmissionResult]] = {part.name: [] for part in parts}
     # Solutions may be made of what students cannot have; one of the right ones must do without.
-    free = plan_of(replace(plan.assignment, masked=()))
+    free = plan_of(replace(plan.assignment, masked=(), defaults=True))
     for again in range(_TRIES):
         asked = [part for part in parts if not again or not _is_expected(part, tries[part.name][0])]
         for by, name in ((plan, "ruled"), (free, "free")):

@@ -68,6 +68,9 @@ class Submission:
         itself needs to run a submission (`robsim.estimation`, `robsim.vision`, ...), and of single
         names, only what is written in plain Python is refused: code that searches memory finds
         them.
+    defaults : bool
+        Whether what robsim brings along may fill slots: True, ``ENABLED = False``, its templates,
+        its objects. By default such slots count as not handed in.
     frames : bool or "blobs", optional
         Whether it sees the frames, or the blobs in them alone. Default: the frames, if it fills
         `measure`. Poses are cheaper.
@@ -117,6 +120,7 @@ class Submission:
         functions: str | Iterable[str] = (),
         imports: Iterable[str] | None = None,
         masked: Iterable[str] = (),
+        defaults: bool = False,
         frames: bool | Literal["blobs"] | None = None,
         limits: WorkerLimits | None = None,
         isolation: Isolation = "auto",
@@ -138,7 +142,7 @@ class Submission:
         given_student = None if student is None else check_text("student", student)
         self._test = None if test is None else check_text("test", test)
         limits = limits or WorkerLimits()
-        rules = rules_of(slots, functions, imports, masked, limits)
+        rules = rules_of(slots, functions, imports, masked, defaults, limits)
         files = read_submission(path, rules, given)
         self.name = files.name
         self.output = ""

@@ -36,11 +36,12 @@ def rules_of(
     functions: str | Iterable[str],
     imports: Iterable[str] | None,
     masked: Iterable[str],
+    defaults: bool,
     limits: WorkerLimits,
 ) -> Rules:
     """Return the rules of an assignment; raise TypeError or ValueError."""
     given: dict[str, Any] = {"slots": slots, "functions": functions, "imports": imports}
-    given["masked"] = masked
+    given |= {"masked": masked, "defaults": defaults}
     rules = Rules(
         **given,
         files=limits.submission_files,

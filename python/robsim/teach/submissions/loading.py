@@ -20,6 +20,7 @@ from robsim.simulation.folder_modules import FolderModules, module_name
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.files import FILE, FOLDER, SubmissionFiles
+from robsim.teach.submissions.handed_in import own_slots
 from robsim.teach.submissions.imports import builtins_for, masked
 from robsim.teach.submissions.notebook.choosing import chosen
 from robsim.teach.submissions.rules import Rules
@@ -56,7 +57,9 @@ def loaded_slots(
     own = builtins_for(rules, [*files.modules])
     load = _folder if files.kind == FOLDER else _module
     with masked(rules), load(files, where, rules, own) as callbacks:
-        yield callbacks
+        with _failing(files.name, None):
+            handed_in = callbacks if rules.defaults else own_slots(callbacks, rules.slots)
+        yield handed_in
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
-from robsim.base.checks import check_int
+from robsim.base.checks import check_bool, check_int
 from robsim.base.spelling import suggestion
 from robsim.base.text import quoted
 from robsim.simulation.folder_modules import reserved_names
@@ -31,6 +31,7 @@ class Rules:
     imports: tuple[str, ...] | None = None  # top-level modules beside its own; None = all
     #: Modules, or names in them, such as ``"robsim.estimation.reference"``, ``"robsim.locate"``.
     masked: tuple[str, ...] = ()
+    defaults: bool = False  # whether stages and objects of robsim may fill slots
     files: int = 100  # at most
     size: int = 5 * 2**20  # bytes of all files
     file_size: int = 2**20  # bytes of one
@@ -48,6 +49,7 @@ class Rules:
         own(self, "masked", _modules("masked", self.masked))
         for name in self.masked:
             _check_there(name)
+        check_bool("defaults", self.defaults)
         check_int("files", self.files, minimum=1, maximum=10_000)
         check_int("size", self.size, minimum=1, maximum=2**27)
         check_int("file_size", self.file_size, minimum=1, maximum=2**27)
