@@ -198,8 +198,14 @@ def test_a_task_is_shown_and_written_once(tmp_path):
 
 @pytest.mark.usefixtures("limits")
 @pytest.mark.parametrize("name", TASKS)
-def test_what_one_begins_with_can_be_tried(name, tmp_path):
+def test_what_one_begins_with_is_tried_once_it_is_changed(name, tmp_path):
     command("tasks", "show", name, "--to", "mine", cwd=tmp_path)
+    run = command("tasks", "try", name, "mine", "--runs", "1", cwd=tmp_path)
+    assert run.exit_code == 2
+    assert "untouched" in run.stderr
+    slot = TASKS[name].slots[0]
+    with open(tmp_path / f"mine/{slot}.py", "a") as file:
+        file.write(f"\n\nbegun = {slot}\n\n\ndef {slot}(step):\n    return begun(step)\n")
     run = command("tasks", "try", name, "mine", "--runs", "1", cwd=tmp_path)
     assert run.exit_code == 1
     assert run.stdout.startswith(f"Task {name}, mine")

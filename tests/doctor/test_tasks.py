@@ -201,7 +201,7 @@ def test_a_file_that_is_switched_off_is_told(tmp_path):
 def test_what_is_masked_is_told(tmp_path):
     folder = folder_of(tmp_path, shipped(MeasureTask(), "reference"))
     report = check_folder(folder, task=MeasureTask(runs=1, steps=20))
-    assert any("robsim.locate" in remark for remark in report.remarks)
+    assert any("robsim.locate" in problem.sentence for problem in report.problems)
 
 
 def test_what_cannot_be_is_refused(tmp_path):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import builtins
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
@@ -125,3 +126,24 @@ def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
         return plain_import(name, globals, locals, fromlist, level)
 
     return {**vars(builtins), "__import__": checked_import}
+
+
+def masked_in(sources: Mapping[str, bytes], masked: Sequence[str]) -> dict[str, str]:
+    """Return the first masked name that each module writes out, by the names of modules."""
+    found: dict[str, str] = {}
+    for name, source in sources.items():
+        with suppress(SyntaxError, ValueError):  # who loads it tells it
+            for written in _dotted_names(ast.parse(source)):
+                if mask := _above(written, masked):
+                    found.setdefault(name, mask)
+    return found
+
+
+def _dotted_names(tree: ast.AST) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Attribute):
+            yield ast.unparse(node)

@@ -19,6 +19,8 @@ from robsim.campaigns import CampaignResult, CampaignSpec
 from robsim.campaigns.choices import FOLDER, Choice, choice_of
 from robsim.campaigns.launch import run_spec
 from robsim.campaigns.runs import CaseRuns
+from robsim.teach.submissions.handed_in import own_slots
+from robsim.teach.submissions.imports import masked_in
 from robsim.teach.tasks.definition import MOST_RUNS, Task, check_task, solution_folder
 from robsim.teach.tasks.marks.calibration import shipped_calibrations, task_digest
 from robsim.teach.tasks.marks.sets import METRIC, numbers_in, points_of
@@ -319,6 +321,19 @@ def try_solution(
     )
 
 
+def why_not_own(task: Task, solution: Solution) -> str:
+    """Return what is not there, or counts for nothing, where a task is graded; "" = nothing."""
+    for name, mask in masked_in(solution.files, task.masked).items():
+        return f"{name}.py has {mask}, which is not there for the task: do without it"
+    with solution_folder(task, solution).callbacks() as callbacks:
+        off = {slot: False for slot in task.slots if slot in solution.files}
+        try:
+            own_slots(off | callbacks, task.slots)
+        except ValueError as error:
+            return str(error)
+    return ""
+
+
 def _choices(
     task: Task, solution: str | PathLike[str] | Solution | None, callbacks: Mapping[str, Any]
 ) -> tuple[str, dict[str, Choice]]:
@@ -337,6 +352,8 @@ def _choices(
                 f"callbacks are given by name, such as {task.slots[0]}=..."
             )
         solution = Solution.load(solution, task.slots, is_right=False)
+        if reason := why_not_own(task, solution):
+            raise ValueError(reason)
     folder = solution_folder(task, solution)
     with folder.callbacks():  # which raises what its files raise
         pass

@@ -25,7 +25,7 @@ from robsim.teach.doctor.task_checks.seen_run import SeenRun
 from robsim.teach.tasks.by_name import task as named_task
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
-from robsim.teach.tasks.trial import TaskTrial, try_solution
+from robsim.teach.tasks.trial import TaskTrial, try_solution, why_not_own
 
 _LOOKS = {
     RobotSlots.control.name: drive_findings,
@@ -47,12 +47,14 @@ def check_for_task(
     solution = Solution.load(path, chosen.slots, is_right=False)
     report = report_of(path, slots, _surroundings(chosen))
     is_loaded = all(problem.kind != "not loaded" for problem in report.problems)
-    trial = _trial(chosen, path) if is_loaded else None
+    reason = why_not_own(chosen, solution) if is_loaded else ""
+    trial = _trial(chosen, path) if is_loaded and not reason else None
     kinds = {problem.kind for problem in report.problems}
     found = () if trial is None else _findings(trial, solution, is_known=bool(kinds - _NO_CAUSE))
     findings = tuple(one for one in found if one.kind not in kinds)
     known = {field.name: getattr(report, field.name) for field in fields(report)}
-    known["problems"] = (*_once(report), *findings)
+    not_own = [Problem(kind="not handed in", sentence=reason)] if reason else []
+    known["problems"] = (*_once(report), *not_own, *findings)
     known["remarks"] = (*_remarks(report, chosen, solution), *report.remarks)
     known["tables"] = (*(() if trial is None else trial.tables), *report.tables)
     return TaskReport(**known, task=chosen, trial=trial, findings=findings)
@@ -109,10 +111,6 @@ def _remarks(report: FolderReport, task: Task, solution: Solution) -> Iterator[s
     for slot in task.slots:
         if slot in solution.files and isinstance(report.checks.get(slot), str):
             yield f"{slot}.py is switched off: set ENABLED = True in it"
-    for name, source in solution.files.items():
-        for masked in task.masked:
-            if masked.encode() in source:
-                yield f"{name}.py has {masked}, which cannot be had where the task is graded"
 
 
 def _once(report: FolderReport) -> Iterator[Problem]:
