@@ -81,8 +81,9 @@ def test_what_is_as_it_should_be_is_well(folder, cast):
     report = check_assignment(folder, progress=False)
     assert {one.kind for one in report.problems} == NOT_CALIBRATED
     verdicts = {title: row["verdict"] for title, row in report.tables[0].records()}
+    assert verdicts.pop("wrong: naive") == "more than half"  # by these wide limits
     assert {title for title, verdict in verdicts.items() if verdict != "well"} == NOT_CALIBRATED
-    cast_of_it = {"right: reference, as a notebook", "wrong: naive", "nothing in it"}
+    cast_of_it = {"right: reference, as a notebook", "nothing in it"}
     assert cast_of_it | {"hostile: exit", "key"} <= set(verdicts)
 
 

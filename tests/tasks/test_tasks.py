@@ -84,7 +84,8 @@ def test_a_task_has_what_it_says(name, tmp_path):
     for key, value in one.values.items():
         assert f"| `{key}` | `{value!r}` |" in one.sheet
     for score in one.scores:
-        assert f"| {score.title} | {score.unit} | {100 * score.share:.0f} % |" in one.sheet
+        share = f"{100 * score.share:.0f} %" if score.share else "multiplies the others"
+        assert f"| {score.title} | {score.unit} | {share} |" in one.sheet
     assert "{" not in one.sheet
 
 

@@ -58,7 +58,8 @@ class ScoreResult:
     limit, zero, low, low_zero : float or None
         As of the `ScoreLimit`.
     fraction, share : float
-        The part of its points that it gives, 0 to 1, and its share of those of the test.
+        The part of its points that it gives, 0 to 1, and its share of those of the test. Share 0:
+        its part multiplies the points of all others, and those of others have it in them.
     """
 
     name: str
@@ -73,6 +74,12 @@ class ScoreResult:
     low_zero: float | None = None
     fraction: float
     share: float = 1.0
+
+    @property
+    def is_met(self) -> bool:
+        """Whether it is within the limits of full points."""
+        is_small = self.low is not None and self.statistic < self.low
+        return self.statistic <= self.limit and not is_small
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.stats import binom, binomtest
 
+import robsim
 from grading_promises import calibration, files, promises, tolerance
-from robsim.teach import EstimateTask, MeasureTask, ScoreLimit, task
+from robsim.teach import EstimateTask, MeasureTask, ScoreLimit, task, try_solution
 from robsim.teach.tasks.marks import sets
 from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from, share_interval
 from sizes import thorough
@@ -72,7 +73,7 @@ def test_right_solutions_fail_as_rarely_as_promised_whatever_the_distribution(rn
     rates = []
     for trial in range(300):
         right = [as_sets(skewed(rng, PILOT + n, **kind)) for kind in kinds]
-        limits = limits_from(task, right, naive, PILOT, rank=1)
+        limits = limits_from(task, right, [naive], PILOT, rank=1)
         full = [limits[score.name].full for score in task.scores]
         low = limits["consistency"].low
         fails = [((one > full).any(axis=1) | (one[:, 2] < low)).mean() for one in fresh]
@@ -90,12 +91,12 @@ def test_of_right_solutions_the_worst_test_of_all_sets_the_limits():
     rows[:PILOT, 0] = np.exp(0.04 * np.tile([1, -1], PILOT // 2))
     rows[:PILOT, 1] = np.exp(0.1 * np.tile([1, -1], PILOT // 2))
     rows[-1] = np.exp([0.24, 0.0, 0.0])  # two units of 3 x 0.04
-    limits = limits_from(task, [as_sets(rows)], as_sets(np.full((3, 3), 9.0)), PILOT, rank=1)
+    limits = limits_from(task, [as_sets(rows)], [as_sets(np.full((3, 3), 9.0))], PILOT, rank=1)
     assert limits["position"].full == pytest.approx(np.exp(0.24))
     assert limits["heading"].full == pytest.approx(np.exp(0.6))  # as many units of its own
     assert limits["lost"].full == pytest.approx(1.1**2)  # a unit is that much at least
     assert as_sets(rows[PILOT:]).points(task.scores, limits).tolist() == pytest.approx([1] * 5)
-    second = limits_from(task, [as_sets(rows)], as_sets(np.full((3, 3), 9.0)), PILOT, rank=2)
+    second = limits_from(task, [as_sets(rows)], [as_sets(np.full((3, 3), 9.0))], PILOT, rank=2)
     assert second["position"].full == pytest.approx(1.01)
 
 
@@ -104,20 +105,27 @@ def test_a_score_that_hardly_ever_differs_does_not_scale_the_limits_of_others():
     rows[:PILOT, 1] = np.exp(0.1 * np.tile([1, -1], PILOT // 2))
     rows[-1] = [1.09, 1.0, 1.0]  # the only test in which it does
     limits = limits_from(
-        MeasureTask(), [as_sets(rows)], as_sets(np.full((3, 3), 9.0)), PILOT, rank=1
+        MeasureTask(), [as_sets(rows)], [as_sets(np.full((3, 3), 9.0))], PILOT, rank=1
     )
     assert limits["heading"].full < np.exp(0.3)
 
 
-def test_no_points_are_given_where_naive_is_and_never_close_to_the_limit():
+def test_no_points_are_given_from_the_smallest_wrong_one_and_never_close_to_the_limit():
     task = EstimateTask()
     rows = np.tile(np.exp([[0.1, 0.1, 0.1], [0.1, 0.1, -0.1]]), (PILOT, 1))
-    naive = as_sets(np.tile([3.0, 1.0, 0.01], (3, 1)))
-    limits = limits_from(task, [as_sets(rows)], naive, PILOT, rank=1)
-    assert limits["position"].zero == 3.0
-    assert limits["heading"].zero == limits["heading"].full ** 2
-    assert limits["consistency"].zero == limits["consistency"].full ** 2
-    assert limits["consistency"].low_zero == 0.01
+    wrong = [as_sets(np.tile(one, (3, 1))) for one in ([3.0, 1.0, 0.01], [2.0, 1.2, 5.0])]
+    limits = limits_from(task, [as_sets(rows)], wrong, PILOT, rank=1)
+    assert limits["position"].zero == 2.0
+    assert limits["heading"].zero == 1.5 * limits["heading"].full
+    assert limits["consistency"].zero == 5.0
+    assert limits["consistency"].low_zero == pytest.approx(0.01)
+
+
+def test_half_as_many_right_frames_as_the_reference_has_give_no_points():
+    rows = np.full((PILOT + 5, 3), 1.0)
+    wrong = [as_sets(np.full((3, 3), 9.0))]
+    limits = limits_from(MeasureTask(), [as_sets(rows)], wrong, PILOT, rank=1)
+    assert limits["lost"].zero == 2.0
 
 
 LIMITS = {
@@ -177,3 +185,21 @@ def test_a_few_tests_on_fresh_runs_come_out_as_promised(name):
     assert len(found) == len(task(name).solutions)
     for promise in found:
         assert promise.holds, promise
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("answers", "turn", "most"),
+    [(lambda k: k == 30, 1.0, 0.05), (lambda k: k % 3, 1.0, 0.65), (lambda k: True, 57.3, 0.2)],
+    ids=["one frame in 60", "two frames in three", "degrees"],
+)
+def test_who_answers_rarely_or_in_degrees_has_few_points(answers, turn, most):
+    def measure(step):
+        found = robsim.locate(step.blobs, step.markers, image=step.frame, colors=step.colors)
+        if found is None or not answers(step.k):
+            return None
+        return robsim.Measurement(found.pose * (1, 1, turn))
+
+    trial = try_solution(MeasureTask(runs=3), measure=measure, progress=False)
+    assert trial.points <= most
+    assert not trial.failed

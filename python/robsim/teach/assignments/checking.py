@@ -26,7 +26,7 @@ from robsim.teach.assignments.packing.public_part import public_part
 from robsim.teach.assignments.rehearsal import FULL, LESS, NOTHING, Part, cast_of, graded
 from robsim.teach.errors import AssignmentError
 from robsim.teach.results import ERROR, SubmissionResult, TestResult, number
-from robsim.teach.tasks.marks.calibration import TaskCalibration
+from robsim.teach.tasks.marks.calibration import MOST_OF_WRONG, TaskCalibration
 
 #: Who is not what is expected is graded twice more, with other seeds: two of three count.
 _TRIES = 3
@@ -81,7 +81,8 @@ def check_assignment(
     with tempfile.TemporaryDirectory(prefix="robsim-check-") as scratch:
         findings += _rehearsed(plan, Path(scratch), engine, progress)
     rows = [
-        Row(one.what, [one.expected, one.got, "WRONG" if one.wrong else "well"]) for one in findings
+        Row(one.what, [one.expected, one.got, "WRONG" if one.wrong else one.note or "well"])
+        for one in findings
     ]
     columns = [Column("expected", "should be"), Column("got", "is"), Column("verdict", "")]
     return CheckReport(
@@ -99,6 +100,7 @@ class Finding:
     expected: str
     got: str
     wrong: str = ""  # the fault and its remedy; "" = no fault
+    note: str = ""  # what a teacher should know, though it is no fault
 
 
 def _still(assignment: Assignment) -> Iterator[Finding]:
@@ -219,7 +221,8 @@ def _finding(part: Part, results: list[SubmissionResult]) -> Finding:
     wrong = ""
     if 2 * len(bad) > len(results):
         wrong = f"{part.name} {_REMEDIES[part.expected]}; it got {got}{_lost(part, bad[0])}"
-    return Finding(part.name, part.expected, got, wrong)
+    is_near = part.expected == LESS and points > MOST_OF_WRONG * most
+    return Finding(part.name, part.expected, got, wrong, "more than half" if is_near else "")
 
 
 def _lost(part: Part, result: SubmissionResult) -> str:

@@ -93,6 +93,8 @@ def score_line(score: ScoreResult, most: float) -> str:
 
 
 def points_text(score: ScoreResult, most: float) -> str:
+    if not score.share:
+        return f"{percent(score.fraction, 0)} of what the others give"
     full = most * score.share
     return f"{percent(score.fraction, 0)} of {number(full)} {'point' if full == 1 else 'points'}"
 

@@ -276,14 +276,20 @@ def _common(task: Task) -> Iterator[str]:
         f"Python brings along, files of your own, and robsim without {listed(_masked(task))}."
     )
     yield "## How it is scored"
-    rows = (f"| {one.title} | {one.unit} | {100 * one.share:.0f} % |" for one in task.scores)
+    rows = (f"| {one.title} | {one.unit} | {_share_of(one)} |" for one in task.scores)
     yield "\n".join(["| score | unit | share of the points |", "| --- | --- | --- |", *rows])
     yield (
         f"Your code is run {task.runs} times for {task.steps} steps, and so is a reference in the "
         "same runs. What counts is how many times the reference's your numbers are, as the "
-        "geometric mean over the runs: about as good as the reference gives all points, and what a "
-        "naive solution reaches gives none. A run that ends with an error has no points."
+        "geometric mean over the runs: about as good as the reference gives all points, and what "
+        "a typical mistake costs gives none. A run that ends with an error has no points."
     )
+    if any(one.kind == "lost" for one in task.scores):
+        yield (
+            "Lost frames multiply all other points: without a pose a controller has nothing to act "
+            "on, however exact the poses of other frames are. With half as many right poses as the "
+            "reference there are no points."
+        )
     yield "## Try it"
     yield "\n".join(
         [
@@ -294,6 +300,10 @@ def _common(task: Task) -> Iterator[str]:
             "```",
         ]
     )
+
+
+def _share_of(score: Score) -> str:
+    return f"{100 * score.share:.0f} %" if score.share else "multiplies the others"
 
 
 def _files(task: Task) -> Iterator[str]:

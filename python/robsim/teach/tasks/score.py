@@ -18,7 +18,8 @@ from robsim.base.checks import (
     check_text,
 )
 
-KINDS = ("ratio", "consistency")
+#: A score of kind ``"lost"`` has no share: its fraction multiplies the points of all others.
+KINDS = ("ratio", "consistency", "lost")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,10 +34,11 @@ class Score:
         What it is, for people.
     unit : str
         Its unit; "" = none.
-    kind : {"ratio", "consistency"}
+    kind : {"ratio", "consistency", "lost"}
         How runs are put together; see `statistic`.
     share : float
-        Its share of the points of a test; those of a task sum to 1.
+        Its share of the points of a test; those of a task sum to 1. That of ``"lost"`` is 0: its
+        part of the points multiplies those of all other scores.
     floor, worst : float
         What is better than `floor` counts as `floor`; what is worse than `worst`, or not a number,
         as `worst`.
@@ -76,7 +78,8 @@ class Score:
         -------
         float
             With kind ``"ratio"`` the geometric mean of value over reference: 1 is as good, 2 twice
-            as bad. With ``"consistency"`` that of the values alone, which should be 1.
+            as bad. With ``"consistency"`` that of the values alone, which should be 1. With
+            ``"lost"`` (% of the steps) the steps that the reference has, over those of the values.
 
         Raises
         ------
@@ -88,27 +91,37 @@ class Score:
         A geometric mean, since a single run in which a robot is lost, of which there are some with
         any method, outweighs in a mean of squares all others together.
         """
-        # statistic = exp(mean over runs of log(value / reference))
-        logs = self._logs("values", values)
-        reference_logs = self._logs("reference", reference)
-        if len(logs) != len(reference_logs):
+        own, others = self._known("values", values), self._known("reference", reference)
+        if len(own) != len(others):
             raise ValueError(
-                f"values and reference must be of the same runs, got {len(logs)} and "
-                f"{len(reference_logs)}"
+                f"values and reference must be of the same runs, got {len(own)} and {len(others)}"
             )
-        if self.kind == "ratio":
-            logs = logs - reference_logs
+        if self.kind == "lost":
+            # statistic = sum(100 - reference) / sum(100 - value)
+            return float(np.sum(_ALL - others) / np.sum(_ALL - own))
+        # statistic = exp(mean over runs of log(value / reference))
+        logs = np.log(own) - (np.log(others) if self.kind == "ratio" else 0.0)
         return math.exp(float(np.mean(logs)))
 
-    def _logs(self, argument: str, values: Sequence[float]) -> Floats:
+    def _known(self, argument: str, values: Sequence[float]) -> Floats:
         numbers = as_float_array(argument, values)
         if numbers.ndim != 1 or not len(numbers):
             raise ValueError(
                 f"{argument} must be the numbers of one or more runs, got shape {numbers.shape}"
             )
         known = np.where(np.isnan(numbers), self.worst, numbers)
-        logs: Floats = np.log(np.clip(known, self.floor, self.worst))
-        return logs
+        clipped: Floats = np.clip(known, self.floor, self.worst)
+        return clipped
+
+
+_ALL = 100.0  # %
+
+
+def share_of_points(scores: Sequence[Score], fractions: Sequence[float]) -> list[float]:
+    """Return the part of its points, 0..1, that each score gives, from the fractions of all."""
+    pairs = [*zip(scores, fractions, strict=True)]
+    kept = math.prod(fraction for score, fraction in pairs if score.kind == "lost")
+    return [fraction if score.kind == "lost" else fraction * kept for score, fraction in pairs]
 
 
 def scores_of(*rows: tuple[Any, ...]) -> tuple[Score, ...]:

@@ -421,7 +421,7 @@ def _worst(
         logs = 0.0
         for score in task.scores:
             log = math.log(score.statistic([values[score.name][run]], [reference[score.name][run]]))
-            logs += score.share * (abs(log) if score.kind == "consistency" else log)
+            logs += (score.share or 1.0) * (abs(log) if score.kind == "consistency" else log)
         return logs
 
     return max(runs, key=loss, default=None)

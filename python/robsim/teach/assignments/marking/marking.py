@@ -17,7 +17,7 @@ from robsim.teach.results import (
     ScoreResult,
     TestResult,
 )
-from robsim.teach.tasks.score import Score, ScoreLimit
+from robsim.teach.tasks.score import Score, ScoreLimit, share_of_points
 from robsim.teach.texts import clean_line
 
 _ALL = 1 - 1e-9
@@ -46,10 +46,12 @@ def mark_of(
 
     `numbers` and `reference` are of the same runs, without the failed ones.
     """
-    scores = tuple(
+    scores = [
         _scored(test, score, tuple(numbers[score.name]), tuple(reference[score.name]))
         for score in test.task.scores
-    )
+    ]
+    parts = share_of_points(test.task.scores, [score.fraction for score in scores])
+    scores = [replace(one, fraction=part) for one, part in zip(scores, parts, strict=True)]
     runs = test.task.runs
     share = (1 - len(failed) / runs) * sum(score.share * score.fraction for score in scores)
     points = test.points if share >= _ALL else test.points * share
@@ -57,7 +59,7 @@ def mark_of(
     return Mark(
         runs=runs,
         failed=tuple(failed),
-        scores=scores,
+        scores=tuple(scores),
         points=points,
         status=status,
         sentence=_sentence(
@@ -113,7 +115,7 @@ def _scored(
 def runs_by_badness(test: TaskTest, mark: Mark) -> list[int]:
     """Return the numbers of the runs that came through, the worst one in what lost most last."""
     scores = dict(zip(mark.scores, test.task.scores, strict=True))
-    lost = max(mark.scores, key=lambda score: (1 - score.fraction) * score.share)
+    lost = max(mark.scores, key=_loss)
 
     def badness(values: tuple[int, float, float]) -> float:
         _, value, reference = values
@@ -176,18 +178,23 @@ def _of_failed(failed: Sequence[FailedRun], runs: int, *, public: bool) -> str:
 def _of_scores(
     scores: Sequence[ScoreResult], through: int, *, public: bool, is_passed: bool
 ) -> str:
-    if all(score.fraction >= 1 for score in scores):
+    lost = [replace(score, title=_subject(score)) for score in scores if not score.is_met]
+    lost.sort(key=_loss, reverse=True)
+    if not lost:
         if is_passed:
             return "All is as good as it must be."
         return "The others were as good as they must be."
-    lost = [replace(score, title=_subject(score)) for score in scores if score.fraction < 1]
-    lost.sort(key=lambda score: (1 - score.fraction) * score.share, reverse=True)
     if public:
         return _told(lost[0], through)
     told: dict[str, list[str]] = {}
     for score in lost:
         told.setdefault(_direction(score), []).append(f"the {score.title}")
     return " ".join(_are(titles, direction) for direction, titles in told.items())
+
+
+def _loss(score: ScoreResult) -> float:
+    """Return what a score costs, of the points of its test; 0 = it is as good as it must be."""
+    return 0.0 if score.is_met else (1 - score.fraction) * (score.share or 1.0)
 
 
 def _are(titles: list[str], direction: str) -> str:

@@ -43,11 +43,11 @@ class MeasureTask(Task):
     slots: ClassVar[tuple[str, ...]] = ("measure",)
     given: ClassVar[str] = "frames"
     scores: ClassVar[tuple[Score, ...]] = scores_of(
-        ("position", "error of the position", "px", 0.4, 0.05, FALSE_POSE_LIMITS[0]),
+        ("position", "error of the position", "px", 0.55, 0.05, FALSE_POSE_LIMITS[0]),
         ("heading", "error of the heading",
-         "deg", 0.3, 0.1, float(np.rad2deg(FALSE_POSE_LIMITS[1]))),
+         "deg", 0.45, 0.1, float(np.rad2deg(FALSE_POSE_LIMITS[1]))),
         ("lost", "frames with a false pose, or without one where the robot can be seen",
-         "%", 0.3, 10.0, 100.0),
+         "%", 0.0, 1e-3, 99.9, "lost"),
     )  # fmt: skip
     masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.locate", "robsim.vision.locate")
 

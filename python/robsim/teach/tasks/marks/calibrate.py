@@ -110,7 +110,7 @@ def calibrate_task(
     known = reference.first(WRONG_TESTS * task.runs)
     sets = {one.name: sets_of(task, runs[one.name], reference) for one in right}
     wrong_sets = {one.name: sets_of(task, runs[one.name], known) for one in wrong}
-    limits = limits_from(task, list(sets.values()), wrong_sets[NAIVE], PILOT_TESTS, rank)
+    limits = limits_from(task, list(sets.values()), list(wrong_sets.values()), PILOT_TESTS, rank)
     begin = PILOT_TESTS
     after = {name: Sets(one.statistics[begin:], one.through[begin:]) for name, one in sets.items()}
     return TaskCalibration(

@@ -19,8 +19,8 @@ from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import Solution
 
 FORMAT = 1
-#: A wrong solution should fail at least so often.
-POWER = 0.95
+#: A wrong solution should fail at least so often, and have no more than that part of the points.
+POWER, MOST_OF_WRONG = 0.95, 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,6 +114,13 @@ class TaskCalibration(Report):
         return tuple(one for one in self.solutions if not one.is_right and one.rate < POWER)
 
     @property
+    def near(self) -> tuple[SolutionMarks, ...]:
+        """The wrong solutions that have more than half of the points."""
+        return tuple(
+            one for one in self.solutions if not one.is_right and one.points > MOST_OF_WRONG
+        )
+
+    @property
     def title(self) -> str:
         """What is calibrated."""
         return f"Limits of the task {quoted(self.task)}, for {self.parameters['runs']} runs a test"
@@ -173,6 +180,11 @@ class TaskCalibration(Report):
             remarks.append(
                 f"not told from right in {percent(POWER, 0)} of the tests: {names}; more runs a "
                 "test, or longer ones, tell more"
+            )
+        if self.near:
+            remarks.append(
+                f"more than half of the points: {listed(one.name for one in self.near)}; their "
+                f"errors are hardly larger than those of right ones"
             )
         return tuple(remarks)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -17,14 +17,16 @@ _LEAST_MARGIN = 1.01
 #: No unit is smaller: a score that hardly ever differs would scale the limits of all others when it
 #: once does.
 _LEAST_UNIT = 1.1
+#: Between full points and none lies this factor at least.
+NEAREST = 1.5
 #: So that the test that a limit comes from does not miss it by rounding.
 _ROUNDED = 1 + 1e-9
 
 
 def limits_from(
-    task: Task, right: Sequence[Sets], naive: Sets, pilot: int, rank: int
+    task: Task, right: Sequence[Sets], wrong: Sequence[Sets], pilot: int, rank: int
 ) -> dict[str, ScoreLimit]:
-    """Return the limits of a task's scores from the tests of right solutions, and of the naive one.
+    """Return the limits of a task's scores from the tests of right and of wrong solutions.
 
     Of each score a test has a statistic s, see `Score.statistic`. What can be too large is log s,
     and, where it is consistency, -log s, too; how much these differ among right solutions is not
@@ -36,8 +38,9 @@ def limits_from(
     which that is largest. So the bound holds for all scores together, however they depend on each
     other. No limit is below 1.01.
 
-    No points are given from the median of what the naive solution comes to, and nowhere before the
-    square of the limit.
+    No points are given from the smallest median beyond the limit that a wrong solution has, and
+    nowhere before 1.5 times the limit. Of a score of kind ``"lost"`` none are given where half as
+    many steps are right as of the reference: what does not answer cannot be controlled by.
     """
     # (solutions, tests, tails): what can be too large
     tails = np.stack([_tails(task, one.statistics) for one in right])
@@ -50,17 +53,25 @@ def limits_from(
     off = np.max(after / units, axis=2)
     factor = float(np.max(np.sort(off, axis=1)[:, -rank]))
     bounds = iter((_ROUNDED * np.exp(np.maximum(factor * units, least))).tolist())
-    middle = np.nanmedian(naive.statistics, axis=0) if naive.through.any() else None
+    medians = np.array(
+        [np.nanmedian(one.statistics, axis=0) for one in wrong if one.through.any()]
+    ).reshape(-1, len(task.scores))
     limits = {}
-    for index, score in enumerate(task.scores):
-        at = 1.0 if middle is None else float(middle[index])
+    for score, those in zip(task.scores, medians.T, strict=True):
         full = next(bounds)
-        limit = ScoreLimit(full=full, zero=max(at, full**2))
+        limit = ScoreLimit(full=full, zero=_zero(full, [2.0] if score.kind == "lost" else those))
         if score.kind == "consistency":
-            low = 1 / next(bounds)
-            limit = ScoreLimit(full=full, zero=limit.zero, low=low, low_zero=min(at, low**2))
+            inverse = next(bounds)
+            below = 1 / _zero(inverse, 1 / those)
+            limit = ScoreLimit(full=full, zero=limit.zero, low=1 / inverse, low_zero=below)
         limits[score.name] = limit
     return limits
+
+
+def _zero(full: float, medians: Iterable[float]) -> float:
+    """Return from where on there are no points: at the smallest median beyond the limit."""
+    beyond = [median for median in medians if median > full]
+    return float(max(min(beyond, default=0.0), NEAREST * full))
 
 
 def _tails(task: Task, statistics: Floats) -> Floats:

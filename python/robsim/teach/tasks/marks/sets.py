@@ -15,7 +15,7 @@ from robsim.base.checks import Floats
 from robsim.campaigns import CampaignResult, campaign
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.tasks.definition import Task, solution_folder
-from robsim.teach.tasks.score import Score, ScoreLimit
+from robsim.teach.tasks.score import Score, ScoreLimit, share_of_points
 from robsim.teach.tasks.solutions import Solution
 
 #: The name of the numbers in a campaign.
@@ -100,11 +100,12 @@ def points_of(
     through: float,
 ) -> float:
     """Return the share of a test's points, 0..1; `through` is the share of completed runs."""
-    parts = [
-        0.0 if math.isnan(statistic) else score.share * limits[score.name].fraction(statistic)
+    fractions = [
+        0.0 if math.isnan(statistic) else limits[score.name].fraction(statistic)
         for score, statistic in zip(scores, statistics, strict=True)
     ]
-    return through * math.fsum(parts)
+    parts = share_of_points(scores, fractions)
+    return through * math.fsum(s.share * part for s, part in zip(scores, parts, strict=True))
 
 
 def sets_of(task: Task, own: Runs, reference: Runs) -> Sets:
