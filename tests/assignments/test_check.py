@@ -10,6 +10,7 @@ from commands import command
 from robsim.teach import check_assignment, load_assignment, new_assignment
 from robsim.teach.assignments import checking as check
 from robsim.teach.assignments import rehearsal
+from robsim.teach.tasks.marks.calibration import shipped_calibrations
 from small_assignments import LIMITS
 
 TIGHT = {"position": {"full": 1.0001, "zero": 1.0002}}
@@ -64,6 +65,8 @@ def test_the_class_has_all_that_is_known(made):
     cast = {part.name: part for part in rehearsal.cast_of(load_assignment(made))}
     assert sum(part.expected == rehearsal.LESS for part in cast.values()) >= 5
     assert {f"hostile: {name}" for name in ("exit", "hang", "patch", "truth")} <= set(cast)
+    gamed = ("robsim's own", "always nothing", "one step in 60", "the template of robsim new")
+    assert {f"gamed: {name}" for name in gamed} <= set(cast)
     notebook = json.loads(cast["right: reference, as a notebook"].files["estimate.ipynb"])
     assert "estimate_state = " in "".join(notebook["cells"][0]["source"])
     for part in cast.values():  # all of them are programs
@@ -85,6 +88,15 @@ def test_what_is_as_it_should_be_is_well(folder, cast):
     assert {title for title, verdict in verdicts.items() if verdict != "well"} == NOT_CALIBRATED
     cast_of_it = {"right: reference, as a notebook", "nothing in it"}
     assert cast_of_it | {"hostile: exit", "key"} <= set(verdicts)
+
+
+@pytest.mark.slow
+def test_what_has_no_work_in_it_gets_nothing(folder, cast):
+    cast("gamed: robsim's", "gamed: always", "gamed: one step", "gamed: the template")
+    shipped = shipped_calibrations()["estimate"].as_record()["limits"]
+    write_limits(folder, shipped)
+    report = check_assignment(folder, progress=False)
+    assert {one.kind for one in report.problems} == NOT_CALIBRATED
 
 
 @pytest.mark.slow

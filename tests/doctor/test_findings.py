@@ -26,7 +26,7 @@ def finding(sources, slots, masked):
     try:
         return judged(task, _DOCTOR, 600.0).result
     except SubmissionError as error:  # it is not loaded: the grader asks of no such one
-        return "" if NOT_HERE in str(error) else str(error)
+        return "" if NOT_HERE in str(error) or "handed in" in str(error) else str(error)
 
 
 @pytest.mark.slow

@@ -255,6 +255,23 @@ def test_a_mask_holds_at_the_top_and_in_the_wing(tmp_path, monkeypatch, masks):
     assert answer(write(tmp_path / "s002", control=PLAIN), rules) == (1, 2)
 
 
+@pytest.mark.parametrize(
+    "source",
+    [
+        "from robsim._core import locate",
+        "from robsim import _core",
+        "import sys\nlocate = vars(sys.modules['robsim._core'])['locate']\nlocate(None)",
+        "import robsim\nrobsim.Experiment([], measure=True)",
+        "from robsim.simulation.simulation import Simulation\nSimulation()",
+    ],
+)
+def test_a_mask_takes_the_object_wherever_it_lies(tmp_path, source):
+    rules = Rules(slots=("control",), masked=TASKS["measure"].masked)
+    folder = write(tmp_path / "s001", control=f"{source}\n{PLAIN}")
+    assert "is not there" in str(failure(folder, rules))
+    assert robsim.Simulation(measure=True).run(2).seen.any()
+
+
 def test_masks_hold_while_other_threads_import(tmp_path, monkeypatch):
     class Name(str):
         def __format__(self, spec):

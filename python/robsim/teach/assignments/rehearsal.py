@@ -40,6 +40,45 @@ def _for_slot(text: str, slot: str) -> bytes:
 #: What should come of a submission.
 FULL, LESS, NOTHING = "all points", "fewer points", "no points"
 
+_RIGHT = "from right_SLOT import SLOT as right\n\n"
+_KEPT = f"{_RIGHT}kept = []\n\n\ndef SLOT(step):\n    if ASKED:\n        kept[:] = [right(step)]\n"
+_KEPT += "    return kept[0]\n"
+#: What has no work of its own in it, by name: the file of a slot, and what should come of it.
+_GAMED = {
+    "robsim's own": ("SLOT = True\n", NOTHING),
+    "always nothing": ("def SLOT(*given):\n    return NOTHING\n", NOTHING),
+    "one step in 60": (
+        f"{_RIGHT}\ndef SLOT(step):\n    return right(step) if step.k % 60 == 30 else NOTHING\n",
+        NOTHING,
+    ),
+    "each tenth answer held": (_KEPT.replace("ASKED", "step.k % 10 == 0"), LESS),
+    "the first answer held": (_KEPT.replace("ASKED", "not kept or kept[0] is None"), LESS),
+}
+
+
+def gamed_submissions(
+    right: Solution, slots: Sequence[str], masked: Sequence[str]
+) -> Iterator[tuple[str, dict[str, bytes], str]]:
+    """Yield the name of each, its files, and what should come of it; `right` has no masks in it."""
+    at_each_step = [slot for slot in slots if SLOTS[slot].when == STEP and slot in right.files]
+    others = {name: text for name, text in right.files.items() if name not in at_each_step}
+    moved = {f"right_{slot}": right.files[slot] for slot in at_each_step}
+    for name, (text, expected) in _GAMED.items():
+        own = {slot: _for_slot(text, slot) for slot in at_each_step}
+        helpers = moved | others if "right_SLOT" in text else {}
+        yield name, _sources(helpers | own), expected
+    templates = {slot: SLOTS[slot].template.read_bytes() for slot in at_each_step}
+    on = {slot: text.replace(b"ENABLED = False", b"") for slot, text in templates.items()}
+    yield "the template of robsim new", _sources(on), NOTHING
+    for mask in masked:
+        package, _, name = mask.rpartition(".")
+        if package == "robsim" and name[0].islower():  # a function, by another name
+            text = (
+                f"from robsim import {name} as other\n\n\ndef SLOT(*given):\n    return other()\n"
+            )
+            own = {slot: _for_slot(text, slot) for slot in at_each_step}
+            yield f"{mask} by another name", _sources(own), NOTHING
+
 
 @dataclass(frozen=True)
 class Part:
@@ -64,6 +103,8 @@ def cast_of(assignment: Assignment) -> list[Part]:
             files, is_free = _sources(one.files), one != ruled
             parts.append(Part(f"{kind}: {one.name}", files, expected, own, is_free=is_free))
         parts.append(_as_notebook(ruled, task, own))
+        for name, files, expected in gamed_submissions(ruled, task.slots, task.masked):
+            parts.append(Part(f"gamed: {name}", files, expected, own))
     parts.append(Part("nothing in it", {"notes.txt": b"to do\n"}, NOTHING, tests))
     hostile = hostile_submissions(assignment.slots)
     parts += (Part(f"hostile: {name}", files, NOTHING, tests) for name, files in hostile)

@@ -104,6 +104,8 @@ def _came_to(score: ScoreResult) -> str:
         return "no run came through"
     if score.low is not None:
         return f"{_ratio(score.statistic)}, where 1 is right"
+    if not score.share:
+        return f"the reference has {_ratio(score.statistic)} times as many right ones"
     return f"{_ratio(score.statistic)} times that of the reference"
 
 

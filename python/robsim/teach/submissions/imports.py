@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
+from importlib.util import find_spec
 from types import ModuleType
 from typing import Any, NoReturn
 
@@ -59,11 +60,35 @@ def masked(rules: Rules) -> Iterator[None]:
             if _above(name, rules.masked):
                 restored.callback(sys.modules.__setitem__, name, sys.modules.pop(name))
         for mask in rules.masked:
+            value = _value_of(mask)
             for package in _packages_of(mask):
                 _take_attribute(package, mask, restored)
+            _take_everywhere(value, mask, restored)
         sys.meta_path.insert(0, finder)
         restored.callback(sys.meta_path.remove, finder)
         yield
+
+
+def _value_of(mask: str) -> Any:
+    """Return a masked function or class of robsim; None = it is a module, or not robsim's."""
+    package, _, name = mask.rpartition(".")
+    try:
+        is_module = find_spec(mask) is not None
+    except (ImportError, ValueError):
+        return None
+    value = None if is_module else getattr(sys.modules.get(package), name, None)
+    return value if callable(value) else None
+
+
+def _take_everywhere(value: Any, mask: str, restored: ExitStack) -> None:
+    """Take an object away from the core and all rooms that offer it; their own code keeps it."""
+    for name, module in tuple(sys.modules.items()):
+        if value is None or not f"{name}.".startswith("robsim.") or name.startswith("robsim.teach"):
+            continue
+        offered = vars(module) if name == "robsim._core" else vars(module).get("__all__", ())
+        for attribute in [key for key in offered if vars(module).get(key) is value]:
+            restored.callback(setattr, module, attribute, value)
+            setattr(module, attribute, _Absent(mask))
 
 
 def _packages_of(mask: str) -> tuple[str, ...]:
@@ -104,6 +129,7 @@ def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
     The submission may always import its own modules.
     """
     plain_import = builtins.__import__
+    taken = {id(value): mask for mask in rules.masked if (value := _value_of(mask)) is not None}
     allowed = None if rules.imports is None else {*rules.imports, *own, "__future__"}
 
     def checked_import(
@@ -117,13 +143,19 @@ def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
             for whole in (name, *(f"{name}.{inner}" for inner in fromlist or ())):
                 if mask := _above(whole, rules.masked):
                     raise not_here(mask)
+                if whole.startswith("robsim.") and "._" in whole:
+                    raise not_here(whole)
             top = name.partition(".")[0]
             if allowed is not None and top not in allowed:
                 may = ", ".join(sorted(rules.imports or ())) or "nothing"
                 raise ImportError(
                     f"{top} may not be imported in this assignment: there is {may}", name=top
                 )
-        return plain_import(name, globals, locals, fromlist, level)
+        module = plain_import(name, globals, locals, fromlist, level)
+        for inner in fromlist or ():
+            if mask := taken.get(id(vars(module).get(inner))):
+                raise not_here(mask)
+        return module
 
     return {**vars(builtins), "__import__": checked_import}
 

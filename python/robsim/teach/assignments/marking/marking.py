@@ -220,8 +220,10 @@ def _told(score: ScoreResult, runs: int) -> str:
             f"The {score.title} is {_direction(score)}: {score.statistic:.3g} {over}, where 1 is "
             f"right and {score.low:.3g} to {score.limit:.3g} has all points."
         )
+    came_to = f"{score.statistic:.3g} times that of the reference {over}"
+    if not score.share:
+        came_to = f"the reference has {score.statistic:.3g} times as many right ones"
     return (
-        f"The {score.title} is too large: {score.statistic:.3g} times that of the reference "
-        f"{over}, where up to {score.limit:.3g} times has all points and {score.zero:.3g} times "
-        "none."
+        f"The {score.title} is too large: {came_to}, where up to {score.limit:.3g} times has all "
+        f"points and {score.zero:.3g} times none."
     )

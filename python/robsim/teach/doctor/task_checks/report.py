@@ -83,7 +83,11 @@ def _short(trial: TaskTrial) -> Iterator[tuple[str, str]]:
         limit, statistic = trial.limits.get(score.name), trial.statistics[score.name]
         if limit is None or not statistic > 0 or limit.fraction(statistic) >= 1:
             continue
-        of = "" if score.kind == "consistency" else " times that of the reference"
+        of = {
+            "ratio": " times that of the reference",
+            "consistency": "",
+            "lost": " times as many right ones has the reference",
+        }[score.kind]
         is_low = limit.low is not None and statistic < limit.low
         full = f"from {limit.low:.3g} on" if is_low else f"up to {limit.full:.3g}"
         share = percent(limit.fraction(statistic))

@@ -12,7 +12,7 @@ from robsim._core import DriveAround, RobotModel
 from robsim.base.checks import check_float, check_int
 from robsim.estimation.identification.regressions import regression_of
 from robsim.simulation import ParameterMismatch, PoseNoise, Scenario
-from robsim.teach.tasks.definition import MOST_STEPS, Task
+from robsim.teach.tasks.definition import MASKED, MOST_STEPS, Task
 from robsim.teach.tasks.kinds.driving import DT, rms, rms_of_poses, small_world
 from robsim.teach.tasks.score import Score, scores_of
 from robsim.trace import Trace
@@ -54,6 +54,7 @@ class IdentifyTask(Task):
 
     name: ClassVar[str] = "identify"
     title: ClassVar[str] = "identify the robot's parameters while it drives"
+    masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.RecursiveLeastSquares")
     slots: ClassVar[tuple[str, ...]] = ("init_parameter_estimator", "estimate_parameters")
     given: ClassVar[str] = "pose"
     scores: ClassVar[tuple[Score, ...]] = scores_of(
