@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import sys
@@ -129,6 +130,33 @@ def test_what_is_done_is_not_done_again(graded_class, folders, ran):
     del ran[:]
     grade_class(replace(hw3, tests=(shown, noisier)), subs, out)
     assert ran == [(student, "hidden") for student in ("s001", "s002", "s003", "s004")]
+
+
+def test_all_impossible_names_are_told_before_anything_is_graded(hw3, folders, ran, tmp_path):
+    subs, _ = folders
+    for name in ("a\tb.zip", "c\nd.py", "s001.py", "s002.zip"):
+        (subs / name).touch()
+    with pytest.raises(AssignmentError) as caught:
+        grade_class(hw3, subs, tmp_path / "new")
+    for told in (r"'a\\tb'", r"'c\\nd'", "s001, s001.py", "s002, s002.zip"):
+        assert told in str(caught.value)
+    assert ran == []
+    assert not (tmp_path / "new").exists()
+
+
+def test_files_that_are_no_submissions_and_names_of_our_files_stop_no_class(hw3, folders, tmp_path):
+    subs, _ = folders
+    (subs / "s001").rename(subs / "class.csv")
+    shutil.rmtree(subs / "s003")
+    for name in ("Thumbs.db", "grades.xlsx", "readme.txt"):
+        (subs / name).touch()
+    with pytest.warns(UserWarning, match=r"Thumbs\.db, grades\.xlsx, readme\.txt"):
+        result = grade_class(hw3, subs, tmp_path / "new")
+    assert [one.student for one in result.results] == ["class.csv", "s002"]
+    assert "class.csv" in (tmp_path / "new/class.csv").read_text()
+    link = re.search('href="([^"]*class.csv/[^"]*)"', (tmp_path / "new/class.html").read_text())[1]
+    assert (tmp_path / "new" / link).is_file()
+    assert repr(regrade_class(hw3, tmp_path / "new")) == repr(result)
 
 
 def test_other_limits_and_points_need_no_run(hw3, folders, ran):

@@ -22,7 +22,7 @@ from robsim.teach.assignments import (
     play_run,
 )
 from robsim.teach.reports import for_student, student_text
-from robsim.teach.reports.writing import CLASS, PAGE
+from robsim.teach.reports.writing import CLASS, PAGE, folder_name
 from robsim.teach.results import number
 
 _MOST_NAMED = 4
@@ -99,7 +99,7 @@ def show(
         errors.say(
             f"public tests only: {number(one.most)} of {number(assignment.points)} points shown"
         )
-    errors.say(f"with pictures: {out / one.student / PAGE}")
+    errors.say(f"with pictures: {out / folder_name(one.student) / PAGE}")
 
 
 def played(

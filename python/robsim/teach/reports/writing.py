@@ -25,6 +25,11 @@ CLASS, MARKS = "class.html", "class.csv"
 Paths = Mapping[str, Mapping[str, Floats]]
 
 
+def folder_name(student: str) -> str:
+    """Return the name of a student's folder: another one than the names of files next to it."""
+    return f"__{student}" if student.lower() in (CLASS, MARKS, "results.json") else student
+
+
 def write_student(
     folder: str | PathLike[str],
     result: SubmissionResult,
@@ -78,7 +83,7 @@ def write_class(
     if not shown:
         raise ValueError("results must have at least one result of a submission")
     pairs = None if programs is None else similar_pairs(programs, given)
-    links: dict[str, str] = {r.student: f"{r.student}/{TEACHERS}" for r in shown}
+    links: dict[str, str] = {r.student: f"{folder_name(r.student)}/{TEACHERS}" for r in shown}
     floors = _floors(shown, paths or {}, area, pseudonym or str)
     if pseudonym is not None:
         shown = sorted(pseudonymous(shown, pseudonym), key=lambda result: result.student)

@@ -15,6 +15,7 @@ from typing import Any
 from robsim.base.checks import check_bool, check_callable, check_choice, check_text
 from robsim.base.files import as_path
 from robsim.base.text import one_line, quoted
+from robsim.base.warn import warn_user
 from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.assignments.assignment import Assignment, check_is_assignment
@@ -145,13 +146,18 @@ def grade_class(
         As `grade_submission`.
     OSError
         If a result cannot be written.
+
+    Warns
+    -----
+    UserWarning
+        If files in the folder are no submissions, such as tables: they are left out.
     """
     check_is_assignment(assignment)
     engine_value(executor)
     folder = ResultFolder(as_path(out, "out"))
     _check_tables(assignment, columns, pseudonyms=pseudonyms)
     check_callable("on_result", on_result)
-    handed = submissions_in(submissions, assignment)
+    handed = submissions_in(submissions, assignment, warn_user)
     plan = plan_of(assignment, only=only, public=public)
     done = grade_all(plan, handed, folder, executor=executor, tell=on_result)
     results = sorted(done.results, key=lambda result: result.student)

@@ -11,18 +11,17 @@ import numpy as np
 
 from robsim.base.checks import Floats
 from robsim.base.files import write_whole
-from robsim.base.text import quoted
 from robsim.teach.assignments.assignment import Assignment
+from robsim.teach.assignments.classes.submissions import problems_of_names
 from robsim.teach.assignments.marking.references import key_for
 from robsim.teach.errors import AssignmentError
 from robsim.teach.reports.gradescope import write_gradescope
 from robsim.teach.reports.similarity import Program, program_of
-from robsim.teach.reports.writing import RESULT, write_class, write_student
+from robsim.teach.reports.writing import RESULT, folder_name, write_class, write_student
 from robsim.teach.results import SubmissionResult
 from robsim.teach.tasks.solutions import MODULE, module_source
 
 PATHS = "paths.json"
-_TAKEN = frozenset({"", ".", "..", "class.html", "class.csv", "results.json"})
 _MOST = 2**26  # bytes
 
 
@@ -34,9 +33,9 @@ class ResultFolder:
         self._gradescope = gradescope
 
     def of(self, student: str) -> Path:
-        if student in _TAKEN or "/" in student or "\\" in student:
-            raise AssignmentError(f"no submission can have the name {quoted(student)}: rename it")
-        return self.folder / student
+        if problems := problems_of_names([student]):
+            raise AssignmentError(problems[0])
+        return self.folder / folder_name(student)
 
     def read(self, student: str) -> SubmissionResult | None:
         """Return what came of a submission; None = nothing, or nothing that can be read."""

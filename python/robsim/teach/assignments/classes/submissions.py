@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
 from robsim.base.files import as_path
-from robsim.base.text import listed, one_line
+from robsim.base.text import listed, one_line, quoted
 from robsim.simulation.slots import SLOTS
 from robsim.teach.assignments.assignment import Assignment
 from robsim.teach.errors import AssignmentError, SubmissionError
@@ -65,11 +66,16 @@ def _can_be_read(handed: Handed, assignment: Assignment) -> bool:
     return True
 
 
-def submissions_in(path: str | PathLike[str], assignment: Assignment) -> list[Handed]:
+def submissions_in(
+    path: str | PathLike[str],
+    assignment: Assignment,
+    tell: Callable[[str], None] = lambda sentence: None,
+) -> list[Handed]:
     """Return all submissions of a folder by name, or the only one of a path.
 
-    A folder is one submission if it has a file of a slot, or a given file. Raise FileNotFoundError
-    for an empty folder, AssignmentError for two submissions of one student.
+    A folder is one submission if it has a file of a slot, or a given file. `tell` gets a sentence
+    on other files. Raise FileNotFoundError for an empty folder, AssignmentError with all impossible
+    names and all students with several submissions.
     """
     first = one_submission(path, "submissions")
     place = Path(first.path)
@@ -78,17 +84,34 @@ def submissions_in(path: str | PathLike[str], assignment: Assignment) -> list[Ha
         return [first]
     # Hidden files are those of tools.
     names = [name for name in sorted(os.listdir(place)) if not name.startswith((".", "__"))]
-    if not names:
-        raise FileNotFoundError(2, "there are no submissions in this folder", str(path))
-    found: dict[str, Handed] = {}
+    found: dict[str, list[str]] = {}
+    others = []
     for name in names:
-        handed = Handed(_student_of(place / name), str(place / name))
-        if (other := found.setdefault(handed.student, handed)) is not handed:
-            both = listed([Path(other.path).name, name])
-            raise AssignmentError(
-                f"two submissions of {handed.student}, {both}: keep the one that counts"
-            )
-    return [found[student] for student in sorted(found)]
+        if (place / name).is_file() and not name.lower().endswith(_FORMS):
+            others.append(name)
+        else:
+            found.setdefault(_student_of(place / name), []).append(name)
+    if not found:
+        raise FileNotFoundError(2, "there are no submissions in this folder", str(path))
+    if others:
+        tell(f"not graded, because they are no submissions: {listed(others)}")
+    problems = [
+        f"{len(files)} submissions of {student}, {listed(files)}: keep the one that counts"
+        for student, files in found.items()
+        if len(files) > 1
+    ]
+    if problems := [*problems_of_names(found), *problems]:
+        raise AssignmentError("; ".join(problems))
+    return [Handed(student, str(place / found[student][0])) for student in sorted(found)]
+
+
+def problems_of_names(students: Iterable[str]) -> list[str]:
+    """Return a sentence for each name that no folder can have."""
+    return [
+        f"no submission can have the name {quoted(student)}: rename it"
+        for student in students
+        if student in ("", ".", "..") or "/" in student or "\\" in student
+    ]
 
 
 def _student_of(path: Path) -> str:
