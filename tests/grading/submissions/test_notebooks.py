@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import robsim
+from robsim.teach import SubmissionError
 from submissions import (
     BOTH,
     CONTROL,
@@ -23,6 +24,7 @@ from submissions import (
 
 OURS = Path(robsim.__file__).parent / "notebooks"
 DRIVE = "class Drive:\n    def __call__(self, step):\n        return 1, 2"
+READS = "def control(step): return K"
 FORBIDDEN = 'raise SystemExit("this cell must not run")'
 
 
@@ -53,6 +55,7 @@ DEF = "def drive(step):\n    return 1, 2"
         (DEF, "for s in range(3):\n    Simulation(control=drive)"),
         (DRIVE, "sim.control = Drive()"),
         (DRIVE, "control = Drive()"),
+        ("def drive(step):\n    step and step.run()\n    return 1, 2", "control = drive"),
         ("def make(u):\n    return lambda step: (u, 2)", "sim.control = make(1)"),
         ("import robsim\nsim.control = robsim.Spin() and (lambda step: (1, 2))",),
         ("async def other(): ...\ndef control(step):\n    return 1, 2", "await other()"),
@@ -124,24 +127,36 @@ def test_tags_decide(tmp_path):
     assert gives(tmp_path, TWO[0], "# robsim-skip\n" + TWO[1]) == (1, 1)
     whole = "U = []\nwhile len(U) < 2:\n    U.append(4)\nsim.control = lambda step: U"
     assert gives(tmp_path, whole, *TWO, tags={1: "robsim"}) == [4, 4]
-    assert "is more than one value" not in says(tmp_path, *TWO, tags={1: "robsim", 2: "robsim"})
-    assert "fills no slot" in says(tmp_path, *TWO, tags={3: "robsim"})
+    assert "more than one value" in says(tmp_path, *TWO, tags={1: "robsim", 2: "robsim"})
+    assert "more than one value" in says(tmp_path, *TWO, tags={3: "robsim"})
+    assert gives(tmp_path, TWO[0], "nonlocal a", "x = (", tags={1: "robsim"}) == (1, 1)
+
+
+def test_a_cell_with_a_tag_counts_whole_and_what_it_needs_with_it(tmp_path):
+    cells = ("K = []", "while len(K) < 2:\n    K.append(3)", READS)
+    assert gives(tmp_path, *cells, FORBIDDEN, tags={2: "robsim"}) == [3, 3]
+    assert gives(tmp_path, "globals()['K'] = 3", READS, FORBIDDEN, tags={1: "robsim"}) == 3
+    assert gives(tmp_path, "K = 1", "K = 2", READS, tags={1: "robsim"}) == 1
+    text = says(tmp_path, "sim = Simulation()", "t = sim.run(3)", PLAIN, tags={2: "robsim"})
+    assert "cell 2 needs sim" in text
+    with pytest.raises(SubmissionError, match="cell 2, line 1: no cell that counts gives L"):
+        gives(tmp_path, "K = 3", READS.replace("K", "L"), tags={1: "robsim"})
 
 
 def test_two_values_are_refused_with_their_cells(tmp_path):
     for cells, words in (
-        (TWO, ["def control in cell 1", "def control in cell 2"]),
+        (TWO, ["cell 1, line 1 (def control(step):)", "cell 2, line 1 (def control(step):)"]),
         (("sim.control = lambda s: 1", "sim.control = lambda s: 2"), ["cell 1", "cell 2"]),
         (
             ("def f(s): ...", "def f(s): ...\nsim.control = f"),
-            ["sim.control = f, of cell 1, line 1, in cell 2", "of cell 2, line 1"],
+            ["cell 1, line 1 (def f", "cell 2, line 1 (def f"],
         ),
         (
             ("class F:\n    pass", "class F:\n    pass", "sim.control = F()"),
-            ["of cell 1, line 1, in cell 3", "of cell 2, line 1, in cell 3"],
+            ["cell 1, line 1 (class F:)", "cell 2, line 1 (class F:)"],
         ),
-        (("Simulation(control=f)", "Simulation(control=g)"), ["Simulation(control=f) in cell 1"]),
-        (("control = F(1)", "control = F(2)"), ["control = ... in cell 1", "in cell 2"]),
+        (("Simulation(control=f)", "Simulation(control=g)"), ["(Simulation(control=f))", "cell 2"]),
+        (("control = F(1)", "control = F(2)"), ["(control = F(1))", "(control = F(2))"]),
         ([f'sim.control = f"""a\n{{{i}}}"""' for i in range(2)], ["cell 1", "cell 2"]),
     ):
         text = says(tmp_path, *cells)
@@ -152,12 +167,9 @@ def test_two_values_are_refused_with_their_cells(tmp_path):
 
 def test_a_slot_of_its_own_counts_more_than_an_argument_and_that_is_noted(tmp_path):
     path = notebook(tmp_path / "s001.ipynb", PLAIN, "Simulation(control=robsim.Spin())")
-    (note,) = read_submission(path, CONTROL).notes
-    assert "def control in cell 1" in note
-    assert "and not Simulation(control=robsim.Spin()) in cell 2" in note
-
-
-READS = "def control(step): return K"
+    counted, left = read_submission(path, CONTROL).notes
+    assert counted == "s001.ipynb: these cells count: 1"
+    assert "cell 2, line 1 (Simulation(control=robsim.Spin())) does not count" in left
 
 
 def test_what_exists_only_by_running_a_cell_is_told(tmp_path):
@@ -175,13 +187,90 @@ def test_what_exists_only_by_running_a_cell_is_told(tmp_path):
             "f; f",
             "cell 1, line 1",
         ),
-        (("import x", "with open('t') as f:\n    K = f.read()", READS), "K; K", "cell 2, line 1"),
+        (("with SerialMotors() as m:\n    K = m.read()", READS), "K; K", "cell 1, line 1"),
         (("K = input('gain?')", READS), "K; K", "cell 1, line 1"),
         (("K = await f()", READS), "K; K", "cell 1, line 1"),
     ):
         text = says(tmp_path, *cells)
         assert f"control needs {needs}" in text
         assert f"only by running {where}" in text
+
+
+def test_names_of_a_star_import_count(tmp_path):
+    given = {"task.py": b"GOAL = 7\nsum = max"}
+    for cells, expected in (
+        (("from task import *", "def control(step):\n    return GOAL"), 7),
+        (("from task import *", "def control(step):\n    return sum([1, 2])"), 2),
+        (("from task import *", "GOAL = 8", "def control(step):\n    return GOAL"), 8),
+        (("from math import *\nR = floor(3.5)", "control = lambda step: R"), 3),
+        (("from not_there import *", "def control(step):\n    return 4"), 4),
+    ):
+        path = notebook(tmp_path / "s001.ipynb", *cells, FORBIDDEN)
+        files = read_submission(path, CONTROL, given)
+        with loaded_slots(files, CONTROL) as callbacks:
+            assert callbacks["control"](None) == expected
+    for first, words in (
+        ("from task import *", "cell 3, line 2: no cell that counts gives GAOL a value"),
+        ("from task import *\nK = GAOL", "cell 1, line 2: NameError"),
+        ("from not_there import *", "cell 1, line 1: ModuleNotFoundError"),
+        ("from not_there import *\nK = GAOL", "cell 1, line 1: ModuleNotFoundError"),
+    ):
+        cells = (first, "K = 1" if "K" not in first else "", "def control(step):\n    GAOL, K")
+        path = notebook(tmp_path / "s001.ipynb", *cells)
+        files = read_submission(path, CONTROL, given)
+        with pytest.raises(SubmissionError, match=words), loaded_slots(files, CONTROL):
+            pass
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "globals()['K'] = 3",
+        "exec('K = 3')",
+        "%run helper.py",
+        "%%time\n# robsim-skip\nL = 3",
+        "def init():\n    global K\n    K = 3\n\n\ninit()",
+        "x = 1",
+    ],
+)
+def test_a_name_without_a_value_is_refused_with_cell_and_line(tmp_path, cell):
+    path = notebook(tmp_path / "s001.ipynb", cell, "def control(step):\n    x = 1\n    return K")
+    error = refused(path)
+    assert (error.file, error.line) == ("s001.ipynb, cell 2", 3)
+    assert "no cell that counts gives K a value" in str(error)
+    assert "tag the cell" in str(error)
+
+
+def test_names_that_need_no_cell_are_not_refused(tmp_path):
+    state = "global k\n    k += 1\n    return k"
+    assert gives(tmp_path, "k = 0", f"def control(step):\n    {state}") == 1
+    state = "global k\n    k = 2\n    return k"
+    assert gives(tmp_path, f"def control(step):\n    {state}") == 2
+    shown = "class Drive:\n    def show(self):\n        display(self)\n\n    "
+    assert gives(
+        tmp_path, f"{shown}def __call__(self, step):\n        return 1", "control = Drive()"
+    )
+    lazy = "@sim.control\ndef _(step):\n    return 1", "@sim.measure\ndef _(step):\n    return 2"
+    assert gives(tmp_path, *lazy, rules=BOTH) == 1
+    other = (
+        "import math as control",
+        f"{DRIVE.replace('1, 2', 'control.pi')}\nsim.control = Drive()",
+    )
+    assert gives(tmp_path, *other) > 3
+
+
+def test_notes_say_which_cells_count_and_which_calls_do_not(tmp_path):
+    path = notebook(
+        tmp_path / "s001.ipynb",
+        "import not_there",
+        "%matplotlib inline\nimport math\nprint(math.pi)",
+        "class Drive:\n    def __call__(self, step):\n        return math.pi",
+        "drive = Drive()\ndrive.tune(3)\ndrive.plot(trace)\nmath.sqrt(2)",
+        "sim.control = drive",
+    )
+    counted, left = read_submission(path, CONTROL).notes
+    assert counted == "s001.ipynb: these cells count: 2 (in part), 3, 4 (in part), 5"
+    assert "cell 4, line 2 (drive.tune(3)) does not count" in left
 
 
 def test_commands_of_the_notebook_never_run(tmp_path):
@@ -215,10 +304,10 @@ def test_the_value_that_can_be_written_down_is_named(tmp_path):
         "def update(step):\n    return R",
         "control = Filter()",
     )
-    chain = ("control", "Filter", "update", "R", "measured", "trace")
-    assert ", which ".join(f"needs {name}" for name in chain[1:]) in text
+    chain = ("update", "R", "measured", "trace")
+    assert ", which ".join(f"needs {name}" for name in chain) in text
     assert "running cell 1, line 1 (trace = sim.run(9))" in text
-    assert "give R a value" in text
+    assert "Give R a value" in text
 
 
 def test_each_slot_has_what_it_needs(tmp_path):
@@ -232,7 +321,7 @@ def test_each_slot_has_what_it_needs(tmp_path):
     assert read_submission(path, BOTH).slots == ("control", "measure")
     assert answer(path, BOTH) == (2, 2)
     text = str(refused(path, Rules(slots=("control", "estimate_state"))))
-    assert "estimate_state needs SIGMA; SIGMA exists only by running cell 1, line 2" in text
+    assert "estimate_state needs SIGMA; SIGMA gets its value only by running cell 1, line 2" in text
 
 
 @pytest.mark.long
@@ -247,8 +336,8 @@ def test_our_own_notebooks(tmp_path):
     with loaded_slots(sent(path, rules), rules) as callbacks:
         assert callbacks["evaluate_model"].__name__ == "with_load"
     text = str(refused(*ours("02", "control")))
-    assert "Simulation(control=drive_on) in cell 4" in text
-    assert "Simulation(control=slow_down) in cell 6" in text
+    assert "cell 4, line 1 (def drive_on(step):)" in text
+    assert "cell 6, line 1 (def slow_down(step):)" in text
     assert "only by running cell 4" in str(refused(*ours("07", "estimate_state")))
     content = json.loads(ours("02", "control")[0].read_text())
     content["cells"][3]["metadata"]["tags"] = ["robsim-skip"]

@@ -23,6 +23,7 @@ from robsim.teach.submissions.files import FILE, FOLDER, SubmissionFiles
 from robsim.teach.submissions.handed_in import own_slots
 from robsim.teach.submissions.imports import builtins_for, masked
 from robsim.teach.submissions.notebook.choosing import chosen
+from robsim.teach.submissions.notebook.statements import FILLED
 from robsim.teach.submissions.rules import Rules
 from robsim.teach.texts import error_text
 
@@ -116,13 +117,26 @@ def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, 
     module.__file__ = str(where / files.main)
     vars(module)["__builtins__"] = own
     sys.modules[module.__name__] = module  # where dataclasses look it up
+    lost: ImportError | None = None
+    for cell in {part.cell for part in notebook.parts}:
+        lines = [*io.StringIO(cell.source)]
+        linecache.cache[cell.place] = (len(cell.source), None, lines, cell.place)
     for part in notebook.parts:
-        lines = [*io.StringIO(part.source)]
-        linecache.cache[part.place] = (len(part.source), None, lines, part.place)
-        exec(part.code, vars(module))
-    for slot, variable in notebook.variables.items():
-        setattr(module, slot, vars(module)[variable])
-    return module
+        try:
+            exec(part.code, vars(module))
+        except ImportError as error:
+            if not part.is_star:
+                raise
+            lost = error  # of names that may not be needed
+        except NameError as error:
+            raise lost or error from None
+    for name, unknown in notebook.unknown.items():
+        if name not in vars(module):
+            raise lost or unknown
+    face = ModuleType(module.__name__)  # as a notebook may have a slot's name for something else
+    for slot in notebook.slots:
+        setattr(face, slot, vars(module)[f"{FILLED}{slot}"])
+    return face
 
 
 @contextmanager

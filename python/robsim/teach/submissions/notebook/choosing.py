@@ -1,237 +1,191 @@
-"""Which statements of a notebook count: those of tagged cells, or those that the slots need."""
+"""Which statements of a notebook count: what its slots need, and cells with the tag."""
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any
+import builtins
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import islice
+from typing import NamedTuple
 
 from robsim.teach.errors import SubmissionError
-from robsim.teach.submissions.notebook.cells import SKIP, WHOLE, Cell, cells_of, is_command, parsed
-from robsim.teach.submissions.notebook.slots import Value, freed, values_of, with_variable
-from robsim.teach.submissions.notebook.statements import (
-    RUNS,
-    Statement,
-    compiled,
-    flags_of,
-    is_future,
-    statement,
+from robsim.teach.submissions.names import refusal
+from robsim.teach.submissions.notebook.cells import SKIP, Cell, cells_of
+from robsim.teach.submissions.notebook.statements import Fill, Statement, statements_of
+from robsim.teach.submissions.python_text import no_slot
+
+#: Names that run a simulation, draw or wait.
+RUNS = frozenset(
+    {
+        *("Simulation", "Experiment", "from_folder", "campaign", "Camera", "SimulatedLab"),
+        *("UdpMotors", "SerialMotors", "run", "step", "step_stage", "input", "interact", "sleep"),
+        *("system", "play", "panel", "get_ipython", "subplots", "figure", "show", "plot"),
+    }
 )
-from robsim.teach.submissions.python_text import no_slot, not_python
-
-_MOST_TOLD = 4  # names of a chain
-
-
-def needed(statements: list[Statement], values: Iterable[Value], file: str) -> list[Statement]:
-    """Return the statements that the values of slots need, in their order.
-
-    Raise SubmissionError if a name gets its value by a dropped statement, such as a run.
-    """
-    touching: dict[str, list[Statement]] = {}
-    for each in statements:
-        for name in each.touches:
-            touching.setdefault(name, []).append(each)
-    runs = _names_that_run(statements)
-    kept: set[int] = set()
-    for value in values:
-        kept |= _needed_by(value, touching, runs, file)
-    return [each for each in statements if id(each) in kept]
+_RULE = "definitions, imports and assignments count, unless they run, draw or wait"
+_TAG = "tag the cell that counts with robsim (or begin it with the line # robsim:)"
+_OF_JUPYTER = ("display", "get_ipython", "In", "Out")
+_MOST_TOLD = 4  # names of a chain, statements
+_SLOT = "slot "  # no name begins so
 
 
-def _needed_by(
-    value: Value, touching: Mapping[str, list[Statement]], runs: frozenset[str], file: str
-) -> set[int]:
-    kept = set() if value.is_last else {id(value.statement)}
-    needed_by = dict.fromkeys(sorted(value.needs), value.slot)
-    waiting = [*needed_by]
-    while waiting:
-        name = waiting.pop()
-        for each in touching.get(name, ()):
-            is_kept = each.defines and (each.is_harmless or not each.mentions & runs)
-            if (each is not value.statement or value.is_last) and not is_kept:
-                raise _by_running(each, _chain(name, needed_by, value.slot), touching, file)
-            if id(each) not in kept:
-                kept.add(id(each))
-                new = sorted(each.needs - needed_by.keys())
-                needed_by |= dict.fromkeys(new, name)
-                waiting += new
-    return kept
+class Notebook(NamedTuple):
+    """The statements of a notebook that count."""
 
-
-def _chain(name: str, needed_by: Mapping[str, str], slot: str) -> list[str]:
-    chain = [name]
-    while (by := needed_by[chain[0]]) != slot:
-        chain.insert(0, by)
-    return [slot, *chain]
-
-
-def _by_running(
-    each: Statement, chain: list[str], touching: Mapping[str, list[Statement]], file: str
-) -> SubmissionError:
-    slot, *names = chain
-    way = f"{slot} needs {names[0]}"
-    if len(names) > 1:
-        way += f", which needs {', which needs '.join(names[1:][-_MOST_TOLD:])}"
-    exists = "exists only" if names[-1] in each.binds else "has its value only"
-    values = (n for n in names if not all(one.is_harmless for one in touching.get(n, ())))
-    number = next(values, names[-1])
-    return SubmissionError(
-        f"{file}: {way}; {names[-1]} {exists} by running {each.place} ({each.text}), which the "
-        f"grader does not run: give {number} a value that needs no run, or tag the cells that "
-        "count with robsim",
-        slot=slot,
-        file=each.cell.place,
-        line=each.node.lineno,
-    )
-
-
-def _names_that_run(statements: list[Statement]) -> frozenset[str]:
-    """Return `RUNS` and the functions of the notebook that reach one of them."""
-    mentioning: dict[str, list[Statement]] = {}
-    for each in statements:
-        for name in each.mentions if each.is_definition else ():
-            mentioning.setdefault(name, []).append(each)
-    runs = set(RUNS)
-    waiting = [*RUNS]
-    while waiting:
-        for each in mentioning.get(waiting.pop(), ()):
-            waiting += each.binds - runs
-            runs |= each.binds
-    return frozenset(runs)
-
-
-_TAG = (
-    "tag the cell that counts, and those that it needs, with robsim (or begin it with the line "
-    "# robsim:), or the others with robsim-skip"
-)
-
-
-@dataclass(frozen=True)
-class Part:
-    """Statements of a cell that are to be run, with the cell's own line numbers."""
-
-    place: str
-    source: str
-    code: Any
-
-
-@dataclass(frozen=True)
-class Notebook:
-    """The parts of a notebook that count."""
-
-    parts: tuple[Part, ...]  # run in this order, in one module
-    variables: dict[str, str]  # the name in that module of what fills each slot
-    notes: tuple[str, ...]  # sentences on the omitted parts
-
-    @property
-    def slots(self) -> tuple[str, ...]:
-        return tuple(self.variables)
+    slots: tuple[str, ...]
+    parts: list[Statement]  # run in this order, in one module
+    #: The errors of names that only ``import *`` or a cell with the tag can define.
+    unknown: dict[str, SubmissionError]
+    notes: tuple[str, ...]  # sentences on what counts
 
 
 def chosen(content: bytes, file: str, slots: tuple[str, ...]) -> Notebook:
-    """Choose the parts of a notebook that count, without a run of them.
+    """Choose the statements of a notebook that count, without a run of them.
 
     Raise SubmissionError for an invalid notebook or cell, a slot with two values, no filled slot,
-    or a value that exists only after a run.
+    or a needed name without a value.
     """
     cells = [cell for cell in cells_of(content, file) if cell.tag != SKIP]
+    tagged = [cell for cell in cells if cell.tag]
     try:
-        return _chosen(cells, file, slots)
+        with suppress(SubmissionError):
+            alone = _Choice(tagged, file, slots).notebook()
+            if not alone.unknown:  # then the other cells may be anything
+                return alone
+        return _Choice(cells, file, slots).notebook()
     except RecursionError:
         raise SubmissionError(f"{file} is nested too deeply: split its long expressions") from None
 
 
-def _chosen(cells: list[Cell], file: str, slots: tuple[str, ...]) -> Notebook:
-    tagged = [cell for cell in cells if cell.tag == WHOLE]
-    statements, flags = _statements(tagged or cells, file)
-    values, notes = _one_each(statements, file, slots)
-    if not values:
-        raise _no_slot(cells, statements, file, slots)
-    kept = statements if tagged else needed(statements, values, file)
-    return _assembled(kept, values, flags, notes)
+class _Choice:
+    def __init__(self, cells: list[Cell], file: str, slots: tuple[str, ...]) -> None:
+        self.cells, self.file, self.slots = cells, file, slots
+        self.all = [*statements_of(cells, file, slots)]
+        self.binding, self.touching = self._by_name("binds"), self._by_name("touches")
+        self.needed_by: dict[str, str] = {}
+        self.runs: set[str] = set()  # with the notebook's functions that reach one of them
+        mentioning, waiting = self._by_name("mentions"), [*RUNS]
+        while waiting:
+            self.runs.add(name := waiting.pop())
+            for each in mentioning.pop(name, ()):
+                waiting += each.binds if each.is_function else ()
 
+    def _by_name(self, attribute: str) -> dict[str, list[Statement]]:
+        """Return the statements of each name: with the tag, if such a cell gives it its value."""
+        tagged = {name for each in self.all if each.cell.tag for name in each.binds}
+        found = defaultdict[str, list[Statement]](list)
+        for each in self.all:
+            for name in getattr(each, attribute) - (set() if each.cell.tag else tagged):
+                found[name].append(each)
+        return {**found}
 
-def _statements(cells: list[Cell], file: str) -> tuple[list[Statement], int]:
-    nodes = parsed(cells, file)
-    flags = flags_of(node for _, node in nodes)
-    found = []
-    for cell, node in nodes:
-        if is_future(node):
-            continue
-        try:
-            found.append(statement(cell, freed(node), flags))
-        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            raise not_python(error, cell.source, cell.place) from None
-    return found, flags
+    def notebook(self) -> Notebook:
+        fills = [each for each in self.all if isinstance(each, Fill)]
+        values = self._values([each for each in fills if each.cell.tag]) or self._values(fills)
+        if not values:
+            defined = {name for each in self.all if each.is_definition for name in each.binds}
+            unread = [cell.title for cell in self.cells if cell.is_command]
+            told = no_slot(self.file, defined, self.slots)
+            hint = f"; {unread[0]} is a command, and does not count" if unread else ""
+            raise SubmissionError(f"{told}{hint}", file=self.file)
+        kept = self._kept(values)
+        parts = [each for each in self.all if each in kept]
+        parts.sort(key=lambda each: isinstance(each, Fill) and each.is_argument)
+        unknown = self._unknown(parts)
+        if unknown and not any(each.is_star or each.cell.tag for each in parts):
+            raise next(iter(unknown.values()))
+        slots = tuple(fill.slot for fill in values)
+        notes = islice(self._notes(kept, values), _MOST_TOLD)
+        return Notebook(slots, parts, unknown, tuple(notes))
 
+    def _values(self, fills: list[Fill]) -> list[Fill]:
+        """Return one value of each slot that has one; raise SubmissionError where there are two."""
+        values = []
+        for slot in self.slots:
+            found = [each for each in fills if each.slot == slot]
+            found = [each for each in found if not each.is_argument] or found
+            origins = {key: one for each in found for key, one in self._origins(each).items()}
+            if len(origins) > 1:
+                told = " and ".join(one.told for one in [*origins.values()][:_MOST_TOLD])
+                said = f"{slot} has more than one value: {told}: {_TAG}, or the others with"
+                at = found[-1].cell.place
+                raise SubmissionError(f"{self.file}: {said} robsim-skip", slot=slot, file=at)
+            values += found[-1:]
+        return values
 
-def _one_each(
-    statements: list[Statement], file: str, slots: tuple[str, ...]
-) -> tuple[list[Value], tuple[str, ...]]:
-    """Return the one value of each slot that has one; raise SubmissionError where there are two."""
-    values, notes = [], []
-    for slot in slots:
-        explicit, given = values_of(statements, slot)
-        candidates = explicit or given
-        first = {value.identity: value for value in reversed(candidates)}
-        if len(first) > 1:
-            raise SubmissionError(
-                f"{file}: {slot} has more than one value: "
-                f"{' and '.join(value.told for value in [*first.values()][::-1][:4])}: {_TAG}",
-                slot=slot,
-                file=candidates[-1].statement.cell.place,
-            )
-        if candidates:
-            values.append(candidates[-1])
-        if explicit and (others := [v for v in given if v.identity != explicit[0].identity]):
-            notes.append(f"{slot} is {explicit[-1].told}, and not {others[0].told}")
-    return values, tuple(notes)
+    def _origins(self, fill: Fill) -> dict[object, Statement]:
+        """Return where a value comes from; two values from the same place are the same."""
+        if fill.definition:
+            return {fill.definition: fill.definition}
+        is_call = isinstance(fill.value, ast.Call)
+        named = fill.value.func if isinstance(fill.value, ast.Call) else fill.value
+        found = self.binding.get(named.id, []) if isinstance(named, ast.Name) else []
+        if len(found) > is_call:
+            return {each: each for each in found}
+        return {ast.dump(fill.value): fill}
 
+    def _kept(self, values: list[Fill]) -> set[Statement]:
+        """Return the statements for values and those with the tag; refuse values by a run."""
+        whole = [e for e in self.all if (e.is_star or e.cell.tag) and not isinstance(e, Fill)]
+        waiting: list[tuple[Statement, str]] = [(e, f"cell {e.cell.number}") for e in whole]
+        waiting += [(each, f"{_SLOT}{each.slot}") for each in values]
+        kept: set[Statement] = set()
+        while waiting:
+            each, name = waiting.pop()
+            may_run = each.is_definition or each.fills or not each.mentions & self.runs
+            if each.awaits or not (each.cell.tag or (may_run and not each.loops)):
+                raise self._left_out(each, name)
+            if each not in kept:
+                kept.add(each)
+                new = sorted(each.needs - self.needed_by.keys())
+                self.needed_by |= dict.fromkeys(new, name)
+                waiting += [(one, need) for need in new for one in self.touching.get(need, ())]
+        return kept
 
-def _no_slot(
-    cells: list[Cell], statements: list[Statement], file: str, slots: tuple[str, ...]
-) -> SubmissionError:
-    defined = {name for each in statements if each.is_definition for name in each.binds}
-    unread = [cell.title for cell in cells if is_command(cell)]
-    hint = f"; {unread[0]} is a command of the notebook, and does not count" if unread else ""
-    return SubmissionError(f"{no_slot(file, defined, slots)}{hint}", file=file)
+    def _left_out(self, each: Statement, name: str) -> SubmissionError:
+        chain = [name]
+        while chain[0] in self.needed_by:
+            chain.insert(0, self.needed_by[chain[0]])
+        first, *names = dict.fromkeys(one.removeprefix(_SLOT) for one in chain)
+        way = f"{first} needs {', which needs '.join(names[-_MOST_TOLD:])}; " if names else ""
+        last = [first, *names][-1]
+        free = next((n for n in names if not self.touching[n][0].is_definition), last)
+        return SubmissionError(
+            f"{self.file}: {way}{last} gets its value only by running {each.told}, which does not "
+            f"count: {_RULE}. Give {free} a value that needs no run, or {_TAG}",
+            slot=first if first in self.slots else None,
+            file=each.cell.place,
+            line=each.line,
+        )
 
+    def _unknown(self, parts: list[Statement]) -> dict[str, SubmissionError]:
+        """Return an error for each needed name that no statement visibly defines."""
+        known = {*self.binding, *vars(builtins), *_OF_JUPYTER}.union(*(one.sets for one in parts))
+        found: dict[str, SubmissionError] = {}
+        for each in parts:
+            missing = each.needs - known
+            for node in ast.walk(each.node) if missing else ():
+                if isinstance(node, ast.Name) and node.id in missing and node.id not in found:
+                    said = f": no cell that counts gives {node.id} a value: {_RULE}. Write one"
+                    error = refusal(each.cell.place, f"{said}, or {_TAG}", node.lineno)
+                    found[node.id] = error
+        return found
 
-def _assembled(
-    kept: list[Statement], values: list[Value], flags: int, notes: tuple[str, ...]
-) -> Notebook:
-    variables = {value.slot: f"robsim_slot_{value.slot}" for value in values}
-    nodes: dict[Cell, list[ast.stmt]] = {}
-    for each in kept:
-        here = nodes.setdefault(each.cell, [])
-        mine = [value for value in values if value.statement is each and not value.is_last]
-        here += _filling(each, mine, variables)
-    parts = [_part(cell, body, flags) for cell, body in nodes.items()]
-    for value in values:
-        if value.is_last:
-            node = _assignment(variables[value.slot], value.expression, value.statement.node)
-            parts.append(_part(value.statement.cell, [node], flags))
-    return Notebook(tuple(parts), variables, notes)
-
-
-def _part(cell: Cell, nodes: list[ast.stmt], flags: int) -> Part:
-    return Part(cell.place, cell.source, compiled(nodes, cell.place, flags))
-
-
-def _filling(each: Statement, values: list[Value], variables: dict[str, str]) -> list[ast.stmt]:
-    """Return a statement with what keeps the values that it gives to slots."""
-    node = each.node
-    added = []
-    for value in values:
-        variable = variables[value.slot]
-        if value.replaces:
-            node = with_variable(node, value.slot, variable)
-        else:
-            added.append(_assignment(variable, value.expression, each.node))
-    return [node, *added]
-
-
-def _assignment(name: str, value: ast.expr, at: ast.stmt) -> ast.stmt:
-    node = ast.Assign(targets=[ast.Name(name, ast.Store())], value=value)
-    return ast.fix_missing_locations(ast.copy_location(node, at))
+    def _notes(self, kept: set[Statement], values: list[Fill]) -> Iterator[str]:
+        """Yield the cells that count, and statements that a student may expect to count."""
+        lines = {(each.cell.number, each.line) for each in kept}
+        partly = {number for number, line in {(e.cell.number, e.line) for e in self.all} - lines}
+        told = [f"{n} (in part)" if n in partly else f"{n}" for n in sorted({n for n, _ in lines})]
+        yield f"{self.file}: these cells count: {', '.join(told)}"
+        origins = {key for each in values for key in self._origins(each)}
+        for each in self.all:
+            if isinstance(each, Fill):
+                is_lost = not origins.issuperset(self._origins(each))
+            else:
+                changes = each.called in self.needed_by and each not in kept
+                imported = all(one.is_import for one in self.touching.get(each.called, ()))
+                is_lost = changes and not imported and not each.mentions & self.runs
+            if is_lost:
+                yield f"{self.file}: {each.told} does not count: {_TAG} if it must"

@@ -1,214 +1,177 @@
-"""What a statement of a notebook defines, changes and needs, told without running it."""
+"""Statements of a notebook: the names that they bind, change, need and fill, without a run."""
 
 from __future__ import annotations
 import __future__
 
 import ast
 import dis
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from inspect import CO_COROUTINE
 from types import CodeType
-from typing import Any
 
 from robsim.base.text import one_line
-from robsim.teach.submissions.notebook.cells import AWAIT, Cell
-from robsim.teach.submissions.python_text import quiet
+from robsim.simulation.slots import SLOTS
+from robsim.teach.submissions.notebook.cells import AWAIT, Cell, parsed
+from robsim.teach.submissions.python_text import not_python, quiet
 
-#: What runs a simulation, waits for somebody, or draws: a value that calls it is not kept.
-RUNS = frozenset(
-    {
-        *("Simulation", "Experiment", "from_folder", "campaign", "Camera", "SimulatedLab"),
-        *("UdpMotors", "SerialMotors", "run", "step", "step_stage"),
-        *("input", "open", "play", "panel"),
-        *("subplots", "figure", "show", "get_ipython", "interact", "sleep", "system"),
-    }
-)
 _MUTATORS = frozenset(
     {
         *("append", "extend", "insert", "update", "pop", "remove", "clear", "sort", "reverse"),
         *("fill", "add", "discard", "setdefault", "popitem", "put", "resize", "setflags"),
     }
 )
+#: The prefix of the variables of slots.
+FILLED = "robsim_slot_"
 _LONGEST_LINE = 50  # characters
-_LOADS = frozenset({"LOAD_NAME", "LOAD_GLOBAL", "LOAD_FROM_DICT_OR_GLOBALS"})
-_STORES = frozenset({"STORE_NAME", "STORE_GLOBAL"})
-_DEFINITIONS: tuple[type, ...] = (
-    *(ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom, ast.Pass),
-    *filter(None, [getattr(ast, "TypeAlias", None)]),  # from Python 3.12 on
-)
-_CALLED_WITH_CLASS = frozenset({"__init__", "__new__", "__post_init__"})
-_FUTURES = {name: getattr(__future__, name).compiler_flag for name in __future__.all_feature_names}
+_LOADS = ("LOAD_NAME", "LOAD_GLOBAL", "LOAD_FROM_DICT_OR_GLOBALS")
+_NAMED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+_WITH_CLASS = ("__init__", "__new__", "__post_init__")  # run when an object is made
 
 
-@dataclass(eq=False)
 class Statement:
-    """A statement at the top of a cell."""
+    """A statement at the top of a cell, compiled; SubmissionError if Python cannot compile it."""
 
-    cell: Cell
-    node: ast.stmt
-    #: The names that it gives a value, and those whose value it changes.
-    binds: set[str] = field(default_factory=set)
-    changes: set[str] = field(default_factory=set)
-    #: The global names that it, or a function in it, looks up.
-    needs: set[str] = field(default_factory=set)
-    #: All names in it, of attributes, too, that count for `RUNS`.
-    mentions: set[str] = field(default_factory=set)
-    defines: bool = False  # whether it only defines
+    def __init__(self, cell: Cell, node: ast.stmt, flags: int) -> None:
+        self.cell, self.node, self.line = cell, node, node.lineno
+        self.code = _compiled(node, cell, flags)
+        top, codes = [*_at_the_top(node)], [*_codes(self.code)]
+        self.is_star = isinstance(node, ast.ImportFrom) and node.names[0].name == "*"
+        self.is_import = isinstance(node, (ast.Import, ast.ImportFrom))
+        self.is_function = isinstance(node, _NAMED)
+        self.is_definition = self.is_import or self.is_function
+        self.fills = False  # a slot
+        self.loops = any(isinstance(each, ast.While) for each in top)
+        self.awaits = bool(self.code.co_flags & CO_COROUTINE)
+        #: Global names with a new value, those with a changed value, too, and those of functions.
+        self.binds = _names(self.code, "STORE_NAME", "STORE_GLOBAL")
+        self.touches = self.binds.union(map(_changed, top))
+        self.sets = {name for code in codes[1:] for name in _names(code, "STORE_GLOBAL")}
+        #: The global names that it or a function in it looks up.
+        self.needs = _names(self.code, *_LOADS)
+        if isinstance(node, ast.For):  # its own variable, whatever has the name elsewhere
+            self.needs -= {one.id for one in ast.walk(node.target) if isinstance(one, ast.Name)}
+        for code in codes[1:]:
+            self.needs |= _names(code, *_LOADS) - _names(code, "STORE_NAME")  # of a class
+        #: All names that a run of it, or of its function, reaches; of attributes, too.
+        made = [c for c in codes if not isinstance(node, ast.ClassDef) or c.co_name in _WITH_CLASS]
+        self.mentions = {name for code in made for name in code.co_names}
+        #: The variable whose method it calls, and nothing else.
+        self.called = ""
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
+            self.called = _root(node.value.func) if hasattr(node.value.func, "attr") else ""
 
     @property
-    def touches(self) -> set[str]:
-        """The names whose value depends on it."""
-        return self.binds | self.changes
-
-    @property
-    def is_definition(self) -> bool:
-        return isinstance(self.node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
-
-    @property
-    def is_harmless(self) -> bool:
-        return self.is_definition or isinstance(self.node, (ast.Import, ast.ImportFrom))
-
-    @property
-    def place(self) -> str:
-        return f"cell {self.cell.number}, line {self.node.lineno}"
-
-    @property
-    def text(self) -> str:
-        line = self.cell.source.split("\n")[self.node.lineno - 1].strip()
-        return one_line(line if len(line) <= _LONGEST_LINE else f"{line[:_LONGEST_LINE]}...")
+    def told(self) -> str:
+        line = self.cell.source.split("\n")[self.line - 1].strip()
+        shown = line if len(line) <= _LONGEST_LINE else f"{line[:_LONGEST_LINE]}..."
+        return f"cell {self.cell.number}, line {self.line} ({one_line(shown)})"
 
 
-def flags_of(nodes: Iterable[ast.stmt]) -> int:
-    """Return the flags for `compile` of the statements ``from __future__ import ...``."""
+class Fill(Statement):
+    """A value of a slot, assigned to a variable."""
+
+    def __init__(self, slot: str, value: ast.expr, of: Statement, flags: int, *, way: str) -> None:
+        self.is_argument = way == "argument"  # of a simulation, which is not run
+        node = ast.Assign(targets=[ast.Name(f"{FILLED}{slot}", ast.Store())], value=value)
+        ast.copy_location(node, value if self.is_argument else of.node)
+        super().__init__(of.cell, ast.fix_missing_locations(node), flags)
+        self.fills = True
+        of.fills |= not self.is_argument
+        self.slot, self.value, self.definition = slot, value, of if way == "name" else None
+
+
+def statements_of(cells: list[Cell], file: str, slots: tuple[str, ...]) -> Iterator[Statement]:
+    """Yield the statements of cells, each with its values for slots behind it."""
     flags = AWAIT
-    for node in nodes:
+    for cell, node in parsed(cells, file):
         if isinstance(node, ast.ImportFrom) and node.module == "__future__":
             for alias in node.names:
-                flags |= _FUTURES.get(alias.name, 0)
-    return flags
+                flags |= getattr(getattr(__future__, alias.name, 0), "compiler_flag", 0)
+            continue
+        values = [each for each in _values(node) if each[0] in slots]
+        if not getattr(node, "targets", [node]):  # of ``sim.SLOT = ...``
+            node = ast.copy_location(ast.Pass(), node)
+        yield (statement := Statement(cell, node, flags))
+        yield from (Fill(slot, value, statement, flags, way=way) for slot, value, way in values)
 
 
-def is_future(node: ast.stmt) -> bool:
-    return isinstance(node, ast.ImportFrom) and node.module == "__future__"
+def _values(node: ast.stmt) -> Iterator[tuple[str, ast.expr, str]]:
+    """Yield the values that slots get; take ``@sim.SLOT`` and ``sim.SLOT =`` off the statement."""
+    if isinstance(node, _NAMED):
+        slots = [slot for one in node.decorator_list if (slot := _slot(one))]
+        node.decorator_list = [one for one in node.decorator_list if not _slot(one)]
+        for slot in slots or [node.name]:
+            yield slot, ast.Name(node.name, ast.Load()), "name"
+    elif isinstance(node, (ast.Assign, ast.AnnAssign)):
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        for target in targets if _is_on(node.value) else ():
+            name = getattr(target, "id", "")
+            yield name, ast.Name(name, ast.Load()), "name"
+            yield _slot(target), node.value or target, "attribute"
+        if isinstance(node, ast.Assign):
+            node.targets = [one for one in targets if not _slot(one)]
+    for call in _at_the_top(node):
+        match call:
+            case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name), keywords=given):
+                for one in given if name in ("Simulation", "Experiment") else ():
+                    if _is_on(one.value):
+                        yield one.arg or "", one.value, "argument"
 
 
-def statement(cell: Cell, node: ast.stmt, flags: int) -> Statement:
-    """Look at a statement; raise what `compile` raises."""
-    code = compiled([node], cell.place, flags)
-    found = Statement(cell, node)
-    found.binds = _names(code, _STORES)
-    found.needs = _needs(code)
-    if isinstance(node, ast.For):  # its own variable, whatever has the name elsewhere
-        found.needs -= {one.id for one in ast.walk(node.target) if isinstance(one, ast.Name)}
-    found.changes = {*_changed(node)}
-    found.mentions = _mentions(node, code)
-    found.defines = _defines(node)
-    return found
+def _slot(node: ast.expr) -> str:
+    """Return the slot of ``sim.SLOT``, or an empty text."""
+    is_one = isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)
+    return name if is_one and (name := str(getattr(node, "attr", ""))) in SLOTS else ""
 
 
-def compiled(nodes: list[ast.stmt], place: str, flags: int) -> CodeType:
-    module = ast.Module(body=nodes, type_ignores=[])
-    with quiet():
-        code = compile(module, place, "exec", flags, dont_inherit=True)
-    assert isinstance(code, CodeType)
-    return code
+def _is_on(value: ast.expr | None) -> bool:
+    return value is not None and not isinstance(value, ast.Constant)  # which may be the default
 
 
-def at_the_top(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield a node and those in it that are run with it: nothing of a function's body."""
+def _compiled(node: ast.stmt, cell: Cell, flags: int) -> CodeType:
+    module = ast.Module(body=[node], type_ignores=[])
+    try:
+        with quiet():
+            code: CodeType = compile(module, cell.place, "exec", flags, dont_inherit=True)
+            return code
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise not_python(error, cell.source, cell.place) from None
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    waiting = [code]
+    while waiting:
+        yield (each := waiting.pop())
+        inner = (one for one in each.co_consts if isinstance(one, CodeType))
+        waiting += [one for one in inner if one.co_name != "__annotate__"]  # not run, since 3.14
+
+
+def _names(code: CodeType, *kinds: str) -> set[str]:
+    names = {str(i.argval) for i in dis.get_instructions(code) if i.opname in kinds}
+    return {name for name in names if not name.startswith("__")}
+
+
+def _at_the_top(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield a node and its inner nodes that run at the same time: nothing of a function's body."""
     waiting = [node]
     while waiting:
-        each = waiting.pop()
-        yield each
-        if isinstance(each, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+        yield (each := waiting.pop())
+        if isinstance(each, _NAMED):
             waiting += each.decorator_list
         elif not isinstance(each, ast.Lambda):
             waiting += ast.iter_child_nodes(each)
 
 
-def needs_of(expression: ast.expr) -> set[str]:
-    """Return the global names that an expression, or a function in it, looks up."""
-    node = ast.copy_location(ast.Expr(expression), expression)
-    return _needs(compiled([node], "<expression>", AWAIT))
+def _changed(node: ast.AST) -> str:
+    """Return the variable of an assigned part, or of a changed container."""
+    if isinstance(node, ast.Call):
+        return _root(node.func) if getattr(node.func, "attr", "") in _MUTATORS else ""
+    if isinstance(node, (ast.Subscript, ast.Attribute)) and not isinstance(node.ctx, ast.Load):
+        return _root(node)
+    return ""
 
 
-def _names(code: CodeType, kinds: frozenset[str]) -> set[str]:
-    return {str(i.argval) for i in dis.get_instructions(code) if i.opname in kinds}
-
-
-def _inner(code: CodeType) -> Iterator[CodeType]:
-    waiting = [code]
-    while waiting:
-        each = waiting.pop()
-        yield each
-        waiting += [value for value in each.co_consts if isinstance(value, CodeType)]
-
-
-def _needs(code: CodeType) -> set[str]:
-    needs = _names(code, _LOADS)
-    for inner in _inner(code):
-        if inner is not code:  # of a class, its own names are no global ones
-            needs |= _names(inner, _LOADS) - _names(inner, _STORES)
-    return {name for name in needs if not name.startswith("__")}
-
-
-def _mentions(node: ast.stmt, code: CodeType) -> set[str]:
-    """Return the names of globals and attributes; of a class, what making an object reaches."""
-    if not isinstance(node, ast.ClassDef):
-        return {name for inner in _inner(code) for name in inner.co_names}
-    return {
-        name
-        for inner in _inner(code)
-        if inner.co_name in _CALLED_WITH_CLASS
-        for name in inner.co_names
-    }
-
-
-def _root(node: ast.AST) -> str | None:
-    while isinstance(node, (ast.Subscript, ast.Attribute, ast.Starred)):
+def _root(node: ast.AST) -> str:
+    while isinstance(node, (ast.Subscript, ast.Attribute)):
         node = node.value
-    return node.id if isinstance(node, ast.Name) else None
-
-
-def _changed(node: ast.stmt) -> Iterator[str]:
-    for each in at_the_top(node):
-        root: str | None = None
-        if isinstance(each, (ast.Subscript, ast.Attribute)) and not isinstance(each.ctx, ast.Load):
-            root = _root(each)
-        elif isinstance(each, ast.AugAssign):
-            root = _root(each.target)
-        elif isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute):
-            root = _root(each.func.value) if each.func.attr in _MUTATORS else None
-        if root is not None:
-            yield root
-
-
-def _defines(node: ast.stmt) -> bool:
-    if isinstance(node, _DEFINITIONS):
-        return True
-    if isinstance(node, (ast.Assign, ast.AugAssign)):
-        return not _awaits(node)
-    if isinstance(node, ast.AnnAssign):
-        return node.value is not None and not _awaits(node)
-    if isinstance(node, ast.Expr):
-        call = node.value
-        return (
-            isinstance(call, ast.Call)
-            and isinstance(call.func, ast.Attribute)
-            and call.func.attr in _MUTATORS
-            and not _awaits(node)
-        )
-    if isinstance(node, (ast.If, ast.For, ast.Try)):
-        return all(map(_defines, _leaves(node)))
-    return False
-
-
-def _leaves(node: Any) -> Iterator[ast.stmt]:
-    for name in ("body", "orelse", "finalbody"):
-        yield from getattr(node, name, ())
-    for handler in getattr(node, "handlers", ()):
-        yield from handler.body
-
-
-def _awaits(node: ast.stmt) -> bool:
-    return any(isinstance(each, (ast.Await, ast.Yield, ast.YieldFrom)) for each in ast.walk(node))
+    return node.id if isinstance(node, ast.Name) else ""
