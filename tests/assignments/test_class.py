@@ -25,6 +25,7 @@ from robsim.teach import (
 )
 from robsim.teach.assignments.classes import progress
 from small_assignments import LIMITS, TESTS, assignment, drawn_quickly, solution
+from submissions import notebook
 from waiting import wait_for
 
 HOSTILE = {
@@ -84,6 +85,19 @@ def test_hostile_submissions_do_not_keep_others_from_their_points(tmp_path):
         assert result_of(tmp_path / "out", student).is_done
         assert (tmp_path / "out" / student / "index.html").exists()
     assert (tmp_path / "out/class.html").exists()
+
+
+def test_a_notebook_with_a_star_import_has_its_points_and_the_cells_that_count(hw3, tmp_path):
+    """The names of ``import *`` are not in the notebook, and were lost in silence."""
+    folder = solution(tmp_path / "s010")
+    (folder / "estimate_state.py").rename(folder / "mine.py")
+    fills = "sim.estimate_state = lambda step: estimate_state(step)"
+    notebook(folder / "hw3.ipynb", "from mine import *", "sim.run(9)", fills)
+    result = grade_submission(hw3, folder, out=tmp_path / "out")
+    assert result.points == result.most
+    for name in ("index.html", "result.txt"):
+        (page,) = (tmp_path / "out").rglob(name)
+        assert "hw3.ipynb: these cells count: 1, 3" in page.read_text()
 
 
 @pytest.mark.parametrize(
