@@ -138,8 +138,8 @@ def _with_plain_imports(source: bytes, file: str) -> Any:
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level == 1:
             if node.module is None:
-                names = ", ".join(alias.name for alias in node.names)
-                raise SyntaxError(f"write import {names}", (file, node.lineno, None, None))
+                said = f"write import {node.names[0].name}"
+                raise SyntaxError(said, (file, node.lineno, None, None))
             node.level = 0
     return tree
 

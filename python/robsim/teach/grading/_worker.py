@@ -44,14 +44,10 @@ class Worker:
 
     _ENTRY = "robsim.teach.grading.robot_half:work"
     _LIMITS = LIMITS
+    _MODULES: Sequence[str] = _MODULES
 
     def __init__(
-        self,
-        setup: Setup | CallSetup,
-        task: Task,
-        memory: FrameMemory | None = None,
-        *,
-        modules: Sequence[str] = (),
+        self, setup: Setup | CallSetup, task: Task, memory: FrameMemory | None = None
     ) -> None:
         self.memory = memory
         self._setup = setup
@@ -63,7 +59,7 @@ class Worker:
             with theirs:
                 self.process = start_worker(
                     entry=self._ENTRY,
-                    modules=(*_MODULES, *modules),
+                    modules=self._MODULES,
                     channel=theirs,
                     memory=[] if memory is None else [memory.descriptor],
                     limits=self._limits,
@@ -153,10 +149,10 @@ class Worker:
         except TimeoutError:
             latest = min(self._deadline, begin + _BUSY * seconds)
             while (left := worked + seconds - self.process.cpu_seconds) > 0:
-                if (patience := min(max(left, 0.01), latest - time.monotonic())) <= 0:
+                if (now := time.monotonic()) >= latest:
                     break
                 with suppress(TimeoutError, WireError):  # the rest of a message that was late
-                    return self._channel.receive(patience)
+                    return self._channel.receive(min(max(left, 0.01), latest - now))
             raise
 
     def _refuse_death(self, slot: str | None, k: int | None) -> NoReturn:

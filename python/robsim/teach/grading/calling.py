@@ -197,9 +197,7 @@ class JudgeWorker(Worker):
 
     _ENTRY = "robsim.teach.grading.calling:work"
     _LIMITS = LIMITS | {Kind.RESULT: _MOST_SAID}
-
-    def __init__(self, setup: JudgeSetup, task: Task) -> None:
-        super().__init__(setup, task, modules=[setup.judge.partition(":")[0]])
+    _MODULES = (*Worker._MODULES, "robsim.teach.doctor._finding")
 
     def said(self, seconds: float) -> str:
         """Return what the judge says, within so many seconds, as text that is harmless."""

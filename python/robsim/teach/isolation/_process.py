@@ -23,7 +23,6 @@ from robsim.teach.isolation.limits import Request
 _START = 60.0  # s that a worker may take to shut itself in, where it is fresh with its imports
 _END = 60.0  # s that its end, and that of all it has left, may take
 _AT_ONCE = 1 << 16  # bytes
-_CREDENTIALS = struct.Struct("3i")  # of who has sent something: process, user, group
 
 
 class WorkerLost(Exception):
@@ -70,7 +69,8 @@ class WorkerProcess:
         self._life.settimeout(_START)
         try:
             if sys.platform == "linux":
-                self._number = _sender(self._life)
+                sender = self._life.recvmsg(1, 64, socket.MSG_PEEK)[1]  # process, user, group
+                self._number = struct.unpack("3i", sender[0][2])[0] if sender else 0
             report = self._lines.readline()
         except TimeoutError:
             self._on_hang()
@@ -185,14 +185,3 @@ class WorkerProcess:
 
     def __exit__(self, *_: object) -> None:
         self.kill()
-
-
-if sys.platform == "linux":
-
-    def _sender(connection: socket.socket) -> int:
-        """Return the number, as it is here, of the process whose bytes come next; 0 = not known."""
-        space = socket.CMSG_SPACE(_CREDENTIALS.size)
-        for _, kind, data in connection.recvmsg(1, space, socket.MSG_PEEK)[1]:
-            if kind == socket.SCM_CREDENTIALS:
-                return int(_CREDENTIALS.unpack(data)[0])
-        return 0

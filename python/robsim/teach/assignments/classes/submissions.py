@@ -95,12 +95,12 @@ def submissions_in(
         raise FileNotFoundError(2, "there are no submissions in this folder", str(path))
     if others:
         tell(f"not graded, because they are no submissions: {listed(others)}")
-    problems = [
+    problems = problems_of_names(found) + [
         f"{len(files)} submissions of {student}, {listed(files)}: keep the one that counts"
         for student, files in found.items()
         if len(files) > 1
     ]
-    if problems := [*problems_of_names(found), *problems]:
+    if problems:
         raise AssignmentError("; ".join(problems))
     return [Handed(student, str(place / found[student][0])) for student in sorted(found)]
 

@@ -11,9 +11,8 @@ import socket
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
-from types import ModuleType
 from typing import Any, TextIO
 
 from robsim.teach.isolation._layers.layer import Layers
@@ -22,8 +21,8 @@ from robsim.teach.isolation.limits import Request
 
 # Of OpenCV. matplotlib has its backend from the environment.
 _WINDOWS = (
-    *("imshow", "namedWindow", "moveWindow", "resizeWindow", "setWindowTitle", "setMouseCallback"),
-    *("createTrackbar", "destroyWindow", "destroyAllWindows", "waitKey", "waitKeyEx"),
+    "imshow namedWindow moveWindow resizeWindow setWindowTitle setMouseCallback createTrackbar "
+    "destroyWindow destroyAllWindows waitKey waitKeyEx"
 )
 
 
@@ -37,11 +36,11 @@ def settle(scratch: str) -> None:
     builtins.__import__ = partial(_imported, builtins.__import__)
 
 
-def _imported(plain: Callable[..., ModuleType], name: str, *how: Any, **options: Any) -> ModuleType:
+def _imported(plain: Any, name: str, *how: Any, **options: Any) -> Any:
     module = plain(name, *how, **options)
     if name.partition(".")[0] == "cv2":
-        nothing = dict.fromkeys(_WINDOWS, lambda *_, **__: -1)  # as waitKey without a key
-        vars(sys.modules["cv2"]).update(nothing)
+        no_key = dict.fromkeys(_WINDOWS.split(), lambda *_, **__: -1)
+        vars(sys.modules["cv2"]).update(no_key)
     return module
 
 
