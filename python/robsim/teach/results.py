@@ -58,8 +58,8 @@ class ScoreResult:
     limit, zero, low, low_zero : float or None
         As of the `ScoreLimit`.
     fraction, share : float
-        The part of its points that it gives, 0 to 1, and its share of those of the test. Share 0:
-        its part multiplies the points of all others, and those of others have it in them.
+        The part of its points, 0 to 1, and its share of the points of the test. The part of a
+        score with share 0 multiplies all others, which contain it.
     """
 
     name: str

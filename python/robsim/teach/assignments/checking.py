@@ -100,7 +100,7 @@ class Finding:
     expected: str
     got: str
     wrong: str = ""  # the fault and its remedy; "" = no fault
-    note: str = ""  # what a teacher should know, though it is no fault
+    note: str = ""  # for the teacher; no fault
 
 
 def _still(assignment: Assignment) -> Iterator[Finding]:

@@ -43,7 +43,7 @@ FULL, LESS, NOTHING = "all points", "fewer points", "no points"
 _RIGHT = "from right_SLOT import SLOT as right\n\n"
 _KEPT = f"{_RIGHT}kept = []\n\n\ndef SLOT(step):\n    if ASKED:\n        kept[:] = [right(step)]\n"
 _KEPT += "    return kept[0]\n"
-#: What has no work of its own in it, by name: the file of a slot, and what should come of it.
+#: Submissions without any work, by name: the file of a slot, and the right result.
 _GAMED = {
     "robsim's own": ("SLOT = True\n", NOTHING),
     "always nothing": ("def SLOT(*given):\n    return NOTHING\n", NOTHING),
@@ -59,7 +59,7 @@ _GAMED = {
 def gamed_submissions(
     right: Solution, slots: Sequence[str], masked: Sequence[str]
 ) -> Iterator[tuple[str, dict[str, bytes], str]]:
-    """Yield the name of each, its files, and what should come of it; `right` has no masks in it."""
+    """Yield the name of each, its files, and the right result; `right` uses no masked name."""
     at_each_step = [slot for slot in slots if SLOTS[slot].when == STEP and slot in right.files]
     others = {name: text for name, text in right.files.items() if name not in at_each_step}
     moved = {f"right_{slot}": right.files[slot] for slot in at_each_step}

@@ -94,7 +94,7 @@ def score_line(score: ScoreResult, most: float) -> str:
 
 def points_text(score: ScoreResult, most: float) -> str:
     if not score.share:
-        return f"{percent(score.fraction, 0)} of what the others give"
+        return f"multiplies the others by {percent(score.fraction, 0)}"
     full = most * score.share
     return f"{percent(score.fraction, 0)} of {number(full)} {'point' if full == 1 else 'points'}"
 

@@ -1,4 +1,4 @@
-"""What of a submission is its own: stages and templates of robsim are not handed in."""
+"""The callbacks of a submission alone, without stages, objects and templates of robsim."""
 
 from __future__ import annotations
 

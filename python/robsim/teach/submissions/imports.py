@@ -164,7 +164,7 @@ def masked_in(sources: Mapping[str, bytes], masked: Sequence[str]) -> dict[str, 
     """Return the first masked name that each module writes out, by the names of modules."""
     found: dict[str, str] = {}
     for name, source in sources.items():
-        with suppress(SyntaxError, ValueError):  # who loads it tells it
+        with suppress(SyntaxError, ValueError):  # the loader reports it
             for written in _dotted_names(ast.parse(source)):
                 if mask := _above(written, masked):
                     found.setdefault(name, mask)

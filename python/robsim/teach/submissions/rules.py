@@ -31,7 +31,7 @@ class Rules:
     imports: tuple[str, ...] | None = None  # top-level modules beside its own; None = all
     #: Modules, or names in them, such as ``"robsim.estimation.reference"``, ``"robsim.locate"``.
     masked: tuple[str, ...] = ()
-    defaults: bool = False  # whether stages and objects of robsim may fill slots
+    defaults: bool = False
     files: int = 100  # at most
     size: int = 5 * 2**20  # bytes of all files
     file_size: int = 2**20  # bytes of one

@@ -37,8 +37,8 @@ class Score:
     kind : {"ratio", "consistency", "lost"}
         How runs are put together; see `statistic`.
     share : float
-        Its share of the points of a test; those of a task sum to 1. That of ``"lost"`` is 0: its
-        part of the points multiplies those of all other scores.
+        Its share of the points of a test; the shares of a task sum to 1. A score of kind
+        ``"lost"`` has share 0: its part of the points multiplies all other scores.
     floor, worst : float
         What is better than `floor` counts as `floor`; what is worse than `worst`, or not a number,
         as `worst`.
@@ -78,8 +78,8 @@ class Score:
         -------
         float
             With kind ``"ratio"`` the geometric mean of value over reference: 1 is as good, 2 twice
-            as bad. With ``"consistency"`` that of the values alone, which should be 1. With
-            ``"lost"`` (% of the steps) the steps that the reference has, over those of the values.
+            as bad. With ``"consistency"`` the geometric mean of the values, which should be 1. With
+            ``"lost"`` (% of the steps) the reference's remaining steps over the remaining steps.
 
         Raises
         ------

@@ -322,9 +322,9 @@ def try_solution(
 
 
 def why_not_own(task: Task, solution: Solution) -> str:
-    """Return what is not there, or counts for nothing, where a task is graded; "" = nothing."""
+    """Return the reason for which grading would take a solution for no work; "" = none."""
     for name, mask in masked_in(solution.files, task.masked).items():
-        return f"{name}.py has {mask}, which is not there for the task: do without it"
+        return f"{name}.py has {mask}, which is not there for this task"
     with solution_folder(task, solution).callbacks() as callbacks:
         off = {slot: False for slot in task.slots if slot in solution.files}
         try:

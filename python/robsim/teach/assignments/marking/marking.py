@@ -193,7 +193,7 @@ def _of_scores(
 
 
 def _loss(score: ScoreResult) -> float:
-    """Return what a score costs, of the points of its test; 0 = it is as good as it must be."""
+    """Return the loss of points by a score; 0 = none."""
     return 0.0 if score.is_met else (1 - score.fraction) * (score.share or 1.0)
 
 
@@ -220,7 +220,7 @@ def _told(score: ScoreResult, runs: int) -> str:
             f"The {score.title} is {_direction(score)}: {score.statistic:.3g} {over}, where 1 is "
             f"right and {score.low:.3g} to {score.limit:.3g} has all points."
         )
-    came_to = f"{score.statistic:.3g} times that of the reference {over}"
+    came_to = f"{score.statistic:.3g} times the reference {over}"
     if not score.share:
         came_to = f"the reference has {score.statistic:.3g} times as many right ones"
     return (

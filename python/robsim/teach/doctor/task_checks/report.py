@@ -84,7 +84,7 @@ def _short(trial: TaskTrial) -> Iterator[tuple[str, str]]:
         if limit is None or not statistic > 0 or limit.fraction(statistic) >= 1:
             continue
         of = {
-            "ratio": " times that of the reference",
+            "ratio": " times the reference",
             "consistency": "",
             "lost": " times as many right ones has the reference",
         }[score.kind]
