@@ -87,7 +87,7 @@ def test_a_naive_solution_loses_points_and_is_told_why(graded_class):
     for sentence in (shown.sentence, hidden.sentence):
         assert re.search("position|heading|NEES", sentence)
     # By how much is told of what is public.
-    assert "times that of the reference" in shown.sentence
+    assert "times the reference" in shown.sentence
     assert not re.search(r"\d\.\d", hidden.sentence)
     # The doctor says what is wrong, and where.
     assert "covariance" in shown.finding

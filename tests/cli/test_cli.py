@@ -125,6 +125,9 @@ def test_all_of_them_work_one_after_the_other(tmp_path):
         if line.startswith(ELSEWHERE):
             continue
         words = shlex.split(line)[1:]
+        if line.startswith("robsim tasks try"):  # an untouched template is not handed in
+            with open(tmp_path / "parking/control.py", "a") as file:
+                file.write("\n\nbegun = control\ncontrol = lambda step: begun(step)\n")
         run = run_command(*words, cwd=tmp_path)
         # What one begins with solves no task; a busy machine is not as fast as a camera.
         is_tried = line.startswith(("robsim tasks try", "robsim check parking"))

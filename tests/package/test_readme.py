@@ -47,7 +47,7 @@ def test_a_block_runs(block, tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_the_grading_passes_the_default_callbacks_and_fails_wrong_ones(tmp_path):
+def test_the_grading_passes_right_callbacks_and_fails_wrong_and_untouched_ones(tmp_path):
     (grading,) = GRADING
     (line,) = re.findall(r"^python (-m pytest .*)$", README, re.MULTILINE)
     grade = (*line.split(), "-p", "pytest_robsim", "-p", "no:cacheprovider", "-q")
@@ -55,6 +55,11 @@ def test_the_grading_passes_the_default_callbacks_and_fails_wrong_ones(tmp_path)
     command("new", "mine", cwd=tmp_path)
     for file in ("evaluate_model.py", "define_model.py", "control.py"):  # none of theirs
         (tmp_path / "mine" / file).write_text("raise SystemExit('I own the world')\n")
+    untouched = python(*grade, cwd=tmp_path)
+    assert "nothing is handed in" in untouched.stdout, untouched.stdout
+    file = tmp_path / "mine/measure.py"
+    text = file.read_text().replace("ENABLED = False", "")
+    file.write_text(text.replace("    return robsim.locate", "    return 0 or robsim.locate"))
     passed = python(*grade, cwd=tmp_path)
     assert "3 passed" in passed.stdout, passed.stdout
     text = "import os\n\n\ndef measure(step):\n    os._exit(0)\n"
