@@ -59,7 +59,7 @@ def test_the_grading_passes_right_callbacks_and_fails_wrong_and_untouched_ones(t
     assert "nothing is handed in" in untouched.stdout, untouched.stdout
     file = tmp_path / "mine/measure.py"
     text = file.read_text().replace("ENABLED = False", "")
-    file.write_text(text.replace("    return robsim.locate", "    return 0 or robsim.locate"))
+    file.write_text(text.replace("    return robsim", "    found = robsim") + "    return found\n")
     passed = python(*grade, cwd=tmp_path)
     assert "3 passed" in passed.stdout, passed.stdout
     text = "import os\n\n\ndef measure(step):\n    os._exit(0)\n"

@@ -55,6 +55,8 @@ def test_a_task_by_name_is_that_of_its_class():
         (lambda: ParkTask(mismatch=1), "mismatch"),
         (lambda: ScoreLimit(full=1, zero=2, low=0.5), "low_zero"),
         (lambda: Score(name="a", title="a", floor=2, worst=1), "worst"),
+        (lambda: Score(name="a", title="a", floor=1, worst=9, kind="lost"), "share"),
+        (lambda: Score(name="a", title="a", floor=1, worst=100, kind="lost", share=0), "worst"),
     ],
 )
 def test_what_is_wrong_is_named(call, named):

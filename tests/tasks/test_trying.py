@@ -162,3 +162,15 @@ def test_files_that_are_missing_or_misspelled_are_named(tmp_path):
     (tmp_path / "control.py").write_text("import nothing_of_that_name\n")
     with pytest.raises(ModuleNotFoundError, match="nothing_of_that_name"):
         tried(task, tmp_path)
+
+
+def test_what_a_run_does_not_use_may_name_what_is_masked(tmp_path):
+    mine = solution(tmp_path / "mine", "centroids", "measure")
+    (mine / "run_it.py").write_text("import robsim\nrobsim.Simulation(measure=True).run(9)\n")
+    file = mine / "measure.py"
+    run = '\n\nif __name__ == "__main__":\n    robsim.Simulation(measure=measure).run(9)\n'
+    file.write_text(file.read_text() + run)
+    assert not tried(MeasureTask(**SHORT), mine).failed
+    file.write_text(file.read_text() + "\n\nlocate = robsim.locate\n")
+    with pytest.raises(ValueError, match=r"measure\.py has robsim\.locate"):
+        tried(MeasureTask(**SHORT), mine)

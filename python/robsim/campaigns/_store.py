@@ -279,7 +279,8 @@ def _naming(path: Path | None) -> Iterator[None]:
 
 def _connection(file: Path | str) -> sqlite3.Connection:
     """Return a connection to a file that may come from anybody."""
-    for name in {os.path.abspath(file), os.path.realpath(file)}:
+    names = set() if file == ":memory:" else {os.path.abspath(file), os.path.realpath(file)}
+    for name in names:
         with suppress(FileNotFoundError), open_file(Path(f"{name}-journal")) as journal:
             journal.seek(max(0, journal.seek(0, os.SEEK_END) - len(_SUPER_JOURNAL)))
             if journal.read() == _SUPER_JOURNAL:  # SQLite would delete the other file

@@ -1,6 +1,7 @@
 """Loading of submissions: here and in a worker."""
 
 import importlib
+import re
 import shutil
 import sys
 import traceback
@@ -150,6 +151,35 @@ def test_what_robsim_brings_along_is_not_handed_in(tmp_path):
         assert callable(own["estimate_state"])
 
 
+@pytest.mark.parametrize("name", TASKS)
+def test_what_one_begins_with_is_handed_in_once_a_line_of_it_is_another(tmp_path, name):
+    task = TASKS[name]()
+    task.begin(tmp_path / "mine")
+    rules = Rules(slots=task.slots, masked=task.masked)
+    with pytest.raises(SubmissionError, match="untouched"):
+        loaded_slots(sent(tmp_path / "mine", rules), rules).__enter__()
+    for file in (tmp_path / "mine").glob("*.py"):
+        if file.name != "task.py":
+            file.write_text(re.sub(r"(?m)^( +return) ([^#\n]+)", r"\1 [\2][0]", file.read_text()))
+    with loaded_slots(sent(tmp_path / "mine", rules), rules) as callbacks:
+        assert {*callbacks} <= {*task.slots}
+
+
+def test_a_method_alone_that_is_another_is_work(tmp_path):
+    begun = tmp_path / "mine"
+    TASKS["identify"]().begin(begun)
+    rules = Rules(slots=TASKS["identify"].slots, masked=TASKS["identify"].masked)
+    file = begun / "init_parameter_estimator.py"
+    file.write_text(file.read_text().replace("return self.theta", "return self.theta + phi"))
+    with loaded_slots(sent(begun, rules), rules) as callbacks:
+        assert len(callbacks) == 2
+    file.unlink()
+    (begun / "estimate_parameters.py").write_text(
+        "def estimate_parameters(step):\n    return step.estimator.update(step.sample.phi, 1)\n"
+    )
+    assert "the estimator of robsim" in str(failure(begun, rules))
+
+
 GIVEN = {"task.py": b"GOAL = 3\n", "table.csv": b"1,2\n"}
 WITH_TASK = "from task import GOAL\ndef control(step):\n    return GOAL, 0\n"
 
@@ -252,7 +282,8 @@ def test_a_mask_holds_at_the_top_and_in_the_wing(tmp_path, monkeypatch, masks):
         with loaded_slots(files, rules) as callbacks, pytest.raises(ImportError, match="not there"):
             callbacks["control"](None)
         assert robsim.locate.__name__ == "locate"
-    assert answer(write(tmp_path / "s002", control=PLAIN), rules) == (1, 2)
+    harmless = f"from robsim import __version__\n{PLAIN}"
+    assert answer(write(tmp_path / "s002", control=harmless), rules) == (1, 2)
 
 
 @pytest.mark.parametrize(
@@ -263,6 +294,7 @@ def test_a_mask_holds_at_the_top_and_in_the_wing(tmp_path, monkeypatch, masks):
         "import sys\nlocate = vars(sys.modules['robsim._core'])['locate']\nlocate(None)",
         "import robsim\nrobsim.Experiment([], measure=True)",
         "from robsim.simulation.simulation import Simulation\nSimulation()",
+        "import robsim.simulation.simulation as s\ns.Simulation()",
     ],
 )
 def test_a_mask_takes_the_object_wherever_it_lies(tmp_path, source):

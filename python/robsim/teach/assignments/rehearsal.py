@@ -17,6 +17,8 @@ from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import Handed
 from robsim.teach.assignments.making import write_below
 from robsim.teach.results import SubmissionResult
+from robsim.teach.submissions.imports import masked_in
+from robsim.teach.submissions.python_text import decoded
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import Solution
 
@@ -114,8 +116,7 @@ def cast_of(assignment: Assignment) -> list[Part]:
 def _ruled(solutions: Sequence[Solution], masked: tuple[str, ...]) -> Solution:
     right = [one for one in solutions if one.is_right]
     for one in right:
-        text = b"\n".join(one.files.values()).decode(errors="replace")
-        if not any(name in text for name in masked):
+        if not masked_in(one.files, masked):
             return one
     return right[0]
 
@@ -127,7 +128,8 @@ def _sources(files: Mapping[str, bytes]) -> dict[str, bytes]:
 def _as_notebook(solution: Solution, task: Task, tests: tuple[str, ...]) -> Part:
     slots = [slot for slot in task.slots if slot in solution.files]
     modules = {name: code for name, code in solution.files.items() if name not in slots}
-    cells = [{"cell_type": "code", "source": solution.files[slot].decode()} for slot in slots]
+    sources = [decoded(solution.files[slot], f"{slot}.py") for slot in slots]
+    cells = [{"cell_type": "code", "source": source} for source in sources]
     notebook = {"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 5}
     files = {f"{task.name}.ipynb": json.dumps(notebook).encode(), **_sources(modules)}
     return Part(f"right: {solution.name}, as a notebook", files, FULL, tests)

@@ -143,7 +143,7 @@ def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
             for whole in (name, *(f"{name}.{inner}" for inner in fromlist or ())):
                 if mask := _above(whole, rules.masked):
                     raise not_here(mask)
-                if whole.startswith("robsim.") and "._" in whole:
+                if whole.startswith("robsim.") and "._" in whole and not whole.endswith("__"):
                     raise not_here(whole)
             top = name.partition(".")[0]
             if allowed is not None and top not in allowed:
@@ -155,6 +155,11 @@ def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
         for inner in fromlist or ():
             if mask := taken.get(id(vars(module).get(inner))):
                 raise not_here(mask)
+        for whole in (name,) if not fromlist else [f"{name}.{inner}" for inner in fromlist]:
+            room = sys.modules.get(whole) if whole.startswith("robsim.") else None
+            for value in () if room is None else tuple(vars(room).values()):
+                if mask := taken.get(id(value)):
+                    raise not_here(mask)
         return module
 
     return {**vars(builtins), "__import__": checked_import}
@@ -164,7 +169,7 @@ def masked_in(sources: Mapping[str, bytes], masked: Sequence[str]) -> dict[str, 
     """Return the first masked name that each module writes out, by the names of modules."""
     found: dict[str, str] = {}
     for name, source in sources.items():
-        with suppress(SyntaxError, ValueError):  # the loader reports it
+        with suppress(SyntaxError, ValueError, RecursionError, MemoryError):  # told when it loads
             for written in _dotted_names(ast.parse(source)):
                 if mask := _above(written, masked):
                     found.setdefault(name, mask)
@@ -172,10 +177,23 @@ def masked_in(sources: Mapping[str, bytes], masked: Sequence[str]) -> dict[str, 
 
 
 def _dotted_names(tree: ast.AST) -> Iterator[str]:
-    for node in ast.walk(tree):
+    for node in _of_a_run(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and not node.level:
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.Attribute):
             yield ast.unparse(node)
+
+
+def _of_a_run(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes, without what only a run as a script or a type checker reads."""
+    waiting: list[ast.AST] = [tree]
+    while waiting:
+        yield (node := waiting.pop())
+        tested = ast.walk(node.test) if isinstance(node, ast.If) else ()
+        names = {one.id for one in tested if isinstance(one, ast.Name)}
+        if isinstance(node, ast.If) and names & {"__name__", "TYPE_CHECKING"}:
+            waiting += node.orelse
+        else:
+            waiting += ast.iter_child_nodes(node)

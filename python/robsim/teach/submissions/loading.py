@@ -59,7 +59,9 @@ def loaded_slots(
     load = _folder if files.kind == FOLDER else _module
     with masked(rules), load(files, where, rules, own) as callbacks:
         with _failing(files.name, None):
-            handed_in = callbacks if rules.defaults else own_slots(callbacks, rules.slots)
+            handed_in = (
+                callbacks if rules.defaults else own_slots(callbacks, rules.slots, rules.masked)
+            )
         yield handed_in
 
 

@@ -284,8 +284,9 @@ def _common(task: Task) -> Iterator[str]:
     yield (
         f"Your code is run {task.runs} times for {task.steps} steps, and so is a reference in the "
         "same runs. What counts is how many times the reference's your numbers are, as the "
-        "geometric mean over the runs: about as good as the reference gives all points, and what "
-        "a typical mistake costs gives none. A run that ends with an error has no points."
+        "geometric mean over the runs: about as good as the reference gives all points. The "
+        "smallest typical mistake gives none, but never below 1.5 times the limit of all points. A "
+        "run that ends with an error has no points."
     )
     if any(one.kind == "lost" for one in task.scores):
         yield (

@@ -65,6 +65,12 @@ class Score:
         check_float("share", self.share, minimum=0, maximum=1)
         check_float("floor", self.floor, self.unit, exclusive_minimum=0)
         check_float("worst", self.worst, self.unit, exclusive_minimum=self.floor)
+        if (self.kind == "lost") != (self.share == 0):
+            raise ValueError(
+                f"share must be 0 for kind 'lost' alone, got {self.share}, {self.kind}"
+            )
+        if self.kind == "lost" and self.worst >= _ALL:
+            raise ValueError(f"worst must be below {_ALL:g} % for kind 'lost', got {self.worst}")
 
     def statistic(self, values: Sequence[float], reference: Sequence[float]) -> float:
         """Return what the numbers of some runs come to, relative to those of a reference.
@@ -139,7 +145,7 @@ class ScoreLimit:
     full : float
         The largest statistic with full points.
     zero : float
-        The statistic from which on there are none: that of a naive solution.
+        The statistic above which a score gives no points.
     low : float or None
         The smallest statistic with full points, for what can be too small; None = none is.
     low_zero : float or None

@@ -19,6 +19,7 @@ from robsim.campaigns import CampaignResult, CampaignSpec
 from robsim.campaigns.choices import FOLDER, Choice, choice_of
 from robsim.campaigns.launch import run_spec
 from robsim.campaigns.runs import CaseRuns
+from robsim.simulation.callback_folder import imported_names
 from robsim.teach.submissions.handed_in import own_slots
 from robsim.teach.submissions.imports import masked_in
 from robsim.teach.tasks.definition import MOST_RUNS, Task, check_task, solution_folder
@@ -323,12 +324,14 @@ def try_solution(
 
 def why_not_own(task: Task, solution: Solution) -> str:
     """Return the reason for which grading would take a solution for no work; "" = none."""
-    for name, mask in masked_in(solution.files, task.masked).items():
+    used = {*task.slots, *imported_names(solution.files)}
+    files = {name: source for name, source in solution.files.items() if name in used}
+    for name, mask in masked_in(files, task.masked).items():
         return f"{name}.py has {mask}, which is not there for this task"
     with solution_folder(task, solution).callbacks() as callbacks:
         off = {slot: False for slot in task.slots if slot in solution.files}
         try:
-            own_slots(off | callbacks, task.slots)
+            own_slots(off | callbacks, task.slots, task.masked)
         except ValueError as error:
             return str(error)
     return ""

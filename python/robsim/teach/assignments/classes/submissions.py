@@ -17,6 +17,7 @@ from robsim.teach.submissions import read_submission
 from robsim.teach.tasks.solutions import MODULE
 
 _FORMS = (".zip", ".py", ".ipynb")
+_PACKED = (".rar", ".7z", ".tar", ".gz", ".tgz", ".xz", ".bz2")  # refused in a sentence
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ def submissions_in(
     found: dict[str, list[str]] = {}
     others = []
     for name in names:
-        if (place / name).is_file() and not name.lower().endswith(_FORMS):
+        if (place / name).is_file() and not name.lower().endswith((*_FORMS, *_PACKED)):
             others.append(name)
         else:
             found.setdefault(_student_of(place / name), []).append(name)
