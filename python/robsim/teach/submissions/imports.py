@@ -143,7 +143,8 @@ def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
             for whole in (name, *(f"{name}.{inner}" for inner in fromlist or ())):
                 if mask := _above(whole, rules.masked):
                     raise not_here(mask)
-                if whole.startswith("robsim.") and "._" in whole and not whole.endswith("__"):
+                is_private = whole.startswith("robsim.") and "._" in whole
+                if taken and is_private and not whole.endswith("__"):
                     raise not_here(whole)
             top = name.partition(".")[0]
             if allowed is not None and top not in allowed:
