@@ -2155,7 +2155,7 @@ class SimulatedWorld(World):
     """
     The simulated world half. Users take robsim.Simulation.
     """
-    def __init__(self, *, area: tuple[int, int], resolution: tuple[int, int], boundary: str, camera_delay: int, motor_delay: float) -> None:
+    def __init__(self, *, area: tuple[int, int], resolution: tuple[int, int], boundary: str) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -2166,6 +2166,10 @@ class SimulatedWorld(World):
     def draw_newest(self, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> Frame:
         """
         Return the newest frame, or write it to `out`.
+        """
+    def option_names(self) -> list[str]:
+        """
+        Return the names for `set_option`.
         """
     def set_disturbance(self, pose_factor: numpy.typing.ArrayLike, input_sigma: numpy.typing.ArrayLike) -> None:
         ...
@@ -2179,13 +2183,11 @@ class SimulatedWorld(World):
         """
     def set_make_scene(self, make: typing.Any, makes_at_start: bool) -> None:
         ...
-    def set_noise(self, noise: VisualNoise) -> None:
-        ...
     def set_noise_keys(self, keys: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64]) -> None:
         """
         Draw the noise of each frame from a key of its own, array (steps,) of uint64; empty: no longer.
         """
-    def set_robot_radius(self, radius: float) -> None:
+    def set_option(self, name: str, value: typing.Any) -> None:
         ...
     def set_seeds(self, *, noise: int, dropout: int, disturbance: int) -> None:
         ...

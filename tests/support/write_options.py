@@ -17,7 +17,7 @@ FOLDER = Path(__file__).parents[2] / "python" / "robsim"
 OF_SIMULATION = [name for name in OPTIONS if name not in SLOTS]
 #: Options of an experiment with the same type and default as in a simulation.
 OF_EXPERIMENT = ("robot", "seed", "colors", "markers", "smoothing", "model")
-WIDTH = 100
+WIDTH, INDENT = 100 - 4, 4 * " "  # in a class
 
 
 def annotation_of(slot):
@@ -36,13 +36,13 @@ def slot_arguments(names, defaults):
 
 def call(function, names):
     """Return a call that hands on arguments, in full lines."""
-    lines = textwrap.wrap(" ".join(f"{name}={name}," for name in names), WIDTH - 12)
+    lines = textwrap.wrap(" ".join(f"{name}={name}," for name in names), WIDTH - 8)
     return [f"{function}(", *(f"    {line}" for line in lines), ")  # fmt: skip"]
 
 
 def entry(name, kind, doc):
     """Return the documentation of an argument."""
-    lines = textwrap.wrap(doc, WIDTH - 8, break_on_hyphens=False)
+    lines = textwrap.wrap(doc, WIDTH - 4, break_on_hyphens=False)
     return [f"{name} : {kind}", *(f"    {line}" for line in lines)]
 
 
@@ -58,6 +58,25 @@ def slot_entry(slot):
     return entry(slot.name, f"{kind}, optional", f"{slot.call}, {slot.doc}")
 
 
+def live_property(name):
+    """Return the property of an option that may change in the middle of a run."""
+    option = OPTIONS[name]
+    return [
+        "@property",
+        f"def {name}(self) -> {option.annotation}:",
+        *textwrap.wrap(f'"""{option.doc}', WIDTH, initial_indent=INDENT, subsequent_indent=INDENT),
+        "",
+        "    A change applies from the next step on.",
+        '    """',
+        f"    return self._scenario.{name}",
+        "",
+        f"@{name}.setter",
+        f"def {name}(self, {name}: {option.annotation}) -> None:",
+        f"    self._change({name}={name})",
+        "",
+    ]
+
+
 def documented(options=(), slots=()):
     entries = [option_entry(OPTIONS[name]) for name in options]
     entries += [slot_entry(SLOTS[name]) for name in slots]
@@ -70,7 +89,7 @@ def with_region(text, name, lines):
     (found,) = pattern.finditer(text)
     indent = found[1]
     marked = [f"# {name}: written by ./run stubs", *lines, "# end"]
-    region = "".join(f"{indent}{line}\n" for line in marked)
+    region = "".join(f"{indent}{line}".rstrip() + "\n" for line in marked)
     return text[: found.start()] + region + text[found.end() :]
 
 
@@ -87,6 +106,8 @@ def simulation(text):
     text = with_entries(text, "define_model", None, documented(slots=SLOTS))
     text = with_region(text, "options", arguments(OF_SIMULATION, "_SAME"))
     text = with_region(text, "slots", slot_arguments(SLOTS, stages))
+    live = [line for name in OPTIONS if OPTIONS[name].is_live for line in live_property(name)]
+    text = with_region(text, "live", live)
     return with_region(text, "given", call("given = _given", [*OF_SIMULATION, *SLOTS]))
 
 

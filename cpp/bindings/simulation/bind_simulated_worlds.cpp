@@ -75,14 +75,12 @@ void SlottedWorld::set_evaluate_model(const py::object& value) {
 }
 
 std::shared_ptr<SlottedWorld> make_world(std::pair<int, int> area, std::pair<int, int> resolution,
-                                         Boundary boundary, int camera_delay, double motor_delay) {
+                                         Boundary boundary) {
   WorldOptions options;
   options.area = {area.first, area.second, boundary};
   options.camera = PlaneMap::scaled(resolution.first, resolution.second, area.first, area.second);
   options.width = resolution.first;
   options.height = resolution.second;
-  options.camera_delay = camera_delay;
-  options.motor_delay = motor_delay;
   return std::make_shared<SlottedWorld>(options);
 }
 
@@ -173,9 +171,17 @@ t, dt : float, optional
   define_repr(world, "<WorldState of step {0.k}>");
 }
 
-template <typename T>
-auto setter(T WorldOptions::* option) {
-  return [option](SlottedWorld& self, const T& value) { self.set(option, value); };
+void set_option(SlottedWorld& self, const std::string& name, const py::handle& value) {
+  WorldOptions::each([&](const char* known, auto member) {
+    using Value = std::decay_t<decltype(self.options().*member)>;
+    if (name == known) self.set(member, value.cast<Value>());
+  });
+}
+
+std::vector<std::string> option_names() {
+  std::vector<std::string> names;
+  WorldOptions::each([&](const char* name, auto) { names.push_back(name); });
+  return names;
 }
 
 void bind_simulated_world(py::module_& module) {
@@ -183,14 +189,15 @@ void bind_simulated_world(py::module_& module) {
       public_in(module, "robsim._core"), "SimulatedWorld",
       "The simulated world half. Users take robsim.Simulation.",
       py::custom_type_setup(&collect_garbage<SlottedWorld>))
-      .def(py::init(&make_world), py::kw_only(), "area"_a, "resolution"_a, "boundary"_a,
-           "camera_delay"_a, "motor_delay"_a)
+      .def(py::init(&make_world), py::kw_only(), "area"_a, "resolution"_a, "boundary"_a)
+      .def(
+          "option_names", [](const SlottedWorld&) { return option_names(); },
+          "Return the names for `set_option`.")
+      .def("set_option", &set_option, "name"_a, "value"_a)
       .def("set_evaluate_model", &SlottedWorld::set_evaluate_model, "value"_a)
       .def("set_make_scene", &SlottedWorld::set_make_scene, "make"_a, "makes_at_start"_a)
       .def("set_true_model", &SlottedWorld::set_true_model, "draw"_a)
       .def("set_start", &SlottedWorld::set_start, "start"_a)
-      .def("set_robot_radius", setter(&WorldOptions::robot_radius), "radius"_a)
-      .def("set_noise", setter(&WorldOptions::noise), "noise"_a)
       .def("set_dropout", &SlottedWorld::set_dropout, "probability"_a, "steps"_a)
       .def("set_disturbance", &SlottedWorld::set_disturbance, "pose_factor"_a, "input_sigma"_a)
       .def("set_seeds", &SlottedWorld::set_seeds, py::kw_only(), "noise"_a, "dropout"_a,

@@ -11,6 +11,7 @@ import numpy as np
 
 from robsim.base.checks import check_choice, check_float, check_int, check_size
 from robsim.base.text import quoted
+from robsim.base.values import Level
 
 #: The owner of an option where a world has several robots.
 WORLD, ROBOT = "world", "robot"
@@ -29,6 +30,10 @@ class Option:
     types: tuple[type, ...] = ()  # of a normal form that is a table in files
     example: str = ""  # a value, for messages
     normal: Callable[[Any], Any] | None = None  # value to normal form; TypeError, ValueError
+    is_live: bool = False  # whether it may change in the middle of a run
+    label: str = ""  # of its slider in the panel; empty: no slider
+    level: Level | None = None  # of the slider
+    part: str = ""  # of the value: the slider sets this attribute
     name: str = ""
     annotation: str = ""  # type in the source
     limits = ""  # in words
@@ -74,6 +79,11 @@ class Number(Option):
     minimum: float
     maximum: float
     kind: str = "float"
+    step: float = 1.0  # of the slider
+
+    def __post_init__(self) -> None:
+        level = Level(self.unit, self.maximum, self.step, self.default or 0, self.minimum)
+        object.__setattr__(self, "level", level)
 
     @property
     def limits(self) -> str:  # type: ignore[override]

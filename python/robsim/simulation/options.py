@@ -254,15 +254,17 @@ class Options:
     )  # fmt: skip
     noise: Noise | None = value(
         WORLD, None, "Camera noise.",
-        types=(UniformNoise, GaussianNoise), example="robsim.GaussianNoise(40)",
+        types=(UniformNoise, GaussianNoise), example="robsim.GaussianNoise(40)", is_live=True,
     )  # fmt: skip
     dropout: Dropout | None = value(
         ROBOT, None, "Random occlusion: the probability that the robot is hidden from the camera.",
-        types=(Dropout,), example="robsim.Dropout(0.2)",
+        types=(Dropout,), example="robsim.Dropout(0.2)", is_live=True,
+        label="Dropout", level=Dropout._LEVEL, part="probability",
     )  # fmt: skip
     process_noise: PoseNoise | WheelNoise | None = value(
         ROBOT, None, "Random disturbance of the robot's motion in every step.",
         types=(PoseNoise, WheelNoise), example="robsim.PoseNoise.from_sigma(0.5, 0.5, 0.01)",
+        is_live=True,
     )  # fmt: skip
     mismatch: ParameterMismatch | None = value(
         ROBOT, None, "How far the parameters of the world differ from those of `model`.",

@@ -264,22 +264,25 @@ class Simulation(WorldSlots, Runner):
     def _described(self) -> Scenario:
         return self.scenario
 
+    # live: written by ./run stubs
     @property
     def noise(self) -> Noise | None:
-        """Camera noise; a change applies to the frames from the next step on."""
+        """Camera noise.
+
+        A change applies from the next step on.
+        """
         return self._scenario.noise
 
     @noise.setter
     def noise(self, noise: Noise | None) -> None:
         self._change(noise=noise)
-        self._is_marker_size_known = False
-
-    def _camera_noise(self) -> float:
-        return standard_deviation(self.noise)
 
     @property
     def dropout(self) -> Dropout | None:
-        """Random occlusion of the robot; a change applies from the next step on."""
+        """Random occlusion: the probability that the robot is hidden from the camera.
+
+        A change applies from the next step on.
+        """
         return self._scenario.dropout
 
     @dropout.setter
@@ -288,17 +291,27 @@ class Simulation(WorldSlots, Runner):
 
     @property
     def process_noise(self) -> PoseNoise | WheelNoise | None:
-        """Random disturbance of the robot's motion; a change applies from the next step on."""
+        """Random disturbance of the robot's motion in every step.
+
+        A change applies from the next step on.
+        """
         return self._scenario.process_noise
 
     @process_noise.setter
     def process_noise(self, process_noise: PoseNoise | WheelNoise | None) -> None:
         self._change(process_noise=process_noise)
 
+    # end
+
+    def _camera_noise(self) -> float:
+        return standard_deviation(self.noise)
+
     def _change(self, **changes: Any) -> None:
         self._core.check_thread()
         self._scenario = self._scenario.replace(**changes)
         apply_options(self._world, self._scenario, changes)
+        if "noise" in changes:
+            self._is_marker_size_known = False
         self._note_change(changes)
 
     def _change_vision(self, **changes: Any) -> None:

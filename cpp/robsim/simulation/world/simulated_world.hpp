@@ -65,6 +65,15 @@ struct WorldOptions {
   Disturbance disturbance;
   int camera_delay = 0;    // steps
   double motor_delay = 0;  // steps
+
+  /// Calls `visit(name, member)` for each option that Python sets by its name.
+  template <typename Visit>
+  static void each(const Visit& visit) {
+    visit("robot_radius", &WorldOptions::robot_radius);
+    visit("noise", &WorldOptions::noise);
+    visit("camera_delay", &WorldOptions::camera_delay);
+    visit("motor_delay", &WorldOptions::motor_delay);
+  }
 };
 
 /// The slots of the world half.

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from robsim import _core
 from robsim._core import RobotModel
 from robsim.base import seeds
+from robsim.simulation.options import OPTIONS
 from robsim.simulation.world.disturbances import Dropout, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import draw_red_square, make_scene, scaled_floor
 from robsim.vision.imaging.images import Pixels
@@ -30,13 +31,9 @@ def world_of(
 ) -> _core.SimulatedWorld:
     """Return the world of a scenario; it makes its scene at the first look, or at the start."""
     world = _core.SimulatedWorld(
-        area=scenario.area,
-        resolution=frame_size(scenario),
-        boundary=scenario.boundary,
-        camera_delay=scenario.camera_delay,
-        motor_delay=scenario.motor_delay,
+        area=scenario.area, resolution=frame_size(scenario), boundary=scenario.boundary
     )
-    apply_options(world, scenario, _SETTERS)
+    apply_options(world, scenario, OPTIONS)
     seed_world(world, scenario, seed)
     set_scene(world, scenario, makes_at_start=makes_scene_at_start)
     world.set_evaluate_model(scenario.evaluate_model)
@@ -45,9 +42,13 @@ def world_of(
 
 def apply_options(world: _core.SimulatedWorld, scenario: Scenario, names: Iterable[str]) -> None:
     """Give a world the values of these options, if it has them; between two steps, too."""
+    plain = world.option_names()
     for name in names:
+        value = getattr(scenario, name)
         if name in _SETTERS:
-            _SETTERS[name](world, getattr(scenario, name))
+            _SETTERS[name](world, value)
+        elif name in plain:
+            world.set_option(name, value)
 
 
 def _set_process_noise(
@@ -63,10 +64,10 @@ def _set_dropout(world: _core.SimulatedWorld, dropout: Dropout | None) -> None:
     world.set_dropout(dropout.probability, dropout.steps)
 
 
-#: Setters of the options that may change in the middle of a run.
+#: Setters of the options whose value a world does not take as it is.
 _SETTERS: dict[str, Callable[[_core.SimulatedWorld, Any], None]] = {
-    "robot": lambda world, robot: world.set_robot_radius(robot.radius),
-    "noise": lambda world, noise: world.set_noise(as_native_noise(noise)),
+    "robot": lambda world, robot: world.set_option("robot_radius", robot.radius),
+    "noise": lambda world, noise: world.set_option("noise", as_native_noise(noise)),
     "dropout": _set_dropout,
     "process_noise": _set_process_noise,
 }

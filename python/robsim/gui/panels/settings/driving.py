@@ -34,7 +34,7 @@ def as_told(goals: Floats | None) -> tuple[list[float] | None, list[list[float]]
 class Driving(Choice):
     """The controller; also where it drives to."""
 
-    name = "control"
+    name, card = "control", "drive"
 
     def __init__(
         self,

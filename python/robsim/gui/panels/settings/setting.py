@@ -19,6 +19,8 @@ class Setting(ABC):
 
     name: str
     tip: str = ""  # beyond the texts of the browser
+    label: str = ""  # instead of that in the texts of the browser
+    card: str  # of the browser, on which it stands
     kind: ClassVar[str]
 
     @property
@@ -36,8 +38,8 @@ class Setting(ABC):
 
     def described(self) -> dict[str, Any]:
         """Return its entry in the message ``setup``."""
-        about = {"name": self.name, "kind": self.kind, "tip": self.tip, "value": self.value}
-        return about | self.limits()
+        names = ("name", "kind", "card", "label", "tip", "value")
+        return {name: getattr(self, name) for name in names} | self.limits()
 
 
 class Choice(Setting):

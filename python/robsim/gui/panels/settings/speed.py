@@ -12,7 +12,8 @@ from robsim.gui.panels.settings.setting import Range, Remarks
 class Speed(Range):
     """The speed, as a multiple of real time; 0 = as fast as it goes."""
 
-    name, range = "speed", Level("x", high=100.0, step=0.1, default=1.0, low=0.2)
+    name, card = "speed", "drive"
+    range = Level("x", high=100.0, step=0.1, default=1.0, low=0.2)
 
     def __init__(self, driver: Driver) -> None:
         self._driver = driver

@@ -134,6 +134,8 @@ def _sentence(text: str) -> str:
 class Stage(Choice):
     """A stage: ``"off"``, ``"default"`` or ``"mine"``."""
 
+    card = "stages"
+
     def __init__(self, name: str, slot: str, stages: Stages, owners: Owners) -> None:
         self.name = name
         self._slot = slot

@@ -8,7 +8,8 @@ from typing import Any
 
 from robsim.base.values import Level
 from robsim.gui.panels.settings.setting import Choice, Range, Remarks, Setting
-from robsim.simulation import Dropout, Simulation
+from robsim.simulation import Simulation
+from robsim.simulation.option import Option
 from robsim.simulation.options import OPTIONS
 
 
@@ -18,14 +19,16 @@ def world_settings(simulation: Simulation) -> list[Setting]:
     return [
         noise,
         DisturbanceLevel(noise),
-        DropoutProbability(simulation),
         disturbance,
         DisturbanceLevel(disturbance),
+        *(OptionSlider(simulation, option) for option in OPTIONS.values() if option.label),
     ]
 
 
 class DisturbanceKind(Choice):
     """The kind of the camera noise or of the process noise: a type in the row of the option."""
+
+    card = "world"
 
     def __init__(self, simulation: Simulation, name: str, option: str, usual: str) -> None:
         self.name, self.tip = name, OPTIONS[option].doc
@@ -87,6 +90,8 @@ def _made(kind: Any, level: float) -> Any:
 class DisturbanceLevel(Range):
     """The level of a disturbance; its unit and limits depend on the kind."""
 
+    card = "world"
+
     def __init__(self, kind: DisturbanceKind) -> None:
         self.name = f"{kind.name}_level"
         self._kind = kind
@@ -103,20 +108,27 @@ class DisturbanceLevel(Range):
         return self._kind.move(value)
 
 
-class DropoutProbability(Range):
-    """The probability that the robot is hidden."""
+class OptionSlider(Range):
+    """An option that is a number, or has one: its row names and limits it."""
 
-    name, range, tip = "dropout", Dropout._LEVEL, OPTIONS["dropout"].doc
+    card = "world"
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
+    def __init__(self, simulation: Simulation, option: Option) -> None:
+        self.name, self.tip, self.label = option.name, option.doc, option.label
+        self.range = option.level or Level("", 1, 1, 0)
+        self._simulation, self._option = simulation, option
 
     @property
     def value(self) -> float:
-        dropout = self._simulation.dropout
-        return 0.0 if dropout is None else float(dropout.probability)
+        value = getattr(self._simulation, self.name)
+        if self._option.part:
+            value = 0 if value is None else getattr(value, self._option.part)
+        return float(value)
 
     def move(self, value: float) -> Remarks:
-        dropout = self._simulation.dropout or Dropout(0.0)
-        self._simulation.dropout = dataclasses.replace(dropout, probability=value)
+        new: Any = value
+        if self._option.part:
+            old = getattr(self._simulation, self.name) or self._option.types[0](value)
+            new = dataclasses.replace(old, **{self._option.part: value})
+        setattr(self._simulation, self.name, new)
         return []

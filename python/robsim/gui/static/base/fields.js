@@ -11,16 +11,16 @@ const ANSWER_TIME = 1000; // ms in which Python's answer to a value is to come
  * reason is given; `refuse` is called with why not.
  */
 export function makeField(control, send, refuse = () => {}) {
-  const { name, kind, choices, tip } = control;
+  const { name, kind, choices, tip, label = "" } = control;
   const isShort = kind == "choice" && choices.length <= MOST_SEGMENTS;
   const made = MAKERS[isShort ? "segments" : kind](control, (value) => held.set(value), refuse);
-  const label = text(`control.${name}`, {}, name);
-  const parts = [make("span", { textContent: label }), made.element, made.output];
+  const words = label || text(`control.${name}`, {}, name);
+  const parts = [make("span", { textContent: words }), made.element, made.output];
   const title = text(`control.${name}.title`, {}, tip ?? "");
   // A label passes a click on to its control, which is right for one control, not for a group.
   const element = make(`${isShort ? "div" : "label"}.robsim-field.robsim-row`, { title },
     ...parts.filter(Boolean));
-  made.element.setAttribute("aria-label", text(`control.${name}.whole`, {}, label));
+  made.element.setAttribute("aria-label", text(`control.${name}.whole`, {}, words));
   const held = heldValue(made.show, send);
   if (kind == "range") made.element.addEventListener("pointerdown", held.hold);
   const allow = (reason) => {

@@ -7,16 +7,7 @@ const FASTEST = 0; // what stands for "as fast as it goes"
 const SPEEDS = [0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100, FASTEST];
 const LONGEST_GAP = 1; // s, or three frames, after which a camera is taken to hang
 
-/**
- * The cards and the controls on them, in their order; what stands in none of them comes on the
- * last.
- */
-const CARDS = {
-  stages: ["tracking", "parameters", "state"],
-  drive: ["control", "speed", "camera"],
-  world: ["noise", "noise_level", "disturbance", "disturbance_level", "dropout"],
-  more: [],
-};
+const CARDS = ["stages", "drive", "world"];
 
 export function makeControls(context) {
   const element = make("div.robsim-controls.robsim-column");
@@ -34,7 +25,7 @@ export function makeControls(context) {
     const kind = JSON.stringify(rest);
     const old = fields.get(control.name);
     if (old?.kind == kind) return old.show(value);
-    const field = { ...makeOne(control), kind };
+    const field = { ...makeOne(control), kind, card: control.card };
     field.show(value);
     old?.element.replaceWith(field.element);
     fields.set(control.name, field);
@@ -54,8 +45,7 @@ export function makeControls(context) {
     // the others are changed in their places
     if (fields.size == before && element.children.length) return;
     const all = [...fields.values(), ...(live ? [rate] : [])];
-    const onCard = (card) => all.filter(({ name }) => cardOf(name) == card);
-    element.replaceChildren(...Object.keys(CARDS).map((card) => makeCard(card, onCard(card))));
+    element.replaceChildren(...CARDS.map((card) => makeCard(card, all)));
   });
   context.on("state", ({ values }) => {
     for (const [name, field] of fields) if (name in values) field.show(values[name]);
@@ -64,11 +54,8 @@ export function makeControls(context) {
   return { element };
 }
 
-const cardOf = (name) => Object.keys(CARDS).find((card) => CARDS[card].includes(name)) ?? "more";
-
-function makeCard(card, fields) {
-  const place = ({ name }) => CARDS[card].indexOf(name);
-  const elements = fields.toSorted((a, b) => place(a) - place(b)).map((field) => field.element);
+function makeCard(card, all) {
+  const elements = all.filter((field) => field.card == card).map(({ element }) => element);
   const about = { ariaLabel: text(`card.${card}`), hidden: !elements.length };
   return make(`section.robsim-surface.robsim-card.robsim-card-${card}`, about, ...elements);
 }
@@ -108,5 +95,5 @@ function makeCameraRate(context) {
       : text("camera.age.ms", { age: (1000 * age).toFixed(0) });
     output.classList.toggle("robsim-hangs", hangs);
   });
-  return { name: "camera", element };
+  return { card: "drive", element };
 }
