@@ -70,7 +70,7 @@ def test_wrong_solutions_fail_and_get_less(calibration):
     assert naive.rate > 0.9
     assert naive.points < 0.5
     limit = calibration.limits["position"]
-    assert limit.zero == max(naive.statistics["position"], limit.full**2)
+    assert limit.zero == max(naive.statistics["position"], 1.5 * limit.full)
     assert no_q.rate_interval[0] < no_q.rate <= no_q.rate_interval[1]
     weak = dataclasses.replace(no_q, failing=9)
     passing = dataclasses.replace(calibration, solutions=(*calibration.solutions[:3], weak))
