@@ -26,7 +26,7 @@ from robsim.teach import ScoreLimit, Task
 from robsim.teach.tasks.marks.calibrate import PILOT_TESTS, WRONG_TESTS
 from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from
 from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
-from robsim.teach.tasks.solutions import NAIVE, REFERENCE
+from robsim.teach.tasks.solutions import REFERENCE
 
 FIGURE = Path(__file__).parents[1] / "notebooks/site/marks.png"
 TASK, SEED = "estimate", 1
@@ -68,10 +68,12 @@ class Tests:
     @cached_property
     def limits(self) -> dict[str, ScoreLimit]:
         """The limits, from as many tests as there are."""
-        right = [self.sets[one.name] for one in self.task.solutions if one.is_right]
-        count = len(right[0].through) - PILOT_TESTS
-        rank = bound_rank(count, self.rate, CONFIDENCE)
-        return limits_from(self.task, right, self.sets[NAIVE], PILOT_TESTS, rank)
+        right, wrong = (
+            [self.sets[one.name] for one in self.task.solutions if one.is_right == is_right]
+            for is_right in (True, False)
+        )
+        rank = bound_rank(len(right[0].through) - PILOT_TESTS, self.rate, CONFIDENCE)
+        return limits_from(self.task, right, wrong, PILOT_TESTS, rank)
 
     def points(self, solution: str) -> Any:
         """Return the share of the points of each test."""
@@ -125,7 +127,7 @@ def _draw_statistics(axes: Axes, tests: Tests) -> None:
     axes.set(xscale="log", xlabel=f"{score.title}, times the reference's")
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2, 0.5)))
-    axes.legend(loc="lower right", facecolor="white", framealpha=0.9, frameon=True)
+    axes.legend(loc="upper right", facecolor="white", framealpha=0.9, frameon=True)
     axes.set_title(f"A  one score, in tests of {tests.task.runs} runs", loc="left")
 
 

@@ -30,7 +30,7 @@ from robsim.teach.tasks.marks.calibration import MOST_OF_WRONG, TaskCalibration
 
 #: Who is not what is expected is graded twice more, with other seeds: two of three count.
 _TRIES = 3
-#: Less than that share of the points are none: the limit is the median of the naive solution.
+#: Less than that share of the points counts as none: a wrong solution gets some by chance.
 _LITTLE = 0.1
 _ALL = 1 - 1e-9
 
