@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import codecs
 import re
 import symtable
@@ -9,6 +10,7 @@ import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from typing import Any
 
 from robsim.base.text import one_line, quoted
 from robsim.simulation.callback_folder import misspelled
@@ -80,14 +82,19 @@ def check_extent(text: str, place: str) -> None:
 def check_source(content: bytes, place: str) -> None:
     text = decoded(content, place)
     check_extent(text, place)
+    compiled(text, text, place)
+
+
+def compiled(code: str | ast.Module, text: str, place: str, flags: int = 0) -> Any:
+    """Return what `compile` makes of a text or its tree; raise SubmissionError."""
     try:
         with quiet():
-            compile(text, place, "exec", dont_inherit=True)
+            return compile(code, place, "exec", flags, dont_inherit=True)
     except (SyntaxError, ValueError, OverflowError, RecursionError, MemoryError) as error:
-        raise not_python(error, text, place) from None
+        raise _not_python(error, text, place) from None
 
 
-def not_python(error: BaseException, text: str, place: str) -> SubmissionError:
+def _not_python(error: BaseException, text: str, place: str) -> SubmissionError:
     if not isinstance(error, SyntaxError):
         return refusal(place, " is nested too deeply for Python: split its long expressions")
     lines = text.split("\n")

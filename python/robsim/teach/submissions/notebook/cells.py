@@ -13,7 +13,7 @@ from robsim.base.text import one_line, quoted
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.folder import size_text
 from robsim.teach.submissions.names import refusal
-from robsim.teach.submissions.python_text import check_extent, not_python, quiet
+from robsim.teach.submissions.python_text import check_extent, compiled
 
 #: The tags of cells that go in whole, and of cells that never count.
 WHOLE, SKIP = "robsim", "robsim-skip"
@@ -23,11 +23,11 @@ _MOST_CELLS = 1000
 _MOST_BRACKETS = 200_000  # 100 bytes of memory each
 _MOST_PARSED = 2**23  # characters: each command is found by another parse of its cell
 _MOST_STATEMENTS = 5000
+_LONGEST_LINE = 50  # characters, in a message
 _UNREADABLE = re.compile("[\0\ud800-\udfff]")  # null characters, and halves of characters
 _MARK = re.compile(r"\s*#\s*(robsim-skip\b|robsim(?=\s*:))", re.IGNORECASE)
-# Cell commands other than these make something else of their cell.
-_TRANSPARENT = re.compile(r"%%(time|capture)\b")
-_COMMAND = re.compile(r"\s*([%!?]|[\w.]+\s*(?:,\s*[\w.]+\s*)*=\s*[%!]|.*\?\s*$)")
+_OTHER_LANGUAGE = re.compile(r"\s*%%(?!(time|capture)\b)")
+_COMMAND = re.compile(r"(\s*)(?:[%!?]|[\w.]+\s*(?:,\s*[\w.]+\s*)*=\s*[%!]|.*\?\s*$)")
 
 
 @dataclass(frozen=True)
@@ -40,18 +40,17 @@ class Cell:
     source: str  # its code
     tag: str  # `WHOLE`, `SKIP` or empty
 
-    @property
-    def first(self) -> str:
-        """The first line with text."""
-        return next((line.strip() for line in self.source.split("\n") if line.strip()), "")
+    def told(self, line: int) -> str:
+        """Return a line of it in a message: ``"cell 5, line 2 (K = 3)"``."""
+        text = self.source.split("\n")[line - 1].strip()
+        shown = text if len(text) <= _LONGEST_LINE else f"{text[:_LONGEST_LINE]}..."
+        return f"cell {self.number}, line {line} ({one_line(shown)})"
 
     @property
-    def title(self) -> str:
-        return f"cell {self.number} ({one_line(self.first[:40])})"
-
-    @property
-    def is_command(self) -> bool:
-        return self.first.startswith("%%") and not _TRANSPARENT.match(self.first)
+    def command(self) -> str:
+        """The line in a message that makes something else of the cell, or an empty text."""
+        found = _OTHER_LANGUAGE.match(self.source)
+        return self.told(found[0].count("\n") + 1) if found else ""
 
 
 def cells_of(content: bytes, file: str) -> list[Cell]:
@@ -128,34 +127,24 @@ def parsed(cells: Sequence[Cell], file: str) -> Iterator[tuple[Cell, ast.stmt]]:
     check_extent("\n".join(cell.source for cell in cells), file)
     spent = count = 0
     for cell in cells:
-        lines = [] if cell.is_command else cell.source.split("\n")
-        nodes = None
-        while nodes is None:
+        lines = [] if cell.command else cell.source.split("\n")
+        tree = None
+        while tree is None:
             spent += len(cell.source)
             if spent > _MOST_PARSED:
                 raise refusal(file, " has too many commands: remove some")
-            nodes = _statements_or_fewer_commands(lines, cell)
-        count += len(nodes)
+            try:
+                tree = compiled(
+                    "\n".join(lines), cell.source, cell.place, ast.PyCF_ONLY_AST | AWAIT
+                )
+            except SubmissionError as error:
+                at = (error.line or 1) - 1
+                if error.line is None or not (command := _COMMAND.match(lines[at])):
+                    said = f"{error}; correct the cell, or tag it robsim-skip"
+                    raise SubmissionError(said, file=error.file, line=error.line) from None
+                lines[at] = f"{command[1]}pass"
+        count += len(tree.body)
         if count > _MOST_STATEMENTS:
             said = f" has more than {_MOST_STATEMENTS} statements: hand in what counts"
             raise refusal(file, said)
-        yield from ((cell, node) for node in nodes)
-
-
-def _statements_or_fewer_commands(lines: list[str], cell: Cell) -> list[ast.stmt] | None:
-    """Return the statements of a cell; or take one command out of its lines, and return None."""
-    try:
-        flags = ast.PyCF_ONLY_AST | AWAIT
-        with quiet():
-            tree = compile("\n".join(lines), cell.place, "exec", flags, dont_inherit=True)
-        assert isinstance(tree, ast.Module)
-        return tree.body
-    except (SyntaxError, ValueError, OverflowError, RecursionError, MemoryError) as error:
-        number = getattr(error, "lineno", None) or 0
-        if not (1 <= number <= len(lines) and _COMMAND.match(lines[number - 1])):
-            told = not_python(error, cell.source, cell.place)
-            said = f"{told}; correct the cell, or tag it robsim-skip"
-            raise SubmissionError(said, file=told.file, line=told.line) from None
-        line = lines[number - 1]
-        lines[number - 1] = line[: len(line) - len(line.lstrip())] + "pass"
-        return None
+        yield from ((cell, node) for node in tree.body)

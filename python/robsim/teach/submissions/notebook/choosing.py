@@ -86,10 +86,9 @@ class _Choice:
         values = self._values([each for each in fills if each.cell.tag]) or self._values(fills)
         if not values:
             defined = {name for each in self.all if each.is_definition for name in each.binds}
-            unread = [cell.title for cell in self.cells if cell.is_command]
+            unread = [f"; {one.command} does not count" for one in self.cells if one.command]
             told = no_slot(self.file, defined, self.slots)
-            hint = f"; {unread[0]} is a command, and does not count" if unread else ""
-            raise SubmissionError(f"{told}{hint}", file=self.file)
+            raise SubmissionError("".join([str(told), *unread[:1]]), file=self.file)
         kept = self._kept(values)
         parts = [each for each in self.all if each in kept]
         parts.sort(key=lambda each: isinstance(each, Fill) and each.is_argument)
@@ -167,10 +166,10 @@ class _Choice:
         for each in parts:
             missing = each.needs - known
             for node in ast.walk(each.node) if missing else ():
-                if isinstance(node, ast.Name) and node.id in missing and node.id not in found:
+                if isinstance(node, ast.Name) and node.id in missing:
                     said = f": no cell that counts gives {node.id} a value: {_RULE}. Write one"
                     error = refusal(each.cell.place, f"{said}, or {_TAG}", node.lineno)
-                    found[node.id] = error
+                    found.setdefault(node.id, error)
         return found
 
     def _notes(self, kept: set[Statement], values: list[Fill]) -> Iterator[str]:

@@ -6,13 +6,14 @@ import __future__
 import ast
 import dis
 from collections.abc import Iterator
+from functools import reduce
 from inspect import CO_COROUTINE
+from operator import or_
 from types import CodeType
 
-from robsim.base.text import one_line
 from robsim.simulation.slots import SLOTS
 from robsim.teach.submissions.notebook.cells import AWAIT, Cell, parsed
-from robsim.teach.submissions.python_text import not_python, quiet
+from robsim.teach.submissions.python_text import compiled
 
 _MUTATORS = frozenset(
     {
@@ -22,7 +23,7 @@ _MUTATORS = frozenset(
 )
 #: The prefix of the variables of slots.
 FILLED = "robsim_slot_"
-_LONGEST_LINE = 50  # characters
+_FUTURES = reduce(or_, (getattr(__future__, n).compiler_flag for n in __future__.all_feature_names))
 _LOADS = ("LOAD_NAME", "LOAD_GLOBAL", "LOAD_FROM_DICT_OR_GLOBALS")
 _NAMED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 _WITH_CLASS = ("__init__", "__new__", "__post_init__")  # run when an object is made
@@ -33,7 +34,8 @@ class Statement:
 
     def __init__(self, cell: Cell, node: ast.stmt, flags: int) -> None:
         self.cell, self.node, self.line = cell, node, node.lineno
-        self.code = _compiled(node, cell, flags)
+        module = ast.fix_missing_locations(ast.Module([node], []))
+        self.code: CodeType = compiled(module, cell.source, cell.place, flags | AWAIT)
         top, codes = [*_at_the_top(node)], [*_codes(self.code)]
         self.is_star = isinstance(node, ast.ImportFrom) and node.names[0].name == "*"
         self.is_import = isinstance(node, (ast.Import, ast.ImportFrom))
@@ -62,9 +64,7 @@ class Statement:
 
     @property
     def told(self) -> str:
-        line = self.cell.source.split("\n")[self.line - 1].strip()
-        shown = line if len(line) <= _LONGEST_LINE else f"{line[:_LONGEST_LINE]}..."
-        return f"cell {self.cell.number}, line {self.line} ({one_line(shown)})"
+        return self.cell.told(self.line)
 
 
 class Fill(Statement):
@@ -74,7 +74,7 @@ class Fill(Statement):
         self.is_argument = way == "argument"  # of a simulation, which is not run
         node = ast.Assign(targets=[ast.Name(f"{FILLED}{slot}", ast.Store())], value=value)
         ast.copy_location(node, value if self.is_argument else of.node)
-        super().__init__(of.cell, ast.fix_missing_locations(node), flags)
+        super().__init__(of.cell, node, flags)
         self.fills = True
         of.fills |= not self.is_argument
         self.slot, self.value, self.definition = slot, value, of if way == "name" else None
@@ -82,16 +82,13 @@ class Fill(Statement):
 
 def statements_of(cells: list[Cell], file: str, slots: tuple[str, ...]) -> Iterator[Statement]:
     """Yield the statements of cells, each with its values for slots behind it."""
-    flags = AWAIT
+    flags = 0
     for cell, node in parsed(cells, file):
-        if isinstance(node, ast.ImportFrom) and node.module == "__future__":
-            for alias in node.names:
-                flags |= getattr(getattr(__future__, alias.name, 0), "compiler_flag", 0)
-            continue
         values = [each for each in _values(node) if each[0] in slots]
         if not getattr(node, "targets", [node]):  # of ``sim.SLOT = ...``
             node = ast.copy_location(ast.Pass(), node)
         yield (statement := Statement(cell, node, flags))
+        flags |= statement.code.co_flags & _FUTURES
         yield from (Fill(slot, value, statement, flags, way=way) for slot, value, way in values)
 
 
@@ -128,22 +125,11 @@ def _is_on(value: ast.expr | None) -> bool:
     return value is not None and not isinstance(value, ast.Constant)  # which may be the default
 
 
-def _compiled(node: ast.stmt, cell: Cell, flags: int) -> CodeType:
-    module = ast.Module(body=[node], type_ignores=[])
-    try:
-        with quiet():
-            code: CodeType = compile(module, cell.place, "exec", flags, dont_inherit=True)
-            return code
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise not_python(error, cell.source, cell.place) from None
-
-
 def _codes(code: CodeType) -> Iterator[CodeType]:
-    waiting = [code]
-    while waiting:
-        yield (each := waiting.pop())
-        inner = (one for one in each.co_consts if isinstance(one, CodeType))
-        waiting += [one for one in inner if one.co_name != "__annotate__"]  # not run, since 3.14
+    yield code
+    for inner in code.co_consts:
+        if isinstance(inner, CodeType) and inner.co_name != "__annotate__":  # not run, since 3.14
+            yield from _codes(inner)
 
 
 def _names(code: CodeType, *kinds: str) -> set[str]:
