@@ -126,8 +126,8 @@ void IsoReceiver::run() {
       wait_while(source->n_pictures, newest);
       continue;
     }
-    // Older ones are overwritten meanwhile.
-    if (newest - seen[index] > n_slots - 1) seen[index] = newest - (n_slots - 1);
+    // Older ones are overwritten meanwhile: a late receiver continues with the newest.
+    if (newest - seen[index] >= n_slots) seen[index] = newest - 1;
     receive(*source, seen[index]++);
   }
 }
@@ -173,18 +173,18 @@ bool IsoReceiver::fill(CameraState& camera, std::uint32_t number, const Transmis
                        const Brightness& light, const Buffer& buffer) {
   const PixelFormat& format = format_of(camera, sent.coding);
   const std::ptrdiff_t stride = 3 * std::ptrdiff_t{camera.width};
-  ImageView seen{bus_.picture(camera, number) + sent.top * stride + 3 * sent.left, sent.width,
-                 sent.height, stride};
+  const std::ptrdiff_t row_bytes = 3 * std::ptrdiff_t{sent.width};
+  seen_.resize(static_cast<std::size_t>(row_bytes * sent.height));
+  const ImageView seen{seen_.data(), sent.width, sent.height, row_bytes};
+  // On a busy machine the coding takes longer than a picture lasts.
+  copy({bus_.picture(camera, number) + sent.top * stride + 3 * sent.left, sent.width, sent.height,
+        stride},
+       {seen_.data(), sent.width, sent.height, row_bytes});
+  if (camera.n_pictures - number >= n_slots) return false;
   if (light.red != 1 || light.green != 1 || light.blue != 1) {
     const std::array<Table, 3> tables{brighter(light.red), brighter(light.green),
                                       brighter(light.blue)};
-    const std::size_t row_bytes = 3 * static_cast<std::size_t>(sent.width);
-    changed_.resize(row_bytes * static_cast<std::size_t>(sent.height));
-    for (int v = 0; v < sent.height; ++v) {
-      std::uint8_t* to = changed_.data() + static_cast<std::size_t>(v) * row_bytes;
-      for (std::size_t i = 0; i < row_bytes; ++i) to[i] = tables[i % 3][seen.row(v)[i]];
-    }
-    seen = {changed_.data(), sent.width, sent.height, static_cast<std::ptrdiff_t>(row_bytes)};
+    for (std::size_t i = 0; i < seen_.size(); ++i) seen_[i] = tables[i % 3][seen_[i]];
   }
   const std::size_t bytes = bytes_of(format, sent.width, sent.height);
   if (buffer.size < bytes) {  // the packets that there is room for
@@ -194,7 +194,7 @@ bool IsoReceiver::fill(CameraState& camera, std::uint32_t number, const Transmis
   } else {
     from_rgb(seen, format, buffer.data);
   }
-  return camera.n_pictures - number < n_slots;
+  return true;
 }
 
 void IsoReceiver::report(const Transmission& sent, std::int64_t start) const {

@@ -54,8 +54,8 @@ class IsoReceiver {
   std::deque<Buffer> buffers_;
   std::atomic<bool> stops_{false};
   std::thread thread_;
-  std::vector<std::uint8_t> changed_;  // a picture as its settings make it
-  std::vector<std::uint8_t> coded_;    // a frame for which the buffer is too small
+  std::vector<std::uint8_t> seen_;   // a picture as its settings make it
+  std::vector<std::uint8_t> coded_;  // a frame for which the buffer is too small
 };
 
 }  // namespace robsim::virtual_bus
