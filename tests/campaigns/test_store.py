@@ -440,3 +440,13 @@ def test_a_pipe_beside_a_store_is_not_waited_for(store, beside):
     os.mkfifo(place)
     with pytest.raises((ValueError, OSError)):
         run(store)
+
+
+def test_a_store_in_memory_looks_at_no_file(store, tmp_path, monkeypatch):
+    """No file has the name that SQLite gives it; Windows allows no such file."""
+    monkeypatch.chdir(tmp_path)
+    run(store)
+    if sys.platform != "win32":
+        hot_journal(store, tmp_path / "thesis")
+        Path(f"{store}-journal").rename(":memory:-journal")
+    assert run(None)["final_x"].tolist() == run(None)["final_x"].tolist()
