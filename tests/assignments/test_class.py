@@ -100,6 +100,18 @@ def test_a_notebook_with_a_star_import_has_its_points_and_the_cells_that_count(h
         assert "hw3.ipynb: these cells count: 1, 3" in page.read_text()
 
 
+def test_archives_that_are_not_read_have_a_row_and_a_sentence(hw3, tmp_path):
+    files = {"s001": "s001.rar", "s002": "s002.7z", "s003": "s003.TGZ", "s004.tar": "s004.tar.gz"}
+    (tmp_path / "subs").mkdir()
+    for name in files.values():
+        (tmp_path / "subs" / name).write_bytes(b"Rar!")
+    result = grade_class(hw3, tmp_path / "subs", tmp_path / "out")
+    assert {one.student: one.points for one in result.results} == dict.fromkeys(files, 0)
+    for one in result.results:
+        assert files[one.student] in one.tests[0].sentence
+        assert one.student in (tmp_path / "out/class.html").read_text()
+
+
 @pytest.mark.parametrize(
     "executor",
     [

@@ -13,7 +13,8 @@ from robsim.teach.submissions.names import Paths, checked_path, refusal_in
 from robsim.teach.submissions.rules import Rules
 
 _MOST_LEFTOVERS = 20  # times as many as files that count
-_ARCHIVES = (".zip", ".7z", ".rar", ".tar", ".tgz", ".gz", ".bz2", ".xz")
+#: Suffixes of archives. The grader reads zips alone.
+ARCHIVES = (".zip", ".7z", ".rar", ".tar", ".tgz", ".gz", ".bz2", ".xz")
 
 
 def size_text(size: int) -> str:
@@ -65,7 +66,7 @@ class Intake:
         if counted is None:
             return
         self.check_size(counted, len(content))
-        if counted.lower().endswith(_ARCHIVES):
+        if counted.lower().endswith(ARCHIVES):
             said = "is an archive inside the submission: put its files in its place"
             raise refusal_in(self._whole, counted, said)
         if len(self.files) >= self._rules.files:

@@ -14,10 +14,11 @@ from robsim.simulation.slots import SLOTS
 from robsim.teach.assignments.assignment import Assignment
 from robsim.teach.errors import AssignmentError, SubmissionError
 from robsim.teach.submissions import read_submission
+from robsim.teach.submissions.folder import ARCHIVES
 from robsim.teach.tasks.solutions import MODULE
 
 _FORMS = (".zip", ".py", ".ipynb")
-_PACKED = (".rar", ".7z", ".tar", ".gz", ".tgz", ".xz", ".bz2")  # refused in a sentence
+_SENT = (*_FORMS, *ARCHIVES)  # other archives than zips are refused in a sentence
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ def submissions_in(
     found: dict[str, list[str]] = {}
     others = []
     for name in names:
-        if (place / name).is_file() and not name.lower().endswith((*_FORMS, *_PACKED)):
+        if (place / name).is_file() and not name.lower().endswith(_SENT):
             others.append(name)
         else:
             found.setdefault(_student_of(place / name), []).append(name)
@@ -116,5 +117,5 @@ def problems_of_names(students: Iterable[str]) -> list[str]:
 
 
 def _student_of(path: Path) -> str:
-    is_packed = path.suffix.lower() in _FORMS and not path.is_dir()
+    is_packed = path.suffix.lower() in _SENT and not path.is_dir()
     return one_line(path.stem if is_packed else path.name)
