@@ -77,6 +77,18 @@ def test_the_class_has_all_that_is_known(made):
             assert b"NOTHING" not in content
 
 
+@pytest.mark.parametrize(("coding", "first"), [("utf-8-sig", ""), ("latin-1", "# coding: latin-1")])
+def test_the_notebook_of_the_class_has_a_solution_in_its_coding(folder, coding, first):
+    (file,) = folder.glob("solutions/estimate/right/reference/estimate_state.py")
+    text = f"{first}\nNAME = 'Zo\u00eb'\n{file.read_text(encoding='utf-8')}"
+    file.write_bytes(text.encode(coding))
+    cast = {part.name: part for part in rehearsal.cast_of(load_assignment(folder))}
+    notebook = json.loads(cast["right: reference, as a notebook"].files["estimate.ipynb"])
+    source = "".join(notebook["cells"][0]["source"])
+    assert "'Zo\u00eb'" in source
+    compile(source, "cell", "exec")
+
+
 @pytest.mark.long
 def test_what_is_as_it_should_be_is_well(folder, cast):
     cast("as a notebook", "naive", "nothing in it", "exit")
