@@ -174,3 +174,21 @@ def test_what_a_run_does_not_use_may_name_what_is_masked(tmp_path):
     file.write_text(file.read_text() + "\n\nlocate = robsim.locate\n")
     with pytest.raises(ValueError, match=r"measure\.py has robsim\.locate"):
         tried(MeasureTask(**SHORT), mine)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "from robsim.vision.markers import locate",
+        "from robsim import vision\nlocate = vision.locate",
+        "import robsim as r\nlocate = r.locate",
+        "import robsim.vision.markers as room\nlocate = room.locate",
+        "from robsim._core import locate",
+    ],
+)
+def test_what_is_masked_is_found_in_every_room_that_offers_it(tmp_path, source):
+    mine = solution(tmp_path / "mine", "centroids", "measure")
+    file = mine / "measure.py"
+    file.write_text(f"{file.read_text()}\n\n{source}\n")
+    with pytest.raises(ValueError, match=r"measure\.py has robsim\.(vision\.)?locate"):
+        tried(MeasureTask(**SHORT), mine)

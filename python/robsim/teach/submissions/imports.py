@@ -10,6 +10,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
+from pkgutil import resolve_name
 from types import ModuleType
 from typing import Any, NoReturn
 
@@ -80,6 +81,10 @@ def _value_of(mask: str) -> Any:
     return value if callable(value) else None
 
 
+def _taken(masked: Sequence[str]) -> dict[int, str]:
+    return {id(value): mask for mask in masked if (value := _value_of(mask)) is not None}
+
+
 def _take_everywhere(value: Any, mask: str, restored: ExitStack) -> None:
     """Take an object away from the core and all rooms that offer it; their own code keeps it."""
     for name, module in tuple(sys.modules.items()):
@@ -129,7 +134,7 @@ def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
     The submission may always import its own modules.
     """
     plain_import = builtins.__import__
-    taken = {id(value): mask for mask in rules.masked if (value := _value_of(mask)) is not None}
+    taken = _taken(rules.masked)
     allowed = None if rules.imports is None else {*rules.imports, *own, "__future__"}
 
     def checked_import(
@@ -167,24 +172,40 @@ def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
 
 
 def masked_in(sources: Mapping[str, bytes], masked: Sequence[str]) -> dict[str, str]:
-    """Return the first masked name that each module writes out, by the names of modules."""
+    """Return the first mask whose object each module names, in any room, by the names of modules.
+
+    It imports the rooms of robsim that a module names.
+    """
     found: dict[str, str] = {}
+    taken = _taken(masked)
     for name, source in sources.items():
         with suppress(SyntaxError, ValueError, RecursionError, MemoryError):  # told when it loads
             for written in _dotted_names(ast.parse(source)):
-                if mask := _above(written, masked):
+                if mask := _above(written, masked) or taken.get(id(_of_robsim(written))):
                     found.setdefault(name, mask)
     return found
 
 
+def _of_robsim(name: str) -> Any:
+    with suppress(ImportError, AttributeError, ValueError):  # ValueError: no dotted name
+        return resolve_name(name) if name.startswith("robsim.") else None
+
+
 def _dotted_names(tree: ast.AST) -> Iterator[str]:
-    for node in _of_a_run(tree):
+    """Yield all imports and attributes, the latter with imported names instead of aliases."""
+    nodes, imported = [*_of_a_run(tree)], dict[str, str]()
+    for node in nodes:
         if isinstance(node, ast.Import):
+            imported |= {alias.asname: alias.name for alias in node.names if alias.asname}
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and not node.level:
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
-        elif isinstance(node, ast.Attribute):
-            yield ast.unparse(node)
+            names = {one.asname or one.name: f"{node.module}.{one.name}" for one in node.names}
+            imported |= names
+            yield from names.values()
+    for node in nodes:
+        if isinstance(node, ast.Attribute):
+            first, _, rest = ast.unparse(node).partition(".")
+            yield f"{imported.get(first, first)}.{rest}"
 
 
 def _of_a_run(tree: ast.AST) -> Iterator[ast.AST]:
