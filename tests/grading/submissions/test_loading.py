@@ -165,6 +165,28 @@ def test_what_one_begins_with_is_handed_in_once_a_line_of_it_is_another(tmp_path
         assert {*callbacks} <= {*task.slots}
 
 
+@pytest.mark.parametrize("number", ["125.0", "0.01**2"])
+def test_a_number_alone_that_is_another_is_work(tmp_path, number):
+    new_folder(tmp_path / "new")
+    untouched = (tmp_path / "new/estimate_state.py").read_text().replace("= False", "= True")
+    rules = Rules(slots=("estimate_state",))
+    for kind in ("folder", "file", "notebook"):
+        for source in (untouched, untouched.replace(number, f"2 * {number}")):
+            path = tmp_path / f"{kind}{len(source)}"
+            if kind == "folder":
+                write(path, estimate_state=source)
+            elif kind == "file":
+                path = path.with_suffix(".py")
+                path.write_text(source)
+            else:
+                path = notebook(path.with_suffix(".ipynb"), f"%matplotlib inline\n{source}")
+            if source == untouched:
+                assert "is the template, untouched" in str(failure(path, rules))
+            else:
+                with loaded_slots(sent(path, rules), rules) as own:
+                    assert [*own] == ["estimate_state"]
+
+
 def test_a_method_alone_that_is_another_is_work(tmp_path):
     begun = tmp_path / "mine"
     TASKS["identify"]().begin(begun)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from inspect import CO_OPTIMIZED
+import ast
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from types import CodeType, FunctionType
+from types import FunctionType
 from typing import Any
 
 from robsim.base.text import listed
@@ -13,16 +13,20 @@ from robsim.simulation.slots import SLOTS
 
 
 def own_slots(
-    callbacks: Mapping[str, Any], asked: Iterable[str], masked: Iterable[str]
+    callbacks: Mapping[str, Any],
+    asked: Iterable[str],
+    masked: Iterable[str],
+    statements_of: Callable[[str], Iterable[ast.stmt]],
 ) -> dict[str, Any]:
     """Return the callbacks without those that robsim has made.
 
+    `statements_of` returns the top-level statements of a callback's module.
     Raise ValueError, which says why, if nothing is left, or nothing but untouched templates.
     """
     asked = [name for name in asked if name in callbacks]
     why = {name: reason for name in asked if (reason := _reason(name, callbacks[name]))}
     left = {name: callback for name, callback in callbacks.items() if name not in why}
-    untouched = [name for name in left if _is_template(name, left[name])]
+    untouched = [name for name in left if _are_of_templates(statements_of(name))]
     if asked and len(untouched) == len(left):
         why |= dict.fromkeys(untouched, "is the template, untouched")
         raise ValueError(f"nothing is handed in: {listed(f'{n} {r}' for n, r in why.items())}")
@@ -45,43 +49,43 @@ def _reason(slot: str, callback: Any) -> str:
     return "is an object of robsim" if is_ours else ""
 
 
-def _is_template(slot: str, callback: Any) -> bool:
-    """Whether a template has exactly the functions and methods of its module."""
-    call = callback if isinstance(callback, FunctionType) else vars(type(callback)).get("__call__")
-    there = getattr(call, "__globals__", {})
-    own = [one for one in there.values() if getattr(one, "__module__", "") == there["__name__"]]
-    own += [one for kind in own if isinstance(kind, type) for one in vars(kind).values()]
-    codes = [one.__code__ for one in own if isinstance(one, FunctionType)]
-    return bool(codes) and _functions(codes) in _TEMPLATES.get(slot, ())
+def _are_of_templates(statements: Iterable[ast.stmt]) -> bool:
+    try:
+        return all(_is_switch(one) or _text(one) in _TEMPLATES for one in statements)
+    except RecursionError:  # of an expression that no template has
+        return False
 
 
-def _functions(codes: Iterable[CodeType]) -> frozenset[Any]:
-    """Return the code of functions with all inner functions."""
-    waiting = [*codes]
-    for code in waiting:
-        waiting += [one for one in code.co_consts if isinstance(one, CodeType)]
-    return frozenset(_told(one) for one in waiting if one.co_flags & CO_OPTIMIZED)
+def _is_switch(statement: ast.stmt) -> bool:
+    """Whether a template may have another value here: ``ENABLED = True``."""
+    return isinstance(statement, ast.Assign) and isinstance(
+        getattr(statement.value, "value", None), bool
+    )
 
 
-def _told(code: Any) -> Any:
-    if not isinstance(code, CodeType):
-        return None
-    has_text = isinstance(next(iter(code.co_consts), 0), (str, type(None)))  # or None in its place
-    values = code.co_consts[has_text:]
-    constants = tuple(repr(one) for one in values if not isinstance(one, CodeType))
-    return code.co_code, code.co_names, code.co_varnames, constants
+def _text(statement: ast.stmt) -> str:
+    """Return the text of a statement without docstrings, which it loses."""
+    for one in ast.walk(statement):
+        if isinstance(body := getattr(one, "body", None), list):
+            body[:] = [each for each in body if not _is_docstring(each)]
+    return "" if _is_docstring(statement) else ast.dump(statement)
 
 
-def _templates(slot: str) -> frozenset[Any]:
-    """Return the functions of each template of a slot."""
+def _is_docstring(node: ast.AST) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def _templates() -> frozenset[str]:
+    """Return the text of each statement in templates of slots."""
     return frozenset(
-        _functions([compile(file.read_bytes(), slot, "exec")])
+        _text(statement)
         for folder in (_HERE.parent / "simulation/templates", _HERE / "tasks/start")
-        for file in folder.rglob(f"{slot}.py")
+        for file in folder.rglob("*.py")
+        for statement in ast.parse(file.read_bytes()).body
     )
 
 
 _MAKER, _STAGE = "init_parameter_estimator", "estimate_parameters"
 _HERE = Path(__file__).parents[1]
 #: Read before a worker is shut in.
-_TEMPLATES = {slot: _templates(slot) for slot in SLOTS}
+_TEMPLATES = _templates()

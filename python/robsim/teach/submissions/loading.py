@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import io
 import linecache
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from os import PathLike
 from pathlib import Path, PurePosixPath
@@ -19,17 +21,18 @@ from robsim.simulation.callback_folder import CallbackFolder, callback_of_module
 from robsim.simulation.folder_modules import FolderModules, module_name
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
-from robsim.teach.submissions.files import FILE, FOLDER, SubmissionFiles
+from robsim.teach.submissions.files import FILE, FOLDER, NOTEBOOK, SubmissionFiles
 from robsim.teach.submissions.handed_in import own_slots
 from robsim.teach.submissions.imports import builtins_for, masked
 from robsim.teach.submissions.notebook.choosing import chosen
-from robsim.teach.submissions.notebook.statements import FILLED
+from robsim.teach.submissions.notebook.statements import FILLED, Fill
+from robsim.teach.submissions.python_text import statements_of
 from robsim.teach.submissions.rules import Rules
 from robsim.teach.texts import error_text
 
 Callbacks = dict[str, Callable[..., Any] | bool]
 
-_NOTEBOOK = "notebook"
+_MODULE = "notebook"
 
 _for_good: list[AbstractContextManager[Callbacks]] = []
 
@@ -59,10 +62,22 @@ def loaded_slots(
     load = _folder if files.kind == FOLDER else _module
     with masked(rules), load(files, where, rules, own) as callbacks:
         with _failing(files.name, None):
-            handed_in = (
-                callbacks if rules.defaults else own_slots(callbacks, rules.slots, rules.masked)
-            )
-        yield handed_in
+            if not rules.defaults:
+                statements = partial(_statements, files, rules)
+                callbacks = own_slots(callbacks, rules.slots, rules.masked, statements)
+        yield callbacks
+
+
+def _statements(files: SubmissionFiles, rules: Rules, slot: str) -> Iterator[ast.stmt]:
+    """Yield the top-level statements of a slot's module, or what counts of a notebook."""
+    if files.kind != NOTEBOOK:
+        module = slot if files.kind == FOLDER else PurePosixPath(files.main).stem
+        yield from statements_of(files.modules[module], f"{module}.py")
+        return
+    for part in chosen(files.sources[files.main], files.main, rules.names).parts:
+        filled = ast.unparse(part.value) if isinstance(part, Fill) else ""
+        if not filled.removesuffix("()").isidentifier():  # of what another statement defines
+            yield part.node
 
 
 @contextmanager
@@ -88,7 +103,7 @@ def _module(
     helpers = {name: source for name, source in files.modules.items() if name not in SLOTS}
     modules = FolderModules(Path(), where, helpers, own)
     with modules.importable(), ExitStack() as after:
-        after.callback(sys.modules.pop, module_name(_NOTEBOOK), None)
+        after.callback(sys.modules.pop, module_name(_MODULE), None)
         with _failing(files.main, None):
             if files.kind == FILE:
                 module = modules.execute(main.stem)
@@ -115,7 +130,7 @@ def _function(module: ModuleType, name: str, file: str) -> Callable[..., Any]:
 
 def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]) -> ModuleType:
     notebook = chosen(files.sources[files.main], files.main, rules.names)
-    module = ModuleType(module_name(_NOTEBOOK))
+    module = ModuleType(module_name(_MODULE))
     module.__file__ = str(where / files.main)
     vars(module)["__builtins__"] = own
     sys.modules[module.__name__] = module  # where dataclasses look it up

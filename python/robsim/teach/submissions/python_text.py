@@ -94,6 +94,12 @@ def compiled(code: str | ast.Module, text: str, place: str, flags: int = 0) -> A
         raise _not_python(error, text, place) from None
 
 
+def statements_of(content: bytes, place: str) -> list[ast.stmt]:
+    text = decoded(content, place)
+    body: list[ast.stmt] = compiled(text, text, place, ast.PyCF_ONLY_AST).body
+    return body
+
+
 def _not_python(error: BaseException, text: str, place: str) -> SubmissionError:
     if not isinstance(error, SyntaxError):
         return refusal(place, " is nested too deeply for Python: split its long expressions")

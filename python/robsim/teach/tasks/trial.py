@@ -22,6 +22,7 @@ from robsim.campaigns.runs import CaseRuns
 from robsim.simulation.callback_folder import imported_names
 from robsim.teach.submissions.handed_in import own_slots
 from robsim.teach.submissions.imports import masked_in
+from robsim.teach.submissions.python_text import statements_of
 from robsim.teach.tasks.definition import MOST_RUNS, Task, check_task, solution_folder
 from robsim.teach.tasks.marks.calibration import shipped_calibrations, task_digest
 from robsim.teach.tasks.marks.sets import METRIC, numbers_in, points_of
@@ -331,7 +332,12 @@ def why_not_own(task: Task, solution: Solution) -> str:
     with solution_folder(task, solution).callbacks() as callbacks:
         off = {slot: False for slot in task.slots if slot in solution.files}
         try:
-            own_slots(off | callbacks, task.slots, task.masked)
+            own_slots(
+                off | callbacks,
+                task.slots,
+                task.masked,
+                lambda slot: statements_of(solution.files[slot], f"{slot}.py"),
+            )
         except ValueError as error:
             return str(error)
     return ""
