@@ -57,4 +57,4 @@ def test_what_is_missing_is_said(worker):
 @pytest.mark.skipif(sys.platform != "linux", reason="macOS limits no addresses")
 def test_limits_hold_without_a_zygote(ended):
     ending, _ = ended("bytearray(2 << 30)")
-    assert ending.text == "its process asked for more than 1 GiB of memory"
+    assert "more than 1 GiB of memory" in ending.text

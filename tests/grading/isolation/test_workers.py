@@ -35,13 +35,14 @@ def test_how_a_worker_ended_is_said_in_words(ended):
         ("raise SystemExit(3)", "its process ended by itself (exit code 3)"),
         ("import os; os._exit(0)", "its process ended by itself (exit code 0)"),
         ("import os; os._exit(70)", "its process ended"),
+        ("import os; os._exit(71)", "(exit code 71)"),
         ("import builtins\nbuiltins.isinstance = lambda *a: True\n1 / 0", "its process ended"),
         ("1 / 0", "its process ended by itself (exit code 1)"),
         ("import ctypes; ctypes.string_at(0)", "its process was ended by signal SIGSEGV"),
-        ("bytearray(2 << 30)", "its process asked for more than 1 GiB of memory"),
+        ("bytearray(2 << 30)", "more than 1 GiB of memory"),
     ):
         ending, _ = ended(source)
-        assert ending.text.startswith(text)
+        assert text in ending.text
         assert ending.max_rss > 1 << 20
         assert not ending.left
 

@@ -46,13 +46,13 @@ def ending_of(
         most = as_size(limits.folder_size)
         by_limit = f"its process wrote more than {most} of files, or folders too deep"
     text = by_limit or _text_of(code, killed)
+    if not by_limit and code == NO_MEMORY:  # a submission may end with this code, too
+        text += f", or needed more than {as_size(limits.memory)} of memory"
     return Ending(text, cpu_seconds, max_rss, exited=not by_limit, left=tuple(left))
 
 
 def _by_limit(code: int, cpu_seconds: float, limits: WorkerLimits) -> str:
     """Return which limit ended a worker; "" = none did."""
-    if code == NO_MEMORY:
-        return f"its process asked for more than {as_size(limits.memory)} of memory"
     by_time = {-getattr(signal, "SIGXCPU", 24), KILLED}
     if code in by_time and cpu_seconds >= math.ceil(limits.cpu) - 0.5:
         return f"its process used more than {math.ceil(limits.cpu)} s of processor time"
