@@ -132,6 +132,16 @@ def test_tags_decide(tmp_path):
     assert gives(tmp_path, TWO[0], "nonlocal a", "x = (", tags={1: "robsim"}) == (1, 1)
 
 
+def test_a_tag_for_one_slot_leaves_the_other_to_the_rule(tmp_path):
+    cells = (*TWO, "def measure(step):\n    return 3")
+    for added, slots in (((), ("control", "measure")), (("x = (",), ("control",))):
+        path = notebook(tmp_path / "s001.ipynb", *cells, *added, tags={1: "robsim"})
+        found = read_submission(path, BOTH)
+        assert found.slots == slots
+        assert bool(added) == ("cell 5, line 1" in found.notes[-1])
+        assert answer(path, BOTH) == (1, 1)
+
+
 def test_a_cell_with_a_tag_counts_whole_and_what_it_needs_with_it(tmp_path):
     cells = ("K = []", "while len(K) < 2:\n    K.append(3)", READS)
     assert gives(tmp_path, *cells, FORBIDDEN, tags={2: "robsim"}) == [3, 3]

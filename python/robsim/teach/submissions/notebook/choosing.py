@@ -49,12 +49,19 @@ def chosen(content: bytes, file: str, slots: tuple[str, ...]) -> Notebook:
     """
     cells = [cell for cell in cells_of(content, file) if cell.tag != SKIP]
     tagged = [cell for cell in cells if cell.tag]
+    alone = None
     try:
         with suppress(SubmissionError):
             alone = _Choice(tagged, file, slots).notebook()
-            if not alone.unknown:  # then the other cells may be anything
-                return alone
+        if alone and alone.unknown:
+            alone = None
+        if alone and len(alone.slots) == len(slots):
+            return alone
         return _Choice(cells, file, slots).notebook()
+    except SubmissionError as error:
+        if alone:  # then the other cells may be anything
+            return alone._replace(notes=(*alone.notes, f"{error}"))
+        raise
     except RecursionError:
         raise SubmissionError(f"{file} is nested too deeply: split its long expressions") from None
 
@@ -82,8 +89,7 @@ class _Choice:
         return {**found}
 
     def notebook(self) -> Notebook:
-        fills = [each for each in self.all if isinstance(each, Fill)]
-        values = self._values([each for each in fills if each.cell.tag]) or self._values(fills)
+        values = self._values()
         if not values:
             defined = {name for each in self.all if each.is_definition for name in each.binds}
             unread = [f"; {one.command} does not count" for one in self.cells if one.command]
@@ -99,11 +105,12 @@ class _Choice:
         notes = islice(self._notes(kept, values), _MOST_TOLD)
         return Notebook(slots, parts, unknown, tuple(notes))
 
-    def _values(self, fills: list[Fill]) -> list[Fill]:
+    def _values(self) -> list[Fill]:
         """Return one value of each slot that has one; raise SubmissionError where there are two."""
         values = []
         for slot in self.slots:
-            found = [each for each in fills if each.slot == slot]
+            found = [each for each in self.all if isinstance(each, Fill) and each.slot == slot]
+            found = [each for each in found if each.cell.tag] or found
             found = [each for each in found if not each.is_argument] or found
             origins = {key: one for each in found for key, one in self._origins(each).items()}
             if len(origins) > 1:
