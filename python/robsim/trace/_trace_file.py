@@ -7,6 +7,7 @@ import io
 import json
 import math
 import os
+import re
 import tokenize
 import zipfile
 import zlib
@@ -176,6 +177,11 @@ def _check_sizes(archive: zipfile.ZipFile, names: list[str], size: int) -> None:
         )
 
 
+_HEADER = re.compile(
+    rb"{'descr': '([<>|]\w+)', 'fortran_order': (?:Fals|Tru)e, 'shape': \(([\d, ]*)\), } *\n"
+)
+
+
 def _header(archive: zipfile.ZipFile, name: str) -> tuple[np.dtype[Any], tuple[int, ...], int]:
     """Return type, shape and size (bytes) of an array, which is not read."""
     member = archive.NameToInfo[f"{name}.npy"]
@@ -184,9 +190,12 @@ def _header(archive: zipfile.ZipFile, name: str) -> tuple[np.dtype[Any], tuple[i
     with archive.open(member) as file:
         if np.lib.format.read_magic(file) != (1, 0):
             raise ValueError(f"{name} is an array of another version")
-        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+        header = _HEADER.fullmatch(file.read(int.from_bytes(file.read(2), "little")))
+        if not header:  # numpy itself would try Python's and Python 2's grammar, with warnings
+            raise ValueError(f"{name} begins as numpy does not begin an array")
+        dtype, shape = np.dtype(header[1].decode()), tuple(map(int, re.findall(rb"\d+", header[2])))
         size = math.prod(shape) * dtype.itemsize
-        if min(shape, default=0) < 0 or dtype.hasobject or size != member.file_size - file.tell():
+        if dtype.hasobject or size != member.file_size - file.tell():
             raise ValueError(f"{name} has not the size that it claims")
     return dtype, shape, size
 
