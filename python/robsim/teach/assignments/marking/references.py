@@ -85,7 +85,7 @@ def _task(test: TaskTest) -> GradedTask:
     sources = {f"{name}.py": content for name, content in modules.items()}
     slots = tuple(slot for slot in test.task.slots if slot in modules)
     files = SubmissionFiles(test.reference.name, FOLDER, "", sources, slots)
-    return GradedTask(submission=files, rules=Rules(slots=test.task.slots))
+    return GradedTask(submission=files, rules=Rules(slots=test.task.slots, defaults=True))
 
 
 def numbers_of(test: TaskTest, trace: Trace) -> Mapping[str, float]:
