@@ -213,6 +213,34 @@ def test_the_compiled_file_of_a_masked_module_cannot_be_read(tmp_path):
     assert "PermissionError" in str(error)
 
 
+@pytest.mark.parametrize(
+    ("name", "use"),
+    [
+        ("locate", "found[0](step.blobs, step.markers)"),
+        ("detect", "found[0](step.blobs, step.markers)"),
+        ("FollowPath", "found[0]([(1, 2)])(step)"),
+        ("FollowPath", "type('Mine', found[:1], {})([(1, 2)])(step)"),
+        ("RecursiveLeastSquares", "found[0](robsim.RobotModel()).update(0, 0)"),
+        ("Simulation", "found[0]()"),
+        ("Simulation", "type('Mine', found[:1], {'__init__': lambda self: None})().run(1)"),
+    ],
+)
+def test_a_masked_object_is_found_nowhere_in_the_memory(tmp_path, name, use):
+    code = f"""
+        import gc, robsim, robsim.control, robsim.vision, sys
+        waiting = [*map(vars, sys.modules.values()), *gc.get_objects()]
+        every = [*waiting, *(one for some in waiting for one in gc.get_referents(some))]
+        named = [one for one in every if getattr(type(one), "__name__", "") != "_Absent"]
+        found = tuple(one for one in named if getattr(one, "__name__", "") == {name!r})
+        def control(step):
+            {use}
+            return 0, 0
+        """
+    masked = ["robsim.locate", "robsim.vision.detect", "robsim.FollowPath", "robsim.Simulation"]
+    error = failure(tmp_path, code, masked=[*masked, "robsim.RecursiveLeastSquares"])
+    assert "is not there for this assignment" in str(error) or "IndexError" in str(error)
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="there zygotes are")
 def test_much_may_be_hidden_where_a_process_may_open_little(tmp_path):
     import resource

@@ -1,6 +1,7 @@
 """Loading of submissions: here and in a worker."""
 
 import importlib
+import inspect
 import re
 import shutil
 import sys
@@ -12,6 +13,7 @@ import pytest
 import robsim
 import robsim.estimation.reference
 from graded import PATIENT
+from robsim.control import path_following
 from robsim.simulation.callback_folder import new_folder
 from robsim.teach import TASKS, Submission, SubmissionError
 from submissions import (
@@ -324,6 +326,33 @@ def test_a_mask_takes_the_object_wherever_it_lies(tmp_path, source):
     folder = write(tmp_path / "s001", control=f"{source}\n{PLAIN}")
     assert "is not there" in str(failure(folder, rules))
     assert robsim.Simulation(measure=True).run(2).seen.any()
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "exec(inspect.getsource(robsim.control.path_following), {'__name__': 'mine'})",
+        "exec(compile(pathlib.Path(FILE).read_text(), 'mine.py', 'exec'), {'__name__': 'mine'})",
+        "spec = importlib.util.spec_from_file_location('mine', FILE)\n"
+        "spec.loader.exec_module(importlib.util.module_from_spec(spec))",
+        "code = compile(pathlib.Path(FILE).read_text(), FILE, 'exec')\n"
+        "parts = [part for part in code.co_consts if isinstance(part, types.CodeType)]\n"
+        "[types.FunctionType(part, {}) for part in parts]",
+    ],
+)
+def test_a_mask_is_of_code_too(tmp_path, source):
+    rules = Rules(slots=("control",), masked=TASKS["follow"].masked)
+    imports = "import importlib.util, inspect, pathlib, types\nimport robsim\n"
+    code = f"{imports}FILE = {path_following.__file__!r}\n{source}\n{PLAIN}"
+    assert "copy of robsim." in str(failure(write(tmp_path / "s001", control=code), rules))
+    exec(inspect.getsource(path_following), {"__name__": __name__})  # outside it is allowed
+
+
+def test_a_masked_function_written_out_is_a_copy_whatever_its_variables_are_called(tmp_path):
+    rules = Rules(slots=("control",), masked=TASKS["follow"].masked)
+    source = inspect.getsource(path_following).replace("position", "place").replace("ahead", "on")
+    folder = write(tmp_path / "s001", control=f"{source}\n{PLAIN}")
+    assert "copy of robsim." in str(failure(folder, rules))
 
 
 def test_masks_hold_while_other_threads_import(tmp_path, monkeypatch):

@@ -11,6 +11,7 @@ import os
 import pickle
 import socket
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
@@ -25,8 +26,8 @@ from robsim.teach.grading._worker import Worker, done
 from robsim.teach.grading.answering import NUMBER, CallSetup, serving, world_arrays
 from robsim.teach.grading.arrays import MOST_MESSAGE, as_arrays, from_message, to_parts
 from robsim.teach.grading.task import Done, Task
-from robsim.teach.submissions import load_slots
-from robsim.teach.texts import clean_text, error_text
+from robsim.teach.submissions import loaded_slots
+from robsim.teach.texts import ErrorText, clean_text, error_text
 
 _FARTHEST = 1e9  # px, rad: no robot gets there
 #: A shape, with None for an axis of any length; of several results a list of shapes.
@@ -179,14 +180,17 @@ class JudgeSetup(CallSetup):
 
 
 def work(connection: socket.socket, memory: Sequence[int]) -> None:
-    with serving(connection, lambda error: replace(error_text(error), slot=None)) as served:
-        channel, setup = served
+    def told(error: BaseException) -> ErrorText:
+        return replace(error_text(error), slot=None)
+
+    with serving(connection, told) as (channel, setup), ExitStack() as loaded:
         setup.submission.write_to(os.getcwd())
         module, _, name = setup.judge.partition(":")
         judge: Callable[..., str] = getattr(importlib.import_module(module), name)
 
         def make() -> dict[str, Any]:
-            return load_slots(setup.submission, setup.rules, os.getcwd())
+            slots = loaded_slots(setup.submission, setup.rules, os.getcwd())
+            return loaded.enter_context(slots)
 
         said = judge(make, setup.submission.slots).encode("utf-8", "backslashreplace")
         channel.send(Kind.RESULT, said[:_MOST_SAID])

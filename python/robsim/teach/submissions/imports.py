@@ -14,6 +14,7 @@ from pkgutil import resolve_name
 from types import ModuleType
 from typing import Any, NoReturn
 
+from robsim.teach.submissions.copies import copies_refused
 from robsim.teach.submissions.rules import Rules
 
 
@@ -53,21 +54,45 @@ class _Absent:
 
 
 @contextmanager
-def masked(rules: Rules) -> Iterator[None]:
-    """Take the masked modules and names away inside the context, also those imported before."""
-    finder = _Masked(rules.masked)
-    with ExitStack() as restored:
-        for name in tuple(sys.modules):  # other threads import
-            if _above(name, rules.masked):
-                restored.callback(sys.modules.__setitem__, name, sys.modules.pop(name))
-        for mask in rules.masked:
-            value = _value_of(mask)
-            for package in _packages_of(mask):
-                _take_attribute(package, mask, restored)
-            _take_everywhere(value, mask, restored)
+def masked(rules: Rules, *, for_good: bool = False) -> Iterator[dict[int, str]]:
+    """Take the masked modules and names away inside the context, also those imported before.
+
+    It yields the masks by the ids of their objects. For good: robsim itself loses the objects,
+    and a search of the memory finds none that works.
+    """
+    values = {mask: _value_of(mask) for mask in rules.masked}
+    with copies_refused(values), ExitStack() as restored:
+        _take(values, restored)
+        if for_good:
+            restored.pop_all()
+            _spoil(values)
+        finder = _Masked(rules.masked)
         sys.meta_path.insert(0, finder)
         restored.callback(sys.meta_path.remove, finder)
-        yield
+        yield {id(value): mask for mask, value in values.items() if value is not None}
+
+
+def _take(values: Mapping[str, Any], restored: ExitStack) -> None:
+    for name in tuple(sys.modules):  # other threads import
+        if _above(name, [*values]):
+            restored.callback(sys.modules.__setitem__, name, sys.modules.pop(name))
+    for mask, value in values.items():
+        for package in _packages_of(mask):
+            _take_attribute(package, mask, restored)
+        _take_everywhere(value, mask, restored)
+
+
+def _spoil(values: dict[str, Any]) -> None:
+    """Leave no method of masked classes, and of masked functions no name in any module."""
+    for mask, value in values.items():
+        if isinstance(value, type):
+            for name in [name for name, part in vars(value).items() if callable(part)]:
+                setattr(value, name, _Absent(mask))
+            continue
+        for module in [module for name, module in sys.modules.items() if _above(name, ["robsim"])]:
+            for name in [name for name, part in vars(module).items() if part is value is not None]:
+                setattr(module, name, _Absent(mask))
+        values[mask] = None
 
 
 def _value_of(mask: str) -> Any:
@@ -78,7 +103,7 @@ def _value_of(mask: str) -> Any:
     except (ImportError, ValueError):
         return None
     value = None if is_module else getattr(sys.modules.get(package), name, None)
-    return value if callable(value) else None
+    return value if callable(value) and type(value) is not _Absent else None
 
 
 def _taken(masked: Sequence[str]) -> dict[int, str]:
@@ -128,13 +153,12 @@ def _is_late(module: ModuleType, name: str) -> bool:
     return name in vars(module).get("__all__", ()) if rooms is None else name not in rooms
 
 
-def builtins_for(rules: Rules, own: Sequence[str]) -> dict[str, Any]:
+def builtins_for(rules: Rules, own: Sequence[str], taken: Mapping[int, str]) -> dict[str, Any]:
     """Return the built-in names of a submission, with an ``import`` that follows the rules.
 
-    The submission may always import its own modules.
+    The submission may always import its own modules. `taken` is what `masked` yields.
     """
     plain_import = builtins.__import__
-    taken = _taken(rules.masked)
     allowed = None if rules.imports is None else {*rules.imports, *own, "__future__"}
 
     def checked_import(

@@ -46,7 +46,7 @@ def load_slots(
     default stage. The folder has its data files, for its ``__file__``. A SubmissionError has slot
     and line of faulty code.
     """
-    context = loaded_slots(files, rules, folder)
+    context = loaded_slots(files, rules, folder, for_good=True)
     callbacks = context.__enter__()
     _for_good.append(context)  # which would end with it
     return callbacks
@@ -54,13 +54,20 @@ def load_slots(
 
 @contextmanager
 def loaded_slots(
-    files: SubmissionFiles, rules: Rules, folder: str | PathLike[str] | None = None
+    files: SubmissionFiles,
+    rules: Rules,
+    folder: str | PathLike[str] | None = None,
+    *,
+    for_good: bool = False,
 ) -> Iterator[Callbacks]:
     """Load a submission as `load_slots`; inside, its callbacks import each other's modules."""
     where = Path(files.name) if folder is None else Path(folder).absolute()
-    own = builtins_for(rules, [*files.modules])
     load = _folder if files.kind == FOLDER else _module
-    with masked(rules), load(files, where, rules, own) as callbacks:
+    with ExitStack() as stack:
+        own = builtins_for(
+            rules, [*files.modules], stack.enter_context(masked(rules, for_good=for_good))
+        )
+        callbacks = stack.enter_context(load(files, where, rules, own))
         with _failing(files.name, None):
             if not rules.defaults:
                 statements = partial(_statements, files, rules)

@@ -33,7 +33,8 @@ if TYPE_CHECKING:
 #: What no solution may import: answers, or what would make some.
 MASKED = (
     *("robsim.estimation.reference", "robsim.teach.tasks", "robsim.teach.grading"),
-    *("robsim.Simulation", "robsim.Experiment"),  # which would measure, estimate and control
+    # These would measure, estimate and control.
+    *("robsim.Simulation", "robsim.Experiment", "robsim.campaign"),
 )
 
 MOST_STEPS, MOST_RUNS = 10_000, 1000

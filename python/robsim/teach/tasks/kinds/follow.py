@@ -60,7 +60,7 @@ class FollowTask(DrivingTask):
             worst=100.0,
         ),
     )
-    masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.FollowPath", "robsim.control.FollowPath")
+    masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.FollowPath", "robsim.GoToPoint")
 
     steps: int = 320
     waypoints: Sequence[Sequence[float]] = ((430.0, 220.0), (210.0, 220.0), (210.0, 400.0))

@@ -49,7 +49,7 @@ class MeasureTask(Task):
         ("lost", "frames with a false pose, or without one where the robot can be seen",
          "%", 0.0, 1e-3, 99.9, "lost"),
     )  # fmt: skip
-    masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.locate", "robsim.vision.locate")
+    masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.locate", "robsim.vision.detect")
 
     noise: float = 30.0
     dropout: float = 0.15

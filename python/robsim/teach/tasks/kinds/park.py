@@ -11,6 +11,7 @@ import numpy as np
 from robsim.base.checks import Floats
 from robsim.control import score_pose
 from robsim.control.path_following import as_pose
+from robsim.teach.tasks.definition import MASKED
 from robsim.teach.tasks.kinds.driving import DT, MAXIMUM_VOLTAGE, DrivingTask, check_inside
 from robsim.teach.tasks.score import Score, scores_of
 from robsim.trace import Trace
@@ -52,6 +53,7 @@ class ParkTask(DrivingTask):
         ("overshoot", "how far it leaves the position after it has been there",
          "px", 0.2, 2.0, 200.0),
     )  # fmt: skip
+    masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.GoToPoint")
 
     steps: int = 150
     goal: Sequence[float] = (380.0, 300.0, 3.14)
