@@ -15,7 +15,7 @@ import robsim.estimation.reference
 from graded import PATIENT
 from robsim.control import path_following
 from robsim.simulation.callback_folder import new_folder
-from robsim.teach import TASKS, Submission, SubmissionError
+from robsim.teach import TASKS, Submission, SubmissionError, task, try_solution
 from submissions import (
     BOTH,
     CONTROL,
@@ -353,6 +353,19 @@ def test_a_masked_function_written_out_is_a_copy_whatever_its_variables_are_call
     source = inspect.getsource(path_following).replace("position", "place").replace("ahead", "on")
     folder = write(tmp_path / "s001", control=f"{source}\n{PLAIN}")
     assert "copy of robsim." in str(failure(folder, rules))
+
+
+def test_a_subclass_of_a_masked_class_is_it_by_another_name(tmp_path):
+    rules = Rules(slots=("control",), masked=TASKS["follow"].masked)
+    drives = "sys.modules['robsim.control.path_following']._Drive.__subclasses__()"
+    find = f"next(kind for kind in {drives} if kind.__name__ == 'FollowPath')"
+    code = f"import sys\nclass Mine({find}):\n    pass\ncontrol = Mine([(300, 300)])\n"
+    files = sent(write(tmp_path / "s001", control=code), rules)
+    words = r"control is a robsim\.FollowPath by another name"
+    with pytest.raises(SubmissionError, match=words), loaded_slots(files, rules):
+        pass
+    with pytest.raises(ValueError, match="by another name"):
+        try_solution(task("follow"), tmp_path / "s001", runs=1)
 
 
 def test_masks_hold_while_other_threads_import(tmp_path, monkeypatch):

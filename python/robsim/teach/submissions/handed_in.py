@@ -15,29 +15,30 @@ from robsim.simulation.slots import SLOTS
 def own_slots(
     callbacks: Mapping[str, Any],
     asked: Iterable[str],
-    masked: Iterable[str],
+    masked: Mapping[int, str],
     statements_of: Callable[[str], Iterable[ast.stmt]],
 ) -> dict[str, Any]:
     """Return the callbacks without those that robsim has made.
 
-    `statements_of` returns the top-level statements of a callback's module.
+    `masked` has the masks by the ids of their objects; `statements_of` returns the top-level
+    statements of a callback's module.
     Raise ValueError, which says why, if nothing is left, or nothing but untouched templates.
     """
     asked = [name for name in asked if name in callbacks]
-    why = {name: reason for name in asked if (reason := _reason(name, callbacks[name]))}
+    why = {name: reason for name in asked if (reason := _reason(name, callbacks[name], masked))}
     left = {name: callback for name, callback in callbacks.items() if name not in why}
     untouched = [name for name in left if _are_of_templates(statements_of(name))]
     if asked and len(untouched) == len(left):
         why |= dict.fromkeys(untouched, "is the template, untouched")
         raise ValueError(f"nothing is handed in: {listed(f'{n} {r}' for n, r in why.items())}")
-    if "robsim.RecursiveLeastSquares" in masked and _STAGE in left and _MAKER not in left:
+    if "robsim.RecursiveLeastSquares" in masked.values() and _STAGE in left and _MAKER not in left:
         raise ValueError(
             f"{_MAKER} {why.get(_MAKER, 'is missing')}: {_STAGE} would have the estimator of robsim"
         )
     return left
 
 
-def _reason(slot: str, callback: Any) -> str:
+def _reason(slot: str, callback: Any, masked: Mapping[int, str]) -> str:
     if slot not in SLOTS:
         return ""
     if callback is False:
@@ -46,7 +47,10 @@ def _reason(slot: str, callback: Any) -> str:
         return "is the stage of robsim"
     kind = callback if isinstance(callback, FunctionType) else type(callback)
     is_ours = f"{kind.__module__}.".startswith("robsim.")
-    return "is an object of robsim" if is_ours else ""
+    if is_ours:
+        return "is an object of robsim"
+    bases = [masked[id(base)] for base in type(callback).__mro__ if id(base) in masked]
+    return f"is a {bases[0]} by another name" if bases else ""
 
 
 def _are_of_templates(statements: Iterable[ast.stmt]) -> bool:

@@ -64,14 +64,13 @@ def loaded_slots(
     where = Path(files.name) if folder is None else Path(folder).absolute()
     load = _folder if files.kind == FOLDER else _module
     with ExitStack() as stack:
-        own = builtins_for(
-            rules, [*files.modules], stack.enter_context(masked(rules, for_good=for_good))
-        )
+        taken = stack.enter_context(masked(rules, for_good=for_good))
+        own = builtins_for(rules, [*files.modules], taken)
         callbacks = stack.enter_context(load(files, where, rules, own))
         with _failing(files.name, None):
             if not rules.defaults:
                 statements = partial(_statements, files, rules)
-                callbacks = own_slots(callbacks, rules.slots, rules.masked, statements)
+                callbacks = own_slots(callbacks, rules.slots, taken, statements)
         yield callbacks
 
 

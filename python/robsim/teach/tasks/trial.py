@@ -21,8 +21,9 @@ from robsim.campaigns.launch import run_spec
 from robsim.campaigns.runs import CaseRuns
 from robsim.simulation.callback_folder import imported_names
 from robsim.teach.submissions.handed_in import own_slots
-from robsim.teach.submissions.imports import masked_in
+from robsim.teach.submissions.imports import masked, masked_in
 from robsim.teach.submissions.python_text import statements_of
+from robsim.teach.submissions.rules import Rules
 from robsim.teach.tasks.definition import MOST_RUNS, Task, check_task, solution_folder
 from robsim.teach.tasks.marks.calibration import shipped_calibrations, task_digest
 from robsim.teach.tasks.marks.sets import METRIC, numbers_in, points_of
@@ -329,13 +330,14 @@ def why_not_own(task: Task, solution: Solution) -> str:
     files = {name: source for name, source in solution.files.items() if name in used}
     for name, mask in masked_in(files, task.masked).items():
         return f"{name}.py has {mask}, which is not there for this task"
-    with solution_folder(task, solution).callbacks() as callbacks:
+    rules = Rules(slots=task.slots, masked=task.masked)
+    with masked(rules) as taken, solution_folder(task, solution).callbacks() as callbacks:
         off = {slot: False for slot in task.slots if slot in solution.files}
         try:
             own_slots(
                 off | callbacks,
                 task.slots,
-                task.masked,
+                taken,
                 lambda slot: statements_of(solution.files[slot], f"{slot}.py"),
             )
         except ValueError as error:
