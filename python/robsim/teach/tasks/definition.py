@@ -319,5 +319,6 @@ def _files(task: Task) -> Iterator[str]:
 
 def _masked(task: Task) -> list[str]:
     """Return what is masked, once: a name at the top is that of its room, too."""
-    names = {name.rpartition(".")[2]: name for name in sorted(task.masked, reverse=True)}
+    masked = {"robsim.teach" if name.startswith("robsim.teach.") else name for name in task.masked}
+    names = {name.rpartition(".")[2]: name for name in sorted(masked, reverse=True)}
     return [f"`{name}`" for name in sorted(names.values())]

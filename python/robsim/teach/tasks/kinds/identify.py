@@ -54,7 +54,11 @@ class IdentifyTask(Task):
 
     name: ClassVar[str] = "identify"
     title: ClassVar[str] = "identify the robot's parameters while it drives"
-    masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.RecursiveLeastSquares")
+    masked: ClassVar[tuple[str, ...]] = (
+        *(*MASKED, "robsim.RecursiveLeastSquares", "robsim.batch_estimate"),
+        *("robsim.estimation.least_squares", "robsim.estimation.output_error"),
+        "robsim.estimation.instrumental_variables",
+    )
     slots: ClassVar[tuple[str, ...]] = ("init_parameter_estimator", "estimate_parameters")
     given: ClassVar[str] = "pose"
     scores: ClassVar[tuple[Score, ...]] = scores_of(
