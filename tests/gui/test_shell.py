@@ -8,12 +8,14 @@ pytestmark = pytest.mark.slow
 
 def choice(name, value, *values, **disabled):
     choices = [{"value": v, "disabled": disabled.get(v)} for v in values]
-    return {"name": name, "kind": "choice", "value": value, "choices": choices}
+    card = "stages" if name == "tracking" else "world"
+    return {"name": name, "kind": "choice", "card": card, "value": value, "choices": choices}
 
 
 def span(name, value, low, high, step, unit):
     limits = {"low": low, "high": high, "step": step, "unit": unit}
-    return {"name": name, "kind": "range", "value": value, **limits}
+    card = "drive" if name == "speed" else "world"
+    return {"name": name, "kind": "range", "card": card, "value": value, **limits}
 
 
 CONTROLS = [
