@@ -81,7 +81,7 @@ class Range:
     digits: int = 0  # decimal places
 
 
-_HEADING = Range(-3.1, 3.1, 2)  # rad
+_HEADING = Range(3.12, 3.14, 2)  # rad; far from pi angles need no wrapping
 _DRIVING = {
     "noise": Range(8, 12, 1),
     "dropout": Range(0.12, 0.18, 2),
