@@ -5,7 +5,14 @@ import pytest
 
 import robsim
 from robsim.estimation import wrapped_error
-from robsim.teach import EstimateTask, FollowTask, IdentifyTask, MeasureTask, solution_folder
+from robsim.teach import (
+    TASKS,
+    EstimateTask,
+    FollowTask,
+    IdentifyTask,
+    MeasureTask,
+    solution_folder,
+)
 
 # --- estimate
 
@@ -173,3 +180,46 @@ def test_a_pose_of_a_hidden_robot_is_not_lost_if_it_is_right():
     one = MeasureTask(steps=12, dropout=1)
     numbers = one.score(one.simulation(seed=1).run(12))
     assert numbers["lost"] == 0
+
+
+def test_a_sheet_says_what_is_given_and_what_the_world_is():
+    sheets = {name: kind().sheet for name, kind in TASKS.items()}
+    assert '`identify_from="measurement"`' in sheets["identify"]
+    assert "`step.measurement` is None:" in sheets["identify"]
+    assert not any("identify_from" in sheets[name] for name in sheets.keys() - {"identify"})
+    assert all(word in sheets["estimate"] for word in ("at rest", "no walls"))
+    assert "while the robot is hidden" in sheets["measure"]
+
+
+def test_what_a_sheet_says_of_the_world_is_true():
+    run = EstimateTask(slip=0, turn=0, dropout=0).simulation(seed=1).run(400)
+    first, second = run.pose_true[:2]
+    assert robsim.RobotModel().predict(first, first, run.u[0]) == pytest.approx(second)
+    assert run.pose_true[:, :2].min() < 0
+    assert run.seen.all()
+    samples = []
+
+    def look(step):
+        samples.append((step.sample is not None, step.measurement))
+
+    IdentifyTask().simulation(seed=1, estimate_parameters=look).run(5)
+    assert samples[-1] == (True, None)
+
+
+def test_a_pose_for_a_hidden_robot_counts_as_its_error_says():
+    task = MeasureTask(steps=20, dropout=0.5)
+    run = task.simulation(seed=1).run(20)
+    truth, hidden = run.pose_true, run.hidden.astype(bool)
+    assert 0 < hidden.sum() < 20
+
+    def scored(offset):
+        """Of poses that are true in seen frames, and off in hidden ones."""
+
+        def measure(step):
+            return robsim.Measurement(truth[step.k] + [offset * hidden[step.k], 0, 0])
+
+        return task.score(task.simulation(seed=1, measure=measure).run(20))
+
+    assert scored(0) == pytest.approx({"position": 0, "heading": 0, "lost": 0})
+    assert scored(5)["position"] == pytest.approx(5 * np.sqrt(hidden.mean()))
+    assert scored(50)["lost"] == pytest.approx(100 * hidden.mean())

@@ -15,7 +15,7 @@ from robsim.base.seeds import Seed
 from robsim.base.text import listed, quoted
 from robsim.campaigns.choices import Folder
 from robsim.simulation import Scenario, Simulation
-from robsim.simulation.slots import ONCE, SLOTS, AllCallbacks
+from robsim.simulation.slots import ONCE, SLOTS, AllCallbacks, RobotSlots
 from robsim.teach.tasks.score import Score
 from robsim.teach.tasks.solutions import (
     MODULE,
@@ -265,6 +265,10 @@ _GIVEN = {
     "blobs": "The coloured blobs in the camera's frame, `step.blobs`, but not the frame itself.",
     "pose": "The measured pose, `step.measurement`, or None where the robot was not seen.",
 }
+_SAMPLE = (
+    'The newest sample, `step.sample`, of poses as the option `identify_from="{}"` takes them. '
+    "`step.measurement` is None: the robot is measured after this stage."
+)
 
 
 def _common(task: Task) -> Iterator[str]:
@@ -272,7 +276,7 @@ def _common(task: Task) -> Iterator[str]:
     yield "\n".join(_files(task))
     yield "## What you are given"
     example = f"`from task import {next(iter(task.values))}`"
-    yield f"{_GIVEN[task.given]} And from the module `task`, as {example}:"
+    yield f"{' '.join(_given(task))} And from the module `task`, as {example}:"
     rows = (f"| `{name}` | `{value!r}` |" for name, value in task.values.items())
     yield "\n".join(["| name | value |", "| --- | --- |", *rows])
     yield (
@@ -305,6 +309,14 @@ def _common(task: Task) -> Iterator[str]:
             "```",
         ]
     )
+
+
+def _given(task: Task) -> Iterator[str]:
+    of_samples = {RobotSlots.init_parameter_estimator.name, RobotSlots.estimate_parameters.name}
+    if not of_samples.issuperset(task.slots):
+        yield _GIVEN[task.given]
+    if RobotSlots.estimate_parameters.name in task.slots:
+        yield _SAMPLE.format(task.scenario.identify_from)
 
 
 def _share_of(score: Score) -> str:
