@@ -18,6 +18,7 @@ from robsim.teach import (
 )
 from robsim.teach.submissions.imports import masked_in
 from sizes import thorough
+from submissions import notebook
 
 pytestmark = pytest.mark.usefixtures("unhurried")
 
@@ -217,3 +218,21 @@ def test_what_cannot_be_is_refused(tmp_path):
         check_folder(folder, task=ParkTask)
     with pytest.raises(ValueError, match=r"measure\.py"):
         check_folder(folder, task="measure")
+
+
+def test_a_notebook_is_checked_as_the_grader_takes_it(tmp_path):
+    cells = ("x = 1", "print(1)\ndef control(step):\n    return 1, 1 / (5 - step.k)")
+    file = notebook(tmp_path / "s1.ipynb", *cells)
+    for report in (check_folder(file), check_folder(file, task=ParkTask(runs=1, steps=10))):
+        problem = report.problems[0]
+        assert problem.line.place == "s1.ipynb, cell 2, line 3"
+        assert "ZeroDivisionError" in problem.sentence
+        assert report.verdicts["control"] == "ill"
+        assert report.name == str(file)
+    page = command("check", str(file)).stdout
+    assert "s1.ipynb, cell 2" in " ".join(page.split())
+    assert "control.py" not in page
+    two = notebook(tmp_path / "s2.ipynb", *cells, cells[1])
+    for task in (None, "park"):
+        with pytest.raises(ValueError, match=r"cell 2, line 2.*cell 3, line 2"):
+            check_folder(two, task=task)

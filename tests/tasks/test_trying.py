@@ -1,12 +1,22 @@
 """Trials: a solution in the runs of the reference, and what that comes to."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import robsim
-from robsim.teach import MeasureTask, ParkTask, ScoreLimit, solution_folder, try_solution
+from robsim.teach import (
+    FollowTask,
+    MeasureTask,
+    ParkTask,
+    ScoreLimit,
+    solution_folder,
+    try_solution,
+)
 from robsim.teach.tasks import trial as _trying
 from small_assignments import solution
+from submissions import notebook
 
 SHORT = {"steps": 40, "runs": 2}
 
@@ -192,3 +202,49 @@ def test_what_is_masked_is_found_in_every_room_that_offers_it(tmp_path, source):
     file.write_text(f"{file.read_text()}\n\n{source}\n")
     with pytest.raises(ValueError, match=r"measure\.py has robsim\.(vision\.)?locate"):
         tried(MeasureTask(**SHORT), mine)
+
+
+DRIVES = "from task import GOAL\ndef control(step):\n    return 0.0, GOAL[0] / 1000"
+
+
+def test_a_notebook_is_tried_as_the_grader_takes_it(tmp_path):
+    cells = ("%matplotlib inline\nraise SystemExit", DRIVES, "robsim.Simulation().run(9)")
+    file = notebook(tmp_path / "s1.ipynb", *cells, tags={1: "robsim-skip"})
+    trial = tried(ParkTask(steps=5, runs=1), file)
+    assert trial.solution == "s1.ipynb"
+    assert trial.trace.u[0].tolist() == [0, 0.38]
+    late = DRIVES.replace("return 0.0", "return 1 / (3 - step.k)")
+    failed = tried(ParkTask(steps=5, runs=1), notebook(tmp_path / "s2.ipynb", "K = 1", late))
+    assert "s2.ipynb, cell 2, line 3" in failed.failed[0]
+
+
+@pytest.mark.parametrize(
+    ("cells", "named"),
+    [
+        ((DRIVES, "def control(step):\n    return 1, 1"), "cell 1, line 2.* and cell 2, line 1"),
+        (("import robsim\n\ncontrol = robsim.GoToPoint(1, 2)",), r"robsim\.GoToPoint"),
+        (("def control(step):\n    return K, K", "K = 1 / 0"), "cell 2, line 1.*ZeroDivision"),
+        (("x = 1",), "control"),
+    ],
+)
+def test_a_notebook_that_the_grader_refuses_is_not_tried(tmp_path, cells, named):
+    with pytest.raises(ValueError, match=named):
+        tried(ParkTask(steps=5, runs=1), notebook(tmp_path / "s1.ipynb", *cells))
+
+
+def test_what_is_printed_is_printed_by_the_runs_alone(tmp_path, capsys):
+    file = tmp_path / "control.py"
+    file.write_text("print('loaded')\n\n\ndef control(step):\n    return 0.1, 0.1\n")
+    tried(ParkTask(steps=5, runs=2), file)
+    assert capsys.readouterr().out.count("loaded") == 2
+
+
+def test_where_most_runs_do_not_arrive_there_is_no_median_of_times():
+    goal = ((550.0, 550.0),)
+    trial = tried(FollowTask(waypoints=goal, steps=5, runs=2), control=lambda step: (0, 0))
+    half = replace(trial, values={**trial.values, "time": (np.nan, 7.0)})
+    arrived = replace(trial, values={**trial.values, "time": (8.0, 7.0)})
+    assert [one.to_dict()["scores"]["time until the last waypoint"]["own"]
+            for one in (trial, half, arrived)] == [None, None, 7.5]  # fmt: skip
+    remarks = [any("no median" in one for one in each.remarks) for each in (trial, arrived)]
+    assert remarks == [True, True]  # an error of the path is missing in both

@@ -43,7 +43,7 @@ def check(
     solve it, which score is short of its limit, and why. The exit status is 0 if they solve it, and
     all pass.
 
-    FILE|FOLDER: A folder with callbacks, or one of its files.
+    FILE|FOLDER: A folder with callbacks, one of its files, or a notebook.
     --task NAME: Also try them on that task; see robsim tasks list.
 
     Example: robsim check mine
@@ -74,17 +74,17 @@ def _page(report: FolderReport) -> Iterator[RenderableType]:
     for slot, verdict in report.verdicts.items():
         if isinstance(report, TaskReport) and slot not in (*report.task.slots, *report.not_used):
             continue  # nobody asks for it
-        file = "" if isinstance(report.checks[slot], str) else f"{slot}.py"
+        file = "" if isinstance(one := report.checks[slot], str) else one.name
         table.add_row(slot, styled(verdict, _STYLES.get(verdict, "dim")), file)
     yield table
     of_files: set[str] = set()
-    for slot, one in report.checks.items():
+    for one in report.checks.values():
         if not isinstance(one, str):
             if one.problems or one.remarks:
                 yield from _numbered(one.name, one.problems)
             for remark in one.remarks:
                 yield _hanging("-", remark)
-            of_files |= {f"{slot}.py: {remark}" for remark in one.remarks}
+            of_files |= {f"{one.name}: {remark}" for remark in one.remarks}
     if isinstance(report, TaskReport) and report.findings:
         yield from _numbered("what the runs of the task show", report.findings)
     for remark in report.remarks:

@@ -79,7 +79,7 @@ def try_solution(
     good as the reference, 1 if it is worse, 2 without a solution. It is run in this process, as
     your own code: grade other people's with robsim grade.
 
-    FILE|FOLDER: A folder with the callbacks, or the file of one.
+    FILE|FOLDER: A folder with the callbacks, the file of one, or a notebook.
     --runs N: Number of runs. Default: the task's.
     --seed N: Another number: other runs.
     --time-limit SECONDS: Longest duration of a call of a callback. Default: none.

@@ -28,7 +28,7 @@ def check_folder(
     Parameters
     ----------
     path : path
-        A folder of callbacks, as ``robsim new`` writes it, or one of its files.
+        A folder of callbacks, as ``robsim new`` writes it, one of its files, or a notebook.
     slots : str or iterable of str, optional
         The slots to check. Default: all that have a file.
     task : str or Task, optional

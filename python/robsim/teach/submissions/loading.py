@@ -6,7 +6,7 @@ import ast
 import io
 import linecache
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
@@ -69,12 +69,12 @@ def loaded_slots(
         callbacks = stack.enter_context(load(files, where, rules, own))
         with _failing(files.name, None):
             if not rules.defaults:
-                statements = partial(_statements, files, rules)
+                statements = partial(statements_of_slot, files, rules)
                 callbacks = own_slots(callbacks, rules.slots, taken, statements)
         yield callbacks
 
 
-def _statements(files: SubmissionFiles, rules: Rules, slot: str) -> Iterator[ast.stmt]:
+def statements_of_slot(files: SubmissionFiles, rules: Rules, slot: str) -> Iterator[ast.stmt]:
     """Yield the top-level statements of a slot's module, or what counts of a notebook."""
     if files.kind != NOTEBOOK:
         module = slot if files.kind == FOLDER else PurePosixPath(files.main).stem
@@ -135,18 +135,28 @@ def _function(module: ModuleType, name: str, file: str) -> Callable[..., Any]:
 
 
 def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, Any]) -> ModuleType:
-    notebook = chosen(files.sources[files.main], files.main, rules.names)
     module = ModuleType(module_name(_MODULE))
     module.__file__ = str(where / files.main)
     vars(module)["__builtins__"] = own
     sys.modules[module.__name__] = module  # where dataclasses look it up
+    filled = run_cells(files.sources[files.main], files.main, rules.names, vars(module))
+    face = ModuleType(module.__name__)  # as a notebook may have a slot's name for something else
+    vars(face).update(filled)
+    return face
+
+
+def run_cells(
+    content: bytes, file: str, names: Sequence[str], module: dict[str, Any]
+) -> dict[str, Any]:
+    """Run what counts of a notebook with the variables of a module; return its values of slots."""
+    notebook = chosen(content, file, tuple(names))
     lost: ImportError | None = None
     for cell in {part.cell for part in notebook.parts}:
         lines = [*io.StringIO(cell.source)]
         linecache.cache[cell.place] = (len(cell.source), None, lines, cell.place)
     for part in notebook.parts:
         try:
-            exec(part.code, vars(module))
+            exec(part.code, module)
         except ImportError as error:
             if not part.is_star:
                 raise
@@ -154,12 +164,9 @@ def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, 
         except NameError as error:
             raise lost or error from None
     for name, unknown in notebook.unknown.items():
-        if name not in vars(module):
+        if name not in module:
             raise lost or unknown
-    face = ModuleType(module.__name__)  # as a notebook may have a slot's name for something else
-    for slot in notebook.slots:
-        setattr(face, slot, vars(module)[f"{FILLED}{slot}"])
-    return face
+    return {slot: module[f"{FILLED}{slot}"] for slot in notebook.slots}
 
 
 @contextmanager

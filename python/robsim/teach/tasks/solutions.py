@@ -32,6 +32,8 @@ from robsim.base.files import as_folder
 from robsim.base.text import one_line, quoted
 from robsim.simulation.callback_folder import misspelled
 from robsim.simulation.slots import SLOTS, checked_slots
+from robsim.teach.submissions.at_home import callback_files, is_notebook, read_notebook
+from robsim.teach.submissions.files import SubmissionFiles
 
 if TYPE_CHECKING:
     from robsim.teach.tasks.definition import Task
@@ -58,6 +60,8 @@ class Solution:
         The Python files by name without ``.py``, as they were then.
     slots : tuple of str
         The slots that it may fill.
+    notebook : SubmissionFiles, optional
+        The notebook that the files run; None = it was none.
     """
 
     name: str
@@ -65,15 +69,16 @@ class Solution:
     folder: Path | None
     files: Mapping[str, bytes] = field(repr=False)
     slots: tuple[str, ...]
+    notebook: SubmissionFiles | None = field(default=None, repr=False)
 
     @classmethod
     def load(cls, folder: str | PathLike[str], slots: Iterable[str], *, is_right: bool) -> Solution:
-        """Read the files of a folder, or a single one; nothing of them is run.
+        """Read the files of a folder, a single one, or a notebook; nothing of them is run.
 
         Parameters
         ----------
         folder : path
-            The folder, or the file of a slot.
+            The folder, the file of a slot, or a notebook.
         slots : sequence of str
             The slots that it may fill.
         is_right : bool
@@ -90,6 +95,10 @@ class Solution:
         check_bool("is_right", is_right)
         slots = checked_slots(slots, tuple(SLOTS))
         is_file = path.is_file()
+        how: dict[str, Any] = {"name": path.name, "is_right": is_right, "slots": slots}
+        if is_notebook(path):
+            notebook = read_notebook(path, slots)
+            return cls(**how, folder=path.parent, files=callback_files(notebook), notebook=notebook)
         found = [path] if is_file else sorted(path.iterdir())
         files = {
             file.stem: file.read_bytes()
@@ -99,7 +108,7 @@ class Solution:
         if not files.keys() & set(slots):
             raise ValueError(_what_is_missing(path, files, slots))
         home = path.parent if is_file else path
-        return cls(name=path.name, is_right=is_right, folder=home, files=files, slots=slots)
+        return cls(**how, folder=home, files=files)
 
     def __repr__(self) -> str:
         kind = "right" if self.is_right else "wrong"

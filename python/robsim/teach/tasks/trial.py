@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import ast
+import io
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import redirect_stdout
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -20,15 +23,18 @@ from robsim.campaigns.choices import FOLDER, Choice, choice_of
 from robsim.campaigns.launch import run_spec
 from robsim.campaigns.runs import CaseRuns
 from robsim.simulation.callback_folder import imported_names
+from robsim.teach.errors import SubmissionError
+from robsim.teach.submissions.files import SubmissionFiles
 from robsim.teach.submissions.handed_in import own_slots
 from robsim.teach.submissions.imports import masked, masked_in
+from robsim.teach.submissions.loading import loaded_slots, statements_of_slot
 from robsim.teach.submissions.python_text import statements_of
 from robsim.teach.submissions.rules import Rules
 from robsim.teach.tasks.definition import MOST_RUNS, Task, check_task, solution_folder
 from robsim.teach.tasks.marks.calibration import shipped_calibrations, task_digest
 from robsim.teach.tasks.marks.sets import METRIC, numbers_in, points_of
 from robsim.teach.tasks.score import Score, ScoreLimit
-from robsim.teach.tasks.solutions import REFERENCE, Solution
+from robsim.teach.tasks.solutions import MODULE, REFERENCE, Solution, module_source
 from robsim.trace import Trace
 
 if TYPE_CHECKING:
@@ -93,11 +99,14 @@ class TaskTrial(Report):
         return {score.name: self._statistic(score) for score in self.task.scores}
 
     def _statistic(self, score: Score) -> float:
-        through = [run for run in range(self.runs) if run not in self.failed]
-        if not through:
-            return math.nan
-        own, others = self.values[score.name], self.reference[score.name]
-        return score.statistic([own[run] for run in through], [others[run] for run in through])
+        own, others = self._through(score), self._through(score, self.reference)
+        return score.statistic(own, others) if own else math.nan
+
+    def _through(
+        self, score: Score, of: Mapping[str, tuple[float, ...]] | None = None
+    ) -> list[float]:
+        numbers = (self.values if of is None else of)[score.name]
+        return [value for run, value in enumerate(numbers) if run not in self.failed]
 
     @property
     def points(self) -> float:
@@ -154,7 +163,7 @@ class TaskTrial(Report):
     def _rows(self) -> list[Row]:
         rows = []
         for score in self.task.scores:
-            medians = (_median(self.values[score.name]), _median(self.reference[score.name]))
+            medians = (_median(self._through(score)), _median(self.reference[score.name]))
             limits = _in_words(self.limits[score.name]) if self.limits else ()
             values = (*medians, self.statistics[score.name], *limits)
             rows.append(Row(score.title, values, score.unit))
@@ -177,6 +186,11 @@ class TaskTrial(Report):
             "yours and the reference's are medians of the runs; what they come to is how many "
             "times the reference's yours are, as the geometric mean over the runs"
         )
+        if any(math.isnan(_median(self._through(score))) for score in self.task.scores):
+            yield (
+                "no median: half of the runs or more have no such number, such as the time of a "
+                "robot that does not arrive, and count as the worst"
+            )
         if any(score.kind == "consistency" for score in self.task.scores):
             yield "what should be 1, a consistency, is the geometric mean of yours alone"
         if self.worst is not None:
@@ -207,9 +221,10 @@ class TaskTrial(Report):
         return self.task.figure(self.trace, self.reference_trace)
 
 
-def _median(values: tuple[float, ...]) -> float:
-    known = [value for value in values if not math.isnan(value)]
-    return float(np.median(known)) if known else math.nan
+def _median(values: Sequence[float]) -> float:
+    """Return the median, with NaN as the largest value; NaN = such a value is the median."""
+    median = np.median([math.inf if math.isnan(value) else value for value in values or [math.nan]])
+    return float(median) if median < math.inf else math.nan
 
 
 def _in_words(limit: ScoreLimit) -> tuple[str, str]:
@@ -253,8 +268,8 @@ def try_solution(
     task : Task
         The task.
     solution : path or Solution, optional
-        A folder with a file for each slot, or one such file; read anew in each call. It can
-        import the values of the task from the module ``task``.
+        A folder with a file for each slot, one such file, or a notebook; each call reads it
+        again. It can import the values of the task from the module ``task``.
     runs : int, optional
         Number of runs, 1..1000. Default: `runs` of the task.
     seed : int
@@ -326,12 +341,16 @@ def try_solution(
 
 def why_not_own(task: Task, solution: Solution) -> str:
     """Return the reason for which grading would take a solution for no work; "" = none."""
+    rules = Rules(slots=task.slots, masked=task.masked)
+    if solution.notebook is not None:
+        sources = {**solution.notebook.sources, f"{MODULE}.py": module_source(task)}
+        return _why_refused(replace(solution.notebook, sources=sources), rules)
     used = {*task.slots, *imported_names(solution.files)}
     files = {name: source for name, source in solution.files.items() if name in used}
     for name, mask in masked_in(files, task.masked).items():
         return f"{name}.py has {mask}, which is not there for this task"
-    rules = Rules(slots=task.slots, masked=task.masked)
-    with masked(rules) as taken, solution_folder(task, solution).callbacks() as callbacks:
+    folder = solution_folder(task, solution)
+    with _quiet(), masked(rules) as taken, folder.callbacks() as callbacks:
         off = {slot: False for slot in task.slots if slot in solution.files}
         try:
             own_slots(
@@ -345,12 +364,30 @@ def why_not_own(task: Task, solution: Solution) -> str:
     return ""
 
 
+def _why_refused(notebook: SubmissionFiles, rules: Rules) -> str:
+    code = ast.unparse(ast.Module([*statements_of_slot(notebook, rules, "")], []))
+    for mask in masked_in({"": code.encode()}, rules.masked).values():
+        return f"{notebook.main} has {mask}, which is not there for this task"
+    try:
+        with _quiet(), loaded_slots(notebook, rules):
+            return ""
+    except SubmissionError as error:
+        return str(error)
+
+
+def _quiet() -> redirect_stdout[io.StringIO]:
+    """Keep out what code prints when it is run in addition: its run has printed it."""
+    return redirect_stdout(io.StringIO())
+
+
 def _choices(
     task: Task, solution: str | PathLike[str] | Solution | None, callbacks: Mapping[str, Any]
 ) -> tuple[str, dict[str, Choice]]:
     if (solution is None) == (not callbacks):
         example = f"{task.slots[0]}=my_{task.slots[0]}"
-        raise TypeError(f"give a solution, a folder or a file, or callbacks by name: {example}")
+        raise TypeError(
+            f"give a solution, a folder, a file or a notebook, or callbacks by name: {example}"
+        )
     check_names(f"the task {task.name} has no slot", callbacks, task.slots, TypeError)
     if solution is None:
         names = [getattr(value, "__name__", slot) for slot, value in callbacks.items()]
@@ -359,14 +396,15 @@ def _choices(
     if not isinstance(solution, Solution):
         if not isinstance(solution, (str, PathLike)):
             raise TypeError(
-                f"solution must be the path of a folder or a file, got {quoted(solution)}: "
+                f"solution must be the path of a folder, file or notebook, got {quoted(solution)}: "
                 f"callbacks are given by name, such as {task.slots[0]}=..."
             )
         solution = Solution.load(solution, task.slots, is_right=False)
         if reason := why_not_own(task, solution):
             raise ValueError(reason)
+        return solution.name, {FOLDER: solution_folder(task, solution)}
     folder = solution_folder(task, solution)
-    with folder.callbacks():  # which raises what its files raise
+    with _quiet(), folder.callbacks():  # which raises what its files raise
         pass
     return solution.name, {FOLDER: folder}
 
@@ -417,7 +455,8 @@ def _broken(result: CampaignResult) -> tuple[int, ...]:
 
 def _trace(result: CampaignResult, run: int) -> Trace:
     (case,) = result.spec.cases
-    return CaseRuns(result.spec, case).trace(run)
+    with _quiet():
+        return CaseRuns(result.spec, case).trace(run)
 
 
 def _worst(

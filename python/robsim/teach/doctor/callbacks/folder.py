@@ -10,6 +10,7 @@ from functools import cache, wraps
 from inspect import unwrap
 from os import PathLike
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import CodeType
 from typing import Any
 
@@ -31,6 +32,7 @@ from robsim.teach.doctor.callbacks.models import check_model, check_motion
 from robsim.teach.doctor.callbacks.scenes import Setting
 from robsim.teach.doctor.parameter_estimators import check_parameter_estimator
 from robsim.teach.doctor.state_estimators import check_estimator
+from robsim.teach.submissions.at_home import callback_files, is_notebook, read_notebook
 
 Maker = Callable[[], Callable[..., Any]]
 
@@ -88,6 +90,11 @@ class Surroundings:
     on: frozenset[str] | None = None  # the slots that are filled; None = as the folder has it
     given: Mapping[str, bytes] = field(default_factory=dict)  # modules that come before its own
     dt: float | None = None  # s; None = any
+    notebook: str = ""  # its name, where the files run one
+
+    def name_of(self, slot: str) -> str:
+        """Return the name of the code for a slot."""
+        return f"{slot} of {self.notebook}" if self.notebook else f"{slot}.py"
 
 
 def report_of(
@@ -95,6 +102,13 @@ def report_of(
 ) -> FolderReport:
     """Return the report on a folder or a file; other arguments are those of `check_folder`."""
     file = as_path(path)
+    if is_notebook(file):
+        notebook = read_notebook(file, around.slots)
+        with TemporaryDirectory() as place:
+            for name, source in callback_files(notebook).items():
+                Path(place, f"{name}.py").write_bytes(source)
+            report = report_of(place, slots, replace(around, notebook=notebook.main))
+            return replace(report, name=str(file))
     is_file = file.is_file()
     wanted = tuple(SLOTS) if slots is None else checked_slots(slots, tuple(SLOTS))
     if is_file:
@@ -105,7 +119,7 @@ def report_of(
     checks = {slot: folder.check(slot) for slot in SLOTS if slot in wanted}
     reports = {slot: one for slot, one in checks.items() if isinstance(one, CheckReport)}
     rows = [
-        Row(slot, (_verdict(check), f"{slot}.py" if slot in reports else ""))
+        Row(slot, (_verdict(check), around.name_of(slot) if slot in reports else ""))
         for slot, check in checks.items()
     ]
     columns = (Column("verdict", "verdict", ""), Column("file", "file", ""))
@@ -113,12 +127,12 @@ def report_of(
         name=str(file),
         checks=checks,
         problems=tuple(
-            replace(problem, sentence=f"{slot}.py: {problem.sentence}")
-            for slot, one in reports.items()
+            replace(problem, sentence=f"{one.name}: {problem.sentence}")
+            for one in reports.values()
             for problem in one.problems
         ),
         remarks=(
-            *(f"{slot}.py: {remark}" for slot, one in reports.items() for remark in one.remarks),
+            *(f"{one.name}: {remark}" for one in reports.values() for remark in one.remarks),
             *folder.remarks,
         ),
         tables=(
@@ -162,7 +176,7 @@ class _Folder:
             return "not used" if slot in self._files else "default"
         loaded = self._load(slot)
         if isinstance(loaded, Problem):
-            return CheckReport(name=f"{slot}.py", problems=(loaded,))
+            return CheckReport(name=self._around.name_of(slot), problems=(loaded,))
         if isinstance(loaded, bool):
             return "default" if loaded or not SLOTS[slot].is_optional else "off"
         how: dict[str, Any] = {}
@@ -189,7 +203,7 @@ class _Folder:
                 if name in names and not how[f"has_{name}"]
             ]
             report = replace(report, remarks=(*lacks, *report.remarks))
-        return replace(report, name=f"{slot}.py")
+        return replace(report, name=self._around.name_of(slot))
 
     def _load_first(self, slot: str) -> CallbackFolder | Problem | bool:
         """Return the loaded file of a slot, why it fails, or whether the default is on."""
