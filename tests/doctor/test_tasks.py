@@ -220,6 +220,16 @@ def test_what_cannot_be_is_refused(tmp_path):
         check_folder(folder, task="measure")
 
 
+def test_advice_names_nothing_that_is_masked(tmp_path):
+    task = MeasureTask(runs=1, steps=20)
+    task.begin(tmp_path)
+    folder_of(tmp_path, shipped(task, "centroids"))
+    assert "robsim.locate" in str(check_folder(tmp_path))
+    advice = str(check_folder(tmp_path, task=task))
+    assert "have no covariance" in advice
+    assert not any(mask in advice for mask in task.masked)
+
+
 def test_a_notebook_is_checked_as_the_grader_takes_it(tmp_path):
     cells = ("x = 1", "print(1)\ndef control(step):\n    return 1, 1 / (5 - step.k)")
     file = notebook(tmp_path / "s1.ipynb", *cells)

@@ -91,10 +91,17 @@ class Surroundings:
     given: Mapping[str, bytes] = field(default_factory=dict)  # modules that come before its own
     dt: float | None = None  # s; None = any
     notebook: str = ""  # its name, where the files run one
+    masked: tuple[str, ...] = ()  # names that no advice may have
 
     def name_of(self, slot: str) -> str:
         """Return the name of the code for a slot."""
         return f"{slot} of {self.notebook}" if self.notebook else f"{slot}.py"
+
+    def allowed(self, text: str) -> str:
+        """Return a text without advice, behind a semicolon, that has a masked name."""
+        first, *others = text.split("; ")
+        left = (one for one in others if not any(mask in one for mask in self.masked))
+        return "; ".join([first, *left])
 
 
 def report_of(
@@ -203,7 +210,13 @@ class _Folder:
                 if name in names and not how[f"has_{name}"]
             ]
             report = replace(report, remarks=(*lacks, *report.remarks))
-        return replace(report, name=self._around.name_of(slot))
+        allowed = self._around.allowed
+        return replace(
+            report,
+            name=self._around.name_of(slot),
+            problems=tuple(replace(p, sentence=allowed(p.sentence)) for p in report.problems),
+            remarks=tuple(map(allowed, report.remarks)),
+        )
 
     def _load_first(self, slot: str) -> CallbackFolder | Problem | bool:
         """Return the loaded file of a slot, why it fails, or whether the default is on."""

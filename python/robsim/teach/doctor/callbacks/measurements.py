@@ -314,7 +314,7 @@ def _camera_problems(trial: Trial, scene: Scene) -> Iterator[Problem | str]:
     is_seen = np.isfinite(measured[:, 0])
     if is_seen.mean() < _SEEN:
         hint = (
-            "are its sizes and distances in pixels of the frame? robsim.locate without "
+            "its sizes and distances may be in pixels of the frame; robsim.locate without "
             "image=step.frame needs plane_map=step.frame.plane_map"
         )
         for seldom in _seen_in(trial, f"before a camera of {width} x {height} px"):

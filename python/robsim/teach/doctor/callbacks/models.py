@@ -60,7 +60,7 @@ def _model_checks(calls: CallbackCalls) -> Iterator[Problem | str]:
     if not np.array_equal(model.theta, calls.call("a second run").theta):
         yield calls.problem(
             "not reproducible",
-            "a second call returns another model: random parameters of the world are "
+            "a second call returns another model; random parameters of the world are "
             "robsim.Simulation(mismatch=...), and repeat with the seed",
         )
     yield from _motion_problems(
@@ -128,7 +128,7 @@ def _pose_checks(calls: CallbackCalls) -> Iterator[Problem | str]:
     again = [[np.array(calls.call(n, w), float) for n, w in _worlds(model)] for _ in range(2)]
     if not np.array_equal(again[0], again[1]):
         yield (
-            "the same motion gives another pose each time: a disturbance that repeats with the "
+            "the same motion gives another pose each time; a disturbance that repeats with the "
             "seed of a run is robsim.Simulation(process_noise=...)"
         )
         return

@@ -22,7 +22,7 @@ _WRONG = 4.0  # the same, where a filter would follow its measurements to wrong 
 _LARGE = 0.1  # mean squared error of a coordinate over its variance: 1 is expected, of 30 +- 0.26
 
 _ADVICE = (
-    "give the covariance that belongs to the pose, in px^2 and rad^2: robsim.locate(step.blobs, "
+    "give the covariance that belongs to the pose, in px^2 and rad^2; robsim.locate(step.blobs, "
     "step.markers, image=step.frame) computes one"
 )
 
@@ -34,7 +34,7 @@ def covariance_findings(trial: Trial) -> Iterator[Problem | str | Table]:
     if seen.any() and not given.any():
         yield (
             "its measurements have no covariance, so nobody can tell how sure they are, and state "
-            "estimators must assume it: robsim.Measurement(pose, covariance=...), or return what "
+            "estimators must assume it: robsim.Measurement(pose, covariance=...); or return what "
             "robsim.locate(step.blobs, step.markers, image=step.frame) gives"
         )
     if not given.any():

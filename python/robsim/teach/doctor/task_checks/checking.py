@@ -69,6 +69,7 @@ def _surroundings(task: Task) -> Surroundings:
         on=frozenset(on.union(task.slots)),
         given={MODULE: module_source(task)},
         dt=simulation.model.dt,
+        masked=task.masked,
     )
 
 
