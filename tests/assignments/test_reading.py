@@ -8,6 +8,7 @@ import stat
 import sys
 import tracemalloc
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -44,6 +45,11 @@ def test_a_new_folder_is_an_assignment_with_the_solutions_that_ship(tmp_path, te
     for name, value in task.values.items():
         assert f"| `{name}` | `{value!r}` |" in sheet
     assert "robsim tasks" not in sheet  # whose numbers are others
+    rule = sheet[sheet.index("The grader takes these parts of a notebook") :].partition("\nA call")[
+        0
+    ]
+    readme = Path(__file__).parents[2] / "README.md"
+    assert rule.strip() in readme.read_text(encoding="utf-8")
 
 
 @each

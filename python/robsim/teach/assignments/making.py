@@ -20,6 +20,7 @@ from robsim.base.text import one_line
 from robsim.teach.assignments.assignment import Assignment
 from robsim.teach.assignments.assignment_file import FILE, KEY, SOLUTIONS, load_assignment
 from robsim.teach.grading.keys import Key
+from robsim.teach.submissions.notebook.choosing import COUNTS
 from robsim.teach.tasks.by_name import task
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import helpers, starting_files
@@ -48,6 +49,7 @@ def _parts(assignment: Assignment) -> Iterator[str]:
         "these files, not in folders of their own; so do files with data, which "
         '`open("data.csv")` finds.'
     )
+    yield COUNTS
     limits = assignment.limits
     yield (
         f"A call may take {limits.call:g} s, the first one of a run {limits.first_call:g} s: a run "

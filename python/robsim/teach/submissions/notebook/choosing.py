@@ -24,6 +24,18 @@ RUNS = frozenset(
         *("system", "play", "panel", "get_ipython", "subplots", "figure", "show", "plot"),
     }
 )
+#: What counts, for people.
+COUNTS = """\
+The grader takes these parts of a notebook, if a slot needs them:
+
+1. Definitions and imports, also `from task import *`.
+2. The line that fills a slot: `def control(step)`, `control = Drive()`, `sim.control = ...`,
+   `@sim.control`, `Simulation(control=...)`.
+3. Assignments, also in `if` and `for`, unless they run a simulation, draw or wait.
+4. A cell with the tag `robsim` or the first line `# robsim:`, as a whole, before other cells.
+5. Never a cell with the tag `robsim-skip`, a `%` or `!` line, or a call alone.
+
+The grader refuses a notebook with two values for a slot, or without a value that a slot needs."""
 _RULE = "definitions, imports and assignments count, unless they run, draw or wait"
 _TAG = "tag the cell that counts with robsim (or begin it with the line # robsim:)"
 _OF_JUPYTER = ("display", "get_ipython", "In", "Out")
