@@ -237,6 +237,10 @@ def test_what_is_printed_is_printed_by_the_runs_alone(tmp_path, capsys):
     file.write_text("print('loaded')\n\n\ndef control(step):\n    return 0.1, 0.1\n")
     tried(ParkTask(steps=5, runs=2), file)
     assert capsys.readouterr().out.count("loaded") == 2
+    file.write_text("print('loaded')\n1 / 0\n")
+    with pytest.raises(ZeroDivisionError):
+        tried(ParkTask(steps=5, runs=2), file)
+    assert capsys.readouterr().out == "loaded\n"
 
 
 def test_where_most_runs_do_not_arrive_there_is_no_median_of_times():

@@ -6,7 +6,7 @@ import ast
 import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import redirect_stdout
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from os import PathLike
@@ -375,9 +375,16 @@ def _why_refused(notebook: SubmissionFiles, rules: Rules) -> str:
         return str(error)
 
 
-def _quiet() -> redirect_stdout[io.StringIO]:
-    """Keep out what code prints when it is run in addition: its run has printed it."""
-    return redirect_stdout(io.StringIO())
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Print the output of code that is run in addition only if it fails: its run prints it."""
+    printed = io.StringIO()
+    try:
+        with redirect_stdout(printed):
+            yield
+    except BaseException:
+        print(printed.getvalue(), end="")
+        raise
 
 
 def _choices(
