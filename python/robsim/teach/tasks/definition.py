@@ -281,7 +281,9 @@ def _common(task: Task) -> Iterator[str]:
     yield "\n".join(["| name | value |", "| --- | --- |", *rows])
     yield (
         "A run is from a seed of its own, and so differs from others. You may import numpy, what "
-        f"Python brings along, files of your own, and robsim without {listed(_masked(task))}."
+        f"Python brings along, files of your own, and robsim without {listed(_masked(task))}. A "
+        "function, object or default stage of robsim in a slot is not handed in; neither is a file "
+        "that is switched off or an untouched template."
     )
     yield "## How it is scored"
     rows = (f"| {one.title} | {one.unit} | {_share_of(one)} |" for one in task.scores)
