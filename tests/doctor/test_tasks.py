@@ -208,6 +208,7 @@ def test_what_is_masked_is_told(tmp_path):
     folder = folder_of(tmp_path, shipped(MeasureTask(), "reference"))
     report = check_folder(folder, task=MeasureTask(runs=1, steps=20))
     assert any("robsim.locate" in problem.sentence for problem in report.problems)
+    assert "robsim.locate" in report.headline
 
 
 def test_what_cannot_be_is_refused(tmp_path):
@@ -228,6 +229,24 @@ def test_advice_names_nothing_that_is_masked(tmp_path):
     advice = str(check_folder(tmp_path, task=task))
     assert "have no covariance" in advice
     assert not any(mask in advice for mask in task.masked)
+
+
+@pytest.mark.parametrize(
+    "call", ["def measure(step):\n    return robsim.lokate()", "robsim.lokate"]
+)
+def test_no_name_that_is_masked_is_suggested(tmp_path, call):
+    folder = folder_of(tmp_path, {"measure": f"import robsim\n\n{call}\n"})
+    alone, for_task = check_folder(folder), check_folder(folder, task=MeasureTask(runs=1, steps=9))
+    for report, is_suggested in ((alone, True), (for_task, False)):
+        assert ("'locate'" in str(report)) == is_suggested
+        assert ("'locate'" in str(report.checks["measure"])) == is_suggested
+
+
+def test_a_notebook_without_a_needed_name_is_told_its_cell_alone(tmp_path):
+    file = notebook(tmp_path / "s1.ipynb", "from math import *\ndef control(step): return K, K")
+    (problem,) = check_folder(file).problems
+    assert "s1.ipynb, cell 1, line 2: no cell that counts gives K" in problem.sentence
+    assert problem.line is None  # the generated file has no line to look at
 
 
 def test_a_notebook_is_checked_as_the_grader_takes_it(tmp_path):

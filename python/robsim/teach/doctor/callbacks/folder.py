@@ -32,6 +32,7 @@ from robsim.teach.doctor.callbacks.models import check_model, check_motion
 from robsim.teach.doctor.callbacks.scenes import Setting
 from robsim.teach.doctor.parameter_estimators import check_parameter_estimator
 from robsim.teach.doctor.state_estimators import check_estimator
+from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.at_home import callback_files, is_notebook, read_notebook
 
 Maker = Callable[[], Callable[..., Any]]
@@ -100,8 +101,13 @@ class Surroundings:
     def allowed(self, text: str) -> str:
         """Return a text without advice, behind a semicolon, that has a masked name."""
         first, *others = text.split("; ")
-        left = (one for one in others if not any(mask in one for mask in self.masked))
-        return "; ".join([first, *left])
+        meant = (f"did you mean '{mask.rpartition('.')[2]}'" for mask in self.masked)
+        names = (*self.masked, *meant)
+        return "; ".join([first, *(one for one in others if not any(n in one for n in names))])
+
+    def with_allowed(self, problems: Iterable[Problem]) -> tuple[Problem, ...]:
+        """Return problems without such advice."""
+        return tuple(replace(one, sentence=self.allowed(one.sentence)) for one in problems)
 
 
 def report_of(
@@ -183,7 +189,8 @@ class _Folder:
             return "not used" if slot in self._files else "default"
         loaded = self._load(slot)
         if isinstance(loaded, Problem):
-            return CheckReport(name=self._around.name_of(slot), problems=(loaded,))
+            problems = self._around.with_allowed([loaded])
+            return CheckReport(name=self._around.name_of(slot), problems=problems)
         if isinstance(loaded, bool):
             return "default" if loaded or not SLOTS[slot].is_optional else "off"
         how: dict[str, Any] = {}
@@ -210,12 +217,11 @@ class _Folder:
                 if name in names and not how[f"has_{name}"]
             ]
             report = replace(report, remarks=(*lacks, *report.remarks))
-        allowed = self._around.allowed
         return replace(
             report,
             name=self._around.name_of(slot),
-            problems=tuple(replace(p, sentence=allowed(p.sentence)) for p in report.problems),
-            remarks=tuple(map(allowed, report.remarks)),
+            problems=self._around.with_allowed(report.problems),
+            remarks=tuple(map(self._around.allowed, report.remarks)),
         )
 
     def _load_first(self, slot: str) -> CallbackFolder | Problem | bool:
@@ -319,7 +325,7 @@ class _StepWithEstimator:
 
 
 def _load_problem(error: BaseException) -> Problem:
-    line = line_of_error(error)
+    line = None if isinstance(error, SubmissionError) else line_of_error(error)
     sentence = str(error)
     if isinstance(error, SyntaxError) and error.filename:
         line = SourceLine(error.filename, error.lineno or 1, "<module>")

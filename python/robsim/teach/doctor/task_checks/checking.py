@@ -20,7 +20,7 @@ from robsim.teach.doctor.task_checks.estimates import (
     parameter_findings,
     state_findings,
 )
-from robsim.teach.doctor.task_checks.report import TaskReport
+from robsim.teach.doctor.task_checks.report import REFUSED, TaskReport
 from robsim.teach.doctor.task_checks.seen_run import SeenRun
 from robsim.teach.tasks.by_name import task as named_task
 from robsim.teach.tasks.definition import Task
@@ -45,15 +45,16 @@ def check_for_task(
         raise TypeError(f"task must be a Task, or its name, got {quoted(task)}")
     chosen = named_task(task) if isinstance(task, str) else task
     solution = Solution.load(path, chosen.slots, is_right=False)
-    report = report_of(path, slots, _surroundings(chosen))
+    around = _surroundings(chosen)
+    report = report_of(path, slots, around)
     is_loaded = all(problem.kind != "not loaded" for problem in report.problems)
     reason = why_not_own(chosen, solution) if is_loaded else ""
     trial = _trial(chosen, path) if is_loaded and not reason else None
     kinds = {problem.kind for problem in report.problems}
     found = () if trial is None else _findings(trial, solution, is_known=bool(kinds - _NO_CAUSE))
-    findings = tuple(one for one in found if one.kind not in kinds)
+    findings = around.with_allowed(one for one in found if one.kind not in kinds)
     known = {field.name: getattr(report, field.name) for field in fields(report)}
-    not_own = [Problem(kind="not handed in", sentence=reason)] if reason else []
+    not_own = [Problem(kind=REFUSED, sentence=reason)] if reason else []
     known["problems"] = (*_once(report), *not_own, *findings)
     known["remarks"] = (*_remarks(report, chosen, solution), *report.remarks)
     known["tables"] = (*(() if trial is None else trial.tables), *report.tables)

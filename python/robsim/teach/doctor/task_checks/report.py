@@ -14,6 +14,9 @@ if TYPE_CHECKING:  # where submissions are graded the doctor looks at them witho
     from robsim.teach.tasks.definition import Task
     from robsim.teach.tasks.trial import TaskTrial
 
+#: The kind of the problem of a solution that grading takes for no work.
+REFUSED = "not handed in"
+
 
 @dataclass(frozen=True, kw_only=True)
 class TaskReport(FolderReport):
@@ -26,7 +29,7 @@ class TaskReport(FolderReport):
     task : Task
         The task.
     trial : TaskTrial or None
-        How they do on it; None = they could not be loaded.
+        How they do on it; None = they were not tried.
     findings : tuple of Problem
         What the runs show, the likeliest cause first.
     """
@@ -50,7 +53,8 @@ class TaskReport(FolderReport):
         """The verdict in one line."""
         task = f"the task {self.task.name}"
         if self.trial is None:
-            return f"{self.name} was not tried on {task}: it cannot be loaded"
+            refused = (one.sentence for one in self.problems if one.kind == REFUSED)
+            return f"{self.name} was not tried on {task}: {next(refused, 'it cannot be loaded')}"
         if self.is_solved:
             ill = f"; {super().headline}" if self.problems else ""
             return f"{self.name} solves {task}: {self.trial.verdict}{ill}"
