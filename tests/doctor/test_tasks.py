@@ -242,6 +242,17 @@ def test_no_name_that_is_masked_is_suggested(tmp_path, call):
         assert ("'locate'" in str(report.checks["measure"])) == is_suggested
 
 
+def test_a_notebook_has_the_values_of_the_task_beside_it(tmp_path):
+    ParkTask().begin(tmp_path)
+    drives = "def control(step):\n    return GOAL[0] / 0, 0"
+    file = notebook(tmp_path / "s1.ipynb", "from task import *", drives)
+    (tmp_path / "control.py").unlink()
+    for path in (file, tmp_path):
+        problem = check_folder(path).problems[0]
+        assert "ZeroDivisionError" in problem.sentence
+        assert problem.line.place == "s1.ipynb, cell 2, line 2"
+
+
 def test_a_notebook_without_a_needed_name_is_told_its_cell_alone(tmp_path):
     file = notebook(tmp_path / "s1.ipynb", "from math import *\ndef control(step): return K, K")
     (problem,) = check_folder(file).problems

@@ -218,6 +218,19 @@ def test_a_notebook_is_tried_as_the_grader_takes_it(tmp_path):
     assert "s2.ipynb, cell 2, line 3" in failed.failed[0]
 
 
+def test_a_notebook_in_a_folder_is_tried_with_its_helpers(tmp_path):
+    (tmp_path / "own.py").write_text("def pace(k):\n    return 0.5\n")
+    (tmp_path / "other.py").write_text("import robsim\nsimulate = robsim.Simulation\n")
+    cells = ("from task import *\nfrom own import pace", "sim = robsim.Simulation()")
+    drives = "def control(step):\n    return GOAL[0] * 0, pace(step.k)"
+    notebook(tmp_path / "s1.ipynb", *cells, drives)
+    trial = tried(ParkTask(steps=5, runs=1), tmp_path)
+    assert trial.trace.u.tolist() == [[0, 0.5]] * 5
+    notebook(tmp_path / "s1.ipynb", "from other import *", *cells, drives)
+    with pytest.raises(ValueError, match=r"other\.py has robsim\.Simulation"):
+        tried(ParkTask(steps=5, runs=1), tmp_path)
+
+
 @pytest.mark.parametrize(
     ("cells", "named"),
     [

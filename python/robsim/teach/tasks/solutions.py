@@ -78,7 +78,8 @@ class Solution:
         Parameters
         ----------
         folder : path
-            The folder, the file of a slot, or a notebook.
+            The folder, the file of a slot, a notebook, or a folder with a notebook instead of files
+            of slots.
         slots : sequence of str
             The slots that it may fill.
         is_right : bool
@@ -96,9 +97,10 @@ class Solution:
         slots = checked_slots(slots, tuple(SLOTS))
         is_file = path.is_file()
         how: dict[str, Any] = {"name": path.name, "is_right": is_right, "slots": slots}
-        if is_notebook(path):
+        home = path.parent if is_file else path
+        if is_notebook(path, slots):
             notebook = read_notebook(path, slots)
-            return cls(**how, folder=path.parent, files=callback_files(notebook), notebook=notebook)
+            return cls(**how, folder=home, files=callback_files(notebook), notebook=notebook)
         found = [path] if is_file else sorted(path.iterdir())
         files = {
             file.stem: file.read_bytes()
@@ -107,7 +109,6 @@ class Solution:
         }
         if not files.keys() & set(slots):
             raise ValueError(_what_is_missing(path, files, slots))
-        home = path.parent if is_file else path
         return cls(**how, folder=home, files=files)
 
     def __repr__(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -345,10 +345,8 @@ def why_not_own(task: Task, solution: Solution) -> str:
     if solution.notebook is not None:
         sources = {**solution.notebook.sources, f"{MODULE}.py": module_source(task)}
         return _why_refused(replace(solution.notebook, sources=sources), rules)
-    used = {*task.slots, *imported_names(solution.files)}
-    files = {name: source for name, source in solution.files.items() if name in used}
-    for name, mask in masked_in(files, task.masked).items():
-        return f"{name}.py has {mask}, which is not there for this task"
+    if reason := _why_masked(solution.files, task.slots, rules):
+        return reason
     folder = solution_folder(task, solution)
     with _quiet(), masked(rules) as taken, folder.callbacks() as callbacks:
         off = {slot: False for slot in task.slots if slot in solution.files}
@@ -364,10 +362,21 @@ def why_not_own(task: Task, solution: Solution) -> str:
     return ""
 
 
+def _why_masked(files: Mapping[str, bytes], mains: Iterable[str], rules: Rules) -> str:
+    """Return which file in use names something masked; "" = no file does."""
+    used = {*mains, *imported_names(files)}
+    in_use = {name: source for name, source in files.items() if name in used}
+    for name, mask in masked_in(in_use, rules.masked).items():
+        file = name if name.endswith(".ipynb") else f"{name}.py"
+        return f"{file} has {mask}, which is not there for this task"
+    return ""
+
+
 def _why_refused(notebook: SubmissionFiles, rules: Rules) -> str:
     code = ast.unparse(ast.Module([*statements_of_slot(notebook, rules, "")], []))
-    for mask in masked_in({"": code.encode()}, rules.masked).values():
-        return f"{notebook.main} has {mask}, which is not there for this task"
+    main = notebook.main
+    if reason := _why_masked({**notebook.modules, main: code.encode()}, [main], rules):
+        return reason
     try:
         with _quiet(), loaded_slots(notebook, rules):
             return ""

@@ -115,7 +115,7 @@ def report_of(
 ) -> FolderReport:
     """Return the report on a folder or a file; other arguments are those of `check_folder`."""
     file = as_path(path)
-    if is_notebook(file):
+    if is_notebook(file, around.slots):
         notebook = read_notebook(file, around.slots)
         with TemporaryDirectory() as place:
             for name, source in callback_files(notebook).items():
