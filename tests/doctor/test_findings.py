@@ -70,3 +70,19 @@ def test_what_a_mask_stops_is_no_finding():
         b"import robsim\ndef measure(step):\n    return robsim.locate(step.blobs, step.markers)\n"
     )
     assert not finding({"measure.py": source}, ["measure"], ["robsim.locate"])
+
+
+@pytest.mark.long
+def test_no_advice_is_what_a_mask_takes():
+    source = (
+        b"import numpy as np\nimport robsim\nfrom helper import found_in\n\n\ndef measure(step):\n"
+        b"    found = found_in(step)\n"
+        b"    return found and robsim.Measurement(found.pose, covariance=1e-6 * np.eye(3))\n"
+    )
+    task = TASKS["measure"]()
+    helper = next(one for one in task.solutions if one.name == "centroids").files["measure"]
+    helper += b"\n\nfound_in = measure\n"
+    sources = {"measure.py": source, "helper.py": helper, f"{MODULE}.py": module_source(task)}
+    said = [finding(sources, ["measure"], masked) for masked in ([], ["robsim.locate"])]
+    assert ["robsim.locate" in one for one in said] == [True, False], said
+    assert all("covariance" in one for one in said)

@@ -6,16 +6,22 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from robsim.simulation.slots import ROBOT, names
-from robsim.teach.doctor.callbacks.folder import check_slot
-from robsim.teach.doctor.callbacks.scenes import Setting
+from robsim.teach.doctor.callbacks.folder import Surroundings, check_slot
 from robsim.teach.submissions.imports import not_here
 
 
-def first_finding(make: Callable[[], Mapping[str, Any]], slots: Iterable[str]) -> str:
-    """Return the first problem of fresh callbacks from `make`, and its place; "" = no problem."""
+def first_finding(
+    make: Callable[[], Mapping[str, Any]], slots: Iterable[str], masked: tuple[str, ...]
+) -> str:
+    """Return the first problem of fresh callbacks from `make`, and its place; "" = no problem.
+
+    No advice has a masked name.
+    """
+    around = Surroundings(masked=masked)
     for slot in slots:
         if slot in names(half=ROBOT) and callable(make().get(slot)):
-            first = next(iter(check_slot(slot, make, Setting.usual()).problems), None)
+            problems = check_slot(slot, make, around.setting).problems
+            first = next(iter(around.with_allowed(problems)), None)
             if first is not None and str(not_here("")) not in first.sentence:  # which its runs tell
                 places = [text for text in (first.where, first.code) if text]
                 return "\n".join([f"{slot}: {first.sentence}", *places])

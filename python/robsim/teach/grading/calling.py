@@ -174,8 +174,8 @@ _MOST_SAID = 1 << 14  # bytes
 class JudgeSetup(CallSetup):
     """The setup of a worker with a judge."""
 
-    #: ``"module:function"``. The function gets a maker of fresh callbacks by slot, and the names
-    #: of the slots. It returns a text.
+    #: ``"module:function"``. The function gets a maker of fresh callbacks by slot, the names of the
+    #: slots, and the masks. It returns a text.
     judge: str
 
 
@@ -192,7 +192,9 @@ def work(connection: socket.socket, memory: Sequence[int]) -> None:
             slots = loaded_slots(setup.submission, setup.rules, os.getcwd())
             return loaded.enter_context(slots)
 
-        said = judge(make, setup.submission.slots).encode("utf-8", "backslashreplace")
+        said = judge(make, setup.submission.slots, setup.rules.masked).encode(
+            "utf-8", "backslashreplace"
+        )
         channel.send(Kind.RESULT, said[:_MOST_SAID])
 
 
