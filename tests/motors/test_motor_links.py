@@ -230,7 +230,7 @@ def test_threads_and_sockets_end_with_their_owners(robot):
         motors = motors_of(robot, ttl=SHORT)
         experiment = watched(motors, frame_timeout=1000)
         other = MotorReceiver()
-        assert len(held("task") - threads) == 3
+        wait_for(lambda: len(held("task") - threads) == 3)  # others of the process come and go
         del motors, experiment, other
         gc.collect()
         wait_for(lambda: held("task") <= threads)

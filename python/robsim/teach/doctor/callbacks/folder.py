@@ -16,7 +16,7 @@ from typing import Any
 
 from robsim._core import RobotModel, Step
 from robsim.base.check_report import CheckReport, Problem
-from robsim.base.files import as_path
+from robsim.base.files import as_path, write_whole
 from robsim.base.report import Column, Row, Table
 from robsim.base.source_line import SourceLine, line_of_error
 from robsim.base.spelling import suggestion
@@ -119,7 +119,7 @@ def report_of(
         notebook = read_notebook(file, around.slots)
         with TemporaryDirectory() as place:
             for name, source in callback_files(notebook).items():
-                Path(place, f"{name}.py").write_bytes(source)
+                write_whole(Path(place, f"{name}.py"), source)
             report = report_of(place, slots, replace(around, notebook=notebook.main))
             return replace(report, name=str(file))
     is_file = file.is_file()
