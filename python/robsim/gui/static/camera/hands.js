@@ -11,7 +11,8 @@ const FINGER = 2.2; // times the reach of a mouse
  * `hover(at, where)` (null = away; `where` is on the canvas), `click(at)`, `draw(scene)`.
  * `doubleClick(at)` and `key(event)` return whether the hand has handled the event. `grab(at)`
  * returns the dragged thing: {at, `key`, move(at, goesOn), drop(), giveUp() if unlike drop()}.
- * `drags()` is false where nothing is dragged. A hand without `isOn` draws, and has keys.
+ * `drags()` is false where nothing is dragged. A hand without `isOn` draws, and has keys, also
+ * before the first picture has come.
  */
 export function makeHands(context, hands, { canvas, lens, later, zoomed }) {
   let held = null; // the dragged thing, until Python's first state after the drop
@@ -60,8 +61,8 @@ export function makeHands(context, hands, { canvas, lens, later, zoomed }) {
   const keys = { "+": larger, "=": larger, "-": () => zoomBy(0.8), 0: () => zoomed(lens.reset) };
   listenToKeys(canvas, (event) => {
     if (keys[event.key]) return keys[event.key]();
-    return Boolean(context.frame && (upper()?.key?.(event)
-      || hands.some((hand) => !hand.isOn && hand.key?.(event))));
+    return Boolean((context.frame && upper()?.key?.(event))
+      || hands.some((hand) => !hand.isOn && hand.key?.(event)));
   });
   context.on("state", () => {
     if (!isHeld) held = null;
