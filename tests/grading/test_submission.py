@@ -213,6 +213,22 @@ def test_the_compiled_file_of_a_masked_module_cannot_be_read(tmp_path):
     assert "PermissionError" in str(error)
 
 
+def test_the_file_of_a_masked_class_cannot_be_read_though_the_table_of_copies_is_emptied(tmp_path):
+    code = """
+        import os, robsim
+        from robsim.teach.submissions import copies
+        copies._refused.clear()
+        file = os.path.join(os.path.dirname(robsim.__file__), "control/path_following.py")
+        def control(step):
+            exec(open(file).read(), {"__name__": "mine"})
+            return 0, 0
+        """
+    if not check_isolation().closed["files"]:
+        pytest.skip("files are open here")
+    error = failure(tmp_path, code, masked=["robsim.FollowPath"])
+    assert "PermissionError" in str(error)
+
+
 @pytest.mark.parametrize(
     ("name", "use"),
     [

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any, Generic, Literal, TypeVar
 
 from robsim.simulation import Scenario
@@ -16,6 +17,7 @@ from robsim.simulation.slots import ESTIMATORS, ROBOT, STEP, WORLD, names
 from robsim.teach.isolation import Isolation, WorkerLimits
 from robsim.teach.isolation.limits import room_for
 from robsim.teach.submissions import Rules, SubmissionFiles
+from robsim.teach.submissions.copies import codes_of
 
 #: The slots of the world half.
 WORLD_SLOTS = names(half=WORLD)
@@ -117,11 +119,15 @@ class Task:
 
 
 def hidden_files(rules: Rules) -> list[str]:
+    """Return the files of masked modules, and those of masked functions and classes of robsim."""
     hidden = []
     for name in rules.masked:
         with suppress(ImportError, ValueError):
             found = importlib.util.find_spec(name)
-            if found is not None and found.has_location and found.origin is not None:
+            if found is None and name.startswith("robsim."):
+                for file in {code.co_filename for code in codes_of(resolve_name(name))}:
+                    hidden += _files_of(file)
+            elif found is not None and found.has_location and found.origin is not None:
                 folders = found.submodule_search_locations
                 hidden += list(folders) if folders else _files_of(found.origin)
     return hidden

@@ -37,12 +37,12 @@ def copies_refused(masked: Mapping[str, Any]) -> Iterator[None]:
 def _bodies(mask: str, value: Any) -> Iterator[_Body]:
     if not mask.startswith("robsim.") or mask.startswith("robsim.teach."):
         return
-    for code in _codes_of_files(mask) if value is None else _codes_of(value):
+    for code in _codes_of_files(mask) if value is None else codes_of(value):
         if len(code.co_code) >= _LEAST:
             yield code.co_code, code.co_names
 
 
-def _codes_of(value: Any) -> Iterator[CodeType]:
+def codes_of(value: Any) -> Iterator[CodeType]:
     """Yield the codes of a function, or of the methods of a class of robsim and of its bases."""
     parts = [part for kind in getattr(value, "__mro__", ()) for part in vars(kind).values()]
     for part in (value, *parts):
