@@ -306,7 +306,7 @@ def waiting(drive, camera):
     def make(*, animates):
         motors = Sender()
         control = lambda step: (1, 2)  # noqa: E731
-        driver = drive(experiment(camera, send=motors, control=control, frame_timeout=1000))
+        driver = drive(experiment(camera, send=motors, control=control))
         driver.motors, driver.looks = motors, []
         look_up = driver._look_up
         driver._look_up = lambda n: driver.looks.append(n) or look_up(n)

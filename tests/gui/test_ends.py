@@ -69,7 +69,7 @@ def test_motors_that_end_their_thread_do_not_keep_a_run_open(mistakes):
         if not u.any():
             raise SystemExit
 
-    sim = experiment(frames(), send=send, control=lambda step: (1, 2), frame_timeout=1000)
+    sim = experiment(frames(), send=send, control=lambda step: (1, 2))
     with panel_of(sim) as (view, _):
         done(view.driver.step())
         assert view.driver.close(SOON)

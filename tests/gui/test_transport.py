@@ -210,7 +210,7 @@ def robot():
 
 def driven(source, send, **options):
     """An experiment whose robot is told to move."""
-    given = {"send": send, "control": lambda step: (1, 2), "frame_timeout": 1000}
+    given = {"send": send, "control": lambda step: (1, 2)}
     return experiment(source, **(given | options))
 
 
@@ -271,8 +271,7 @@ def test_stop_stops_the_robot_whatever_a_callback_does(robot, hanging, hang):
         assert robot.stands
         assert not any(map(any, robot.sent[inputs:]))  # its input is not sent
         browser.press("start")
-        browser.take("state", state="running", stopped=False)
-        browser.take("state", state="ended")
+        browser.take("state", state="ended", stopped=False)
         assert view.runner.n_steps == 20
 
 

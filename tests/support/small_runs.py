@@ -20,7 +20,7 @@ def frames(count=5):
 
 
 def experiment(source, **options):
-    given = {"area": (64, 64), "measure": False, "identify_from": "truth"}
+    given = {"area": (64, 64), "measure": False, "identify_from": "truth", "frame_timeout": 1000}
     return robsim.Experiment(source, **(given | options))
 
 
