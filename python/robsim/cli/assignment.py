@@ -11,16 +11,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from robsim.cli import errors
-from robsim.cli.command import (
-    argument,
-    command,
-    command_group,
-)
+from robsim.cli.command import command, command_group
 from robsim.cli.shared import Jobs, Json, engine_of
 
 if TYPE_CHECKING:
     from robsim.teach.tasks import TaskCalibration
-Folder = Annotated[Path, argument("FOLDER", "The assignment, as robsim assignment new makes it.")]
+Folder = Annotated[Path, "FOLDER: The assignment, as robsim assignment new makes it."]
 
 
 @contextmanager

@@ -10,7 +10,6 @@ import typer
 
 from robsim.base.checks import check_choice
 from robsim.cli import errors
-from robsim.cli.command import option
 from robsim.cli.errors import styled
 from robsim.cli.shared import Json
 from robsim.simulation.slots import SLOTS
@@ -27,9 +26,7 @@ _STYLES = {"well": "green", "remark": "yellow", "ill": "bold red"}
 
 def check(
     path: Path,
-    slot: Annotated[
-        str | None, option("--slot", "NAME", f"Only this one: {', '.join(SLOTS)}.")
-    ] = None,
+    slot: Annotated[str | None, f"--slot NAME: Only this one: {', '.join(SLOTS)}."] = None,
     task: str | None = None,
     as_json: Json = False,
 ) -> None:

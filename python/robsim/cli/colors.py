@@ -12,11 +12,7 @@ from robsim._core import ColorClass, classify, find_blobs
 from robsim.base.checks import Floats, check_float
 from robsim.base.text import quoted
 from robsim.cli import color_training, errors
-from robsim.cli.command import (
-    argument,
-    command,
-    command_group,
-)
+from robsim.cli.command import command, command_group
 from robsim.cli.shared import Colors, Json, Noise, Robot, Seed
 from robsim.cli.text import Region, parse_noise, parse_point, parse_region
 from robsim.simulation import Simulation
@@ -32,7 +28,7 @@ HELP = (
 )
 app = command_group("Start with: robsim colors frame")
 
-Images = Annotated[list[Path], argument("IMAGE", "Images.", show_default=False)]
+Images = Annotated[list[Path], "IMAGE: Images."]
 
 
 @command(app)

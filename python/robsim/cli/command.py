@@ -99,24 +99,23 @@ def command(
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Return a decorator that adds a command, described by its docstring, to a group.
 
-    A `summary` replaces the first line of the docstring; `more` goes to Typer.
+    The last paragraph has a line for each parameter, ``--name VALUE: text [default: shown]``,
+    unless the type is Annotated with that line. A `summary` replaces the first line of the
+    docstring; `more` goes to Typer.
     """
 
     def add(function: Callable[..., None]) -> Callable[..., None]:
         signature = inspect.signature(function, eval_str=True)
         parameters = signature.parameters.values()
-        plain = [one for one in parameters if typing.get_origin(one.annotation) is not Annotated]
         first, *parts, example = (inspect.getdoc(function) or "").split("\n\n")
-        entries = parts.pop().replace("\n    ", " ").split("\n") if plain else []
-        declared = {
-            one.name: one.replace(annotation=Annotated[one.annotation, _declared(one, entry)])
-            for one, entry in zip(plain, entries, strict=True)
-        }
+        has_plain = any(typing.get_origin(one.annotation) is not Annotated for one in parameters)
+        entries = parts.pop().replace("\n    ", " ").split("\n") if has_plain else []
+        known = [_declared(one, entries) for one in parameters]
+        assert not entries, f"{function.__name__} has no parameter for {entries}"
 
         def shown(**given: Any) -> None:
             function(**given)
 
-        known = [declared.get(one.name, one) for one in parameters]
         shown.__signature__ = signature.replace(parameters=known)  # type: ignore[attr-defined]
         about = "\n\n".join([summary or first, *(part.replace("\n", " ") for part in parts)])
         called = name or function.__name__
@@ -126,18 +125,23 @@ def command(
     return add
 
 
-def _declared(parameter: Parameter, entry: str) -> Any:
-    """Return the argument or option of a parameter that a line of a docstring describes."""
-    head, _, text = entry.partition(": ")
+def _declared(parameter: Parameter, entries: list[str]) -> Parameter:
+    """Return a parameter with the argument or option of its line, or of the first entry."""
+    kind, entry = parameter.annotation, ""
+    if typing.get_origin(kind) is Annotated:
+        kind, entry = typing.get_args(kind)
+    head, _, text = (entry or entries.pop(0)).partition(": ")
     name, _, value = head.partition(" ")
     text, _, default = text.partition(" [default: ")
-    kinds = (parameter.annotation, *typing.get_args(parameter.annotation))
     more: dict[str, Any] = {"show_default": default.removesuffix("]")} if default else {}
-    if parse := next((parse for one, parse in _PARSERS.items() if one in kinds), None):
-        more["parser"] = parse
-    if name.startswith("-"):
-        return option(name, value, text, **more)
-    return argument(name, text, **more)
+    for one, parse in _PARSERS.items():
+        if one in (kind, *typing.get_args(kind)):
+            more["parser"] = parse
+    if name.startswith("-"):  # without a value --help shows nothing instead of a type
+        made = typer.Option(name, metavar=value, help=text, **more)
+    else:
+        made = typer.Argument(metavar=name, help=text, **more)
+    return parameter.replace(annotation=Annotated[kind, made])
 
 
 def _without_types(params: list[Any]) -> list[Any]:
@@ -146,16 +150,6 @@ def _without_types(params: list[Any]) -> list[Any]:
         if param.param_type_name == "argument" or param.name == "help":
             param.display_type_rich = lambda ctx: None
     return params
-
-
-def argument(value: str, text: str, **more: Any) -> Any:
-    """Return an argument that --help shows as `value`, with a text; `more` goes to Typer."""
-    return typer.Argument(metavar=value, help=text, **more)
-
-
-def option(name: str, value: str, text: str, **more: Any) -> Any:
-    """Return an option whose value --help shows as `value`, with a text."""
-    return typer.Option(name, metavar=value, help=text, **more)
 
 
 def whole_number(text: str) -> int:
@@ -180,17 +174,3 @@ def number(text: str) -> float:
 
 
 _PARSERS = {int: whole_number, float: number}
-
-
-def number_option(name: str, value: str, text: str, **more: Any) -> Any:
-    return option(name, value, text, parser=number, **more)
-
-
-def integer_option(name: str, value: str, text: str, **more: Any) -> Any:
-    """Return an option that takes a whole number."""
-    return option(name, value, text, parser=whole_number, **more)
-
-
-def switch(name: str, text: str, **more: Any) -> Any:
-    """Return an option without a value: in place of its type, --help shows nothing."""
-    return option(name, "", text, **more)

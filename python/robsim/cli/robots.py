@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from robsim.base.text import one_line, quoted
 from robsim.cli import errors
-from robsim.cli.command import (
-    argument,
-    command,
-    command_group,
-    option,
-)
+from robsim.cli.command import command, command_group
 from robsim.cli.text import parse_point, parse_points
 
 if TYPE_CHECKING:
@@ -26,10 +21,8 @@ HELP = (
 )
 app = command_group("Start with: robsim robots list")
 
-Name = Annotated[str, argument("NAME", "Name of the robot.", show_default=False)]
-Colors = Annotated[
-    Path | None, option("--colors", "FILE", "Colour file.", show_default="that of robsim")
-]
+Name = Annotated[str, "NAME: Name of the robot."]
+Colors = Annotated[Path | None, "--colors FILE: Colour file. [default: that of robsim]"]
 
 _FACES = {0.0: "right", 90.0: "up", 180.0: "left", 270.0: "down"}
 

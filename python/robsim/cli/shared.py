@@ -3,23 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from robsim.base.checks import check_choice, check_float
 from robsim.cli import errors
-from robsim.cli.command import (
-    argument,
-    integer_option,
-    number,
-    number_option,
-    option,
-    switch,
-    whole_number,
-)
 from robsim.cli.text import about, parse_points
 from robsim.control.by_name import NAMES, POINTS
 from robsim.simulation.option import Choice, Number, Option, Size, Switch, Whole
@@ -35,24 +25,24 @@ _CONTROLS = ", ".join(
     for name in NAMES
 )
 
-#: The shell's form of the options of a world: what --help shows, a parser, a remark.
-_FORMS: dict[str | type[Option], tuple[str, Callable[[str], Any] | None, str]] = {
-    Number: ("NUMBER", number, ""),
-    Whole: ("N", whole_number, ""),
-    Size: ("WxH", None, ""),
-    Choice: ("WORD", None, ""),
-    Switch: ("", None, ""),
-    "robot": ("NAME|FOLDER", None, ""),
-    "headings": ("N", None, ""),
-    "noise": ("KIND:PERCENT", None, "Such as gaussian:10 or uniform:10."),
-    "dropout": ("PROBABILITY[:STEPS]", None, "0.2:5 = with probability 0.2, 5 steps at a time."),
-    "start": ("X,Y,DEGREES", None, ""),
-    "seed": ("N", whole_number, ""),
-    "colors": ("FILE", None, ""),
-    "markers": ("NAME|FOLDER", None, ""),
+#: The shell's form of the options of a world: its type, what --help shows, a remark.
+_FORMS: dict[str | type[Option], tuple[type, str, str]] = {
+    Number: (float, "NUMBER", ""),
+    Whole: (int, "N", ""),
+    Size: (str, "WxH", ""),
+    Choice: (str, "WORD", ""),
+    Switch: (bool, "", ""),
+    "robot": (str, "NAME|FOLDER", ""),
+    "headings": (str, "N", ""),
+    "noise": (str, "KIND:PERCENT", "Such as gaussian:10 or uniform:10."),
+    "dropout": (str, "PROBABILITY[:STEPS]", "0.2:5 = with probability 0.2, 5 steps at a time."),
+    "start": (str, "X,Y,DEGREES", ""),
+    "seed": (int, "N", ""),
+    "colors": (str, "FILE", ""),
+    "markers": (str, "NAME|FOLDER", ""),
     "control": (
+        str,
         "NAME[:POINTS]",
-        None,
         f"A built-in one replaces the folder's: {_CONTROLS}. Points are in px; with points the "
         "pose is measured.",
     ),
@@ -74,73 +64,55 @@ _TEXTS = {
 WORLD = {name: row for name, row in OPTIONS.items() if {name, type(row)} & {*_FORMS}}
 
 
-def option_of(name: str) -> Any:
-    """Return the shell's option for an option of the world, with the text of its row or ours."""
+def entry_of(name: str) -> str:
+    """Return the line that describes an option of the world, with the text of its row or ours."""
     row = OPTIONS[name]
-    form, parser, remark = _FORMS.get(name) or _FORMS[type(row)]
+    _, form, remark = _FORMS.get(name) or _FORMS[type(row)]
     limits = row.limits and f"{row.limits} {row.unit}".strip() + "."
     default = f"Default: {row.default}." if isinstance(row, (Number, Whole, Choice)) else ""
     words = (_TEXTS.get(name) or re.sub(r'[`"]', "", row.doc), limits, remark, default)
     text = " ".join(filter(None, words)).removesuffix(" Default: None.")
-    return option(f"--{name.replace('_', '-')}", form, text, parser=parser)
+    return f"--{name.replace('_', '-')} {form}".rstrip() + f": {text}"
 
 
-Callbacks = Annotated[Path | None, argument("FOLDER", "Folder with your callbacks.")]
-Robot = Annotated[str | None, option_of("robot")]
-Colors = Annotated[Path | None, option_of("colors")]
-Smoothing = Annotated[int | None, option_of("smoothing")]
-Noise = Annotated[str | None, option_of("noise")]
-Seed = Annotated[int | None, option_of("seed")]
-Area = Annotated[
-    str | None, option("--area", "WxH", "Work area in px. Default: the size of the frames.")
-]
+def kind_of(name: str) -> type:
+    return (_FORMS.get(name) or _FORMS[type(OPTIONS[name])])[0]
+
+
+Callbacks = Annotated[Path | None, "FOLDER: Folder with your callbacks."]
+Robot = Annotated[str | None, entry_of("robot")]
+Colors = Annotated[Path | None, entry_of("colors")]
+Smoothing = Annotated[int | None, entry_of("smoothing")]
+Noise = Annotated[str | None, entry_of("noise")]
+Seed = Annotated[int | None, entry_of("seed")]
+Area = Annotated[str | None, "--area WxH: Work area in px. Default: the size of the frames."]
 Pixels = Annotated[
     str | None,
-    option(
-        "--pixels",
-        "POINTS",
-        "Four or more points in the frames, in px, such as '0,0 639,0 639,479 0,479'.",
-    ),
+    "--pixels POINTS: Four or more points in the frames, in px, such as '0,0 639,0 639,479 0,479'.",
 ]
-Positions = Annotated[
-    str | None, option("--positions", "POINTS", "Their positions on the work area, in px.")
-]
+Positions = Annotated[str | None, "--positions POINTS: Their positions on the work area, in px."]
 CalibrationFile = Annotated[
     Path | None,
-    option(
-        "--calibration",
-        "FILE",
-        "Calibration of the camera, of robsim calibrate: it tells where pixels lie.",
-    ),
+    "--calibration FILE: Calibration of the camera, of robsim calibrate: it tells where pixels "
+    "lie.",
 ]
 ScenarioFile = Annotated[
     Path | None,
-    option(
-        "--scenario",
-        "FILE",
-        "TOML file of a scenario, as Scenario.save writes it; other options change it.",
-    ),
+    "--scenario FILE: TOML file of a scenario, as Scenario.save writes it; other options change "
+    "it.",
 ]
-Unit = Annotated[
-    str, option("--unit", "UNIT", "Unit of lengths in the results and figures: px, mm, cm or m.")
-]
+Unit = Annotated[str, "--unit UNIT: Unit of lengths in the results and figures: px, mm, cm or m."]
 Scale = Annotated[
     float | None,
-    number_option(
-        "--scale", "MM", "With --unit: how long a px of the work area is on the floor, in mm."
-    ),
+    "--scale MM: With --unit: how long a px of the work area is on the floor, in mm.",
 ]
 CallLimit = Annotated[
     float | None,
-    number_option(
-        "--time-limit",
-        "SECONDS",
-        "Maximum duration of a call of one of your callbacks. Default: none.",
-    ),
+    "--time-limit SECONDS: Maximum duration of a call of one of your callbacks. Default: none.",
 ]
-Jobs = Annotated[int, integer_option("--jobs", "N", "Number of processes.")]
-Out = Annotated[Path, option("--out", "FOLDER", "Folder for the results.")]
-Json = Annotated[bool, switch("--json", "Print only the numbers, as JSON.")]
+Jobs = Annotated[int, "--jobs N: Number of processes."]
+Out = Annotated[Path, "--out FOLDER: Folder for the results."]
+Json = Annotated[bool, "--json: Print only the numbers, as JSON."]
 
 
 def check_unit(

@@ -10,16 +10,10 @@ import typer
 
 from robsim.base.text import one_line
 from robsim.cli import errors
-from robsim.cli.command import (
-    argument,
-    command,
-    command_group,
-)
+from robsim.cli.command import command, command_group
 from robsim.cli.shared import Json
 
-Name = Annotated[
-    str, argument("TASK", "Name of the task, as of robsim tasks list.", show_default=False)
-]
+Name = Annotated[str, "TASK: Name of the task, as of robsim tasks list."]
 
 
 def list_tasks() -> None:

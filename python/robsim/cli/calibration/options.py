@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from robsim.base.text import quoted
-from robsim.cli.command import number_option, option
 from robsim.cli.text import about
 
 if TYPE_CHECKING:
@@ -22,27 +21,16 @@ _MOST_OF_VIDEO = 40  # pictures; neighbours in a video show the same
 
 Board = Annotated[
     str | None,
-    option(
-        "--board",
-        "COLUMNSxROWS",
-        "Inner corners of the chessboard, or squares of the ChArUco board. Default: 9x6.",
-        show_default=False,
-    ),
+    "--board COLUMNSxROWS: Inner corners of the chessboard, or squares of the ChArUco board. "
+    "Default: 9x6.",
 ]
 Square = Annotated[
     float | None,
-    number_option(
-        "--square",
-        "MM",
-        "Side of a square in mm, as printed: measure it. Default: 25; 28 on a ChArUco board.",
-        show_default=False,
-    ),
+    "--square MM: Side of a square in mm, as printed: measure it. Default: 25; 28 on a ChArUco "
+    "board.",
 ]
 Mark = Annotated[
-    float,
-    number_option(
-        "--mark", "MM", "Side of a mark on the floor sheets in mm, as printed: measure it."
-    ),
+    float, "--mark MM: Side of a mark on the floor sheets in mm, as printed: measure it."
 ]
 
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from robsim.cli import errors, shared
-from robsim.cli.command import argument, integer_option, option, switch
 from robsim.cli.outcome import show_panel
 from robsim.cli.simulated.world import options_of, simulation_of, takes_world
 from robsim.cli.text import about, parse_speed
@@ -27,73 +26,17 @@ _CONTROL = "drive-around"
 
 @takes_world
 def gui(
-    path: Annotated[
-        Path | None,
-        argument(
-            "PATH",
-            "Folder with your callbacks, as robsim new writes it; or a trace.npz, the folder "
-            "of a session, a video. For a tool, such as with --train, a picture, too, or a folder "
-            "of them.",
-        ),
-    ] = None,
-    robots: Annotated[
-        bool,
-        switch(
-            "--robots",
-            "Define a robot with the mouse: picture, outline, markers, heading, size. At "
-            "first that of --robot, or the default one.",
-        ),
-    ] = False,
-    train: Annotated[
-        bool,
-        switch(
-            "--train",
-            "Train colours, those of --colors FILE (by default colors.toml), which it writes.",
-        ),
-    ] = False,
-    calibrate: Annotated[
-        bool,
-        switch(
-            "--calibrate",
-            "Calibrate floor and lens of a camera, in --calibration FILE (by default "
-            "camera.toml), which it writes.",
-        ),
-    ] = False,
-    calibration: Annotated[
-        Path | None,
-        option("--calibration", "FILE", "With --calibrate: what is known, and its file."),
-    ] = None,
+    path: Path | None = None,
+    robots: bool = False,
+    train: bool = False,
+    calibrate: bool = False,
+    calibration: Path | None = None,
     scenario: shared.ScenarioFile = None,
-    task: Annotated[
-        str | None,
-        option(
-            "--task",
-            "NAME",
-            "The world of a task, with its goal, for the folder of a solution, whose scores "
-            "it tells at the end; for a trace the goal alone. See robsim tasks list.",
-        ),
-    ] = None,
-    speed: Annotated[
-        str | None,
-        option(
-            "--speed",
-            "FACTOR",
-            "Multiple of real time, such as 1; max = as fast as it goes. Default: 5.",
-        ),
-    ] = None,
+    task: str | None = None,
+    speed: str | None = None,
     time_limit: shared.CallLimit = None,
-    port: Annotated[
-        int,
-        integer_option(
-            "--port",
-            "N",
-            "Port of the page on this machine. Default: any that is free.",
-            show_default=False,
-        ),
-    ] = 0,
-    no_browser: Annotated[
-        bool, switch("--no-browser", "Start no browser, print the address only.")
-    ] = False,
+    port: int = 0,
+    no_browser: bool = False,
     **world: Any,
 ) -> None:
     """Open the panel in the browser.
@@ -107,6 +50,20 @@ def gui(
 
     It ends when you close its last page, or with Ctrl-C. Only browsers on this machine can open the
     page.
+
+    PATH: Folder with your callbacks, as robsim new writes it; or a trace.npz, the folder of a
+        session, a video. For a tool, such as with --train, a picture, too, or a folder of them.
+    --robots: Define a robot with the mouse: picture, outline, markers, heading, size. At first that
+        of --robot, or the default one.
+    --train: Train colours, those of --colors FILE (by default colors.toml), which it writes.
+    --calibrate: Calibrate floor and lens of a camera, in --calibration FILE (by default
+        camera.toml), which it writes.
+    --calibration FILE: With --calibrate: the calibration so far, and its file.
+    --task NAME: The world of a task, with its goal, for the folder of a solution, whose scores it
+        tells at the end; for a trace the goal alone. See robsim tasks list.
+    --speed FACTOR: Multiple of real time, such as 1, or max: as fast as it goes. Default: 5.
+    --port N: Port of the page on this machine. [default: any that is free]
+    --no-browser: Start no browser, print the address only.
 
     Example: robsim gui mine
     """

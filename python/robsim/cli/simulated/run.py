@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from robsim.cli import errors, shared
-from robsim.cli.command import integer_option, option
 from robsim.cli.outcome import finish
 from robsim.cli.simulated.world import options_of, simulation_of, takes_world
 from robsim.cli.text import about
@@ -20,21 +19,11 @@ if TYPE_CHECKING:
 def run(
     folder: shared.Callbacks = None,
     scenario: shared.ScenarioFile = None,
-    steps: Annotated[int, integer_option("--steps", "N", "Number of steps.")] = 500,
+    steps: int = 500,
     time_limit: shared.CallLimit = None,
     out: shared.Out = Path("robsim-run"),
-    video: Annotated[
-        Path | None, option("--video", "FILE", f"Video of the run: {SUFFIXES}")
-    ] = None,
-    record: Annotated[
-        Path | None,
-        option(
-            "--record",
-            "FILE",
-            "Video of the camera's frames, as the robot's software gets them: "
-            ".mkv and .avi for measurements.",
-        ),
-    ] = None,
+    video: Annotated[Path | None, f"--video FILE: Video of the run: {SUFFIXES}"] = None,
+    record: Path | None = None,
     unit: shared.Unit = "px",
     scale: shared.Scale = None,
     as_json: shared.Json = False,
@@ -44,6 +33,10 @@ def run(
 
     Figures and the trace are written to a folder. Without a controller, yours or --control, the
     robot spins. Ctrl-C ends the run and keeps its results.
+
+    --steps N: Number of steps.
+    --record FILE: Video of the camera's frames, as the robot's software gets them: .mkv and .avi
+        for measurements.
 
     Example: robsim run mine --steps 300 --measure
     """

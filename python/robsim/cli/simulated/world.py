@@ -9,7 +9,7 @@ from inspect import Parameter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from robsim.cli.shared import WORLD, option_of
+from robsim.cli.shared import WORLD, entry_of, kind_of
 from robsim.cli.text import (
     about,
     parse_control,
@@ -20,7 +20,7 @@ from robsim.cli.text import (
     parse_start,
 )
 from robsim.control.by_name import POINTS
-from robsim.simulation.option import Size, Switch
+from robsim.simulation.option import Size
 from robsim.simulation.slots import SLOTS
 
 if TYPE_CHECKING:
@@ -41,9 +41,8 @@ def takes_world(command: Command) -> Command:
     """Give a command the options of a world, as its ``**world``; those left out are None."""
     signature = inspect.signature(command, eval_str=True)
     parameters = [one for one in signature.parameters.values() if one.kind is not one.VAR_KEYWORD]
-    for name, row in WORLD.items():
-        kind: Any = bool if isinstance(row, Switch) else str
-        kind = Annotated[kind, option_of(name)]
+    for name in WORLD:
+        kind: Any = Annotated[kind_of(name), entry_of(name)]
         parameters.append(Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=kind))
     shown = signature.replace(parameters=parameters)
     command.__signature__ = shown  # type: ignore[attr-defined]
