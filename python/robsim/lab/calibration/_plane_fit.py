@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from robsim._core import PlaneMap
 from robsim.base.checks import Floats
+from robsim.vision.robots.polygons import placed
 
 _LEAST_NOISE = 0.05  # px, of what a residual is taken for at least
 
@@ -153,15 +153,6 @@ def fit_plane(
         jacobian=best.jac,
         view=camera,
     )
-
-
-def placed(positions: Floats, place: Any) -> Floats:
-    """Return positions (N, 2) of a group, in the axes of the floor that it lies on at a place."""
-    x, y, angle = place
-    forward = np.array((np.cos(angle), np.sin(angle)))
-    right = np.array((-forward[1], forward[0]))
-    found: Floats = np.array((x, y)) + positions[:, :1] * forward + positions[:, 1:] * right
-    return found
 
 
 def _place(found: Floats, positions: Floats) -> Floats:

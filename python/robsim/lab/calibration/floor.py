@@ -20,7 +20,7 @@ from robsim.base.checks import (
     check_size,
 )
 from robsim.base.text import listed, quoted
-from robsim.lab.calibration._plane_fit import PlaneFit, aligned, fit_plane, placed
+from robsim.lab.calibration._plane_fit import PlaneFit, aligned, fit_plane
 from robsim.lab.calibration.floor_report import FloorCalibration, FloorPoint
 from robsim.lab.calibration.grid import mark_middles, single_marks
 from robsim.lab.calibration.lens import checked_names, images_of
@@ -28,6 +28,7 @@ from robsim.lab.calibration.patterns.floor_sheet import MOST_SHEETS, find_sheets
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.vision.imaging.calibration import Calibration, Residuals
 from robsim.vision.imaging.images import Pixels, frame_pixels, frame_size
+from robsim.vision.robots.polygons import placed
 
 _FEWEST = 4
 _TRUSTED = 6  # points, of which one may be wrong

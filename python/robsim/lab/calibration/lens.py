@@ -13,7 +13,7 @@ import numpy as np
 from robsim._core import Frame, Intrinsics
 from robsim.base.checks import Floats, check_text
 from robsim.base.text import quoted
-from robsim.lab.calibration.lens_report import CELLS, BoardPicture, LensCalibration
+from robsim.lab.calibration.lens_report import BoardPicture, LensCalibration, coverage_of
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.vision.imaging.calibration import Calibration, Residuals
@@ -209,7 +209,7 @@ def lens_of_views(
         missing=tuple(missing),
         deviations=fit.deviations,
         has_k3=has_k3,
-        coverage=_coverage(size, used),
+        coverage=coverage_of(size, np.concatenate([view.corners.pixels for view in used])),
     )
 
 
@@ -325,12 +325,3 @@ def _is_monotonic(fit: Fit, size: tuple[int, int]) -> bool:
     k1, k2, _, _, k3 = fit.distortion
     # d/dr of r (1 + k1 r^2 + k2 r^4 + k3 r^6)
     return bool((1 + 3 * k1 * r**2 + 5 * k2 * r**4 + 7 * k3 * r**6 > 0.1).all())
-
-
-def _coverage(size: tuple[int, int], views: list[View]) -> Any:
-    """Return how many corners there are in each cell of the picture."""
-    pixels = np.concatenate([view.corners.pixels for view in views])
-    counts, _, _ = np.histogram2d(
-        pixels[:, 1] / size[1], pixels[:, 0] / size[0], bins=CELLS, range=[[0, 1], [0, 1]]
-    )
-    return counts.astype(int)

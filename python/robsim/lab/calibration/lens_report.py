@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +13,6 @@ from robsim.base.report import Column, Problem, Quantity, Report, Row, Table
 from robsim.base.text import listed
 from robsim.vision.imaging.calibration import Calibration
 
-#: Rows and columns of the cells in which corners are counted.
-CELLS = 4, 4
 _WORDS = (
     ("top left", "top", "top right"),
     ("left", "centre", "right"),
@@ -26,6 +23,25 @@ _RMS = (0.5, 1.5)  # px: good, poor
 _TILT = np.radians(15)
 _TILTED = 3  # pictures
 _FOCAL = (0.005, 0.03)  # standard deviation, relative
+
+
+def coverage_of(size: tuple[int, int], pixels: Floats) -> NDArray[np.int64]:
+    """Return the number of corners (N, 2) in each cell (4, 4) of a picture of a size (px)."""
+    counts, _, _ = np.histogram2d(
+        pixels[:, 1] / size[1], pixels[:, 0] / size[0], bins=4, range=[[0, 1], [0, 1]]
+    )
+    return counts.astype(int)
+
+
+def parts_without(coverage: NDArray[np.int64]) -> tuple[str, ...]:
+    """Return the parts of a picture without corners; the middle one has four cells."""
+    thirds = ([0], [1, 2], [3])
+    return tuple(
+        word
+        for rows, words in zip(thirds, _WORDS, strict=True)
+        for columns, word in zip(thirds, words, strict=True)
+        if not coverage[np.ix_(rows, columns)].any()
+    )
 
 
 @dataclass(frozen=True)
@@ -96,13 +112,7 @@ class LensCalibration(Report):
     @property
     def empty_parts(self) -> tuple[str, ...]:
         """Parts of the picture without corners: ``"top left"``, ... ``"bottom right"``."""
-        rows, columns = (_thirds(cells) for cells in CELLS)
-        return tuple(
-            _WORDS[i][j]
-            for i in range(3)
-            for j in range(3)
-            if not self.coverage[np.ix_(rows[i], columns[j])].any()
-        )
+        return parts_without(self.coverage)
 
     @property
     def verdict(self) -> str:
@@ -200,7 +210,3 @@ class LensCalibration(Report):
     def remarks(self) -> tuple[str, ...]:
         """Pictures without a board."""
         return (f"no board was found in {listed(self.missing)}",) if self.missing else ()
-
-
-def _thirds(cells: int) -> Any:
-    return [0], list(range(1, cells - 1)), [cells - 1]

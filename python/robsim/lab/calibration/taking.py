@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from robsim.base.checks import Floats
 from robsim.lab.calibration.lens import FEWEST, View, lens_of_views, why_missing
-from robsim.lab.calibration.lens_report import LensCalibration
+from robsim.lab.calibration.lens_report import LensCalibration, coverage_of, parts_without
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.vision.imaging.video import load_opencv
 
 _STILL = 1.0  # px, from one look to the next
 _NEW = 0.06  # of the diagonal: how far the corners are from those of all other pictures
-_WORDS = (
-    ("top left", "top", "top right"),
-    ("left", "centre", "right"),
-    ("bottom left", "bottom", "bottom right"),
-)
 
 
 class BoardTaker:
@@ -50,19 +44,14 @@ class BoardTaker:
         return corners
 
     @property
-    def empty_parts(self) -> list[str]:
-        return empty_parts(self._kept, self._size)
+    def empty_parts(self) -> tuple[str, ...]:
+        return _empty_parts(self._kept, self._size)
 
 
-def empty_parts(seen: Sequence[Corners], size: tuple[int, int]) -> list[str]:
+def _empty_parts(seen: Iterable[Corners], size: tuple[int, int]) -> tuple[str, ...]:
     """Return the parts of pictures of a size (px) that no board has reached; none of no boards."""
-    if not seen:
-        return []
-    pixels = np.concatenate([one.pixels for one in seen])
-    cells: Floats = np.clip(np.floor(4 * pixels / size), 0, 3)
-    thirds = np.array([0, 1, 1, 2])[cells.astype(int)]
-    reached = {(int(row), int(column)) for column, row in thirds}
-    return [_WORDS[i][j] for i in range(3) for j in range(3) if (i, j) not in reached]
+    pixels = [one.pixels for one in seen]
+    return parts_without(coverage_of(size, np.concatenate(pixels))) if pixels else ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +128,8 @@ class BoardPictures:
         return f"take {more} more of the board: {FEWEST} are needed, 10 to 20 are better"
 
     @property
-    def empty_parts(self) -> list[str]:
-        return empty_parts([*self.corners.values()], self.size)
+    def empty_parts(self) -> tuple[str, ...]:
+        return _empty_parts(self.corners.values(), self.size)
 
     def lens(self) -> LensCalibration:
         """Return the lens by them; ValueError if it could not be calibrated."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from robsim.base.text import cut
+
 
 class CaptureError(OSError):
     """A camera cannot be opened or read; the message says what to do.
@@ -74,6 +76,18 @@ class EndOfStream(CaptureError, EOFError):
     """The file is over: there are no more frames."""
 
     fault = "end"
+
+
+def unreached(name: str, timeout: float, error: Exception) -> CaptureError:
+    """Return why nothing answers at the address of a camera within a time (s)."""
+    if isinstance(error, TimeoutError):
+        return FrameTimeoutError(
+            f"{name} did not answer within {timeout:g} s: is it on, and does the address lead to "
+            "it?"
+        )
+    return NoCameraError(
+        f"{name} cannot be reached ({cut(error)}): is the camera on, and are host and port right?"
+    )
 
 
 _KINDS: tuple[type[CaptureError], ...] = (CaptureError, *CaptureError.__subclasses__())

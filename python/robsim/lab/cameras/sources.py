@@ -15,6 +15,7 @@ from robsim.base.checks import check_choice, check_int, is_int
 from robsim.base.text import one_line, quoted
 from robsim.base.warn import warn_user
 from robsim.lab.cameras._devices import firewire, gige
+from robsim.lab.cameras._devices.extensions import Wishes
 from robsim.lab.cameras._devices.opencv import (
     OF_ADDRESSES,
     OF_INDICES,
@@ -22,7 +23,6 @@ from robsim.lab.cameras._devices.opencv import (
     back_end_of_system,
 )
 from robsim.lab.cameras._devices.playback import Playback
-from robsim.lab.cameras.features import CameraFeatures
 
 _SAME_RATE = 0.01  # of the rate that was asked for
 
@@ -40,29 +40,6 @@ class Source:
     region: tuple[int, int, int, int] | None = None
     coding: str | None = None
     advice: str = ""  # where frames are torn
-
-
-@dataclass(frozen=True)
-class Wishes:
-    """What is asked of a camera, and of what reads it; each may be None."""
-
-    back_end: str | None
-    size: tuple[int, int] | None
-    region: tuple[int, int, int, int] | None
-    fps: float | None
-    coding: str | None
-    features: CameraFeatures | None
-
-    @property
-    def dt(self) -> float | None:
-        """Time between two frames (s)."""
-        return None if self.fps is None else 1 / self.fps
-
-    def refuse(self, source: str, *names: str) -> None:
-        for name in names:
-            value = getattr(self, name)
-            if value is not None:
-                raise ValueError(f"{name} must be None for {source}, got {quoted(value)}")
 
 
 def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
@@ -135,14 +112,7 @@ def _on_bus(bus: ModuleType, url: str, wishes: Wishes) -> Source:
     wishes.refuse(bus.NAME, "back_end")
     if wishes.coding is not None:
         check_choice("coding", wishes.coding, bus.CODINGS)
-    device = bus.new_camera(
-        url,
-        size=wishes.size,
-        region=wishes.region,
-        fps=wishes.fps,
-        coding=wishes.coding,
-        features=wishes.features,
-    )
+    device = bus.new_camera(url, wishes)
     device.open()
     sent = bus.sent_by(device)
     if sent.fps and wishes.fps is not None and abs(sent.fps / wishes.fps - 1) > _SAME_RATE:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,6 +24,7 @@ from robsim._core import (
 from robsim.base.checks import Floats
 from robsim.lab.rehearsal._calibration_findings import MarkerPair, marker_pair
 from robsim.vision.robots.definition import RobotDefinition
+from robsim.vision.robots.polygons import area_and_centroid, placed
 
 _INNER = 0.7  # of a marker's outline, from its centre: the edge is mixed with what lies around
 _OUTER = 1.2  # all of it
@@ -72,7 +72,7 @@ def marker_light(
         clipped=float((rgb[inner].max(axis=1) >= _CLIPPED).mean()),
         margin=_margin(color_of_marker, color),
         contrast=float(np.hypot(*(color_of_marker - color_around)[1:])),
-        found=blob.area / _area(corners),
+        found=blob.area / area_and_centroid(corners)[0],
     )
 
 
@@ -80,11 +80,6 @@ def _mask(polygon: Floats, shape: tuple[int, ...]) -> Mask:
     drawn = Image.new("1", (shape[1], shape[0]))
     ImageDraw.Draw(drawn).polygon([(float(x), float(y)) for x, y in polygon], fill=1)
     return np.array(drawn)
-
-
-def _area(corners: Floats) -> float:
-    x, y = corners.T
-    return abs(float(x @ np.roll(y, 1) - y @ np.roll(x, 1))) / 2
 
 
 def _margin(yuv: Floats, color: ColorClass) -> float:
@@ -151,7 +146,7 @@ class CameraLook:
         if detection.measurement.signal_to_noise is not None:
             self.signal_to_noise.append(detection.measurement.signal_to_noise)
         for name, blob in self._found(detection).items():
-            corners = frame.plane_map.to_pixel(_placed(self._corners[name], pose))
+            corners = frame.plane_map.to_pixel(placed(self._corners[name], pose))
             if light := marker_light(frame, corners, blob, self._colors[name]):
                 self.marker_light[name].append(light)
 
@@ -172,14 +167,6 @@ class CameraLook:
             for blob in blobs.get(name, ())
             if blob != found[name]
         )
-
-
-def _placed(corners: Floats, pose: Floats) -> Floats:
-    """Return the positions (N, 2) of corners in the robot's own axes, forward and right."""
-    forward = np.array((math.cos(pose[2]), math.sin(pose[2])))
-    right = np.array((-forward[1], forward[0]))
-    placed: Floats = pose[:2] + corners[:, :1] * forward + corners[:, 1:] * right
-    return placed
 
 
 def _light_of(frame: Frame) -> tuple[float, float, float]:

@@ -17,33 +17,25 @@ from robsim.base.checks import Floats, check_text
 from robsim.plotting import style as style
 from robsim.plotting.style import check_blobs, check_kind, check_optional, check_positions
 from robsim.vision.imaging.images import Pixels
+from robsim.vision.robots.polygons import placed
 
 HEADING_LINE = 80.0  # length of a heading's line (work-area px)
 
 
 def heading_line(pose: Floats) -> Floats:
     """Return both ends (2, 2) of the line from a pose's position along its heading."""
-    return np.array((pose[:2], pose[:2] + HEADING_LINE * _forward(pose)))
+    return placed(np.array(((0.0, 0.0), (HEADING_LINE, 0.0))), pose)
 
 
 def placed_outline(outline: ArrayLike, pose: Floats) -> Floats:
     """Return an outline (N, 2) in robot axes (x forward, y right) at a pose (3,), in area px."""
-    points = check_positions("outline", outline)
-    # y to the right of the robot: forward rotated by +90 degrees, clockwise in the image.
-    forward = _forward(pose)
-    right = np.array((-forward[1], forward[0]))
-    placed: Floats = pose[:2] + points[:, :1] * forward + points[:, 1:] * right
-    return placed
+    return placed(check_positions("outline", outline), pose)
 
 
 def box_corners(blob: Blob) -> Floats:
     """Return the corners (4, 2) of the box around a blob (pixels), at its pixels' outer edges."""
     left, top, right, bottom = np.add(blob.bounding_box, (-0.5, -0.5, 0.5, 0.5))
     return np.array([(left, top), (right, top), (right, bottom), (left, bottom)])
-
-
-def _forward(pose: Floats) -> Floats:
-    return np.array((np.cos(pose[2]), np.sin(pose[2])), dtype=np.float64)
 
 
 SHADE = 0.35  # brightness of the image under the text

@@ -5,6 +5,8 @@ A polygon is an array (N, 2) of corners; the last corner is joined to the first.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +25,16 @@ def area_and_centroid(polygon: Floats) -> tuple[float, Floats]:
         return 0.0, polygon.mean(axis=0)
     centroid: Floats = polygon[0] + cross @ (a + b) / (3 * cross.sum())
     return abs(float(cross.sum())) / 2, centroid
+
+
+def placed(points: Floats, pose: Any) -> Floats:
+    """Return points (N, 2) in the axes forward and right, at a pose in other axes."""
+    x, y, heading = pose
+    # Right is forward rotated by +90 degrees, clockwise in the image.
+    forward = np.array((np.cos(heading), np.sin(heading)))
+    right = np.array((-forward[1], forward[0]))
+    found: Floats = np.array((x, y)) + points[:, :1] * forward + points[:, 1:] * right
+    return found
 
 
 def fitted(polygon: Floats, area: float, centroid: Floats) -> Floats:

@@ -7,8 +7,7 @@ from typing import Any
 
 from robsim._core import pixel_formats
 from robsim.base.text import quoted
-from robsim.lab.cameras._devices.extensions import Extension, Sent
-from robsim.lab.cameras.features import CameraFeatures
+from robsim.lab.cameras._devices.extensions import Extension, Sent, Wishes
 
 SCHEME, NAME = "firewire", "FireWire"
 #: The best one first.
@@ -28,15 +27,7 @@ EXTENSION = Extension(
 )
 
 
-def new_camera(
-    url: str,
-    *,
-    size: tuple[int, int] | None,
-    region: tuple[int, int, int, int] | None,
-    fps: float | None,
-    coding: str | None,
-    features: CameraFeatures | None,
-) -> Any:
+def new_camera(url: str, wishes: Wishes) -> Any:
     """Return the device of an address such as ``"firewire://"``; it is not open yet.
 
     ValueError: the address is wrong. NoBackEndError: the extension is missing here.
@@ -48,10 +39,7 @@ def new_camera(
             "second one, and so on), or firewire:// and the 16 digits of the camera's number, got "
             f"{quoted(url)}"
         )
-    wishes = (features or CameraFeatures())._wishes()
-    return EXTENSION.load().FireWireCamera(
-        choice, size=size, region=region, fps=fps, coding=coding or "", features=wishes
-    )
+    return EXTENSION.load().FireWireCamera(choice, coding=wishes.coding or "", **wishes.given)
 
 
 def sent_by(device: Any) -> Sent:

@@ -8,8 +8,7 @@ from urllib.parse import parse_qsl, urlsplit
 
 from robsim._core import pixel_formats
 from robsim.base.text import quoted
-from robsim.lab.cameras._devices.extensions import Extension, Sent
-from robsim.lab.cameras.features import CameraFeatures
+from robsim.lab.cameras._devices.extensions import Extension, Sent, Wishes
 
 if TYPE_CHECKING:
     from robsim._gige import GigeCamera
@@ -32,15 +31,7 @@ EXTENSION = Extension(
 ENOUGH_RECEIVE_BUFFER = 4 << 20
 
 
-def new_camera(
-    url: str,
-    *,
-    size: tuple[int, int] | None,
-    region: tuple[int, int, int, int] | None,
-    fps: float | None,
-    coding: str | None,
-    features: CameraFeatures | None,
-) -> GigeCamera:
+def new_camera(url: str, wishes: Wishes) -> GigeCamera:
     """Return the device of an address such as ``"gige://192.168.1.20"``; it is not open yet.
 
     After a question mark stands what is chosen seldom: ``format``, a pixel format of GenICam in
@@ -55,20 +46,17 @@ def new_camera(
             f"or name, got {quoted(url)}"
         )
     chosen = dict(parse_qsl(parts.query, keep_blank_values=True))
-    pixel_format, packet_size = chosen.pop("format", coding or ""), chosen.pop("packet_size", "0")
+    pixel_format, packet_size = (
+        chosen.pop("format", wishes.coding or ""),
+        chosen.pop("packet_size", "0"),
+    )
     if chosen or not packet_size.isdecimal() or int(packet_size) > 65535:
         raise ValueError(
             "an address of GigE Vision may choose format and packet_size (bytes, at most 65535), "
             f"as in gige://192.168.1.20?format=BayerRG8&packet_size=8000, got {quoted(url)}"
         )
     camera: GigeCamera = EXTENSION.load().GigeCamera(
-        parts.netloc,
-        size=size,
-        region=region,
-        fps=fps,
-        format=pixel_format,
-        features=(features or CameraFeatures())._wishes(),
-        packet_size=int(packet_size),
+        parts.netloc, format=pixel_format, packet_size=int(packet_size), **wishes.given
     )
     return camera
 

@@ -16,12 +16,7 @@ from PIL import Image
 
 from robsim._core import ImageStream, is_whole_jpeg
 from robsim.base.text import cut, one_line
-from robsim.lab.cameras.errors import (
-    CaptureError,
-    FrameTimeoutError,
-    NoCameraError,
-    NoPermissionError,
-)
+from robsim.lab.cameras.errors import CaptureError, NoCameraError, NoPermissionError, unreached
 from robsim.vision.imaging.images import MOST_PIXELS
 
 
@@ -91,16 +86,8 @@ class HttpCamera:
                 )
         except CaptureError:
             raise
-        except TimeoutError:
-            raise FrameTimeoutError(
-                f"{self.name} did not answer within {self._open_timeout:g} s: is it on, and does "
-                "the address lead to it?"
-            ) from None
         except OSError as error:
-            raise NoCameraError(
-                f"{self.name} cannot be reached ({cut(error)}): is the camera on, and are host "
-                "and port right?"
-            ) from error
+            raise unreached(self.name, self._open_timeout, error) from error
 
     def _request(self) -> bytes:
         lines = [f"GET {self._path} HTTP/1.0", f"Host: {self._authority}"]

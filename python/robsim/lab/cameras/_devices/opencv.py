@@ -8,7 +8,7 @@ import time
 from typing import Any
 from urllib.parse import urlsplit
 
-from robsim.base.text import cut, one_line
+from robsim.base.text import one_line
 from robsim.lab.cameras._devices.http import decoded
 from robsim.lab.cameras.errors import (
     CameraBusyError,
@@ -17,6 +17,7 @@ from robsim.lab.cameras.errors import (
     NoCameraError,
     NoPermissionError,
     UnpluggedError,
+    unreached,
 )
 from robsim.vision.imaging.video import load_opencv, quiet
 
@@ -145,16 +146,8 @@ class OpenCvCamera:
             if port is None or not parts.hostname:
                 return
             socket.create_connection((parts.hostname, port), self.open_timeout).close()
-        except TimeoutError:
-            raise FrameTimeoutError(
-                f"{self.name} did not answer within {self.open_timeout:g} s: is it on, and does "
-                "the address lead to it?"
-            ) from None
         except (OSError, ValueError) as error:
-            raise NoCameraError(
-                f"{self.name} cannot be reached ({cut(error)}): is the camera on, and are host "
-                "and port right?"
-            ) from error
+            raise unreached(self.name, self.open_timeout, error) from error
 
     def read(self) -> tuple[Any, bool, float]:
         """Return the next image, whether it is BGR, and when it arrived; None if it was torn."""
