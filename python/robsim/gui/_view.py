@@ -98,7 +98,8 @@ class View(Worker):
 
     def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
         """Return what is done with each type of message."""
-        return {"hello": self._hello, "bye": self._bye}
+        own = {"hello": self._hello, "bye": self._bye}
+        return {**own, "grant": self._grant, "size": self._size}
 
     @abstractmethod
     def tell(self, link: Link) -> None:
@@ -165,6 +166,17 @@ class View(Worker):
         link.greet(message["id"])
         link.resize(message["width"])
         self.tell(link)
+
+    def _grant(self, link: Link, message: dict[str, Any]) -> None:
+        is_back = not link.is_watched  # though it was taken to have gone
+        link.grant(message["id"], message["upto"], late=message["late"])
+        if is_back:
+            link.forget_rows()
+            self.tell(link)
+
+    def _size(self, link: Link, message: dict[str, Any]) -> None:
+        link.resize(message["width"])
+        link.shown = None  # as sharp as it is shown now
 
     def _bye(self, link: Link, message: dict[str, Any]) -> None:
         was_watched = self.is_watched

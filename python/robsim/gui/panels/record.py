@@ -204,13 +204,10 @@ class SimulationRecord(RunRecord):
     """The steps of a simulation, whose frames are rendered again."""
 
     source = "simulation"
-
-    def __init__(self, runner: Simulation) -> None:
-        super().__init__(runner)
-        self._simulation = runner
+    _runner: Simulation
 
     def frame(self, k: int) -> Frame | None:
-        return self._simulation.render_step(k)
+        return self._runner.render_step(k)
 
 
 class ExperimentRecord(RunRecord):
@@ -218,22 +215,19 @@ class ExperimentRecord(RunRecord):
 
     source = "experiment"
     reads_in_run = False  # the run may wait for a frame of the camera
-
-    def __init__(self, runner: Experiment) -> None:
-        super().__init__(runner)
-        self._experiment = runner
-        self._session: Session | None = None  # the one that is recorded, up to what was read of it
-        self._opened = -math.inf
+    _runner: Experiment
+    _session: Session | None = None  # the recorded one, as far as it was read
+    _opened = -math.inf
 
     @property
     def has_frames_once(self) -> bool:
-        return not self._experiment._source.can_read_again  # a session is written a moment later
+        return not self._runner._source.can_read_again  # a session is written a moment later
 
     def frame(self, k: int) -> Frame | None:
-        recording = self._experiment._recording
+        recording = self._runner._recording
         if recording is not None and recording.has_begun:
             return self._recorded(recording.folder, k)
-        return self._experiment._source.again(k)
+        return self._runner._source.again(k)
 
     def _recorded(self, folder: Path, k: int) -> Frame | None:
         now = time.monotonic()

@@ -236,20 +236,14 @@ def pictures_of(what: Any, robot: RobotDefinition) -> Pictures:
         found = panel(what)
         return RunPictures(found._view.driver, type(what).__name__, None if is_open else found)
     if isinstance(what, (Frame, np.ndarray)):
-        pixels = what.image if isinstance(what, Frame) else images.check_pixels("what", what, 3)
-        return OnePicture(what if isinstance(what, Frame) else pixels, "a picture")
+        is_frame = isinstance(what, Frame)
+        return OnePicture(what if is_frame else images.check_pixels("what", what, 3), "a picture")
     if isinstance(what, (str, PathLike)):
         path = as_path(what, "what")
-        return _picture_file(path) if _is_picture(path) else RecordedPictures(Recording(path))
+        if path.is_dir() or path.suffix.lower() not in images.image_suffixes():
+            return RecordedPictures(Recording(path))
+        return OnePicture(images.load_image(path), path.name)
     raise TypeError(
         "what must be a Camera, a Recording, a Simulation, an Experiment, a Frame, an array or a "
         f"path, got {quoted(what)}"
     )
-
-
-def _is_picture(path: Path) -> bool:
-    return not path.is_dir() and path.suffix.lower() in images.image_suffixes()
-
-
-def _picture_file(path: Path) -> Pictures:
-    return OnePicture(images.load_image(path), path.name)

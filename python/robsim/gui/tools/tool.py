@@ -84,12 +84,10 @@ class ToolView(View):
     def handlers(self) -> Mapping[str, Handler]:
         return {
             **super().handlers(),
-            "grant": self._grant,
-            "size": self._size,
             "look": self._look_at,
             "freeze": self._in_place(lambda m: self.freeze(m["on"])),
             "upload": self._uploads.take,
-            "give_up": self._give_up,
+            "give_up": self._uploads.give_up,
             "back": self._in_place(lambda _: self.go_back()),
             "undo": self._in_place(lambda _: self.travel(self.history.undo)),
             "redo": self._in_place(lambda _: self.travel(self.history.redo)),
@@ -371,7 +369,7 @@ class ToolView(View):
         self.tell_state()
 
     def _in_place(self, act: Callable[[dict[str, Any]], object]) -> Handler:
-        """Return a handler; what is wrong is told to the browser that asked for it."""
+        """Return a handler; an error goes to the browser that sent the message."""
 
         def handle(link: Link, message: dict[str, Any]) -> None:
             if not message.get("goes_on"):
@@ -386,9 +384,6 @@ class ToolView(View):
     def _changing(self, act: Callable[[dict[str, Any]], object]) -> Callable[[Any], object]:
         return lambda message: self.change(lambda: act(message))
 
-    def _give_up(self, link: Link, message: dict[str, Any]) -> None:
-        self._uploads.drop(lambda one: one.link is link and one.key == message["key"])
-
     def _bye(self, link: Link, message: dict[str, Any]) -> None:
         self._uploads.drop(lambda one: one.link is link and one.view == message["id"])
         super()._bye(link, message)
@@ -396,16 +391,6 @@ class ToolView(View):
     def _disconnect(self, link: Link) -> None:
         self._uploads.drop(lambda one: one.link is link)
         super()._disconnect(link)
-
-    def _grant(self, link: Link, message: dict[str, Any]) -> None:
-        is_back = not link.is_watched  # though it was taken to have gone
-        link.grant(message["id"], message["upto"], late=message["late"])
-        if is_back:
-            self.tell(link)
-
-    def _size(self, link: Link, message: dict[str, Any]) -> None:
-        link.resize(message["width"])
-        link.shown = None
 
 
 def _keep(links: list[Link], picture: bytes | None) -> None:

@@ -104,6 +104,9 @@ class Uploads:
             upload.is_wanted = False
             self._coming.pop((upload.link, upload.key), None)
 
+    def give_up(self, link: Link, message: dict[str, Any]) -> None:
+        self.drop(lambda one: one.link is link and one.key == message["key"])
+
     def look(self, now: float) -> float:
         """Forget what has stalled; return when to look again."""
         self.drop(lambda upload: not upload.is_complete and upload.heard <= now - PATIENCE)

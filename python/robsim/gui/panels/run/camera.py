@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from robsim._core import Blob, Frame, PlaneMap, Step, detect, reduced
 from robsim.base.checks import Floats
 from robsim.gui._link import SLOW, FrameClock, Link, boxes_of, jpeg, lens_of, numbers
-from robsim.gui.panels.part import Handlers, Part
+from robsim.gui.panels.part import Part
 
 if TYPE_CHECKING:
     from robsim.gui.panels.record import Record
@@ -128,9 +128,6 @@ class CameraView(Part):
         super().__init__(panel)
         self._clock = FrameClock()
 
-    def handlers(self) -> Handlers:
-        return {"grant": self._grant, "size": self._size}
-
     def setup(self) -> dict[str, Any]:
         record = self.panel.record
         return {
@@ -192,14 +189,3 @@ class CameraView(Part):
         self.panel.past.keep(shot, pictures)
         if brings_rows:
             self.panel.rows.sent(now, links)
-
-    def _grant(self, link: Link, message: dict[str, Any]) -> None:
-        is_back = not link.is_watched  # though it was taken to have gone
-        link.grant(message["id"], message["upto"], late=message["late"])
-        if is_back:
-            link.forget_rows()
-            self.panel.tell(link)
-
-    def _size(self, link: Link, message: dict[str, Any]) -> None:
-        link.resize(message["width"])
-        link.shown = None  # as sharp as it is shown now

@@ -108,7 +108,7 @@ class ColorsView(ToolView):
             "set": lambda m: self._set(m["name"], m["value"], goes_on=m["goes_on"]),
             "thresholds": lambda message: self._take_text(message["text"]),
             "score": lambda _: self._score(),
-            "save": lambda message: self._save(message["file"]),
+            "save": lambda m: self.note(f"written: {self.save(m['file'] or None)}", "info"),
         }
 
     @property
@@ -243,9 +243,6 @@ class ColorsView(ToolView):
         except ValueError as error:
             raise ValueError(f"thresholds: {error}") from None
         self.change(lambda: self.training.replace(colors))
-
-    def _save(self, file: str) -> None:
-        self.note(f"written: {self.save(file or None)}", "info")
 
     def _set_ranges(self, ranges: list[list[int]], *, goes_on: bool) -> None:
         y, u, v = ((low, high) for low, high in ranges)

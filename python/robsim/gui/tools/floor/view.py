@@ -138,7 +138,9 @@ class FloorView(ToolView):
             "sheets": lambda _: self._find_sheets(),
             "load": lambda m: self.load(m["file"]),
             "forget": lambda _: self.take(None),
-            "save": lambda m: self._save(m["file"]),
+            "save": lambda m: self.note(
+                f"written: {one_line(self.save(m['file'] or None))}", "info"
+            ),
         }
 
     def look(self, now: float) -> float:
@@ -453,9 +455,6 @@ class FloorView(ToolView):
             raise ValueError(found)
         self.sheets.take(found)
         self.way = "sheets"
-
-    def _save(self, file: str) -> None:
-        self.note(f"written: {one_line(self.save(file or None))}", "info")
 
     def _magnify(self, link: Link, message: dict[str, Any]) -> None:
         """Send the pixels around a point, as they are."""

@@ -103,7 +103,7 @@ class RobotsView(ToolView):
             "insert": lambda m: drawing.insert(self._part, m["corner"], m["at"]),
             "cut": lambda m: drawing.remove(self._part, m["corner"]),
             "clear": lambda _: drawing.put(self._part, []),
-            "guess": lambda _: self._guess(self._part),
+            "guess": lambda _: drawing.go_to(drawing.sketch.guessed(self._part, self._colors)),
             "turn": lambda m: drawing.turn(m["degrees"]),
             "face": lambda m: drawing.face(m["at"], goes_on=m["goes_on"]),
             "resize": lambda m: drawing.resize(m["size"]),
@@ -268,9 +268,6 @@ class RobotsView(ToolView):
         known = {color.name: css_color(color) for color in self._colors}
         colors = self.drawing.sketch.markers
         return {OUTLINE: _OUTLINE_INK, **{name: known.get(name, _OTHER_INK) for name in colors}}
-
-    def _guess(self, part: str) -> None:
-        self.drawing.go_to(self.drawing.sketch.guessed(part, self._colors))
 
     def _put_square(self, at: tuple[float, float], side: float) -> None:
         height, width = self.shown.frame.image.shape[:2]

@@ -46,10 +46,8 @@ def new_camera(url: str, wishes: Wishes) -> GigeCamera:
             f"or name, got {quoted(url)}"
         )
     chosen = dict(parse_qsl(parts.query, keep_blank_values=True))
-    pixel_format, packet_size = (
-        chosen.pop("format", wishes.coding or ""),
-        chosen.pop("packet_size", "0"),
-    )
+    pixel_format = chosen.pop("format", wishes.coding or "")
+    packet_size = chosen.pop("packet_size", "0")
     if chosen or not packet_size.isdecimal() or int(packet_size) > 65535:
         raise ValueError(
             "an address of GigE Vision may choose format and packet_size (bytes, at most 65535), "
