@@ -34,10 +34,7 @@ _COMMANDS = {
     "live": ("live", "Drive a robot under a real camera, with the callbacks of a folder."),
     "notebooks": ("notebooks", "Copy the notebooks for students into a folder."),
     "bench": ("simulated.bench", "Measure how fast robsim is on this machine."),
-    "assignment": (
-        "assignment",
-        "Make an assignment for a course, that robsim grade grades by.",
-    ),
+    "assignment": ("assignment", "Make an assignment for a course, that robsim grade grades by."),
     "calibrate": (
         "calibration.app",
         "Calibrate a camera: its lens, and where it looks at the floor from.",

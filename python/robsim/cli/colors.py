@@ -81,8 +81,7 @@ def list_colors(file: Path | None = None) -> None:
     """
     colors = load_colors(file)
     errors.print_rows(
-        ("colour", "Y", "U", "V"),
-        [(c.name, *map(_range, (c.y, c.u, c.v))) for c in colors],
+        ("colour", "Y", "U", "V"), [(c.name, *map(_range, (c.y, c.u, c.v))) for c in colors]
     )
     errors.say(f"from {file or 'those that ship with robsim'}")
 

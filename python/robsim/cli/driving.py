@@ -171,11 +171,7 @@ class LiveRun:
             self.failure = self.failure or error
 
     def _new_experiment(
-        self,
-        camera: Camera,
-        motors: MotorLink | None,
-        folder: Path | None,
-        options: dict[str, Any],
+        self, camera: Camera, motors: MotorLink | None, folder: Path | None, options: dict[str, Any]
     ) -> Experiment:
         if motors is not None:
             options |= {"send": motors, "limits": self.limits}

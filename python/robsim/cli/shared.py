@@ -103,8 +103,7 @@ ScenarioFile = Annotated[
 ]
 Unit = Annotated[str, "--unit UNIT: Unit of lengths in the results and figures: px, mm, cm or m."]
 Scale = Annotated[
-    float | None,
-    "--scale MM: With --unit: how long a px of the work area is on the floor, in mm.",
+    float | None, "--scale MM: With --unit: how long a px of the work area is on the floor, in mm."
 ]
 CallLimit = Annotated[
     float | None,

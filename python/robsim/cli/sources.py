@@ -95,10 +95,7 @@ def _check_step(camera: Camera, model_dt: float | None, every: int | None) -> No
 
 
 def _new_lab(
-    robot: str | None,
-    area: tuple[int, int] | None,
-    plane_map: PlaneMap | None,
-    fps: float | None,
+    robot: str | None, area: tuple[int, int] | None, plane_map: PlaneMap | None, fps: float | None
 ) -> SimulatedLab:
     width, height = area or Scenario.area
     scale = _LAB_SIZE / max(width, height, 1)  # the scenario refuses a size of 0

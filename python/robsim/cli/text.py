@@ -143,12 +143,7 @@ def parse_region(option: str, text: str) -> Region:
 
 
 def parse_points(
-    option: str,
-    text: str | None,
-    *,
-    count: int | None = None,
-    minimum: int = 3,
-    prefix: str = "",
+    option: str, text: str | None, *, count: int | None = None, minimum: int = 3, prefix: str = ""
 ) -> Points | None:
     """Return points from text such as "120,40 180,40 180,90": `count`, or at least `minimum`.
 

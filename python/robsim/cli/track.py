@@ -54,11 +54,7 @@ def track(
         raise ValueError(f"--out {out} would overwrite {source}: give another folder")
     plane_map = shared.parse_plane_map(pixels, positions)
     recording = Recording(
-        source,
-        plane_map=plane_map,
-        area=parse_size("--area", area),
-        dt=dt,
-        calibration=calibration,
+        source, plane_map=plane_map, area=parse_size("--area", area), dt=dt, calibration=calibration
     )
     experiment = Experiment(recording, robot=robot, colors=colors, smoothing=smoothing)
     failure = None

@@ -182,9 +182,7 @@ class Experiment(Runner):
         self._recording = None if record is None else _recording_in(record, lossless=lossless)
         timeout = timeout_value(frame_timeout, _default_timeout(frames, send))
         self._source = FrameSource(
-            frames,
-            area=area,
-            is_polled=send is not None or not math.isinf(timeout),
+            frames, area=area, is_polled=send is not None or not math.isinf(timeout)
         )
         self._model = OPTIONS["model"].checked(model)
         self._given_markers = markers_value(markers)
@@ -470,7 +468,7 @@ class Experiment(Runner):
         super()._check_stages()
         if self._motors is not None and not self._is_on("control"):
             warn_user(
-                "send was given, but there is no controller: nothing is sent; give control=...",
+                "send was given, but there is no controller: nothing is sent; give control=..."
             )
 
     def _mm_per_px(self) -> float | None:

@@ -203,7 +203,7 @@ class FrameSource:
                 f"the frames have {size[0]} x {size[1]} px and no plane map, but the area has "
                 f"{self.area[0]} x {self.area[1]} px: a pixel counts as a px of the area. Give "
                 f"each Frame plane_map=robsim.vision.PlaneMap.scaled({size}, {self.area}), or "
-                f"Experiment area={size}",
+                f"Experiment area={size}"
             )
 
     def model(self) -> RobotModel:

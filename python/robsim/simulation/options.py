@@ -46,12 +46,7 @@ from robsim.simulation.option import (
     whole,
 )
 from robsim.simulation.slots import SLOTS
-from robsim.simulation.world.disturbances import (
-    Dropout,
-    ParameterMismatch,
-    PoseNoise,
-    WheelNoise,
-)
+from robsim.simulation.world.disturbances import Dropout, ParameterMismatch, PoseNoise, WheelNoise
 from robsim.simulation.world.scene import HEADINGS, Floor, as_floor
 from robsim.trace.columns import POSES
 from robsim.trace.timing import MAXIMUM_DELAY

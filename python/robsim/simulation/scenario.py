@@ -191,12 +191,12 @@ class Scenario(Options):
         if trace.info.changed:
             warn_user(
                 f"{', '.join(trace.info.changed)} changed in the run: the scenario has what came "
-                "last",
+                "last"
             )
         if missing := sorted(callbacks - {"control"}):
             warn_user(
                 f"the run had callbacks in Python for {', '.join(missing)}: give them to "
-                "Simulation(scenario, ...) again",
+                "Simulation(scenario, ...) again"
             )
         assert isinstance(scenario, cls)
         return scenario

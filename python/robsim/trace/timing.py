@@ -106,12 +106,7 @@ class TimingReport(Report):
 
 
 def timing_report(
-    t: Floats,
-    t_arrival: Floats,
-    t_sent: Floats,
-    *,
-    interrupted: NDArray[np.bool_],
-    dt: float,
+    t: Floats, t_arrival: Floats, t_sent: Floats, *, interrupted: NDArray[np.bool_], dt: float
 ) -> TimingReport:
     """Return the report of a run, from times (N,) in s; NaN = not known.
 

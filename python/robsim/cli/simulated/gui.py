@@ -126,11 +126,7 @@ def _scored(task: Task, trace: Trace) -> str:
 
 
 def _tool(
-    name: str,
-    path: Path | None,
-    colors: str | None,
-    robot: str | None,
-    calibration: Path | None,
+    name: str, path: Path | None, colors: str | None, robot: str | None, calibration: Path | None
 ) -> HostedPanel:
     """Return the panel that makes something on what a path has."""
     from robsim.gui import color_panel, floor_panel, robot_panel

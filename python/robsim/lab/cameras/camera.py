@@ -11,13 +11,7 @@ from typing import Any, Self
 
 from robsim import _core
 from robsim._core import Frame, PlaneMap
-from robsim.base.checks import (
-    check_bool,
-    check_float,
-    check_int,
-    check_size,
-    check_text,
-)
+from robsim.base.checks import check_bool, check_float, check_int, check_size, check_text
 from robsim.base.text import one_line, quoted
 from robsim.lab.cameras._devices.extensions import Wishes
 from robsim.lab.cameras.errors import CaptureError, EndOfStream, FrameTimeoutError

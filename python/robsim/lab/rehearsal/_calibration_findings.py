@@ -31,10 +31,7 @@ class MarkerPair:
 
 
 def marker_pair(
-    frame: Frame,
-    blobs: Mapping[str, Sequence[Blob]],
-    detection: Detection,
-    markers: MarkerLayout,
+    frame: Frame, blobs: Mapping[str, Sequence[Blob]], detection: Detection, markers: MarkerLayout
 ) -> MarkerPair | None:
     """Return where the markers are, even too far apart: then the largest blob of each colour."""
     found = []

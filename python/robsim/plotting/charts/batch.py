@@ -18,12 +18,7 @@ from robsim.plotting.style import check_kind
 
 # The online estimate often equals the batch estimate: a small diamond in a large circle.
 _MARKERS = {"batch": ("o", 9.0), "online": ("D", 4.5)}
-_COLORS = {
-    "true": style.TRUE,
-    "model": style.TRUE,
-    "batch": style.BATCH,
-    "online": style.ESTIMATED,
-}
+_COLORS = {"true": style.TRUE, "model": style.TRUE, "batch": style.BATCH, "online": style.ESTIMATED}
 
 _LABELS = {
     "true": "error: deviation from the true value\n(of d1, hollow, absolute: 100 % = 1 {}, 1 rad)",

@@ -160,11 +160,7 @@ def _magnification(trace: Trace, shapes: Floats) -> float:
 
 def _polygons(corners: Floats, color: str, label: str) -> PolyCollection:
     return PolyCollection(
-        list(corners),
-        facecolor=(*to_rgb(color), 0.15),
-        edgecolor=color,
-        linewidth=0.9,
-        label=label,
+        list(corners), facecolor=(*to_rgb(color), 0.15), edgecolor=color, linewidth=0.9, label=label
     )
 
 

@@ -13,12 +13,7 @@ from numpy.typing import NDArray
 from robsim.base.checks import Floats, check_bool
 from robsim.base.text import no_formula
 from robsim.plotting import style as style
-from robsim.plotting.charts.errors import (
-    draw_errors,
-    draw_histogram,
-    draw_reported,
-    limit_panel,
-)
+from robsim.plotting.charts.errors import draw_errors, draw_histogram, draw_reported, limit_panel
 from robsim.plotting.style import check_panels, check_steps
 from robsim.trace import Trace
 from robsim.trace.units import length_format

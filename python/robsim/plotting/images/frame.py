@@ -191,13 +191,7 @@ def draw_goals(axes: Axes, goals: Floats, from_world: _Map) -> None:
 
 def _draw_blob(axes: Axes, blob: Blob, color: str, from_pixel: _Map) -> None:
     _draw_polygon(axes, from_pixel(box_corners(blob)), color)
-    axes.plot(
-        *from_pixel(blob.centroid),
-        "+",
-        color="white",
-        markersize=6,
-        markeredgewidth=1,
-    )
+    axes.plot(*from_pixel(blob.centroid), "+", color="white", markersize=6, markeredgewidth=1)
 
 
 def _draw_polygon(axes: Axes, corners: Floats, color: str) -> None:

@@ -19,10 +19,7 @@ from robsim.vision.imaging.images import Pixels
 
 
 def annotated_frames(
-    frames: Iterable[Frame],
-    trace: Trace,
-    *,
-    simulation: Runner,
+    frames: Iterable[Frame], trace: Trace, *, simulation: Runner
 ) -> Iterator[Pixels]:
     """Return the frames of a run with the measured and estimated poses drawn onto them.
 

@@ -81,10 +81,7 @@ def _table(folder: Path) -> codec.Table:
         },
         needed=("points", "public"),
     )
-    files = codec.Table(
-        partial(_file_tests, folder),
-        {"path": _path, "public": codec.flag},
-    )
+    files = codec.Table(partial(_file_tests, folder), {"path": _path, "public": codec.flag})
     return codec.Table(
         partial(_assignment, folder),
         {

@@ -10,13 +10,7 @@ from robsim.teach.reports import words
 from robsim.teach.reports.drawings import histogram, shade
 from robsim.teach.reports.markup import Html, page, preformatted, tag
 from robsim.teach.reports.similarity import Passage, SimilarPair
-from robsim.teach.results import (
-    ERROR,
-    NOT_RUN,
-    SubmissionResult,
-    TestResult,
-    number,
-)
+from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult, TestResult, number
 
 
 def class_page(

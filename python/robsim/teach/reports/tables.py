@@ -11,14 +11,7 @@ from typing import Any
 from robsim.base.checks import check_choice
 from robsim.base.text import as_cell
 from robsim.teach.reports import words
-from robsim.teach.results import (
-    ERROR,
-    NOT_RUN,
-    SubmissionResult,
-    TestResult,
-    fraction_of,
-    number,
-)
+from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult, TestResult, fraction_of, number
 from robsim.teach.texts import clean_line
 
 _Rows = list[list[Any]]

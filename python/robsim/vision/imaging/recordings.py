@@ -262,7 +262,7 @@ class _Video:
         if known is not None and index < _COMPLETE * known:
             warn_user(
                 f"{one_line(self.file)} ends after {index} of {known} frames: it is truncated or "
-                "damaged",
+                "damaged"
             )
 
     def at(self, index: int) -> tuple[str, Pixels]:

@@ -202,9 +202,7 @@ def _classes(colors: ColorClass | Iterable[ColorClass]) -> tuple[ColorClass, ...
     return classes
 
 
-def as_colors(
-    colors: str | PathLike[str] | Iterable[ColorClass] | None,
-) -> tuple[ColorClass, ...]:
+def as_colors(colors: str | PathLike[str] | Iterable[ColorClass] | None) -> tuple[ColorClass, ...]:
     """Return colour classes as a tuple, read from a file for a path; None = the shipped ones."""
     if colors is None or isinstance(colors, (str, PathLike)):
         return load_colors(colors)

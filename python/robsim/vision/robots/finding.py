@@ -113,7 +113,7 @@ def robot_from_image(
     if outline is None and (small[..., 3] > OPAQUE).all():
         warn_user(
             "the image has no transparency, so its border is the outline, and what surrounds the "
-            "robot is part of it: make the surroundings transparent, or give an outline",
+            "robot is part of it: make the surroundings transparent, or give an outline"
         )
     return robot
 

@@ -37,8 +37,7 @@ _MARGIN = 4  # px around the image, so that no blob touches the border
 
 
 def check_colors(
-    robot: RobotDefinition,
-    colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
+    robot: RobotDefinition, colors: str | PathLike[str] | Iterable[ColorClass] | None = None
 ) -> CheckReport:
     """Check whether the camera finds a robot by its markers' colours.
 

@@ -59,12 +59,7 @@ _MAXIMUM_LISTED = 3  # points in a sentence
 
 
 def geometry_problems(
-    *,
-    width: int,
-    height: int,
-    centre: Floats,
-    outline: Floats,
-    markers: Mapping[str, Floats],
+    *, width: int, height: int, centre: Floats, outline: Floats, markers: Mapping[str, Floats]
 ) -> list[str]:
     """Return problems of a robot's geometry (image px), a sentence each; empty if it is valid.
 

@@ -11,23 +11,9 @@ from typing import Any, ClassVar
 
 from PIL import Image
 
-from robsim._core import (
-    ColorClass,
-    Frame,
-    MarkerLayout,
-    color_histograms,
-)
+from robsim._core import ColorClass, Frame, MarkerLayout, color_histograms
 from robsim.base.text import quoted
-from robsim.gui._link import (
-    Link,
-    Messages,
-    Refused,
-    list_of,
-    setting,
-    switch,
-    text,
-    whole,
-)
+from robsim.gui._link import Link, Messages, Refused, list_of, setting, switch, text, whole
 from robsim.gui.tools.colors.colors_sheet import colors_still
 from robsim.gui.tools.colors.training import (
     OPTIONS,

@@ -21,10 +21,7 @@ _POINT, _WRONG = "#5ee08a", "#ff5a5f"
 
 
 def floor_still(
-    picture: Picture | None,
-    title: str,
-    state: Mapping[str, Any],
-    calibration: Calibration | None,
+    picture: Picture | None, title: str, state: Mapping[str, Any], calibration: Calibration | None
 ) -> bytes:
     """Return a picture of the points, how well they fit, and the grid (PNG)."""
     sheet = Sheet(_WIDTH, _HEIGHT)

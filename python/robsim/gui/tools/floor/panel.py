@@ -230,10 +230,7 @@ class FloorPanel(ToolPanel):
     # Sheets.
 
     def find_sheets(
-        self,
-        *,
-        mark: float | None = None,
-        places: Mapping[int, tuple[float, float]] | None = None,
+        self, *, mark: float | None = None, places: Mapping[int, tuple[float, float]] | None = None
     ) -> FloorCalibration:
         """Calibrate by the floor sheets that the picture shows.
 

@@ -16,25 +16,12 @@ from robsim.base.files import as_path
 from robsim.base.text import one_line
 from robsim.gui._link import Link, Messages, maybe, number, point, switch, text, whole
 from robsim.gui.tools.floor.corners import FloorSheets, snapped
-from robsim.gui.tools.floor.fitting import (
-    fit_of,
-    fitted,
-    grid_of,
-    on_work_area,
-    replaced,
-)
+from robsim.gui.tools.floor.fitting import fit_of, fitted, grid_of, on_work_area, replaced
 from robsim.gui.tools.floor.floor_sheet import floor_still
 from robsim.gui.tools.floor.lens import LensPictures
 from robsim.gui.tools.floor.points import MOST, FloorDraft, FloorPoints, checked_pixel
 from robsim.gui.tools.pictures import Pictures
-from robsim.gui.tools.tool import (
-    TOOL_MESSAGES,
-    Acts,
-    T,
-    ToolView,
-    file_to_save,
-    refuse_device,
-)
+from robsim.gui.tools.tool import TOOL_MESSAGES, Acts, T, ToolView, file_to_save, refuse_device
 from robsim.lab.calibration.floor_report import FloorCalibration
 from robsim.lab.calibration.seen_sheets import SeenSheets
 from robsim.vision.imaging import images

@@ -9,14 +9,7 @@ from typing import Any
 
 from robsim.teach.assignments.assignment import TaskTest
 from robsim.teach.errors import EXIT, TIMEOUT, AssignmentError
-from robsim.teach.results import (
-    FAILED,
-    PARTIAL,
-    PASSED,
-    FailedRun,
-    ScoreResult,
-    TestResult,
-)
+from robsim.teach.results import FAILED, PARTIAL, PASSED, FailedRun, ScoreResult, TestResult
 from robsim.teach.tasks.score import Score, ScoreLimit, share_of_points
 from robsim.teach.texts import clean_line
 
