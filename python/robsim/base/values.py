@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -57,6 +58,20 @@ class Value:
         """All that it says, without its arrays."""
         values = (getattr(self, field.name) for field in fields(self))
         return tuple(digest(one) if isinstance(one, np.ndarray) else one for one in values)
+
+
+class Closing:
+    """An object that a ``with`` block closes at its end."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @abstractmethod
+    def close(self) -> None:
+        """End it."""
 
 
 class Level(NamedTuple):

@@ -9,9 +9,10 @@ import threading
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from robsim.base.checks import check_choice
+from robsim.base.values import Closing
 from robsim.gui._link import Buffers, Link
 from robsim.gui._view import View
 
@@ -27,7 +28,7 @@ opened: list[HostedPanel] = []
 lock = threading.RLock()
 
 
-class HostedPanel(ABC):
+class HostedPanel(Closing, ABC):
     """A panel that a page or a notebook shows; what it does itself is a subclass's."""
 
     #: What makes another one, for messages.
@@ -62,12 +63,6 @@ class HostedPanel(ABC):
         self._view.close(timeout)
         if page is not None:
             page.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def snapshot(self) -> bytes:
         """Return a picture of what it shows, a PNG."""

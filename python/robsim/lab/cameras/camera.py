@@ -7,12 +7,13 @@ import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any, Self
+from typing import Any
 
 from robsim import _core
 from robsim._core import Frame, PlaneMap
 from robsim.base.checks import check_bool, check_float, check_int, check_size, check_text
 from robsim.base.text import one_line, quoted
+from robsim.base.values import Closing
 from robsim.lab.cameras._devices.extensions import Wishes
 from robsim.lab.cameras.errors import CaptureError, EndOfStream, FrameTimeoutError
 from robsim.lab.cameras.features import CameraFeatures
@@ -52,7 +53,7 @@ class CameraCounts:
     reopened: int = 0
 
 
-class Camera:
+class Camera(Closing):
     """A live camera, as an iterable of frames: the newest one each time, and none twice.
 
     A native thread reads the camera all the time and keeps its newest frame, so that a slow reader
@@ -319,12 +320,6 @@ class Camera:
     def close(self) -> None:
         """Give the camera back; a reader that waits gets a ValueError."""
         self._grabber.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         return f"<Camera {one_line(self.source)}: {self.size[0]} x {self.size[1]} px>"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from threading import Lock
-from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,9 +11,10 @@ from numpy.typing import ArrayLike
 from robsim._core import LineError
 from robsim.base.checks import Floats, as_float_array
 from robsim.base.text import quoted
+from robsim.base.values import Closing
 
 
-class RecordedMotors:
+class RecordedMotors(Closing):
     """Motors that drive nothing and keep what they are sent, for rehearsals and tests.
 
     Examples
@@ -85,12 +85,6 @@ class RecordedMotors:
             now = time.monotonic()
             self._sent.append((now, u1, u2))
         return now
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         n = len(self._sent)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from robsim._core import MotorReceiver, PlaneMap, RobotModel, RobotParameters
 from robsim.base.checks import check_float
 from robsim.base.seeds import seed_sequence, stream_number
 from robsim.base.text import quoted
+from robsim.base.values import Closing
 from robsim.lab.rehearsal.camera_faults import CameraFaults
 from robsim.lab.rehearsal.lab_truth import LabTruth, truth_of
 from robsim.lab.rehearsal.lens import Lens
@@ -24,7 +25,7 @@ from robsim.vision.imaging.noise import as_native_noise
 _FINEST = 4.0
 
 
-class SimulatedLab:
+class SimulatedLab(Closing):
     """The simulated world in real time: a camera and a robot for rehearsals.
 
     ``robsim.Camera(lab)`` is its camera, which exposes `fps` times a second, and `address` is where
@@ -194,12 +195,7 @@ class SimulatedLab:
         return self._laboratory.skipped
 
     def stall(self, seconds: float) -> None:
-        """Let the camera be silent from now on for a while; any thread may call this.
-
-        Parameters
-        ----------
-        seconds : float
-            How long (s).
+        """Let the camera be silent for some seconds from now on; any thread may call this.
 
         Raises
         ------
@@ -219,12 +215,6 @@ class SimulatedLab:
     def close(self) -> None:
         """End the world and the motor line for good; `truth` can still be read."""
         self._end()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         return f"<SimulatedLab: {self.size[0]} x {self.size[1]} px, {1 / self.dt:g} frames/s>"

@@ -8,11 +8,12 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import NoReturn, Self, TypeVar
+from typing import NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robsim.base.values import Closing
 from robsim.teach.errors import ERROR, EXIT, TIMEOUT, GraderError, SubmissionError
 from robsim.teach.grading._frame_memory import FrameMemory
 from robsim.teach.grading._wire import LIMITS, Channel, Kind, Ready, WireError
@@ -39,7 +40,7 @@ _BUSY = 10.0  # times its processor time: the most that a call may take by the c
 _DYING = 5.0  # s: the most between the end of its connection and its own end
 
 
-class Worker:
+class Worker(Closing):
     """The process with the robot half of one run; subclasses have other code and messages."""
 
     _ENTRY = "robsim.teach.grading.robot_half:work"
@@ -192,12 +193,6 @@ class Worker:
     def close(self) -> None:
         self._channel.close()
         self.process.kill()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def done(worker: Worker, act: Callable[[], R]) -> Done[R]:
