@@ -1,15 +1,23 @@
-"""A notebook at home: read as the grader reads it, then run as files of callbacks."""
+"""Work at home: a notebook as files of callbacks, and the refusals of grading."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import ast
+import io
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, redirect_stdout
 from os import PathLike
+from typing import Any
 
 from robsim.base.files import as_path
+from robsim.simulation.callback_folder import imported_names
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.files import SubmissionFiles
-from robsim.teach.submissions.loading import run_cells
+from robsim.teach.submissions.handed_in import own_slots
+from robsim.teach.submissions.imports import masked, masked_in
+from robsim.teach.submissions.loading import loaded_slots, run_cells, statements_of_slot
+from robsim.teach.submissions.python_text import statements_of
 from robsim.teach.submissions.reading import read_submission
 from robsim.teach.submissions.rules import Rules
 
@@ -51,3 +59,58 @@ def callback_files(notebook: SubmissionFiles) -> dict[str, bytes]:
     for slot in notebook.slots:
         files[slot] = f"from {_CELLS} import FILLED\n{slot} = FILLED[{slot!r}]\n"
     return helpers | {name: source.encode() for name, source in files.items()}
+
+
+def why_files_refused(
+    files: Mapping[str, bytes], callbacks: AbstractContextManager[dict[str, Any]], rules: Rules
+) -> str:
+    """Return the reason for which grading would take the files of slots for no work; "" = none."""
+    if reason := _why_masked(files, rules.slots, rules):
+        return reason
+    with quiet(), masked(rules) as taken, callbacks as loaded:
+        off = {slot: False for slot in rules.slots if slot in files}
+        try:
+            own_slots(
+                off | loaded,
+                rules.slots,
+                taken,
+                lambda slot: statements_of(files[slot], f"{slot}.py"),
+            )
+        except ValueError as error:
+            return str(error)
+    return ""
+
+
+def why_notebook_refused(notebook: SubmissionFiles, rules: Rules) -> str:
+    """Return the reason for which grading would take a notebook for no work; "" = none."""
+    code = ast.unparse(ast.Module([*statements_of_slot(notebook, rules, "")], []))
+    main = notebook.main
+    if reason := _why_masked({**notebook.modules, main: code.encode()}, [main], rules):
+        return reason
+    try:
+        with quiet(), loaded_slots(notebook, rules):
+            return ""
+    except SubmissionError as error:
+        return str(error)
+
+
+def _why_masked(files: Mapping[str, bytes], mains: Iterable[str], rules: Rules) -> str:
+    """Return which file in use names something masked; "" = no file does."""
+    used = {*mains, *imported_names(files)}
+    in_use = {name: source for name, source in files.items() if name in used}
+    for name, mask in masked_in(in_use, rules.masked).items():
+        file = name if name.endswith(".ipynb") else f"{name}.py"
+        return f"{file} has {mask}, which is not there for this task"
+    return ""
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Print the output of code that is run in addition only if it fails: its run prints it."""
+    printed = io.StringIO()
+    try:
+        with redirect_stdout(printed):
+            yield
+    except BaseException:
+        print(printed.getvalue(), end="")
+        raise

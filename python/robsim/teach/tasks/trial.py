@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import ast
-import io
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, redirect_stdout
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from os import PathLike
@@ -22,13 +19,7 @@ from robsim.campaigns import CampaignResult, CampaignSpec
 from robsim.campaigns.choices import FOLDER, Choice, choice_of
 from robsim.campaigns.launch import run_spec
 from robsim.campaigns.runs import CaseRuns
-from robsim.simulation.callback_folder import imported_names
-from robsim.teach.errors import SubmissionError
-from robsim.teach.submissions.files import SubmissionFiles
-from robsim.teach.submissions.handed_in import own_slots
-from robsim.teach.submissions.imports import masked, masked_in
-from robsim.teach.submissions.loading import loaded_slots, statements_of_slot
-from robsim.teach.submissions.python_text import statements_of
+from robsim.teach.submissions.at_home import quiet, why_files_refused, why_notebook_refused
 from robsim.teach.submissions.rules import Rules
 from robsim.teach.tasks.definition import MOST_RUNS, Task, check_task, solution_folder
 from robsim.teach.tasks.marks.calibration import shipped_calibrations, task_digest
@@ -344,56 +335,8 @@ def why_not_own(task: Task, solution: Solution) -> str:
     rules = Rules(slots=task.slots, masked=task.masked)
     if solution.notebook is not None:
         sources = {**solution.notebook.sources, f"{MODULE}.py": module_source(task)}
-        return _why_refused(replace(solution.notebook, sources=sources), rules)
-    if reason := _why_masked(solution.files, task.slots, rules):
-        return reason
-    folder = solution_folder(task, solution)
-    with _quiet(), masked(rules) as taken, folder.callbacks() as callbacks:
-        off = {slot: False for slot in task.slots if slot in solution.files}
-        try:
-            own_slots(
-                off | callbacks,
-                task.slots,
-                taken,
-                lambda slot: statements_of(solution.files[slot], f"{slot}.py"),
-            )
-        except ValueError as error:
-            return str(error)
-    return ""
-
-
-def _why_masked(files: Mapping[str, bytes], mains: Iterable[str], rules: Rules) -> str:
-    """Return which file in use names something masked; "" = no file does."""
-    used = {*mains, *imported_names(files)}
-    in_use = {name: source for name, source in files.items() if name in used}
-    for name, mask in masked_in(in_use, rules.masked).items():
-        file = name if name.endswith(".ipynb") else f"{name}.py"
-        return f"{file} has {mask}, which is not there for this task"
-    return ""
-
-
-def _why_refused(notebook: SubmissionFiles, rules: Rules) -> str:
-    code = ast.unparse(ast.Module([*statements_of_slot(notebook, rules, "")], []))
-    main = notebook.main
-    if reason := _why_masked({**notebook.modules, main: code.encode()}, [main], rules):
-        return reason
-    try:
-        with _quiet(), loaded_slots(notebook, rules):
-            return ""
-    except SubmissionError as error:
-        return str(error)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Print the output of code that is run in addition only if it fails: its run prints it."""
-    printed = io.StringIO()
-    try:
-        with redirect_stdout(printed):
-            yield
-    except BaseException:
-        print(printed.getvalue(), end="")
-        raise
+        return why_notebook_refused(replace(solution.notebook, sources=sources), rules)
+    return why_files_refused(solution.files, solution_folder(task, solution).callbacks(), rules)
 
 
 def _choices(
@@ -420,7 +363,7 @@ def _choices(
             raise ValueError(reason)
         return solution.name, {FOLDER: solution_folder(task, solution)}
     folder = solution_folder(task, solution)
-    with _quiet(), folder.callbacks():  # which raises what its files raise
+    with quiet(), folder.callbacks():  # which raises what its files raise
         pass
     return solution.name, {FOLDER: folder}
 
@@ -471,7 +414,7 @@ def _broken(result: CampaignResult) -> tuple[int, ...]:
 
 def _trace(result: CampaignResult, run: int) -> Trace:
     (case,) = result.spec.cases
-    with _quiet():
+    with quiet():
         return CaseRuns(result.spec, case).trace(run)
 
 
