@@ -27,6 +27,12 @@ def digest(array: NDArray[Any]) -> bytes:
     return content.digest()
 
 
+def runs_of(mask: Any) -> list[tuple[int, int]]:
+    """Return start and end of each unbroken run of True in (N,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
+    return [(start, end) for start, end in edges.reshape(-1, 2).tolist()]
+
+
 @dataclass(frozen=True, eq=False)
 class Value:
     """A dataclass with arrays: equal by its content, with a hash, and never changed."""

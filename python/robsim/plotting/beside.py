@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from robsim._core import wrap_angle
 from robsim.base.checks import Floats
+from robsim.base.values import runs_of
 from robsim.plotting import style as style
 from robsim.plotting.charts.traces import draw_plan
 from robsim.trace import Trace
@@ -279,7 +280,7 @@ def _mark_worst(plan: Axes, trace: Trace, errors: Sequence[RunError]) -> None:
 
 
 def _draw_error(axes: Axes, trace: Trace, error: RunError) -> None:
-    for start, end in _segments(trace.hidden.astype(int)):
+    for start, end in runs_of(trace.hidden):
         low, high = trace.k[start] - 0.5, trace.k[end - 1] + 0.5
         axes.axvspan(low, high, color=style.SEGMENT, zorder=0, label="robot hidden")
     if error.unscored:
@@ -306,12 +307,6 @@ def _top(error: RunError) -> float | None:
     if not error.unscored or not len(scored[0]):  # then the largest error told is one of these
         return None
     return 1.15 * float(np.concatenate(scored).max()) or None
-
-
-def _segments(mask: Any) -> list[tuple[int, int]]:
-    """Return start and end of each segment of steps in which a mask is 1."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], mask, [0]))))
-    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
 
 
 def _draw_asked(axes: Axes, level: float) -> None:

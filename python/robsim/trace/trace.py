@@ -15,6 +15,7 @@ from robsim.base.files import as_path, write_csv
 from robsim.base.report.optional import import_optional
 from robsim.base.spelling import check_names, no_attribute
 from robsim.base.text import listed, one_line, quoted
+from robsim.base.values import runs_of
 from robsim.trace.columns import (
     GROUPS,
     POSES,
@@ -50,16 +51,7 @@ def check_trace(trace: Any) -> None:
 
 def longest_run(mask: Bools) -> slice:
     """Return the longest unbroken run of True in (N,) as a slice; the first one of several."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
-    starts, stops = edges[::2], edges[1::2]
-    if not len(starts):
-        return slice(0, 0)
-    best = int(np.argmax(stops - starts))
-    return slice(int(starts[best]), int(stops[best]))
-
-
-def _is_public(name: str) -> bool:
-    return not name.startswith("_")
+    return slice(*max(runs_of(mask), key=lambda run: run[1] - run[0], default=(0, 0)))
 
 
 class Trace:
@@ -217,7 +209,7 @@ class Trace:
         if not name.startswith("_") and "_groups" in vars(self):
             if name in self.names:
                 raise no_attribute(f"{name} is a column: trace[{name!r}]")
-            known = (*self.names, *filter(_is_public, dir(self)))
+            known = (*self.names, *(name for name in dir(self) if not name.startswith("_")))
             raise no_attribute(f"a trace has no attribute {quoted(name)}", name, known)
         raise AttributeError(f"a trace has no attribute {quoted(name)}")
 

@@ -13,6 +13,7 @@ from PIL import Image, ImageDraw, ImageFont
 from robsim._core import Frame, PlaneMap
 from robsim.base.checks import Floats, check_float, check_size
 from robsim.base.text import listed, quoted
+from robsim.base.values import runs_of
 from robsim.lab.calibration.patterns.floor_sheet import FloorSheet, find_marks, sheet_of
 from robsim.lab.calibration.patterns.pattern import Corners
 from robsim.vision.imaging.calibration import Calibration
@@ -80,10 +81,7 @@ def draw_grid(
 def grid_step(calibration: Calibration) -> float:
     """Return a round distance of lines that gives some eight across the area (mm, or px)."""
     assert calibration.area is not None
-    return _round_step(max(calibration.area) * (calibration.mm_per_px or 1.0) / _LINES)
-
-
-def _round_step(about: float) -> float:
+    about = max(calibration.area) * (calibration.mm_per_px or 1.0) / _LINES
     power = 10.0 ** math.floor(math.log10(about))
     return min((power * one for one in _ROUND), key=lambda one: abs(math.log(one / about)))
 
@@ -178,8 +176,7 @@ def _runs(pixels: Floats, size: tuple[int, int]) -> list[tuple[int, int]]:
     """Return where a line is in the picture, or near it: no lens shows what is far outside."""
     margin = np.array(size) * 0.5
     is_near = ((pixels > -margin) & (pixels < size + margin)).all(axis=1)  # NaN is not
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], is_near.astype(int), [0]))))
-    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2) if end - start > 1]
+    return [(start, end) for start, end in runs_of(is_near) if end - start > 1]
 
 
 #: Shifts of a sheet that are good, and poor (px of the frame).

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from robsim.base.checks import Floats
 from robsim.base.text import quoted
+from robsim.base.values import runs_of
 from robsim.vision.imaging.video import load_opencv
 
 Rectangle = tuple[float, float, float, float]
@@ -47,8 +48,7 @@ def mark_rectangles(
     cell = side / count
     black = []
     for row, line in enumerate(cells):
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], line.astype(int), [0]))))
-        for start, end in edges.reshape(-1, 2).tolist():
+        for start, end in runs_of(line):
             black.append((left + start * cell, top + row * cell, (end - start) * cell, cell))
     return black
 
