@@ -93,7 +93,8 @@ def live(
             raise FileNotFoundError(f"there is no folder {folder}: robsim new {folder} writes one")
         if steps is not None and seconds is not None:
             raise ValueError("--steps and --seconds both end the run: give one of them")
-        _check_number("--seconds", seconds)
+        if seconds is not None and not 0 < seconds < float("inf"):
+            raise ValueError(f"--seconds must be > 0, got {seconds:g}")
         with about("--max-voltage", "voltage"):
             limits = Limits(voltage=max_voltage, slew_rate=slew_rate)
         steps = None if steps is None else step_count(steps)
@@ -151,11 +152,6 @@ def _stops_at_signals() -> Iterator[None]:
     finally:
         for name, handler in before.items():
             signal.signal(getattr(signal, name), handler)
-
-
-def _check_number(option: str, value: float | None) -> None:
-    if value is not None and not 0 < value < float("inf"):
-        raise ValueError(f"{option} must be > 0, got {value:g}")
 
 
 def _session(out: Path, record: bool | None, camera: str) -> Path | None:

@@ -338,7 +338,7 @@ class Driver(Worker):
         self._unseen.clear()
         self._tell_stage(self.runner.step_stage())
         if self.runner.stage == "world":  # it was the last one of the step
-            self._tell_newest()
+            self._tell(self.on_step, self.runner.last_step)
 
     def _show_start(self) -> None:
         step = self.runner.last_step  # does what comes once
@@ -352,9 +352,6 @@ class Driver(Worker):
     def _tell_stage(self, stage: str) -> None:
         self._since = time.monotonic()
         self._tell(self.on_stage, stage, self.runner.last_step)
-
-    def _tell_newest(self) -> None:
-        self._tell(self.on_step, self.runner.last_step)
 
     def _tell_step(self, step: Step) -> None:
         self._unseen.clear()

@@ -163,7 +163,8 @@ class Panel(HostedPanel):
             Any exception of a callback, as from `Simulation.step`.
         """
         self._do(self._view.driver.step())
-        return self._newest()
+        self._raise_error()
+        return self.last_step
 
     def step_stage(self) -> str:
         """Pause, and do one stage of a step.
@@ -283,10 +284,6 @@ class Panel(HostedPanel):
         except CancelledError:
             self._check_open()
             raise
-
-    def _newest(self) -> Step:
-        self._raise_error()
-        return self.last_step
 
     def _raise_error(self) -> None:
         if self.error is not None and not self._view.driver.is_here:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,7 +61,10 @@ class TraceSummary(Report):
             Column("known", "steps known", format=lambda n: count(n, self.steps)),
         )
         rows = [
-            Row(group, (list(fields), _different(fields.values()), self.known[group]))
+            Row(
+                group,
+                (list(fields), [*dict.fromkeys(filter(None, fields.values()))], self.known[group]),
+            )
             for group, fields in self.columns.items()
         ]
         return (Table(key="groups", columns=columns, rows=rows, row_title="attribute"),)
@@ -85,10 +88,6 @@ def summary_of(groups: Mapping[str, Floats], info: RunInfo, *, first_step: int) 
             for name, values in groups.items()
         },
     )
-
-
-def _different(units: Iterable[str]) -> list[str]:
-    return list(dict.fromkeys(filter(None, units)))
 
 
 def _listed(names: list[str], room: int) -> str:

@@ -39,17 +39,15 @@ def sheet(
 
     check_out(out, ".pdf")
     check_choice("--kind", kind, KINDS)
-    _refuse_of_other_kinds(kind, board or square, sheet_number != 1 or mark != 80)
     if kind == "floor":
+        if board or square:
+            raise ValueError(
+                "--board and --square are for boards: a floor sheet has --mark, --number"
+            )
         save_sheet(out, FloorSheet(sheet_number, mark), paper=paper)
     else:
+        if sheet_number != 1 or mark != 80:
+            raise ValueError("--number and --mark are for floor sheets: give --kind floor, too")
         save_sheet(out, board_of(board, square, charuco=kind == "charuco"), paper=paper)
     errors.say(f"written: {out}")
     errors.print_note("print it at 100 %, and measure its line of 100 mm")
-
-
-def _refuse_of_other_kinds(kind: str, of_board: object, of_floor: bool) -> None:
-    if kind == "floor" and of_board:
-        raise ValueError("--board and --square are for boards: a floor sheet has --mark, --number")
-    if kind != "floor" and of_floor:
-        raise ValueError("--number and --mark are for floor sheets: give --kind floor, too")

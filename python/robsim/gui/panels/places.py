@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import inspect
 import textwrap
 from collections.abc import Callable
@@ -13,6 +12,7 @@ from typing import Any
 from robsim.base.source_line import users_line_of_callable
 from robsim.base.text import one_line
 from robsim.simulation import Experiment, Simulation
+from robsim.simulation.callbacks.signatures import inner_of
 from robsim.simulation.slots import SLOTS
 from robsim.simulation.slotted import is_code
 
@@ -34,7 +34,7 @@ def name_in(runner: Simulation | Experiment, slot: str) -> str | None:
         return None
     if value is None or value is True:
         return row.default or None
-    value = _inner(value)
+    value = inner_of(value)
     return str(getattr(value, "__name__", type(value).__name__))
 
 
@@ -67,7 +67,7 @@ def source_in(runner: Simulation | Experiment, slot: str) -> tuple[str, int]:
 
 
 def _code_of(value: Callable[..., Any]) -> tuple[str, int]:
-    value = inspect.unwrap(_inner(value))
+    value = inspect.unwrap(inner_of(value))
     is_object = not (inspect.isroutine(value) or inspect.isclass(value))
     # Of a class in a cell Python knows the methods alone.
     for code in (type(value), type(value).__call__) if is_object else (value,):
@@ -98,11 +98,5 @@ def _file_in_folder(runner: Simulation | Experiment, slot: str) -> Path | None:
 
 
 def _is_ours(value: object) -> bool:
-    module = getattr(_inner(value), "__module__", None) or ""
+    module = getattr(inner_of(value), "__module__", None) or ""
     return module.partition(".")[0] == "robsim"
-
-
-def _inner(value: Any) -> Any:
-    while isinstance(value, functools.partial):
-        value = value.func
-    return value

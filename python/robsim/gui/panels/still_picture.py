@@ -83,18 +83,17 @@ def _draw_camera(axes: Axes, record: Record, shot: Shot | None, goals: Floats | 
 def _camera_picture(record: Record, shot: Shot) -> Any:
     assert shot.frame is not None
     is_tracked = "pose_measured" in record.columns() and shot.k < record.n_steps
-    estimate = shot.estimate if shot.estimate and shot.estimate["covariance"] else None
+    estimate = None
+    if shot.estimate and shot.estimate["covariance"]:
+        covariance = np.reshape(shot.estimate["covariance"], (3, 3))
+        estimate = Estimate(shot.estimate["pose"], covariance)
     return draw_overlay(
         shot.frame,
         measurement=None if shot.measured is None else Measurement(shot.measured),
         blobs=record.find_blobs(shot.frame) if is_tracked else None,
         outline=record.outline if len(record.outline) else None,
-        estimate=None if estimate is None else _estimate(**estimate),
+        estimate=estimate,
     )
-
-
-def _estimate(pose: Floats, covariance: Floats) -> Estimate:
-    return Estimate(pose, np.reshape(covariance, (3, 3)))
 
 
 def _draw_record(figure: Any, trace: Trace) -> None:

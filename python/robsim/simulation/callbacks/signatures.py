@@ -32,7 +32,7 @@ def signature_of(function: Callable[..., object]) -> inspect.Signature | None:
 
 def name_of(function: Callable[..., object]) -> str:
     """Return what a callable is called: ``control``, ``lambda``, ``MyController.__call__``."""
-    function = _inner(function)
+    function = inner_of(function)
     name = getattr(function, "__name__", None) or f"{type(function).__name__}.__call__"
     return "lambda" if name == "<lambda>" else str(name)
 
@@ -47,7 +47,7 @@ def forgets_self(function: Callable[..., object], count: int) -> bool:
 
 def why_not_a_function(function: Callable[..., object]) -> str | None:
     """Return why a call of a callable does not run its code, as ``an async function: ...``."""
-    function = _inner(function)
+    function = inner_of(function)
     if not hasattr(function, "__code__"):
         function = inspect.getattr_static(type(function), "__call__", function)
     if inspect.iscoroutinefunction(function) or inspect.isasyncgenfunction(function):
@@ -57,7 +57,8 @@ def why_not_a_function(function: Callable[..., object]) -> str | None:
     return None
 
 
-def _inner(function: Callable[..., object]) -> Callable[..., object]:
+def inner_of(function: Any) -> Any:
+    """Return the function inside of partial ones."""
     while isinstance(function, functools.partial):
         function = function.func
     return function

@@ -11,7 +11,7 @@ from robsim.base.files import as_folder, write_whole
 from robsim.teach.reports.class_page import class_page, tests_of
 from robsim.teach.reports.drawings import DrawnPath, floor_of
 from robsim.teach.reports.markup import Html
-from robsim.teach.reports.similarity import Program, SimilarPair, similar_pairs
+from robsim.teach.reports.similarity import Program, similar_pairs
 from robsim.teach.reports.student_page import student_page
 from robsim.teach.reports.student_text import for_student, pseudonymous, student_text
 from robsim.teach.reports.tables import marks_table
@@ -87,7 +87,10 @@ def write_class(
     floors = _floors(shown, paths or {}, area, pseudonym or str)
     if pseudonym is not None:
         shown = sorted(pseudonymous(shown, pseudonym), key=lambda result: result.student)
-        pairs = None if pairs is None else [_renamed(pair, pseudonym) for pair in pairs]
+        pairs = pairs and [
+            replace(one, first=pseudonym(one.first), second=pseudonym(one.second), passages=())
+            for one in pairs
+        ]
         links = {}
     table = marks_table(shown, columns=columns, title=title)
     folder.mkdir(parents=True, exist_ok=True)
@@ -114,10 +117,6 @@ def _floors(
         if drawn:
             floors.append(floor_of(test_title(test), drawn, area, test.most))
     return floors
-
-
-def _renamed(pair: SimilarPair, pseudonym: Callable[[str], str]) -> SimilarPair:
-    return replace(pair, first=pseudonym(pair.first), second=pseudonym(pair.second), passages=())
 
 
 def _utf8(text: str) -> bytes:

@@ -106,10 +106,6 @@ def _value_of(mask: str) -> Any:
     return value if callable(value) and type(value) is not _Absent else None
 
 
-def _taken(masked: Sequence[str]) -> dict[int, str]:
-    return {id(value): mask for mask in masked if (value := _value_of(mask)) is not None}
-
-
 def _take_everywhere(value: Any, mask: str, restored: ExitStack) -> None:
     """Take an object away from the core and all rooms that offer it; their own code keeps it."""
     for name, module in tuple(sys.modules.items()):
@@ -201,7 +197,7 @@ def masked_in(sources: Mapping[str, bytes], masked: Sequence[str]) -> dict[str, 
     It imports the rooms of robsim that a module names.
     """
     found: dict[str, str] = {}
-    taken = _taken(masked)
+    taken = {id(one): mask for mask in masked if (one := _value_of(mask)) is not None}
     for name, source in sources.items():
         with suppress(SyntaxError, ValueError, RecursionError, MemoryError):  # told when it loads
             for written in _dotted_names(ast.parse(source)):

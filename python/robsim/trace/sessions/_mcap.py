@@ -81,7 +81,8 @@ def write_mcap(path: str | PathLike[str], session: Session) -> None:
         for number, (topic, t, message) in enumerate(_messages(session, origin)):
             stamp = _nanoseconds(origin, t)
             writer.write_message(topic, schemas[topic], message, stamp, stamp, number % 2**32)
-        writer.add_metadata("robsim", {"session": session.folder.name, "setup": _text_of(session)})
+        setup = one_line(json.dumps(session.setup, default=str))
+        writer.add_metadata("robsim", {"session": session.folder.name, "setup": setup})
         writer.finish()
 
 
@@ -131,7 +132,3 @@ def _pose(row: Row, origin: int) -> tuple[str, float, dict[str, Any]]:
     turn = {"x": 0.0, "y": 0.0, "z": math.sin(heading / 2), "w": math.cos(heading / 2)}
     pose = {"position": {"x": x, "y": y, "z": 0.0}, "orientation": turn}
     return "/pose_measured", row.t, {"header": _header(row, origin, "area"), "pose": pose}
-
-
-def _text_of(session: Session) -> str:
-    return one_line(json.dumps(session.setup, default=str))

@@ -66,14 +66,11 @@ def check_colors(
     classes = {color.name: color for color in as_colors(colors)}
     sentences = _problems(_View(robot), classes)
     if not sentences:
-        shaded = replace(robot, image=_in_shadow(robot.image))
+        dark = darkened(robot.image[..., :3])
+        shaded = replace(robot, image=np.dstack((dark, robot.image[..., 3])))
         sentences = [f"in the shadow: {problem}" for problem in _problems(_View(shaded), classes)]
     problems = (Problem(kind="marker not detected", sentence=sentence) for sentence in sentences)
     return CheckReport(name=f"the robot {robot.name}", problems=tuple(problems))
-
-
-def _in_shadow(image: Pixels) -> Pixels:
-    return np.dstack((darkened(image[..., :3]), image[..., 3]))
 
 
 def _problems(view: _View, classes: dict[str, ColorClass]) -> list[str]:

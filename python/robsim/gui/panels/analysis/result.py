@@ -126,7 +126,8 @@ class Result(Part):
         try:
             seen, report = self._estimate()
         except ValueError as error:  # too short, or no such poses were recorded
-            return self._steps, _without_estimate(str(error))
+            verdict = {"verdict": "no estimate", "good": None}
+            return self._steps, ({"type": "result", "rows": [], "text": str(error), **verdict}, [])
         return seen, _told(report)
 
     def _take(self, result: tuple[Steps, Told] | None) -> None:
@@ -135,11 +136,6 @@ class Result(Part):
             message, pictures = self._newest
             self.panel.send({**message, "again": False}, *pictures)
         self._begin()
-
-
-def _without_estimate(why: str) -> Told:
-    verdict = {"verdict": "no estimate", "good": None}
-    return {"type": "result", "rows": [], "text": why, **verdict}, []
 
 
 def _told(report: BatchEstimate) -> Told:

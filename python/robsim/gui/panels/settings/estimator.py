@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robsim._core import RobotModel
 from robsim.simulation import Experiment, PoseNoise, Simulation, WheelNoise
 
 # At run time it is imported where it is used, since a course can leave it out.
@@ -54,15 +53,9 @@ def _process_sigma(simulation: Simulation) -> Sigma:
         x, y, heading = noise.sigma
         return float(x), float(y), float(heading)
     if isinstance(noise, WheelNoise):
-        x, heading = _of_wheels(noise, model)
-        return x, x, heading
+        along, _, heading = np.sqrt(np.diag(noise.Q(model, 0.0))).tolist()
+        return along, along, heading
     from robsim.estimation.reference.estimator import PROCESS_SIGMA
 
     # Without a disturbance 0 is right, but a filter with 0 does not recover from a bounce.
     return PROCESS_SIGMA
-
-
-def _of_wheels(noise: WheelNoise, model: RobotModel) -> tuple[float, float]:
-    """Return the standard deviations of the position, along the heading, and of the heading."""
-    along, _, heading = np.sqrt(np.diag(noise.Q(model, 0.0)))
-    return float(along), float(heading)
