@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robsim.base.spelling import suggestion
+from robsim.base.spelling import suggestion, with_article
 from robsim.base.text import quoted
 
 Floats = NDArray[np.float64]
@@ -49,6 +49,14 @@ def _limits(minimum: float, exclusive_minimum: float, maximum: float) -> str:
     if math.isfinite(exclusive_minimum):
         return f"be finite and above {exclusive_minimum:g}"
     return "be finite" + (f" and at least {minimum:g}" if math.isfinite(minimum) else "")
+
+
+def check_kind(name: str, value: Any, kind: type, *, or_none: bool = False) -> Any:
+    """Return `value` if it is of a kind, or None where that is allowed; else raise TypeError."""
+    if not (isinstance(value, kind) or (or_none and value is None)):
+        expected = with_article(kind.__name__) + (" or None" if or_none else "")
+        raise TypeError(f"{name} must be {expected}, got {quoted(value)}")
+    return value
 
 
 def is_int(value: Any) -> bool:

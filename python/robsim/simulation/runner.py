@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from robsim import _core
 from robsim._core import ColorClass, Frame, MarkerLayout, RobotModel, Step
 from robsim.base import seeds
+from robsim.base.checks import check_kind
 from robsim.base.text import one_line, quoted
 from robsim.simulation.callbacks.errors import callback_of, note_misuse
 from robsim.simulation.callbacks.missing_data import note_missing_data, unmet_needs
@@ -165,8 +166,7 @@ class Runner(Slotted):
         TypeError
             If `frame` is not a Frame.
         """
-        if not isinstance(frame, Frame):
-            raise TypeError(f"frame must be a Frame, got {quoted(frame)}")
+        check_kind("frame", frame, Frame)
         return _core.find_blobs(frame, self.colors, markers=self.markers, smoothing=self._smoothing)
 
     @abstractmethod

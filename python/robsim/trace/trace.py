@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import TraceGroup, detection_reasons, wrap_angle
-from robsim.base.checks import Floats, check_choice
+from robsim.base.checks import Floats, check_choice, check_kind
 from robsim.base.files import as_path, write_csv
 from robsim.base.report.optional import import_optional
 from robsim.base.spelling import check_names, no_attribute
@@ -73,8 +73,7 @@ class Trace:
             raise ValueError(f"first_step must be an int of at least 0, got {quoted(first_step)}")
         if not isinstance(groups, Mapping):
             raise TypeError(f"groups must be a dict of names to arrays, got {quoted(groups)}")
-        if not isinstance(info, RunInfo):
-            raise TypeError(f"info must be a RunInfo, got {quoted(info)}")
+        check_kind("info", info, RunInfo)
         self.info = info
         self._first_step = first_step
         self._groups = {name: as_rows(name, values) for name, values in groups.items()}

@@ -16,6 +16,7 @@ from robsim.base.checks import (
     as_float_array,
     check_float,
     check_int,
+    check_kind,
     check_mm_per_px,
     check_size,
 )
@@ -159,7 +160,7 @@ def calibrate_floor_by_sheets(
     check_size("area", area)
     check_mm_per_px(mm_per_px)
     check_float("marker_height", marker_height, "mm", minimum=0)
-    _check_lens(lens)
+    check_kind("lens", lens, Calibration, or_none=True)
     checked_places(places)
     size, sheets, moved, count = _seen_sheets(pictures, mark)
     return calibrate_floor_by_corners(
@@ -244,14 +245,9 @@ def calibrate_floor_by_corners(
     )
 
 
-def _check_lens(lens: Any) -> None:
-    if not (lens is None or isinstance(lens, Calibration)):
-        raise TypeError(f"lens must be a Calibration or None, got {quoted(lens)}")
-
-
 def _lens_and_size(lens: Any, size: tuple[int, int] | None) -> tuple[Calibration, tuple[int, int]]:
     """Return the lens, of frames of this size; without one, it is a lens that is not known."""
-    _check_lens(lens)
+    check_kind("lens", lens, Calibration, or_none=True)
     if lens is None:
         if size is None:
             raise ValueError("size or picture must be given without a lens")

@@ -11,8 +11,8 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from robsim._core import Frame, PlaneMap
-from robsim.base.checks import Floats, check_float, check_size
-from robsim.base.text import listed, quoted
+from robsim.base.checks import Floats, check_float, check_kind, check_size
+from robsim.base.text import listed
 from robsim.base.values import runs_of
 from robsim.lab.calibration.patterns.floor_sheet import FloorSheet, find_marks, sheet_of
 from robsim.lab.calibration.patterns.pattern import Corners
@@ -56,8 +56,7 @@ def draw_grid(
         size.
     """
     pixels = frame_pixels("image", image)
-    if not isinstance(calibration, Calibration):
-        raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
+    check_kind("calibration", calibration, Calibration)
     step = None if step is None else check_float("step", step, "mm", exclusive_minimum=0)
     calibration.check_frames(check_size("size of image", frame_size(pixels)))
     above = calibration.plane_map  # refuses a calibration without a floor
@@ -221,8 +220,7 @@ def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, f
     TypeError, ValueError
         If an argument has another type, or the picture another size.
     """
-    if not isinstance(calibration, Calibration):
-        raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
+    check_kind("calibration", calibration, Calibration)
     pixels = frame_pixels("image", image)
     calibration.check_frames(check_size("size of image", frame_size(pixels)))
     off: dict[int, float] = {}  # by the mark; of two of one number the nearer one counts

@@ -11,7 +11,14 @@ from typing import Any
 
 from robsim import _core
 from robsim._core import Frame, PlaneMap
-from robsim.base.checks import check_bool, check_float, check_int, check_size, check_text
+from robsim.base.checks import (
+    check_bool,
+    check_float,
+    check_int,
+    check_kind,
+    check_size,
+    check_text,
+)
 from robsim.base.text import one_line, quoted
 from robsim.base.values import Closing
 from robsim.lab.cameras._devices.extensions import Wishes
@@ -178,8 +185,7 @@ class Camera(Closing):
         reopen: bool = False,
         calibration: Calibration | str | PathLike[str] | None = None,
     ) -> None:
-        if not (plane_map is None or isinstance(plane_map, PlaneMap)):
-            raise TypeError(f"plane_map must be a PlaneMap or None, got {quoted(plane_map)}")
+        check_kind("plane_map", plane_map, PlaneMap, or_none=True)
         every = check_int("every", every, minimum=1, maximum=10_000)
         self._frame_timeout = _seconds("frame_timeout", frame_timeout)
         open_timeout = _seconds("open_timeout", open_timeout)

@@ -9,7 +9,7 @@ import numpy as np
 
 from robsim import _core
 from robsim._core import MotorReceiver, PlaneMap, RobotModel, RobotParameters
-from robsim.base.checks import check_float
+from robsim.base.checks import check_float, check_kind
 from robsim.base.seeds import seed_sequence, stream_number
 from robsim.base.text import quoted
 from robsim.base.values import Closing
@@ -103,15 +103,16 @@ class SimulatedLab(Closing):
     ) -> None:
         self.dt = 1 / check_float("fps", fps, "1/s", minimum=0.1, maximum=1000)
         self._delay = check_float("camera_delay", camera_delay, "s", minimum=0, maximum=3600)
-        self._faults = _checked("faults", faults, CameraFaults) or CameraFaults()
-        self._lens = _checked("lens", lens, Lens)
-        _checked("plane_map", plane_map, PlaneMap)
+        self._faults = check_kind("faults", faults, CameraFaults, or_none=True) or CameraFaults()
+        self._lens = check_kind("lens", lens, Lens, or_none=True)
+        check_kind("plane_map", plane_map, PlaneMap, or_none=True)
         if plane_map is not None and plane_map.intrinsics and lens:
             raise ValueError(
                 "lens must not be given, as plane_map has intrinsics, which are a lens"
             )
-        _checked("receiver", receiver, MotorReceiver)
-        scenario = _real_time(_checked("scenario", scenario, Scenario) or Scenario(), self.dt)
+        check_kind("receiver", receiver, MotorReceiver, or_none=True)
+        given = check_kind("scenario", scenario, Scenario, or_none=True)
+        scenario = _real_time(given or Scenario(), self.dt)
         self._seed = seed_sequence(scenario.seed)
         self.scenario = scenario.replace(seed=self._seed)
         self.area = scenario.area
@@ -225,12 +226,6 @@ def _end(laboratory: _core.Laboratory, receiver: MotorReceiver) -> None:
         return
     laboratory.close()
     receiver.close()
-
-
-def _checked(name: str, value: Any, kind: type) -> Any:
-    if value is not None and not isinstance(value, kind):
-        raise TypeError(f"{name} must be a {kind.__name__}, got {quoted(value)}")
-    return value
 
 
 def _map_at(plane_map: PlaneMap, height: Any) -> PlaneMap | None:

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._core import Frame
-from robsim.base.checks import Floats
-from robsim.base.text import quoted
+from robsim.base.checks import Floats, check_kind
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,8 +69,7 @@ class LabTruth:
         ValueError
             If it has no time, or none of these ticks.
         """
-        if not isinstance(frame, Frame):
-            raise TypeError(f"frame must be a Frame, got {quoted(frame)}")
+        check_kind("frame", frame, Frame)
         if frame.t is None or frame.epoch is None:
             raise ValueError("frame must have t and epoch, as those of a live camera have")
         row = float(frame.epoch + frame.t - self.t[0]) / self.dt

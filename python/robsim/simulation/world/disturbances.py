@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import RobotModel, cos, random_normal, sin
-from robsim.base.checks import Floats, as_float_array, check_float, check_int
+from robsim.base.checks import Floats, as_float_array, check_float, check_int, check_kind
 from robsim.base.text import quoted
 from robsim.base.values import Level
 
@@ -286,8 +286,7 @@ def _within_3(seed: int) -> Iterator[float]:
 
 
 def _theta_of(model: RobotModel) -> Floats:
-    if not isinstance(model, RobotModel):
-        raise TypeError(f"model must be a RobotModel, got {quoted(model)}")
+    check_kind("model", model, RobotModel)
     return model.theta
 
 

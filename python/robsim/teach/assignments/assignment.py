@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from robsim.base.text import quoted
+from robsim.base.checks import check_kind
 from robsim.teach.grading.keys import Key
 from robsim.teach.grading.task import Frames, rules_of
 from robsim.teach.isolation.limits import Isolation, WorkerLimits
@@ -162,5 +162,4 @@ class Assignment:
 
 
 def check_is_assignment(assignment: Any) -> None:
-    if not isinstance(assignment, Assignment):
-        raise TypeError(f"assignment must be an Assignment, got {quoted(assignment)}")
+    check_kind("assignment", assignment, Assignment)

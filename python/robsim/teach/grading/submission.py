@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeVar
 
 from numpy.typing import ArrayLike
 
-from robsim.base.checks import check_bool, check_choice, check_text
+from robsim.base.checks import check_bool, check_choice, check_kind, check_text
 from robsim.base.files import as_path
 from robsim.base.seeds import Seed
 from robsim.base.spelling import check_names
@@ -434,6 +434,5 @@ def _check_given(given: Mapping[str, bytes] | None) -> None:
 
 
 def _checked(scenario: Scenario, steps: int) -> int:
-    if not isinstance(scenario, Scenario):
-        raise TypeError(f"scenario must be a Scenario, got {quoted(scenario)}")
+    check_kind("scenario", scenario, Scenario)
     return step_count(steps)

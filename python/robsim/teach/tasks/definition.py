@@ -9,10 +9,10 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
-from robsim.base.checks import Floats, check_int
+from robsim.base.checks import Floats, check_int, check_kind
 from robsim.base.files import write_new_files
 from robsim.base.seeds import Seed
-from robsim.base.text import listed, quoted
+from robsim.base.text import listed
 from robsim.campaigns.choices import Folder
 from robsim.simulation import Scenario, Simulation
 from robsim.simulation.slots import ONCE, SLOTS, AllCallbacks, RobotSlots
@@ -231,8 +231,7 @@ class Task(ABC):
 
 
 def check_task(task: Any) -> None:
-    if not isinstance(task, Task):
-        raise TypeError(f"task must be a Task, got {quoted(task)}")
+    check_kind("task", task, Task)
 
 
 def solution_folder(task: Task, solution: Solution) -> Folder:
@@ -251,8 +250,7 @@ def solution_folder(task: Task, solution: Solution) -> Folder:
         If an argument has the wrong type.
     """
     check_task(task)
-    if not isinstance(solution, Solution):
-        raise TypeError(f"solution must be a Solution, got {quoted(solution)}")
+    check_kind("solution", solution, Solution)
     path = solution.folder or Path(solution.name)
     sources = {**solution.files, MODULE: module_source(task)}
     return Folder(str(path), str(path.absolute()), sources, task.slots)

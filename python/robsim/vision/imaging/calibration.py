@@ -15,6 +15,7 @@ from robsim.base.checks import (
     as_float_array,
     check_float,
     check_int,
+    check_kind,
     check_mm_per_px,
     check_size,
     is_int,
@@ -51,6 +52,12 @@ class Residuals:
         check_float("worst", self.worst, "px", minimum=0)
         check_int("points", self.points, minimum=1, maximum=_MOST)
         check_int("pictures", self.pictures, minimum=1, maximum=_MOST)
+
+
+_KINDS = {
+    **{"intrinsics": Intrinsics, "floor": PlaneMap, "date": datetime.datetime},
+    **dict.fromkeys(("lens_residuals", "floor_residuals"), Residuals),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,11 +121,8 @@ class Calibration:
         put(self, "size", check_size("size", self.size))
         if self.region is not None:
             put(self, "region", check_region("region", self.region))
-        _check_kind("intrinsics", self.intrinsics, Intrinsics)
-        _check_kind("floor", self.floor, PlaneMap)
-        _check_kind("lens_residuals", self.lens_residuals, Residuals)
-        _check_kind("floor_residuals", self.floor_residuals, Residuals)
-        _check_kind("date", self.date, datetime.datetime)
+        for name, kind in _KINDS.items():
+            check_kind(name, getattr(self, name), kind, or_none=True)
         if self.date is not None and self.date.tzinfo is None:
             raise ValueError(f"date must have a time zone, got {quoted(self.date)}")
         if self.area is not None:
@@ -216,11 +220,6 @@ class Calibration:
         return (
             f"<Calibration: {self.size[0]} x {self.size[1]} px, {' and '.join(parts) or 'empty'}>"
         )
-
-
-def _check_kind(name: str, value: Any, kind: type) -> None:
-    if not (value is None or isinstance(value, kind)):
-        raise TypeError(f"{name} must be a {kind.__name__} or None, got {quoted(value)}")
 
 
 def _checked_features(features: Any) -> dict[str, Feature]:

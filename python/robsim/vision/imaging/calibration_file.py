@@ -7,7 +7,7 @@ from os import PathLike
 from typing import Any
 
 from robsim._core import Intrinsics, PlaneMap
-from robsim.base.checks import check_float, check_mm_per_px, check_size
+from robsim.base.checks import check_float, check_kind, check_mm_per_px, check_size
 from robsim.base.files import as_path, codec, write_whole
 from robsim.base.text import one_line, quoted
 from robsim.vision.imaging.calibration import Calibration, Residuals, check_region
@@ -133,8 +133,7 @@ def save_calibration(path: str | PathLike[str], calibration: Calibration) -> Non
         If an argument has another type, or the name of the file does not end in ``.toml``.
     """
     file = as_path(path)
-    if not isinstance(calibration, Calibration):
-        raise TypeError(f"calibration must be a Calibration, got {quoted(calibration)}")
+    check_kind("calibration", calibration, Calibration)
     if file.suffix.lower() != ".toml":
         raise ValueError(f"{one_line(file)}: the name of a calibration must end in .toml")
     write_whole(file, calibration_text(calibration).encode())

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from robsim._core import Frame, PlaneMap
-from robsim.base.checks import Floats, check_float, check_int, check_size
+from robsim.base.checks import Floats, check_float, check_int, check_kind, check_size
 from robsim.base.files import as_path
 from robsim.base.text import one_line, quoted
 from robsim.base.warn import warn_user
@@ -122,8 +122,7 @@ class Recording:
                 "live camera, give its frames to robsim.Experiment"
             )
         self.source = as_path(source, "source")
-        if not (plane_map is None or isinstance(plane_map, PlaneMap)):
-            raise TypeError(f"plane_map must be a PlaneMap or None, got {quoted(plane_map)}")
+        check_kind("plane_map", plane_map, PlaneMap, or_none=True)
         if not self.source.exists():
             raise FileNotFoundError(f"there is no file or folder {one_line(self.source)}")
         self.calibration = as_calibration(calibration, plane_map)

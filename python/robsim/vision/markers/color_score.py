@@ -9,7 +9,7 @@ import numpy as np
 
 from robsim._core import Blob, ColorClass, Frame, color_histograms, find_blobs
 from robsim.base import report
-from robsim.base.checks import Floats, check_int, is_int
+from robsim.base.checks import Floats, check_int, check_kind, is_int
 from robsim.base.text import quoted
 from robsim.vision.imaging.images import Pixels, darkened
 from robsim.vision.imaging.noise import native_noise
@@ -183,8 +183,7 @@ def score_color(
         If an argument has the wrong type or shape, or a region does not lie within the image.
     """
     pixels = image.image if isinstance(image, Frame) else image
-    if not isinstance(color, ColorClass):
-        raise TypeError(f"color must be a ColorClass, got {quoted(color)}")
+    check_kind("color", color, ColorClass)
     boxes = _checked(pixels, regions)
     if not is_int(smoothing):
         raise TypeError(f"smoothing must be an int, got {quoted(smoothing)}")

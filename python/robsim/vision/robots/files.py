@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from robsim._core import MarkerLayout
-from robsim.base.checks import check_choice, check_float, check_text
+from robsim.base.checks import check_choice, check_float, check_kind, check_text
 from robsim.base.files import as_path, codec, naming, write_whole
 from robsim.base.text import one_line, quoted
 from robsim.base.values import FileVersion
@@ -139,8 +139,7 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     OSError
         If a file cannot be written.
     """
-    if not isinstance(robot, RobotDefinition):
-        raise TypeError(f"robot must be a RobotDefinition, got {quoted(robot)}")
+    check_kind("robot", robot, RobotDefinition)
     folder = as_path(folder, "folder")
     with naming(folder):
         folder.mkdir(parents=True, exist_ok=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from robsim.base.checks import check_float
+from robsim.base.checks import check_float, check_kind
 from robsim.base.text import quoted
 from robsim.gui.tools.floor.view import FloorView
 from robsim.gui.tools.panel import ToolPanel
@@ -39,8 +39,7 @@ class FloorPanel(ToolPanel):
 
     @value.setter
     def value(self, calibration: Calibration) -> None:
-        if not isinstance(calibration, Calibration):
-            raise TypeError(f"value must be a Calibration, got {quoted(calibration)}")
+        check_kind("value", calibration, Calibration)
 
         def take() -> None:
             self._view.points.clear()
