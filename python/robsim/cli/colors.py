@@ -20,7 +20,7 @@ from robsim.vision.imaging.images import Pixels, load_image, save_image
 from robsim.vision.markers.color_files import colors_to_toml, load_colors
 from robsim.vision.markers.color_score import score_color
 from robsim.vision.markers.painting import paint_classes
-from robsim.vision.robots.polygons import inner_box
+from robsim.vision.robots.polygons import inner_box, placed
 
 HELP = (
     "A colour class is a name with ranges of Y (brightness), U and V; a colour file contains "
@@ -138,11 +138,7 @@ def _marker_region(
     simulation: Simulation, marker: Floats, start: tuple[float, float, float]
 ) -> str:
     """Return the region of a marker in the frame as a command-line option, or a hint."""
-    robot, (x, y, heading) = simulation.robot, start
-    sine, cosine = np.sin(heading), np.cos(heading)
-    # In the frame, forward is (cos, sin) and right is (-sin, cos).
-    turn = np.array(((cosine, sine), (-sine, cosine)))
-    polygon = robot.to_robot_frame(marker) @ turn + (x, y)
+    polygon = placed(simulation.robot.to_robot_frame(marker), start)
     height, width = simulation.frame.image.shape[:2]
     box = inner_box(polygon, width, height)
     return "see the image" if box is None else f"--region {','.join(map(str, box))}"

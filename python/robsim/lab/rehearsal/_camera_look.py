@@ -23,6 +23,7 @@ from robsim._core import (
 )
 from robsim.base.checks import Floats
 from robsim.lab.rehearsal._calibration_findings import MarkerPair, marker_pair
+from robsim.vision.markers.training import margin_of
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.polygons import area_and_centroid, placed
 
@@ -30,7 +31,6 @@ _INNER = 0.7  # of a marker's outline, from its centre: the edge is mixed with w
 _OUTER = 1.2  # all of it
 _AROUND = 1.6
 _CLIPPED = 254  # levels
-_LEVELS = 255
 Mask = NDArray[np.bool_]
 
 
@@ -70,7 +70,7 @@ def marker_light(
     return MarkerLight(
         level=float(rgb[inner].mean(axis=0).max()),
         clipped=float((rgb[inner].max(axis=1) >= _CLIPPED).mean()),
-        margin=_margin(color_of_marker, color),
+        margin=margin_of(color, color_of_marker),
         contrast=float(np.hypot(*(color_of_marker - color_around)[1:])),
         found=blob.area / area_and_centroid(corners)[0],
     )
@@ -80,14 +80,6 @@ def _mask(polygon: Floats, shape: tuple[int, ...]) -> Mask:
     drawn = Image.new("1", (shape[1], shape[0]))
     ImageDraw.Draw(drawn).polygon([(float(x), float(y)) for x, y in polygon], fill=1)
     return np.array(drawn)
-
-
-def _margin(yuv: Floats, color: ColorClass) -> float:
-    """Return how far a colour (3,) is inside the limits that can be passed (levels)."""
-    distances = []
-    for value, (lower, upper) in zip(yuv, (color.y, color.u, color.v), strict=True):
-        distances += [value - lower] * (lower > 0) + [upper - value] * (upper < _LEVELS)
-    return float(min(distances, default=_LEVELS))
 
 
 _KEPT = 3  # frames, to look for floor sheets in when all have come

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim._core import (
-    Blob,
     ColorClass,
     Detection,
     Frame,
@@ -22,7 +21,7 @@ from robsim._core import (
     find_blobs,
     surrounding_chroma,
 )
-from robsim.base.checks import Floats, check_bool, is_int
+from robsim.base.checks import Floats, check_bool, check_kind, is_int
 from robsim.base.text import listed, quoted
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.markers.color_files import as_colors
@@ -30,7 +29,6 @@ from robsim.vision.markers.trained_color import TrainedColor
 
 Region = tuple[int, int, int, int]
 
-_HALF_WIDTH = 0.35  # of a blob's: a square within a round marker, too
 _AROUND_LIMIT = 0.25  # of an image; a larger region leaves too little around it
 _AXES = 3  # of pixels (H, W, 3)
 _CHANNELS = ("y", "u", "v")
@@ -143,8 +141,7 @@ def train_markers(
     >>> red, blue = train_markers(recording, robsim.load_robot("lab").marker_layout())
     >>> robsim.vision.save_colors("colors.toml", [red.color, blue.color])
     """
-    if not isinstance(markers, MarkerLayout):
-        raise TypeError(f"markers must be a MarkerLayout, got {quoted(markers)}")
+    check_kind("markers", markers, MarkerLayout)
     if colors is not None and regions is not None:
         raise ValueError("colors and regions must not both be given")
     names = [*markers.colors.values()]
@@ -163,7 +160,7 @@ def train_markers(
         assert detection.seen is not None
         for blob in detection.seen.values():
             try:
-                samples[blob.color].add(k, frame, _inner_box(blob))
+                samples[blob.color].add(k, frame, square_within(blob.area, blob.centroid))
             except ValueError as error:
                 samples[blob.color].skip(f"in frame {k}, {blob.color}: {error}")
     if not missed and not any(one.count for one in samples.values()):
@@ -256,7 +253,7 @@ class _Samples:
             color=color,
             frames=np.array(self._frames),
             medians=medians,
-            margins=np.array([_margin(color, one) for one in medians]),
+            margins=np.array([margin_of(color, one) for one in medians]),
             shares=np.array([share_in_class(color, one) for one in self._histograms]),
             histograms=np.sum(self._histograms, axis=0),
             missed=len(left_out),
@@ -290,12 +287,12 @@ def _detected(
     return detect(blobs, markers, image=frame, colors=classes, **options)
 
 
-def _inner_box(blob: Blob) -> Region:
-    """Return the inner part of a marker that was found as a blob."""
-    half_width = _HALF_WIDTH * np.sqrt(blob.area)
-    left, top = np.rint(blob.centroid - half_width).astype(int)
-    right, bottom = np.rint(blob.centroid + half_width).astype(int)
-    return int(left), int(top), int(right), int(bottom)
+def square_within(area: float, centroid: Floats) -> tuple[int, int, int, int]:
+    """Return (left, top, right, bottom) of half the area (px): it fits into a round marker, too."""
+    half_width = 0.35 * np.sqrt(area)
+    left, top = np.rint(centroid - half_width).astype(int).tolist()
+    right, bottom = np.rint(centroid + half_width).astype(int).tolist()
+    return left, top, right, bottom
 
 
 def _widest(classes: Sequence[ColorClass]) -> ColorClass:
@@ -316,10 +313,10 @@ def medians_of(histograms: NDArray[np.int64]) -> Floats:
     return np.asarray((parts < 0.5).sum(axis=1), float)
 
 
-def _margin(color: ColorClass, medians: NDArray[np.float64]) -> float:
-    """Return how far a colour is within the nearest limit of a class; an open end is none."""
+def margin_of(color: ColorClass, yuv: Floats) -> float:
+    """Return the distance of a colour (3,) to the nearest limit of a class, except open ends."""
     inside = []
-    for channel, value in zip(_CHANNELS, medians, strict=True):
+    for channel, value in zip(_CHANNELS, yuv, strict=True):
         lower, upper = getattr(color, channel)
         inside += [value - lower] * (lower > 0) + [upper - value] * (upper < 255)
     return float(min(inside, default=255.0))

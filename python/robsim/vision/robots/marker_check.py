@@ -20,12 +20,11 @@ from robsim._core import (
     rgb_to_yuv,
 )
 from robsim.base.check_report import CheckReport, Problem
-from robsim.base.checks import Floats
-from robsim.base.text import quoted
+from robsim.base.checks import Floats, check_kind
 from robsim.vision.imaging.images import Pixels, darkened, resized
 from robsim.vision.markers.color_files import as_colors
 from robsim.vision.robots.definition import RobotDefinition
-from robsim.vision.robots.polygons import area_and_centroid, mask
+from robsim.vision.robots.polygons import area_and_centroid, mask, placed
 
 #: Grey level of the floor assumed behind an image.
 GREY = 128
@@ -61,8 +60,7 @@ def check_colors(
         If `robot` is not a RobotDefinition, or `colors` not a colour file or an iterable of
         ColorClass.
     """
-    if not isinstance(robot, RobotDefinition):
-        raise TypeError(f"robot must be a RobotDefinition, got {quoted(robot)}")
+    check_kind("robot", robot, RobotDefinition)
     classes = {color.name: color for color in as_colors(colors)}
     sentences = _problems(_View(robot), classes)
     if not sentences:
@@ -212,7 +210,8 @@ def _likeness(frame: Frame, robot: RobotDefinition, detection: Detection) -> flo
     if detection.measurement is None:
         return 0.0
     points, colors = _body(robot)
-    pixels = _pixels_at(points, detection.measurement.pose, frame.plane_map)
+    seen = frame.plane_map.to_pixel(placed(points, detection.measurement.pose))
+    pixels = np.rint(np.nan_to_num(seen, nan=-1)).astype(int)  # NaN: outside of the frame
     height, width = frame.image.shape[:2]
     is_within = ((pixels >= 0) & (pixels < (width, height))).all(axis=1)
     if is_within.mean() < _VISIBLE:
@@ -222,17 +221,6 @@ def _likeness(frame: Frame, robot: RobotDefinition, detection: Detection) -> flo
     seen, drawn = seen - seen.mean(), drawn - drawn.mean()
     scale = np.sqrt((seen**2).sum() * (drawn**2).sum())
     return float((seen * drawn).sum() / scale) if scale > 0 else 0.0
-
-
-def _pixels_at(points: Floats, pose: Floats, plane_map: PlaneMap) -> Pixels:
-    """Return the pixels (N, 2) of points in the frame of a robot at a pose."""
-    x, y, heading = pose
-    cos, sin = np.cos(heading), np.sin(heading)
-    # position = centre + R(heading) (forward, right)
-    positions = points @ np.array(((cos, sin), (-sin, cos))) + (x, y)
-    seen = np.nan_to_num(plane_map.to_pixel(positions), nan=-1)  # not shown: outside of the frame
-    pixels: Pixels = np.rint(seen).astype(int)
-    return pixels
 
 
 @lru_cache(maxsize=4)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robsim.base.checks import Floats
+from robsim.vision.markers.training import square_within
 
 _MAXIMUM_SAMPLES = 2000
 _MINIMUM_INSIDE = 0.8  # fraction of a box that must lie in the polygon
@@ -127,10 +128,7 @@ def inner_box(polygon: Floats, width: int, height: int) -> tuple[int, int, int, 
 
     It is 70 % as wide as a square of that area, so that it lies inside a round marker, too.
     """
-    area, centroid = area_and_centroid(polygon)
-    half_width = 0.35 * np.sqrt(area)
-    left, top = np.rint(centroid - half_width).astype(int).tolist()
-    right, bottom = np.rint(centroid + half_width).astype(int).tolist()
+    left, top, right, bottom = square_within(*area_and_centroid(polygon))
     is_inside = mask(polygon, width, height)[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
     is_good = is_inside.size and is_inside.mean() >= _MINIMUM_INSIDE
     return (left, top, right, bottom) if is_good else None
