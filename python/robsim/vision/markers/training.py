@@ -182,7 +182,7 @@ class Sample:
     histograms : array (3, 256)
         How many of its pixels have each value of Y, U and V.
     around : array (2, 2) or None
-        Chroma of the picture around it, as from `surrounding_chroma`.
+        Chroma of the picture around it, as from `surrounding_chroma`; None if it is most of it.
     """
 
     picture: str
@@ -191,19 +191,28 @@ class Sample:
     around: Floats | None = None
 
     @classmethod
-    def of(cls, image: Pixels, region: Region, picture: str) -> Sample:
+    def of(cls, image: Frame | Pixels, region: Region, picture: str) -> Sample:
         """Return the sample of a region of a picture; ValueError if it lies outside."""
         histograms = color_histograms(image, region)
-        return cls(picture, region, histograms, chroma_around(image, histograms))
+        pixels = image.image if isinstance(image, Frame) else image
+        is_most = histograms[0].sum() >= _AROUND_LIMIT * pixels.shape[0] * pixels.shape[1]
+        return cls(picture, region, histograms, None if is_most else surrounding_chroma(image))
 
     @property
     def medians(self) -> Floats:
         """Medians of Y, U and V."""
-        return medians_of(self.histograms)
+        parts = np.cumsum(self.histograms, axis=1) / self.histograms.sum(axis=1, keepdims=True)
+        return np.asarray((parts < 0.5).sum(axis=1), float)
 
     def share_in(self, color: ColorClass) -> float:
         """Return the share of its pixels that a class takes, by the channel that takes fewest."""
-        return share_in_class(color, self.histograms)
+        taken = [
+            counts[lower : upper + 1].sum()
+            for counts, (lower, upper) in zip(
+                self.histograms, (color.y, color.u, color.v), strict=True
+            )
+        ]
+        return float(min(taken) / self.histograms[0].sum())
 
 
 class _Samples:
@@ -221,16 +230,17 @@ class _Samples:
         # What is wrong with them is said before a recording is read.
         ColorClass.from_histograms(_ONE_PIXEL, **(self._options | {"limit_y": True}))
         self._frames: list[int] = []
-        self._histograms: list[NDArray[np.int64]] = []
+        self._regions: list[Sample] = []
         self._classes: list[ColorClass] = []
         self._skipped: list[str] = []
 
     def add(self, k: int, image: Frame | Pixels, region: Region) -> None:
         """Take a region of frame k; ValueError if it is grey."""
-        histograms = color_histograms(image, region)
-        around = chroma_around(image, histograms)
-        self._classes.append(ColorClass.from_histograms(histograms, around=around, **self._options))
-        self._histograms.append(histograms)
+        one = Sample.of(image, region, f"frame {k}")
+        self._classes.append(
+            ColorClass.from_histograms(one.histograms, around=one.around, **self._options)
+        )
+        self._regions.append(one)
         self._frames.append(k)
 
     @property
@@ -248,23 +258,16 @@ class _Samples:
                 f"frames must show {self._options['name']}, got none that does: {left_out[0]}"
             )
         color = _widest(self._classes)
-        medians = np.array([medians_of(one) for one in self._histograms])
+        medians = np.array([one.medians for one in self._regions])
         return TrainedColor(
             color=color,
             frames=np.array(self._frames),
             medians=medians,
             margins=np.array([margin_of(color, one) for one in medians]),
-            shares=np.array([share_in_class(color, one) for one in self._histograms]),
-            histograms=np.sum(self._histograms, axis=0),
+            shares=np.array([one.share_in(color) for one in self._regions]),
+            histograms=np.sum([one.histograms for one in self._regions], axis=0),
             missed=len(left_out),
         )
-
-
-def chroma_around(image: Frame | Pixels, histograms: NDArray[np.int64]) -> Floats | None:
-    """Return the chroma around a region with these histograms; None if it is most of the image."""
-    pixels = image.image if isinstance(image, Frame) else image
-    is_most = histograms[0].sum() >= _AROUND_LIMIT * pixels.shape[0] * pixels.shape[1]
-    return None if is_most else surrounding_chroma(image)
 
 
 def _class_in(
@@ -307,12 +310,6 @@ def _widest(classes: Sequence[ColorClass]) -> ColorClass:
     return ColorClass(classes[0].name, **ranges)
 
 
-def medians_of(histograms: NDArray[np.int64]) -> Floats:
-    """Return the medians of Y, U and V of pixels."""
-    parts = np.cumsum(histograms, axis=1) / histograms.sum(axis=1, keepdims=True)
-    return np.asarray((parts < 0.5).sum(axis=1), float)
-
-
 def margin_of(color: ColorClass, yuv: Floats) -> float:
     """Return the distance of a colour (3,) to the nearest limit of a class, except open ends."""
     inside = []
@@ -320,15 +317,6 @@ def margin_of(color: ColorClass, yuv: Floats) -> float:
         lower, upper = getattr(color, channel)
         inside += [value - lower] * (lower > 0) + [upper - value] * (upper < 255)
     return float(min(inside, default=255.0))
-
-
-def share_in_class(color: ColorClass, histograms: NDArray[np.int64]) -> float:
-    """Return the share of pixels in a class, by the channel that takes fewest."""
-    taken = [
-        counts[lower : upper + 1].sum()
-        for counts, (lower, upper) in zip(histograms, (color.y, color.u, color.v), strict=True)
-    ]
-    return float(min(taken) / histograms[0].sum())
 
 
 def _images(images: Any) -> list[Frame | Pixels]:
