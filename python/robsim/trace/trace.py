@@ -43,10 +43,12 @@ Bools = NDArray[np.bool_]
 _SHOWN_COLUMNS = 4
 
 
-def check_trace(trace: Any) -> None:
+def check_trace(trace: Any, *names: str) -> None:
+    """Raise TypeError for what is no trace, and as `Trace.require` for columns not recorded."""
     if not isinstance(trace, Trace):
         hint = ": give sim.trace" if isinstance(getattr(trace, "trace", None), Trace) else ""
         raise TypeError(f"trace must be a Trace, got {quoted(trace)}{hint}")
+    trace.require(*names)
 
 
 def longest_run(mask: Bools) -> slice:

@@ -230,8 +230,7 @@ def identifiability(
     TypeError, ValueError
         If `trace` is not a Trace, or `k` or `sigma` is wrong.
     """
-    check_trace(trace)
-    trace.require("standard_errors_unscaled")
+    check_trace(trace, "standard_errors_unscaled")
     last = int(trace.k[-1])
     step = last if k is None else check_int("k", k, minimum=int(trace.k[0]), maximum=last)
     until = trace[: step - int(trace.k[0]) + 1]

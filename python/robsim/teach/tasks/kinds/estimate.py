@@ -98,8 +98,7 @@ class EstimateTask(Task):
 
     def score(self, trace: Trace) -> dict[str, float]:
         """Return the rms errors of position and heading, and the mean NEES over 3."""
-        check_trace(trace)
-        trace.require("pose_true")
+        check_trace(trace, "pose_true")
         error = wrapped_error(trace.pose_estimated, trace.pose_true)[self.unscored :]
         return {
             **rms_of_poses(error),

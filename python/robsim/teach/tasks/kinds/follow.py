@@ -94,8 +94,7 @@ class FollowTask(DrivingTask):
 
         Who stays where he is has no distance from the path.
         """
-        check_trace(trace)
-        trace.require("pose_true")
+        check_trace(trace, "pose_true")
         if self.broken_rule(trace) is not None:
             return dict.fromkeys((score.name for score in self.scores), np.nan)
         score = score_path(trace, self.waypoints, waypoint_radius=_RADIUS)

@@ -108,8 +108,7 @@ class IdentifyTask(Task):
 
     def score(self, trace: Trace) -> dict[str, float]:
         """Return the rms errors of what the parameters predict, at the end and early."""
-        check_trace(trace)
-        trace.require("pose_true")
+        check_trace(trace, "pose_true")
         phi = regression_of(trace, identify_from="truth").phi
         error = trace.parameters - np.asarray(trace.info.theta_true, dtype=np.float64)
         # e = sum(phi (theta - theta_true))

@@ -80,8 +80,7 @@ class MeasureTask(Task):
 
     def score(self, trace: Trace) -> dict[str, float]:
         """Return the rms errors of the poses that are not false, and the share of frames lost."""
-        check_trace(trace)
-        trace.require("pose_true")
+        check_trace(trace, "pose_true")
         is_good = trace.seen & ~trace.is_false
         is_lost = trace.is_false | ~(trace.seen | trace.hidden.astype(bool))
         return {**rms_of_poses(trace.error[is_good]), "lost": 100 * float(np.mean(is_lost))}

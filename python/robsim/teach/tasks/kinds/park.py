@@ -84,8 +84,7 @@ class ParkTask(DrivingTask):
 
     def score(self, trace: Trace) -> dict[str, float]:
         """Return settling time, errors at the end and overshoot."""
-        check_trace(trace)
-        trace.require("pose_true")
+        check_trace(trace, "pose_true")
         if self.broken_rule(trace) is not None:
             return dict.fromkeys((score.name for score in self.scores), np.nan)
         score = score_pose(
