@@ -96,10 +96,16 @@ def line_of_frame(frame: FrameType | None) -> SourceLine | None:
     return None
 
 
-def line_of_callable(function: Any) -> SourceLine | None:
-    """Return where a function, method or callable object is defined; None if it is compiled."""
+def inner_of(function: Any) -> Any:
+    """Return the function inside of partial ones."""
     while isinstance(function, functools.partial):
         function = function.func
+    return function
+
+
+def line_of_callable(function: Any) -> SourceLine | None:
+    """Return where a function, method or callable object is defined; None if it is compiled."""
+    function = inner_of(function)
     if isinstance(function, type):
         function = inspect.getattr_static(function, "__init__")
     function = inspect.unwrap(function)

@@ -12,6 +12,7 @@ import numpy as np
 
 from robsim.base.checks import check_name
 from robsim.base.report import Report
+from robsim.base.source_line import inner_of
 from robsim.base.spelling import check_names
 from robsim.base.text import quoted
 from robsim.control import score_path, score_pose
@@ -104,10 +105,7 @@ def metrics_value(metrics: Any) -> dict[str, Metric]:
 def _name_of(metric: Any) -> str:
     if isinstance(metric, str):
         return metric
-    inner = metric
-    while isinstance(inner, functools.partial):
-        inner = inner.func
-    name = getattr(inner, "__name__", None)
+    name = getattr(inner_of(metric), "__name__", None)
     if not isinstance(name, str) or name == "<lambda>":
         raise TypeError(
             "metrics must have names: give a mapping of name to function, such as "

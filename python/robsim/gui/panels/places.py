@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from robsim.base.source_line import users_line_of_callable
+from robsim.base.source_line import inner_of, users_line_of_callable
 from robsim.base.text import one_line
 from robsim.simulation import Experiment, Simulation
-from robsim.simulation.callbacks.signatures import inner_of
 from robsim.simulation.slots import SLOTS
 from robsim.simulation.slotted import is_code
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-from robsim.base import source_line
+from robsim.base.source_line import inner_of, users_line_of_callable
 
 
 def accepts(function: Callable[..., object], count: int) -> bool:
@@ -57,20 +57,13 @@ def why_not_a_function(function: Callable[..., object]) -> str | None:
     return None
 
 
-def inner_of(function: Any) -> Any:
-    """Return the function inside of partial ones."""
-    while isinstance(function, functools.partial):
-        function = function.func
-    return function
-
-
 def where_defined(function: Callable[..., object]) -> str:
     return f"{signature_of(function) or '(...)'}{place_of(function)}"
 
 
 def place_of(function: Callable[..., object]) -> str:
     """Return where the user has defined a callable, as `` (control.py:3)``; else ``""``."""
-    line = source_line.users_line_of_callable(function)
+    line = users_line_of_callable(function)
     return "" if line is None else f" ({line.place})"
 
 
