@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import unicodedata
+from collections.abc import Iterable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -57,6 +58,18 @@ def check_kind(name: str, value: Any, kind: type, *, or_none: bool = False) -> A
         expected = with_article(kind.__name__) + (" or None" if or_none else "")
         raise TypeError(f"{name} must be {expected}, got {quoted(value)}")
     return value
+
+
+def check_kinds(name: str, values: Any, kind: type) -> tuple[Any, ...]:
+    """Return `values` as a tuple if all are of a kind; else raise TypeError."""
+    expected = f"{name} must be a sequence of {kind.__name__}"
+    if not isinstance(values, Iterable):
+        raise TypeError(f"{expected}, got {quoted(values)}")
+    entries = tuple(values)
+    for entry in entries:
+        if not isinstance(entry, kind):
+            raise TypeError(f"{expected}, got one of {quoted(entry)}")
+    return entries
 
 
 def is_int(value: Any) -> bool:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from robsim.base.checks import check_float, check_int, check_text
+from robsim.base.checks import check_float, check_int, check_kinds, check_text
 from robsim.base.text import quoted
 
 #: A format specification such as ``".4g"``, or a function of the value that returns its text.
@@ -92,18 +92,6 @@ def _check_labels(label: Quantity | Column) -> None:
         check_text("unit", label.unit)
     if not (isinstance(label.format, str) or callable(label.format)):
         raise TypeError(f"format must be a format such as '.4g' or a function, got {label.format}")
-
-
-def _tuple_of(name: str, values: Any, kind: type) -> tuple[Any, ...]:
-    if not isinstance(values, Iterable):
-        raise TypeError(f"{name} must be a sequence of {kind.__name__}, got {quoted(values)}")
-    entries = tuple(values)
-    for entry in entries:
-        if not isinstance(entry, kind):
-            raise TypeError(
-                f"{name} must be a sequence of {kind.__name__}, got one of {quoted(entry)}"
-            )
-    return entries
 
 
 def _headed(title: str, unit: str) -> str:
@@ -232,8 +220,8 @@ class Table:
         check_text("key", self.key)
         check_text("row_title", self.row_title)
         check_int("group", self.group, minimum=0, maximum=sys.maxsize)
-        object.__setattr__(self, "columns", _tuple_of("columns", self.columns, Column))
-        object.__setattr__(self, "rows", _tuple_of("rows", self.rows, Row))
+        object.__setattr__(self, "columns", check_kinds("columns", self.columns, Column))
+        object.__setattr__(self, "rows", check_kinds("rows", self.rows, Row))
 
     @property
     def column_titles(self) -> list[str]:

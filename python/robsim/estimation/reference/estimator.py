@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim._core import Estimate, RobotModel, Step
-from robsim.base.checks import Floats, as_float_array, check_float
+from robsim.base.checks import Floats, as_float_array, check_float, check_kind
 from robsim.base.text import quoted
 
 #: Of a pose measured from frames of 1200 px with 36 drawn headings: px, px, rad. Measured: 0.28,
@@ -141,9 +141,7 @@ class StateEstimator(ABC):
         known = MEASUREMENT_SIGMA if measurement_sigma is None else measurement_sigma
         self._R = self._usual_R = covariance("measurement_sigma", known, exclusive_minimum=0)
         self._has_own_R = measurement_sigma is not None
-        if prior is not None and not isinstance(prior, Prior):
-            raise TypeError(f"prior must be a Prior, got {quoted(prior)}")
-        self.prior = Prior() if prior is None else prior
+        self.prior: Prior = check_kind("prior", Prior() if prior is None else prior, Prior)
         self.reset()
 
     def __repr__(self) -> str:
@@ -241,9 +239,8 @@ class RobotMotion:
     """
 
     def __init__(self, model: RobotModel | None = None) -> None:
-        if model is not None and not isinstance(model, RobotModel):
-            raise TypeError(f"model must be a RobotModel, got {quoted(model)}")
-        self.model = RobotModel() if model is None else model
+        known = RobotModel() if model is None else model
+        self.model: RobotModel = check_kind("model", known, RobotModel)
         self.T = self.model.dt
 
     def _poses(self, name: str, states: Floats) -> tuple[Floats, Floats]:

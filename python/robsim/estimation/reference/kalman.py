@@ -10,8 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from robsim._core import Estimate, RobotModel, Step, check_mean_interval, wrap_angle
-from robsim.base.checks import Floats, as_float_array, check_float
-from robsim.base.text import quoted
+from robsim.base.checks import Floats, as_float_array, check_float, check_kind
 from robsim.estimation.reference.estimator import (
     PROCESS_SIGMA,
     Prior,
@@ -250,8 +249,7 @@ class ModelFilter(StateEstimator):
         >>> sim.control = lambda step: go(kalman_filter.ahead(step))
         >>> trace = sim.run(200)
         """
-        if not isinstance(step, Step):
-            raise TypeError(f"step must be a Step, got {quoted(step)}")
+        check_kind("step", step, Step)
         if step.k != self._last_step:
             raise RuntimeError(
                 f"the filter has not estimated step {step.k}: give it as estimate_state, too"

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 
 from robsim._core import ColorClass
-from robsim.base.text import quoted
+from robsim.base.checks import check_bool
 from robsim.gui.tools.colors.training import Region
 from robsim.gui.tools.colors.view import ColorsView
 from robsim.gui.tools.panel import ToolPanel
@@ -60,8 +60,7 @@ class ColorPanel(ToolPanel):
         TypeError, ValueError
             As from `ColorClass.from_region`; the classes are unchanged then.
         """
-        if not isinstance(more, bool):
-            raise TypeError(f"more must be True or False, got {quoted(more)}")
+        check_bool("more", more)
         return self._view.ask(lambda: self._view.train(name, region, more=more))
 
     def save(self, path: str | PathLike[str] | None = None) -> Path:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim.base.checks import check_bool, check_float, check_int
+from robsim.base.checks import check_bool, check_float, check_int, check_kinds
 from robsim.base.files import as_path
 from robsim.base.files.codec import plain
 from robsim.base.text import listed, quoted
@@ -23,7 +23,6 @@ from robsim.teach.tasks.definition import Task, check_task
 from robsim.teach.tasks.marks.calibration import (
     SolutionMarks,
     TaskCalibration,
-    checked_solutions,
     solutions_digest,
     task_digest,
 )
@@ -144,7 +143,7 @@ def _count_and_rank(false_fail: float, confidence: float, tests: int | None) -> 
 
 def _chosen(task: Any, solutions: Any) -> tuple[Solution, ...]:
     check_task(task)
-    chosen = task.solutions if solutions is None else checked_solutions(solutions)
+    chosen = check_kinds("solutions", task.solutions if solutions is None else solutions, Solution)
     for one in chosen:
         if not one.files.keys() & set(task.slots):
             raise ValueError(

@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from robsim.base.checks import check_kinds
 from robsim.base.files import write_whole
 from robsim.base.report import Column, Quantity, Report, Row, Table, interval, percent
 from robsim.base.text import listed, one_line, quoted
@@ -204,7 +205,9 @@ class TaskCalibration(Report):
             If an argument has the wrong type.
         """
         check_task(task)
-        chosen = task.solutions if solutions is None else checked_solutions(solutions)
+        chosen = check_kinds(
+            "solutions", task.solutions if solutions is None else solutions, Solution
+        )
         if task_digest(task) != self.task_digest:
             return "the task is not the one that it was calibrated for: calibrate again"
         if solutions_digest(chosen) != self.solutions_digest:
@@ -237,17 +240,6 @@ class TaskCalibration(Report):
 
 def _percents(shares: tuple[float, float]) -> str:
     return f"{interval([100 * share for share in shares])} %"
-
-
-def checked_solutions(solutions: Any) -> tuple[Solution, ...]:
-    """Return solutions as a tuple, after a check that they are such."""
-    if not isinstance(solutions, Iterable):
-        raise TypeError(f"solutions must be a sequence of Solution, got {quoted(solutions)}")
-    chosen = tuple(solutions)
-    for one in chosen:
-        if not isinstance(one, Solution):
-            raise TypeError(f"solutions must be a sequence of Solution, got one of {quoted(one)}")
-    return chosen
 
 
 def task_digest(task: Task) -> str:
