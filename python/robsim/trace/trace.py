@@ -44,7 +44,7 @@ _SHOWN_COLUMNS = 4
 
 
 def check_trace(trace: Any, *names: str) -> None:
-    """Raise TypeError for anything but a trace, and as `Trace.require` for what has no value."""
+    """Raise TypeError for another type, and NotRecordedError for columns without a value."""
     if not isinstance(trace, Trace):
         hint = ": give sim.trace" if isinstance(getattr(trace, "trace", None), Trace) else ""
         raise TypeError(f"trace must be a Trace, got {quoted(trace)}{hint}")
