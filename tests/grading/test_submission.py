@@ -229,6 +229,17 @@ def test_the_file_of_a_masked_class_cannot_be_read_though_the_table_of_copies_is
     assert "PermissionError" in str(error)
 
 
+def test_what_shares_a_file_with_a_masked_class_can_be_used(tmp_path):
+    code = """
+        from robsim.estimation.reference import ParticleFilter, UnscentedKalmanFilter
+        filters = ParticleFilter(), UnscentedKalmanFilter()
+        def control(step):
+            return 1, 2
+        """
+    masked = ["robsim.estimation.reference.ExtendedKalmanFilter", "robsim.lab.SimulatedLab"]
+    assert len(submission(tmp_path, control=code, masked=masked).run(SCENARIO, steps=2)) == 2
+
+
 @pytest.mark.parametrize(
     ("name", "use"),
     [

@@ -19,7 +19,7 @@ from robsim.teach.grading._frame_memory import FrameMemory
 from robsim.teach.grading._wire import LIMITS, Channel, Kind, Ready, WireError
 from robsim.teach.grading.answering import CallSetup
 from robsim.teach.grading.robot_half import ROBOT_SLOTS, Setup, groups_of
-from robsim.teach.grading.task import Done, Task, hidden_files
+from robsim.teach.grading.task import Done, Task, hidden_files, modules_with_masked
 from robsim.teach.isolation import start_worker
 from robsim.teach.isolation.ending import GRADER_LOST_IT
 from robsim.teach.isolation.limits import as_size
@@ -30,7 +30,7 @@ R = TypeVar("R")
 # The same for most workers, so that they come from one zygote.
 _MODULES = (
     "numpy",
-    *("robsim.lab.cameras", "robsim.control", "robsim.estimation.evaluation"),
+    *("robsim.campaigns", "robsim.control", "robsim.lab.cameras", "robsim.estimation.evaluation"),
     *("robsim.estimation.identification", "robsim.vision.imaging", "robsim.vision.robots"),
     *("robsim.simulation", "robsim.trace", "robsim.vision.markers"),
     *("robsim.teach.grading.robot_half", "robsim.teach.grading.answering"),
@@ -55,12 +55,14 @@ class Worker(Closing):
         self._limits = task.limits_of_worker
         self._deadline = time.monotonic() + self._limits.run
         self._groups: dict[str, tuple[str, ...]] = {}
+        # Where something is masked, the rest stays usable: it is loaded before its file is closed.
+        masked = [one for one in modules_with_masked(task.rules) if not one.startswith(_MODULES)]
         ours, theirs = socket.socketpair()
         try:
             with theirs:
                 self.process = start_worker(
                     entry=self._ENTRY,
-                    modules=self._MODULES,
+                    modules=(*self._MODULES, *masked),
                     channel=theirs,
                     memory=[] if memory is None else [memory.descriptor],
                     limits=self._limits,

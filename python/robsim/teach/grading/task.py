@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import glob
 import importlib.util
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -120,17 +121,30 @@ class Task:
 
 def hidden_files(rules: Rules) -> list[str]:
     """Return the files of masked modules, and those of masked functions and classes of robsim."""
-    hidden = []
+    hidden = [one for file in _files_with_code(rules) for one in _files_of(file)]
     for name in rules.masked:
         with suppress(ImportError, ValueError):
             found = importlib.util.find_spec(name)
-            if found is None and name.startswith("robsim."):
-                for file in {code.co_filename for code in codes_of(resolve_name(name))}:
-                    hidden += _files_of(file)
-            elif found is not None and found.has_location and found.origin is not None:
+            if found is not None and found.has_location and found.origin is not None:
                 folders = found.submodule_search_locations
                 hidden += list(folders) if folders else _files_of(found.origin)
     return hidden
+
+
+def modules_with_masked(rules: Rules) -> list[str]:
+    """Return the modules of robsim with code of masked functions and classes."""
+    files = _files_with_code(rules)
+    ours = [one for one in tuple(sys.modules.items()) if one[0].startswith("robsim.")]
+    return sorted(name for name, module in ours if getattr(module, "__file__", None) in files)
+
+
+def _files_with_code(rules: Rules) -> set[str]:
+    files = set()
+    for name in rules.masked:
+        with suppress(ImportError, ValueError):
+            if name.startswith("robsim.") and importlib.util.find_spec(name) is None:
+                files |= {code.co_filename for code in codes_of(resolve_name(name))}
+    return files
 
 
 def _files_of(source: str) -> list[str]:
