@@ -21,10 +21,10 @@ from robsim.base.checks import (
 )
 from robsim.base.text import one_line, quoted
 from robsim.base.values import Closing
-from robsim.lab.cameras._devices.extensions import Wishes
 from robsim.lab.cameras.errors import CaptureError, EndOfStream, FrameTimeoutError
 from robsim.lab.cameras.features import CameraFeatures
 from robsim.lab.cameras.sources import Source, source_of
+from robsim.lab.cameras.wishes import Wishes
 from robsim.vision.imaging.calibration import Calibration, check_region
 from robsim.vision.imaging.calibration_file import as_calibration
 

@@ -15,7 +15,6 @@ from robsim.base.checks import check_choice, check_int, is_int
 from robsim.base.text import one_line, quoted
 from robsim.base.warn import warn_user
 from robsim.lab.cameras._devices import firewire, gige
-from robsim.lab.cameras._devices.extensions import Wishes
 from robsim.lab.cameras._devices.opencv import (
     OF_ADDRESSES,
     OF_INDICES,
@@ -23,6 +22,7 @@ from robsim.lab.cameras._devices.opencv import (
     back_end_of_system,
 )
 from robsim.lab.cameras._devices.playback import Playback
+from robsim.lab.cameras.wishes import Wishes
 
 _SAME_RATE = 0.01  # of the rate that was asked for
 

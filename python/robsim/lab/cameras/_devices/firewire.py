@@ -7,7 +7,8 @@ from typing import Any
 
 from robsim._core import pixel_formats
 from robsim.base.text import quoted
-from robsim.lab.cameras._devices.extensions import Extension, Sent, Wishes
+from robsim.lab.cameras._devices.extensions import Extension, Sent
+from robsim.lab.cameras.wishes import Wishes
 
 SCHEME, NAME = "firewire", "FireWire"
 #: The best one first.

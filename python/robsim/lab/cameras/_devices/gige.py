@@ -8,7 +8,8 @@ from urllib.parse import parse_qsl, urlsplit
 
 from robsim._core import pixel_formats
 from robsim.base.text import quoted
-from robsim.lab.cameras._devices.extensions import Extension, Sent, Wishes
+from robsim.lab.cameras._devices.extensions import Extension, Sent
+from robsim.lab.cameras.wishes import Wishes
 
 if TYPE_CHECKING:
     from robsim._gige import GigeCamera
