@@ -196,7 +196,12 @@ class SimulatedLab(Closing):
         return self._laboratory.skipped
 
     def stall(self, seconds: float) -> None:
-        """Let the camera be silent for some seconds from now on; any thread may call this.
+        """Let the camera be silent from now on for a while; any thread may call this.
+
+        Parameters
+        ----------
+        seconds : float
+            How long (s).
 
         Raises
         ------
