@@ -1,4 +1,4 @@
-"""Files as parts of values, and arrays as files: compared and kept."""
+"""Values with arrays and files, compared and kept; runs of True, and objects with an end."""
 
 from __future__ import annotations
 

@@ -210,8 +210,8 @@ def _likeness(frame: Frame, robot: RobotDefinition, detection: Detection) -> flo
     if detection.measurement is None:
         return 0.0
     points, colors = _body(robot)
-    seen = frame.plane_map.to_pixel(placed(points, detection.measurement.pose))
-    pixels = np.rint(np.nan_to_num(seen, nan=-1)).astype(int)  # NaN: outside of the frame
+    places = frame.plane_map.to_pixel(placed(points, detection.measurement.pose))
+    pixels = np.rint(np.nan_to_num(places, nan=-1)).astype(int)  # NaN: outside of the frame
     height, width = frame.image.shape[:2]
     is_within = ((pixels >= 0) & (pixels < (width, height))).all(axis=1)
     if is_within.mean() < _VISIBLE:
