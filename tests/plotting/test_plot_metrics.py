@@ -220,7 +220,7 @@ def test_ellipses_are_drawn_where_the_covariance_is_known_and_not_huge():
     covariance[13] = np.diag([600.0**2, 600.0**2, 3.0])  # not seen yet
     drawn = drawn_ellipses(plot_ellipses(make_trace(covariance=covariance), every=10, magnify=1))
     np.testing.assert_allclose(drawn.mean(axis=1)[:, 0], 101.0 + 4 * np.array([23, 33, 43]))
-    for wrong in (np.full((50, 3, 3), NAN), np.broadcast_to(-np.eye(3), (50, 3, 3))):
+    for wrong in (np.full((50, 3, 3), NAN), np.tile(2 - np.eye(3), (50, 1, 1))):
         with pytest.raises(ValueError, match=r"no covariance|positive definite"):
             plot_ellipses(make_trace(covariance=wrong))
     for wrong in ({"every": 0}, {"level": 1.0}, {"magnify": 0.0}):

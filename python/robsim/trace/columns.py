@@ -79,6 +79,9 @@ def as_rows(name: str, values: Any) -> Floats:
     width = len(fields_of(name, rows.shape[1]))
     if rows.shape[1] != width:
         raise ValueError(f"{name} must have {width} columns, got shape {array.shape}")
+    variances = rows[:, :: math.isqrt(width) + 1]  # of a covariance
+    if name.startswith("covariance") and (variances < 0).any():
+        raise ValueError(f"{name} must have variances of at least 0, got {np.nanmin(variances):g}")
     return rows
 
 
