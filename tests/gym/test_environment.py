@@ -7,6 +7,7 @@ from gymnasium.utils.env_checker import check_env
 
 import robsim
 import robsim.teach.gym
+from robsim.teach.gym.environment import REWARDS
 
 NAMES = ["Park", "Follow"]
 
@@ -89,6 +90,18 @@ def test_the_rewards_of_a_run_sum_to_what_was_done(name):
             return np.array(callbacks["control"](env._simulation.last_step), np.float32)
 
         assert sum(drive(env, policy)[0]) > 1
+
+
+def test_each_way_straight_to_the_parking_place_is_rewarded():
+    task = robsim.teach.ParkTask()
+    left = REWARDS[robsim.teach.ParkTask](task, np.zeros(3))
+    x, y, heading = task.goal
+    for error in np.linspace(-3.14, 3.14, 25):
+        on_the_way = [left((x + d, y, heading + error)) for d in np.linspace(400, 0, 201)]
+        assert (np.diff(on_the_way) < 0).all()
+    turning = [left((x, y, heading + error)) for error in np.linspace(np.pi, 0, 50)]
+    assert (np.diff(turning) < 0).all()
+    assert turning[-1] == 0
 
 
 def test_wrong_arguments():

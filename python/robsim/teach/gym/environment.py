@@ -31,13 +31,17 @@ Left = Callable[[Floats], float]
 
 
 def _left_to_park(task: ParkTask, start: Floats) -> Left:
-    """Return distance / 100 px + |heading error| exp(-distance / 100 px), of a pose."""
+    """Return d + sin(|heading error| / 2) exp(-d), of a pose; d is the distance / 100 px.
+
+    The sine is at most 1, so that d left / d d = 1 - sin(...) exp(-d) >= 0: each way straight to
+    the goal is rewarded, with any heading. A factor above 1, as |heading error|, has a dip.
+    """
     x, y, heading = task.goal
 
     def left(pose: Floats) -> float:
-        distance = math.hypot(pose[0] - x, pose[1] - y) / _LENGTH
+        d = math.hypot(pose[0] - x, pose[1] - y) / _LENGTH
         error: float = abs(wrap_angle(pose[2] - heading))
-        return distance + error * math.exp(-distance)
+        return d + math.sin(error / 2) * math.exp(-d)
 
     return left
 
@@ -98,9 +102,9 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     Notes
     -----
     The reward of a step is what is left to do before it, less what is left after it, of the true
-    poses: in 100 px of the way, and for parking near the goal the heading error in rad. The last
-    step of an episode has the scores of the task in its ``info["scores"]``; each ``info`` has the
-    true pose, ``info["pose_true"]``, which is not the controller's to know.
+    poses: in 100 px of the way, and for parking near the goal the sine of half the heading error.
+    The last step of an episode has the scores of the task in its ``info["scores"]``. Each ``info``
+    has the true pose, ``info["pose_true"]``, which is not the controller's to know.
 
     Examples
     --------
