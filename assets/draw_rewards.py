@@ -1,4 +1,4 @@
-"""Draw what the environments of gymnasium call left to do, over the floor: ./run pictures."""
+"""Draw the rest of the tasks of gymnasium as fields over the floor: ./run pictures."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SPACING = 10  # px between two points of a field
 
 
 def field(task: Task, heading: float, passed: int) -> tuple[NDArray[np.float64], ...]:
-    """Return x, y (px) and what is left there, with a heading (rad) and some waypoints passed."""
+    """Return x, y (px) and the rest there, for a heading (rad) and some waypoints passed."""
     width, height = task.scenario.area
     x, y = np.meshgrid(np.arange(0, width + 1, _SPACING), np.arange(0, height + 1, _SPACING))
 
