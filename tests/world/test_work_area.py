@@ -73,6 +73,7 @@ def test_a_robot_may_start_half_out_of_the_view():
     assert np.isnan(trace.pose_held).all()
 
 
+@pytest.mark.filterwarnings("ignore:.*limit the voltages")
 def test_a_robot_faster_than_the_room_stays_in_it():
     trace = robsim.Simulation(control=lambda step: (5e3, 4e3)).run(60)
     radius = robsim.load_robot().radius
@@ -90,3 +91,13 @@ def test_no_pose_is_held_while_nothing_measures():
     held = np.isfinite(trace.pose_held[:, 0])
     assert held.tolist() == [True] * 3 + [False] * 2 + [True] * 2
     assert held.tolist() == trace.seen.tolist()
+
+
+@pytest.mark.filterwarnings("ignore:.*limit the voltages")
+@pytest.mark.parametrize("volts", [1e3, 1e6, 1e100])
+def test_no_voltage_takes_the_robot_out_of_the_walls(volts):
+    generator = np.random.default_rng(1)
+    trace = robsim.Simulation(control=lambda step: volts * generator.normal(size=2)).run(100)
+    radius = robsim.load_robot().radius
+    assert trace.pose_true[:, :2].min() >= radius - 0.5
+    assert trace.pose_true[:, :2].max() <= 1199.5 - radius

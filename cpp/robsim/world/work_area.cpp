@@ -23,11 +23,16 @@ bool mirror(double low, double high, double& current, double& previous) {
 }
 
 // Mirrors until the coordinate is inside and returns how often: in one step a fast robot may cross
-// the whole area.
+// the whole area. Beyond all speeds of robots it stops at the wall.
 int mirror_all(double low, double high, double& current, double& previous) {
   constexpr int maximum = 1000;
   int count = 0;
   while (count < maximum && mirror(low, high, current, previous)) ++count;
+  if (count == maximum && low < high) {
+    const double inside = std::clamp(current, low, high);
+    previous -= current - inside;
+    current = inside;
+  }
   return count;
 }
 
