@@ -52,11 +52,10 @@ double at_least_0(double value, const char* name) {
                         describe(py::float_(value)));
 }
 
-Measurement make_measurement(const Pose& pose, const std::optional<PoseCovariance>& covariance,
+Measurement make_measurement(const ArrayLike& pose, const std::optional<PoseCovariance>& covariance,
                              std::optional<double> misfit, std::optional<double> signal_to_noise,
                              const std::optional<ByRole<Blob>>& pair) {
-  Measurement measurement;
-  measurement.pose = pose;
+  Measurement measurement = measured_pose_from(pose, "pose");
   if (covariance) check_covariance(*covariance);
   measurement.covariance = covariance;
   if (misfit) measurement.misfit = at_least_0(*misfit, "misfit");

@@ -2506,6 +2506,11 @@ class Loop:
         Send the stop input, if there is one.
         """
     @property
+    def doubts(self) -> list[str]:
+        """
+        list of str: implausible results of stages, each kind once per run.
+        """
+    @property
     def estimator(self) -> typing.Any:
         ...
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable
 from importlib import import_module
 from importlib.util import find_spec
@@ -49,6 +50,11 @@ def _seen(**options: Any) -> Callable[[], Arrays]:
         return trace.pose_true, trace.u, trace.pose_measured
 
     return seen
+
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")  # 0.7 % is meant
+    _WEAK = GaussianNoise(0.7)
 
 
 def _frames(**options: Any) -> Callable[[], Arrays]:
@@ -133,7 +139,7 @@ BYTES: dict[str, Callable[[], Arrays]] = {
     "frames: lab, 480 x 360": _frames(robot="lab", resolution=(480, 360)),
     "frames: sheep, enlarged": _frames(robot="sheep", area=(500, 400), resolution=(1000, 800)),
     "frames: GaussianNoise": _frames(noise=GaussianNoise(40), resolution=(300, 200)),
-    "frames: GaussianNoise, weak": _frames(noise=GaussianNoise(0.7), resolution=(300, 200)),
+    "frames: GaussianNoise, weak": _frames(noise=_WEAK, resolution=(300, 200)),
     "frames: UniformNoise": _frames(noise=UniformNoise(40), resolution=(300, 200)),
     "recursive least squares": _recursive,
     "map of four points": _map_of_four_points,

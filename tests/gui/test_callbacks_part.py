@@ -351,3 +351,19 @@ def test_a_link_for_the_lab_alone(watch, tmp_path, folder, monkeypatch):
         assert lab.lab_link(tmp_path.parent / "other.py") is None
     finally:
         lab._server.cache_clear()
+
+
+@pytest.mark.filterwarnings("ignore:step 0. control gave")
+def test_an_implausible_result_is_noted_once_per_run(watch):
+    watcher = watch(small(control=lambda step: (1e6, 0)))
+
+    def noted():
+        watcher.settle()
+        return [note["text"] for note in watcher.of("note") if note["level"] == "warning"]
+
+    for runs in (1, 2):
+        for _ in range(2):
+            watcher.say("press", button="step")
+        assert len(noted()) == runs
+        assert "1000000" in noted()[-1]
+        watcher.say("press", button="reset")

@@ -172,6 +172,7 @@ def test_the_robot_half_cannot_reach_the_truth():
             setattr(step, name, None)
 
 
+@pytest.mark.filterwarnings("ignore:.*limit the voltages")
 def test_inputs_that_throw_the_robot_out_of_the_world():
     sim = robsim.Simulation(control=lambda step: (1e308, 1e308))
     with pytest.raises((RuntimeError, ValueError), match="beyond all bounds"):

@@ -28,6 +28,7 @@ def share(kind, k, scale):
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore:a noise of")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("percent", [0.2, 1.7, 5, 10, 40, 100])
 def test_the_whole_distribution_at_any_level(kind, percent):
@@ -70,6 +71,7 @@ def test_the_same_seed_and_index_give_the_same_bytes():
     assert (added("gaussian", 40) != added("gaussian", 40, index=1)).any()
 
 
+@pytest.mark.filterwarnings("ignore:a noise of")
 def test_the_level_has_limits():
     for kind, make in KINDS.items():
         assert (added(kind, 0) == 0).all()

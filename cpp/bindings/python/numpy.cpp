@@ -123,9 +123,7 @@ Pair pair_from(py::handle value, const std::string& name) {
 }
 
 Pose pose_from(py::handle value, const std::string& name) {
-  if (const auto p = floats_from<3>(value)) return {(*p)[0], (*p)[1], wrap_angle((*p)[2])};
-  const Doubles p = doubles_from(value, name, Shape{3}, "a pose (x, y, heading) in px, px and rad");
-  return {p.at(0), p.at(1), wrap_angle(p.at(2))};
+  return measured_pose_from(value, name).pose;
 }
 
 Point point_from(py::handle value, const std::string& name) {
@@ -179,11 +177,23 @@ DetectionResult detection_result_from(py::handle value, const std::string& name)
   throw py::value_error(name + " must be the result of a Detection, got " + describe(value));
 }
 
+Measurement measured_pose_from(py::handle value, const std::string& name) {
+  Measurement measurement;
+  if (const auto p = floats_from<3>(value)) {
+    measurement.pose = {(*p)[0], (*p)[1], (*p)[2]};
+  } else {
+    const Doubles rows =
+        doubles_from(value, name, Shape{3}, "a pose (x, y, heading) in px, px and rad");
+    measurement.pose = {rows.at(0), rows.at(1), rows.at(2)};
+  }
+  measurement.given_heading = measurement.pose.heading;
+  measurement.pose.heading = wrap_angle(measurement.pose.heading);
+  return measurement;
+}
+
 MeasurementLike measurement_from(py::handle value, const std::string& name) {
   if (py::isinstance<Measurement>(value)) return {value.cast<Measurement>()};
-  MeasurementLike measurement;
-  measurement.pose = pose_from(value, name);
-  return measurement;
+  return {measured_pose_from(value, name)};
 }
 
 ImageView image_view(py::handle value, const std::string& name) {

@@ -285,6 +285,13 @@ void bind_loop(py::module_& module) {
           "estimator", [](const SlottedLoop& self) { return to_python(self.robot().estimator()); })
       .def_property_readonly("missed_detections", &missed_of,
                              "list of MissedDetections: the most frequent reason first.")
+      .def_property_readonly(
+          "doubts",
+          [](const SlottedLoop& self) {
+            const RunGuard::Look look(self.guard());
+            return self.robot().doubts();
+          },
+          "list of str: implausible results of stages, each kind once per run.")
       .def_property_readonly("last_step", [](const SlottedLoop& self) { return self.last_step(); })
       .def_property_readonly(
           "last_frame",

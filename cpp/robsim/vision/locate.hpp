@@ -29,6 +29,7 @@ struct Measurement {
   double misfit = std::numeric_limits<double>::quiet_NaN();           // NaN = unknown: see PoseFit
   double signal_to_noise = std::numeric_limits<double>::quiet_NaN();  // NaN = unknown
   std::optional<MarkerPair> pair = std::nullopt;
+  double given_heading = std::numeric_limits<double>::quiet_NaN();  // of a user, before it wraps
 };
 
 /// A marker in the robot's frame: x forward, y to its right, from its centre (work-area px).

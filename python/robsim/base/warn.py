@@ -15,4 +15,5 @@ def warn_user(warning: str | Warning) -> None:
 
 
 def _is_of_robsim(module: str) -> bool:
-    return module == "robsim" or module.startswith("robsim.")
+    # The frame of a context manager lies between two of robsim.
+    return module in ("robsim", "contextlib") or module.startswith("robsim.")

@@ -18,6 +18,7 @@ from robsim._core import ColorClass, Frame, MarkerLayout, RobotModel, Step
 from robsim.base import seeds
 from robsim.base.checks import check_kind
 from robsim.base.text import one_line, quoted
+from robsim.base.warn import warn_user
 from robsim.simulation.callbacks.errors import callback_of, note_misuse
 from robsim.simulation.callbacks.missing_data import note_missing_data, unmet_needs
 from robsim.simulation.callbacks.slot import held
@@ -54,6 +55,8 @@ def run_info(runner: Runner) -> RunInfo:
 class Runner(Slotted):
     """The loop with the slots of the robot half; the subclasses add the world half."""
 
+    #: Whether it warns of results of callbacks; a grader judges them.
+    _warns = True
     #: The groups of columns of an empty trace.
     _GROUPS: ClassVar[tuple[str, ...]]
 
@@ -87,6 +90,7 @@ class Runner(Slotted):
         self._n_resets = 0  # counted once the steps are gone
         self._is_marker_size_known = False
         self._changed: tuple[str, ...] = ()  # options, in the middle of the run
+        self._n_doubts = 0  # warned of by now
         self._world_half = world  # here the garbage collector sees into it
         self._core = _core.Loop(
             world=world,
@@ -178,7 +182,8 @@ class Runner(Slotted):
         if not isinstance(progress, (bool, str)):
             raise TypeError(f"progress must be True, False or a label, got {quoted(progress)}")
         self._prepare()
-        is_at_end = self._run_guarded(steps, progress, total)
+        with self._doubts_told():
+            is_at_end = self._run_guarded(steps, progress, total)
         self._check_marker_size()
         return is_at_end
 
@@ -222,7 +227,7 @@ class Runner(Slotted):
         """
         self._prepare()
         before = self._core.rows
-        with self._guarded():
+        with self._doubts_told(), self._guarded():
             is_at_end = self._core.run(1, self._pulse, stops_robot=False)
         if is_at_end:
             raise EOFError("there are no more frames")
@@ -246,7 +251,7 @@ class Runner(Slotted):
             If there are no more frames.
         """
         self._prepare()
-        with self._guarded():
+        with self._doubts_told(), self._guarded():
             stage = self._core.step_stage(self._pulse)
         if stage is None:
             raise EOFError("there are no more frames")
@@ -292,6 +297,18 @@ class Runner(Slotted):
     def _watched(self) -> AbstractContextManager[None]:
         """Enforce the time limit with one watchdog on all steps and runs in the context."""
         return nullcontext() if self._time_limit is None else self._time_limit.watching()
+
+    @contextmanager
+    def _doubts_told(self) -> Iterator[None]:
+        """Warn afterwards of implausible results of callbacks, once per run."""
+        try:
+            yield
+        finally:
+            if self._warns and not self._core.is_running:
+                doubts = self._core.doubts
+                self._n_doubts, seen = len(doubts), self._n_doubts
+                for doubt in doubts[seen:]:
+                    warn_user(doubt)
 
     def _start(self) -> None:
         if not self._core.has_started:
@@ -348,6 +365,7 @@ class Runner(Slotted):
         self._rng = None
         self._run_info = []
         self._changed = ()
+        self._n_doubts = 0
 
     def _seed_core(self) -> None:
         self._core.set_controller_seed(seeds.stream_number(self._seed, "controller"))

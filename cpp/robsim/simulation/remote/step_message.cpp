@@ -221,7 +221,7 @@ std::string to_bytes(const StepMessage& m) {
   }
   if (has(m.measurement, measurement_part)) {
     // All fields, so that a new one does not compile before it is in the message; the pair is not.
-    const auto& [pose, covariance, misfit, signal_to_noise, pair] = *m.measurement;
+    const auto& [pose, covariance, misfit, signal_to_noise, pair, given] = *m.measurement;
     fixed.measured = pose;
     if (has(covariance, covariance_part)) fixed.measured_covariance = *covariance;
     fixed.misfit = misfit;

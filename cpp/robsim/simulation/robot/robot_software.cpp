@@ -24,6 +24,7 @@ void RobotSoftware::start() {
   last_u_ = {};
   held_.reset();
   missed_.clear();
+  doubts_ = {};
   state_size_ = 0;
   model_ = std::move(model);
 }
@@ -84,7 +85,9 @@ void RobotSoftware::measure() {
     if (is_ours && options_.given != Given::all) step_->measurement->pair.reset();
     if (step_->detection && !step_->measurement) count_missed(*step_->detection);
   }
-  if (step_->measurement) held_ = step_->measurement->pose;
+  if (!step_->measurement) return;
+  held_ = step_->measurement->pose;
+  doubts_.look_at(*step_->measurement, step_->k);
 }
 
 std::optional<Pose> RobotSoftware::held() const {
@@ -108,12 +111,14 @@ void RobotSoftware::estimate_state() {
                           " numbers at every step, got " + std::to_string(size));
   }
   if (size > 0) state_size_ = size;
+  doubts_.look_at(estimate, step_->k);
   step_->estimate = std::move(estimate);
 }
 
 void RobotSoftware::control() {
   if (!stages_.control) return;
   step_->u = stages_.control.call(step_);
+  doubts_.look_at(*step_->u, step_->k);
 }
 
 bool RobotSoftware::is_interpreted() const {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "robsim/simulation/robot/doubts.hpp"
 #include "robsim/simulation/robot/stages.hpp"
 
 namespace robsim {
@@ -90,6 +91,9 @@ class RobotSoftware {
   /// Why the default measurement detected no robot, since the start.
   const std::map<DetectionResult, MissedDetections>& missed() const { return missed_; }
 
+  /// Implausible results of stages since the start, in words.
+  const std::vector<std::string>& doubts() const { return doubts_.texts(); }
+
   /// Says what was sent to the robot: the last_u of the next step.
   void set_last_input(const Input& u) { last_u_ = u; }
 
@@ -112,6 +116,7 @@ class RobotSoftware {
   Input last_u_;
   std::optional<Pose> held_;
   std::map<DetectionResult, MissedDetections> missed_;
+  Doubts doubts_;
   std::size_t state_size_ = 0;  // further numbers of the state estimator
 };
 

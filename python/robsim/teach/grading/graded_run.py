@@ -136,6 +136,7 @@ def _world(
 
 def _driven(simulation: Simulation, steps: int, task: Task) -> Trace:
     """Run; report whose fault a failing callback is, here or in the worker."""
+    simulation._warns = False
     try:
         return simulation.run(steps)
     except GradingError as error:

@@ -11,6 +11,7 @@ from robsim._core import VisualNoise
 from robsim.base.checks import check_float, check_int
 from robsim.base.text import quoted
 from robsim.base.values import Level
+from robsim.base.warn import warn_user
 from robsim.vision.imaging.images import Pixels
 
 #: Highest level of a noise (%).
@@ -28,6 +29,11 @@ class _Noise:
 
     def __post_init__(self) -> None:
         check_float("percent", self.percent, "%", minimum=0, maximum=HIGHEST)
+        if 0 < self.percent < 1:
+            warn_user(
+                f"a noise of {self.percent:g} is {self.percent:g} % of 0..255: "
+                f"{100 * self.percent:g} % is {type(self).__name__}({100 * self.percent:g})"
+            )
 
     @property
     def _level(self) -> float:

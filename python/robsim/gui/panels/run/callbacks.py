@@ -7,6 +7,7 @@ import subprocess
 import time
 from typing import TYPE_CHECKING, Any
 
+from robsim._core import Step
 from robsim.base.text import said_by
 from robsim.gui._driver import Playback
 from robsim.gui._link import Link, Refused
@@ -47,12 +48,19 @@ class Callbacks(Part):
         self._told: _Slots = []
         self._files = self._runner._from_folder
         self._due = self._may_edit = 0.0
+        self._n_doubts = 0  # that were noted
 
     def handlers(self) -> Handlers:
         return {"source": self._source, "edit": self._edit}
 
     def greet(self, link: Link) -> None:
         self._send(link, self._described())
+
+    def take(self, step: Step) -> None:
+        doubts = self._runner._core.doubts
+        self._n_doubts, seen = len(doubts), self._n_doubts
+        for doubt in doubts[seen:]:
+            self.panel.note(doubt[:1].upper() + doubt[1:], level="warning")
 
     def changed(self) -> None:
         if self.panel.driver.state == "closed":
