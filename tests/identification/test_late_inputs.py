@@ -1,6 +1,7 @@
 """Identification with late inputs and lost frames."""
 
 import functools
+import importlib
 
 import numpy as np
 import pytest
@@ -83,6 +84,37 @@ def test_the_delay_is_estimated_and_the_parameters_with_it(delay):
     given = output_error(measured(trace), trace.u, motor_delay=delay)
     assert (found.standard_errors >= given.standard_errors * 0.9)[found.determined].all()
     assert "motor delay" in str(found)
+
+
+@pytest.mark.kernels
+@pytest.mark.long
+@pytest.mark.parametrize("delay", [0.0, 0.5, 1.4, 2.0, 3.7, 9.5])
+def test_no_other_delay_fits_better_than_the_one_found(delay):
+    trace = late_run(delay=delay, steps=200)
+    z = measured(trace)
+    found = output_error(z, trace.u, motor_delay="fit")
+    apart = np.array([-3, -1, -0.1, 0.1, 1, 3]) * found.motor_delay_error
+    for other in np.append(found.motor_delay + apart, range(11)).clip(0, 10):
+        fit = output_error(z, trace.u, motor_delay=other)
+        # -2 log likelihood, whose fits end 1e-2 standard errors from the best one
+        cost, best = (2 * len(trace) * np.log(one.residual_rms).sum() for one in (fit, found))
+        assert cost > best - 1e-3
+
+
+@pytest.mark.kernels
+def test_the_search_for_a_delay_begins_a_few_fits_anew(monkeypatch):
+    module = importlib.import_module("robsim.estimation.identification.fits.output_error")
+    begun = []
+    start = module.initial_estimate
+    monkeypatch.setattr(module, "initial_estimate", lambda *given: begun.append(1) or start(*given))
+    trace = late_run(steps=150)
+    output_error(measured(trace), trace.u, motor_delay="fit")
+    assert len(begun) <= 3
+
+
+def test_too_few_poses_for_a_delay_are_told():
+    with pytest.raises(ValueError, match="at least 8 poses"):
+        output_error(np.zeros((5, 3)), np.zeros((5, 2)), motor_delay="fit")
 
 
 @pytest.mark.kernels

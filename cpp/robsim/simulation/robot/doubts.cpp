@@ -17,7 +17,7 @@ constexpr double tolerance = 0.01;
 
 constexpr double most_volts = 100;  // the motors of such robots take some 10 V
 
-// What is wrong with a covariance whose variances are at least 0; empty = nothing.
+// The fault of a covariance whose variances are at least 0, in words; empty = none.
 std::string fault_of(const PoseCovariance& P) {
   const Eigen::Vector3d sd = P.diagonal().cwiseSqrt();
   const Eigen::Matrix3d limits = sd * sd.transpose();

@@ -144,7 +144,7 @@ def _iterate(runs: list[Segment], axis: int, theta: Floats, heading_sigma: float
     for iteration in range(1, _ITERATIONS + 1):
         # For every robot one pole is 1 and the other one is -a2.
         pole = min(max(-theta[1], 0.0), _MAXIMUM_POLE)
-        simulated, _ = axis_with_pole(runs, axis, pole)
+        simulated = axis_with_pole(runs, axis, pole)
         fit = _refine(samples, simulated, heading_sigma)
         # The standard error of an undetermined parameter is NaN, for which this is False.
         has_changed = np.abs(fit.theta - theta) > _TOLERANCE * fit.errors + _ROUNDING

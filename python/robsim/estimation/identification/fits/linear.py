@@ -54,33 +54,48 @@ def initial_estimate(segments: list[Segment]) -> Floats:
 
     It needs no start, has no bias by noise, and interpolates headings in the (short) gaps.
     """
-    return np.array([_best_axis(segments, axis) for axis in (X, Y, HEADING)])
+    best = _POLES[np.argmin(costs_of_poles(segments), axis=0)]
+    return np.array([axis_with_pole(segments, axis, best[axis]) for axis in (X, Y, HEADING)])
 
 
-def _best_axis(segments: list[Segment], axis: int) -> Floats:
-    candidates = [axis_with_pole(segments, axis, float(pole)) for pole in _POLES]
-    return min(candidates, key=lambda candidate: candidate[1])[0]
+def costs_of_poles(segments: list[Segment]) -> Floats:
+    """Return the sums of squared residuals (n, 3) for each of the candidate poles and each axis."""
+    parts = []
+    for segment in segments:
+        forces = _forces(segment)
+        columns = np.empty((len(_POLES), *forces[segment.seen].shape[:2], 6))
+        columns[..., 5] = segment.poses[segment.seen]
+        for responses, pole in zip(columns, _POLES, strict=True):
+            path = second_order_recursion(1 + pole, -pole, forces.reshape(len(forces), -1))
+            responses[..., :5] = path.reshape(forces.shape)[segment.seen]
+        parts.append(triangle(np.swapaxes(columns, 1, 2))[..., 2:, 2:])
+    # The last element on the diagonal is the norm of the last column less its fit by the others.
+    return np.asarray(np.square(triangle(np.concatenate(parts, axis=-2))[..., -1, -1]))
 
 
-def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> tuple[Floats, float]:
-    """Return the best (5,) of an axis with poles 1 and `pole`, and its sum of squared residuals.
+def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> Floats:
+    """Return the best (5,) of an axis with poles 1 and `pole`.
 
     For given poles the path is linear in b1, b2, d1 and the first two values of each segment.
     """
     a1, a2 = 1 + pole, -pole
     parts = []
     for segment in segments:
-        phi, _ = regression(segment.interpolated(), segment.u)
-        forces = np.zeros((len(segment.u), 5))
-        forces[0, 0] = forces[1, 1] = 1
-        forces[2:, 2:] = phi[:, axis, 2:]
-        responses = second_order_recursion(a1, a2, forces)[segment.seen]
+        responses = second_order_recursion(a1, a2, _forces(segment)[:, axis])[segment.seen]
         columns = np.column_stack([responses, segment.poses[segment.seen, axis]])
         parts.append(triangle(columns)[2:, 2:])
     columns = np.vstack(parts)
     gains, _ = solve(columns[:, :3], columns[:, 3])
-    residuals = columns[:, 3] - columns[:, :3] @ gains
-    return np.hstack([a1, a2, gains]), float(np.square(residuals).sum())
+    return np.hstack([a1, a2, gains])
+
+
+def _forces(segment: Segment) -> Floats:
+    """Return what drives the axes (n, 3, 5): their first two values, then b1, b2 and d1."""
+    phi, _ = regression(segment.interpolated(), segment.u)
+    forces = np.zeros((len(segment.u), 3, 5))
+    forces[0, :, 0] = forces[1, :, 1] = 1
+    forces[2:, :, 2:] = phi[:, :, 2:]
+    return forces
 
 
 @dataclass(frozen=True, eq=False)

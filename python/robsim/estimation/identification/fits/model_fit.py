@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,9 +117,11 @@ def with_undetermined(theta: Floats, standard_errors: Floats) -> tuple[Floats, F
     )
 
 
+Solution = TypeVar("Solution")
+
 #: Delays are searched from 0 to this (steps).
 LONGEST_DELAY = 10
-_TOLERANCE = 1e-5  # steps
+_TOLERANCE = 1e-4  # steps
 _DIFFERENCE = 0.05  # steps, of numerical derivatives
 _LEAST_CURVATURE = 1e-3  # of -2 log likelihood, per step^2: less is rounding
 
@@ -132,27 +135,61 @@ def check_delay_or_fit(delay: float | str) -> float | None:
     return check_delay("motor_delay", delay)
 
 
-def fit_delay(record: Record, fit: Callable[[Record, float], ModelFit]) -> ModelFit:
+class DelayedFits(Protocol[Solution]):
+    """The fits of a record, for any delay of its inputs (steps)."""
+
+    def rough_cost(self, delay: float) -> float:
+        """Return a cost that is least near the best delay."""
+
+    def solve(self, delay: float, known: Sequence[Solution]) -> Solution:
+        """Return the solution for a delay, found from up to two for other ones."""
+
+    def slope(self, solution: Solution, side: int) -> float:
+        """Return the derivative of -2 log likelihood by the delay, to the side +1 or -1."""
+
+    def result(self, solution: Solution) -> ModelFit:
+        """Return the fit of a solution."""
+
+
+def fit_delay(record: Record, fits: DelayedFits[Solution]) -> ModelFit:
     """Return the best of the fits with any delay (steps), and how well the record determines it."""
-    from scipy.optimize import minimize_scalar
+    solutions: dict[float, Solution] = {}
 
-    at = cache(lambda delay: fit(record, delay))
+    def at(delay: float) -> Solution:
+        if delay not in solutions:
+            nearest = sorted(solutions, key=lambda known: abs(known - delay))[:2]
+            solutions[delay] = fits.solve(delay, [solutions[known] for known in nearest])
+        return solutions[delay]
 
-    def cost(delay: float) -> float:
-        # -2 log likelihood / n = sum log(residual_rms^2), but for a constant
-        return float(2 * np.log(_rms(at(float(delay)))).sum())
-
-    whole = min(range(LONGEST_DELAY + 1), key=cost)
-    bounds = max(whole - 1, 0), min(whole + 1, LONGEST_DELAY)
-    found = minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": _TOLERANCE})
-    best = at(min(float(found.x), float(whole), key=cost))
-    error, slope = _spread(at, best, int(record.seen.sum()))
+    first = min(range(LONGEST_DELAY + 1), key=fits.rough_cost)
+    best = fits.result(at(_lowest(lambda delay, side: fits.slope(at(delay), side), first)))
+    error, slopes = _spread(
+        cache(lambda delay: fits.result(at(delay))), best, int(record.seen.sum())
+    )
     return replace(
         best,
-        standard_errors=_with_delay(best.standard_errors, slope, error),
+        standard_errors=_with_delay(best.standard_errors, slopes, error),
         converged=best.converged and best.motor_delay < LONGEST_DELAY and math.isfinite(error),
         motor_delay_error=error,
     )
+
+
+def _lowest(slope: Callable[[float, int], float], delay: int) -> float:
+    """Return where a cost is least, downhill from a whole delay; at these it may have corners."""
+    from scipy.optimize import brentq
+
+    side = 1 if slope(delay, 1) < 0 else -1
+    while 0 <= delay + side <= LONGEST_DELAY and side * slope(delay, side) < 0:
+        delay += side
+        if side * slope(delay, -side) > 0:
+            low, high = sorted((delay - side, delay))
+            inwards = partial(_inwards, slope, high)
+            return float(brentq(inwards, low, high, xtol=_TOLERANCE))
+    return float(delay)
+
+
+def _inwards(slope: Callable[[float, int], float], high: float, delay: float) -> float:
+    return slope(delay, -1 if delay == high else 1)
 
 
 def _rms(fit: ModelFit) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,12 @@ from numpy.typing import ArrayLike
 
 from robsim._core import path_sensitivities, simulated_path
 from robsim.base.checks import Floats
-from robsim.estimation.identification.fits.linear import initial_estimate, solve, triangle
+from robsim.estimation.identification.fits.linear import (
+    costs_of_poles,
+    initial_estimate,
+    solve,
+    triangle,
+)
 from robsim.estimation.identification.fits.model_fit import (
     ModelFit,
     check_delay_or_fit,
@@ -116,7 +122,10 @@ _MINIMUM_SAMPLES = 8
 _TOLERANCE = 1e-2
 # or at least that of each determined parameter is shorter than this.
 _SETTLED = 0.1
+_FINE = 1e-2  # of _TOLERANCE, in the search for a delay
+_DELAY_STEP = 1e-6  # steps, of a derivative to one side
 _DIVERGED = 1e100
+_TINY = float(np.finfo(float).tiny)
 _INITIAL_DAMPING = 1e-8
 _DAMPING_FACTOR = 100.0
 _MAXIMUM_DAMPING = 1e8
@@ -171,40 +180,108 @@ def output_error(
     """
     delay = check_delay_or_fit(motor_delay)
     record = as_record(poses, u, breaks)
-    return fit_delay(record, _fit) if delay is None else _fit(record, delay)
+    fits = _Fits(record)
+    return fit_delay(record, fits) if delay is None else fits.result(fits.solve(delay))
 
 
-def _fit(record: Record, delay: float) -> ModelFit:
-    """Return the fit for a known delay of the inputs (steps)."""
-    record = record.with_delay(delay)
-    segments = split(record, minimum=_MINIMUM_POSES)
-    start = _start(record, segments)
-    fit, residuals, iterations, converged = _minimise(start, segments)
-    linear = Linearisation.at(fit, segments, residuals)
-    theta, errors = with_undetermined(fit.theta, linear.standard_errors())
-    if not converged:
-        # Undetermined parameters may drift for ever while the others have converged.
-        change = np.abs(linear.step(fit, 0.0).theta - fit.theta)
-        converged = not (change > _SETTLED * errors)[np.isfinite(theta)].any()
-    return ModelFit(
-        theta=theta,
-        standard_errors=errors,
-        residual_rms=np.sqrt(np.square(residuals).mean(axis=0)),
-        iterations=iterations,
-        converged=converged,
-        motor_delay=delay,
-    )
+@dataclass(frozen=True, eq=False)
+class _Solution:
+    """The best unknowns for a delay of the inputs (steps)."""
+
+    delay: float
+    segments: list[Segment]
+    unknowns: Unknowns
+    residuals: Floats
+    iterations: int
+    converged: bool
+
+    @property
+    def cost(self) -> float:
+        """-2 log likelihood / n for normal errors, but for a constant."""
+        return _log_sum(np.square(self.residuals).sum(axis=0))
 
 
-def _start(record: Record, segments: list[Segment]) -> Unknowns:
-    """Return the initial estimate of the parameters, and the first poses as measured."""
+@dataclass(frozen=True, eq=False)
+class _Fits:
+    """The fits of a record, for any delay of its inputs (steps)."""
+
+    record: Record
+
+    def rough_cost(self, delay: float) -> float:
+        """Return the cost of the initial estimate, for normal errors."""
+        return _log_sum(costs_of_poles(_pieces(self.record.with_delay(delay))).min(axis=0))
+
+    def solve(self, delay: float, known: Sequence[_Solution] = ()) -> _Solution:
+        """Return the solution for a delay, found from up to two for other ones."""
+        record = self.record.with_delay(delay)
+        segments = split(record, minimum=_MINIMUM_POSES)
+        tolerance = _TOLERANCE * (_FINE if len(known) > 1 else 1.0)
+        found = []
+        if known and _residuals(start := _between(delay, known), segments) is not None:
+            found.append(_Solution(delay, segments, *_minimise(start, segments, tolerance)))
+        if not found or not found[0].converged:
+            start = _start(record, segments)
+            found.append(_Solution(delay, segments, *_minimise(start, segments, tolerance)))
+        return min(found, key=lambda one: one.cost)
+
+    def slope(self, solution: _Solution, side: int) -> float:
+        """Return the derivative of the cost by the delay, to one side."""
+        step = side * _DELAY_STEP
+        segments = split(self.record.with_delay(solution.delay + step), minimum=_MINIMUM_POSES)
+        residuals, moved = solution.residuals, _residuals(solution.unknowns, segments)
+        assert moved is not None
+        # The best parameters move with the delay, but this changes no cost in the first order.
+        change = 2 * (residuals * (moved - residuals)).sum(axis=0)
+        return float((change / np.maximum(np.square(residuals).sum(axis=0), _TINY)).sum() / step)
+
+    def result(self, solution: _Solution) -> ModelFit:
+        """Return the fit of a solution."""
+        segments, residuals, fit = solution.segments, solution.residuals, solution.unknowns
+        linear = Linearisation.at(fit, segments, residuals)
+        theta, errors = with_undetermined(fit.theta, linear.standard_errors())
+        converged = solution.converged
+        if not converged:
+            # Undetermined parameters may drift for ever while the others have converged.
+            change = np.abs(linear.step(fit, 0.0).theta - fit.theta)
+            converged = not (change > _SETTLED * errors)[np.isfinite(theta)].any()
+        return ModelFit(
+            theta=theta,
+            standard_errors=errors,
+            residual_rms=np.sqrt(np.square(residuals).mean(axis=0)),
+            iterations=solution.iterations,
+            converged=converged,
+            motor_delay=solution.delay,
+        )
+
+
+def _between(delay: float, known: Sequence[_Solution]) -> Unknowns:
+    """Return the unknowns on the line through those of other delays."""
+    a, b = known[0], known[-1]
+    share = (delay - a.delay) / (b.delay - a.delay) if len(known) > 1 else 0.0
+    theta = a.unknowns.theta + share * (b.unknowns.theta - a.unknowns.theta)
+    return Unknowns(theta, a.unknowns.first + share * (b.unknowns.first - a.unknowns.first))
+
+
+def _log_sum(squares: Floats) -> float:
+    return float(np.log(np.maximum(squares, _TINY)).sum())
+
+
+def _pieces(record: Record) -> list[Segment]:
+    """Return the segments without a longer gap; ValueError if they have too few poses."""
     pieces = split(record, maximum_gap=_MAXIMUM_GAP, minimum=_MINIMUM_POSES)
     n_samples = sum(int(piece.seen.sum()) - 2 for piece in pieces)
     if n_samples < _MINIMUM_SAMPLES:
+        segments = split(record, minimum=_MINIMUM_POSES)
         raise ValueError(
             f"output error needs at least {_MINIMUM_SAMPLES} poses in addition to two per segment "
             f"between breaks, got {n_samples} in {len(segments)} segments"
         )
+    return pieces
+
+
+def _start(record: Record, segments: list[Segment]) -> Unknowns:
+    """Return the initial estimate of the parameters, and the first poses as measured."""
+    pieces = _pieces(record)
     first = np.array([segment.interpolated()[:2] for segment in segments])
     return Unknowns(initial_estimate(pieces), first)
 
@@ -223,7 +300,9 @@ def _residuals(unknowns: Unknowns, segments: list[Segment]) -> Floats | None:
     return np.vstack(parts)
 
 
-def _minimise(unknowns: Unknowns, segments: list[Segment]) -> tuple[Unknowns, Floats, int, bool]:
+def _minimise(
+    unknowns: Unknowns, segments: list[Segment], tolerance: float
+) -> tuple[Unknowns, Floats, int, bool]:
     """Minimise the cost: return the unknowns, the residuals, the iterations, and converged."""
     residuals = _residuals(unknowns, segments)
     # The initial estimate has no unstable pole: its path does not diverge.
@@ -231,7 +310,7 @@ def _minimise(unknowns: Unknowns, segments: list[Segment]) -> tuple[Unknowns, Fl
     damping = _INITIAL_DAMPING
     for iteration in range(_ITERATIONS):
         linear = Linearisation.at(unknowns, segments, residuals)
-        if linear.is_rounding or linear.expected_decrease() < _TOLERANCE**2:
+        if linear.is_rounding or linear.expected_decrease() < tolerance**2:
             return unknowns, residuals, iteration, True
         while damping <= _MAXIMUM_DAMPING:
             trial = linear.step(unknowns, damping)
