@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "robsim/base/geometry.hpp"
 #include "robsim/simulation/robot/step.hpp"
 
 namespace robsim {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from robsim._core import wrap_angle
 from robsim.base.checks import Floats, as_float_array, check_text, is_int
-from robsim.base.report import Column, Quantity, Report, Row, Table, count
+from robsim.base.report import Column, Quantity, Report, Row, Table, count, percent
+from robsim.base.report.table import shown, shown_unit
 from robsim.base.text import quoted
+from robsim.estimation.evaluation.few_steps import few_steps, reasons
 from robsim.trace import Trace
 from robsim.trace.columns import POSES
 
@@ -73,6 +75,10 @@ class ErrorReport(Report):
         Names and units of the n components. Angles are in rad; the printed table has degrees.
     k : array (N,) of int
         Number of each step.
+    measured : array (M, N, n) or None
+        Errors of the measurements in the same steps, for estimates; NaN = not seen.
+    bounced : array (M, N) of bool or None
+        Steps in which the robot bounced off a wall, if they are known.
 
     Notes
     -----
@@ -86,6 +92,8 @@ class ErrorReport(Report):
     units: tuple[str, ...]
     k: NDArray[np.int64]
     reported_sd: Floats | None = None
+    measured: Floats | None = None
+    bounced: NDArray[np.bool_] | None = None
 
     @property
     def title(self) -> str:
@@ -106,7 +114,7 @@ class ErrorReport(Report):
     @property
     def rmse(self) -> Floats:
         """Root mean square error (n,)."""
-        return np.sqrt(mean_of_known(np.square(self.error), axis=(0, 1)))
+        return _rmse(self.error)
 
     @property
     def bias(self) -> Floats:
@@ -141,6 +149,50 @@ class ErrorReport(Report):
         return np.sqrt(mean_of_known(np.square(self.error), axis=0))
 
     @property
+    def few_steps(self) -> NDArray[np.bool_]:
+        """The steps (M, N) that stand out of the error: at most 5 % with half of its squares."""
+        return np.asarray(few_steps(self.error).any(axis=-1))
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """The steps that make the errors, and the measurement in the same steps."""
+        return (*self._on_few_steps(), *self._on_measurement())
+
+    def _on_few_steps(self) -> Iterator[str]:
+        steps = self.few_steps
+        if not steps.any():
+            return
+        source = self.error if self.measured is None else self.measured
+        bounced = np.zeros_like(steps) if self.bounced is None else self.bounced
+        why = ", ".join(reasons(steps, ~np.isnan(source[..., 0]), bounced, self.k))
+        rest = np.where(steps[..., np.newaxis], np.nan, self.error)
+        of = np.unique(np.nonzero(few_steps(self.error))[2])
+        squares = np.square(self.error[..., of])
+        share = np.nansum(squares[steps], axis=0) / np.nansum(squares, axis=(0, 1))
+        yield (
+            f"{np.count_nonzero(steps)} steps make {percent(float(share.min()), 0)} of the "
+            f"squared error of {' and '.join(self.names[i] for i in of)}: {why}; without them the "
+            f"rmse is {self._in_words(_rmse(rest))}"
+        )
+
+    def _on_measurement(self) -> Iterator[str]:
+        if self.measured is None:
+            return
+        known = ~np.isnan(self.measured) & ~np.isnan(self.error)
+        measured, own = (_rmse(np.where(known, of, np.nan)) for of in (self.measured, self.error))
+        yield (
+            f"in the {np.count_nonzero(known[..., 0])} steps in which the robot was seen, the rmse "
+            f"is {self._in_words(own)}; the measurement has {self._in_words(measured)}"
+        )
+
+    def _in_words(self, values: Floats) -> str:
+        """Return values (n,) of the components with their units."""
+        pairs = zip(values, self.units, strict=True)
+        return ", ".join(
+            f"{shown(value, unit, '.3g', '?')} {shown_unit(unit)}".rstrip() for value, unit in pairs
+        )
+
+    @property
     def quantities(self) -> tuple[Quantity, ...]:
         """The number of steps."""
         return (Quantity("total", "steps", self.total),)
@@ -166,6 +218,10 @@ class ErrorReport(Report):
             )
         ]
         return (Table(key="errors", columns=titles, rows=rows, row_title="error"),)
+
+
+def _rmse(error: Floats) -> Floats:
+    return np.sqrt(mean_of_known(np.square(error), axis=(0, 1)))
 
 
 def mean_of_known(values: Floats, axis: int | tuple[int, ...]) -> Floats:
@@ -278,6 +334,8 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
     name = "covariance" if of == "estimate" else "covariance_measured"
     covariances = np.array([getattr(trace, name) for trace in runs])
     is_reported = of == "estimate" or bool(np.isfinite(covariances).any())
+    seen = np.array([trace.pose_measured for trace in runs])
+    is_compared = of == "estimate" and bool(np.isfinite(seen).any())
     return ErrorReport(
         source=of,
         error=wrapped_error(poses, truth),
@@ -285,6 +343,8 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
         names=("x", "y", "heading"),
         units=(runs[0].info.unit,) * 2 + ("rad",),
         k=runs[0].k,
+        measured=wrapped_error(seen, truth) if is_compared else None,
+        bounced=np.array([trace.bounced for trace in runs]).astype(bool),
     )
 
 
