@@ -20,7 +20,7 @@ _MOST_NUMBERS = 5
 def few_steps(error: Floats) -> Bools:
     """Return the steps (M, N, n) of each component that stand out of its error, at most 5 %.
 
-    These are the fewest that make half of the sum of squares, and so on with what is left.
+    These are the fewest that make half of the sum of squares, then half of the rest, and so on.
     """
     few = np.zeros(error.shape, dtype=bool)
     for i in range(error.shape[-1]):

@@ -229,6 +229,11 @@ def identifiability(
         If the trace has no standard errors: your own estimator gives none.
     TypeError, ValueError
         If `trace` is not a Trace, or `k` or `sigma` is wrong.
+
+    Notes
+    -----
+    This is practical identifiability: the excitation of this run, at this noise. Structural
+    identifiability is the question whether any run without noise determines the parameters.
     """
     check_trace(trace, "standard_errors_unscaled")
     last = int(trace.k[-1])
