@@ -95,9 +95,9 @@ Eigen::VectorXd vector_from(py::handle value, const std::string& name);
 DetectionResult detection_result_from(py::handle value, const std::string& name);
 inline py::int_ to_array(DetectionResult result) { return static_cast<int>(result); }
 
-/// A Measurement, or a pose without anything else.
 /// A measurement of nothing but a pose.
 Measurement measured_pose_from(py::handle value, const std::string& name);
+/// A Measurement, or a pose without anything else.
 MeasurementLike measurement_from(py::handle value, const std::string& name);
 
 /// Throws py::value_error unless it is the number of a step.
