@@ -286,11 +286,8 @@ void bind_loop(py::module_& module) {
       .def_property_readonly("missed_detections", &missed_of,
                              "list of MissedDetections: the most frequent reason first.")
       .def_property_readonly(
-          "doubts",
-          [](const SlottedLoop& self) {
-            const RunGuard::Look look(self.guard());
-            return self.robot().doubts();
-          },
+          // Without a claim, which would refuse a stop of the robot by another thread meanwhile.
+          "doubts", [](const SlottedLoop& self) { return self.robot().doubts(); },
           "list of str: implausible results of stages, each kind once per run.")
       .def_property_readonly("last_step", [](const SlottedLoop& self) { return self.last_step(); })
       .def_property_readonly(
