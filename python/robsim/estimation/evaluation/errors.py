@@ -150,7 +150,7 @@ class ErrorReport(Report):
 
     @property
     def few_steps(self) -> NDArray[np.bool_]:
-        """The steps (M, N) that stand out of the error: at most 5 % with half of its squares."""
+        """The few steps (M, N) that stand out of the error: up to 3 % make half of its squares."""
         return np.asarray(few_steps(self.error).any(axis=-1))
 
     @property
