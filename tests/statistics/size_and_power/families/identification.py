@@ -3,7 +3,7 @@
 import numpy as np
 
 import robsim
-from robsim.estimation import parameter_convergence
+from robsim.estimation import output_error, parameter_convergence
 from size_and_power.trials import Row, Trials, random_of
 
 _SHARE = 0.2
@@ -34,6 +34,16 @@ def _within_of_independent(trace):
 
 def _within_of_camera(trace):
     return _within(trace, 4)
+
+
+_DELAY = 1.4  # steps
+
+
+def _delay_within(trace):
+    """Whether the delay that was fitted is within its half interval of the true one."""
+    poses = trace.pose_true + random_of(trace).normal(size=(len(trace), 3)) * _SIGMA
+    fit = output_error(poses, trace.u, motor_delay="fit")
+    return {"within": abs(fit.motor_delay - _DELAY) <= 1.96 * fit.motor_delay_error}
 
 
 def _interval(errors, times, promised):
@@ -75,6 +85,22 @@ TRIALS = (
         scenario=_DRIVE.replace(measure=True, headings=None),
         metric=_within_of_camera,
         rows=_interval("of a camera", 4, (0.9, 1)),
+        steps=_STEPS,
+        share=_SHARE,
+    ),
+    Trials(
+        name="delay",
+        scenario=_DRIVE.replace(motor_delay=_DELAY),
+        metric=_delay_within,
+        rows={
+            ("", "within"): Row(
+                "standard error, delay that was fitted",
+                "errors independent",
+                f"1 run of {_STEPS} steps",
+                "delay within 1 x 1.96 of it",
+                (0.9, 0.98),
+            )
+        },
         steps=_STEPS,
         share=_SHARE,
     ),
