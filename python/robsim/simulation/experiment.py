@@ -279,7 +279,8 @@ class Experiment(Runner):
         -----
         UserWarning
             If the frames end before `steps` steps are done, or there are none; if the first one has
-            another size than the area and no plane map, or they seem to be in OpenCV's order, BGR.
+            another size than the area and no plane map, or they seem to be in OpenCV's order, BGR;
+            and of implausible results of callbacks, as `Simulation.run`.
         robsim.vision.SmallMarkersWarning
             If the default measurement looks at markers that are too small for the noise in the
             frames.

@@ -403,6 +403,9 @@ class Simulation(WorldSlots, Runner):
 
         Warns
         -----
+        UserWarning
+            Once per run, if results of callbacks are implausible: headings in degrees, more than
+            100 V, covariances without symmetry or with a negative eigenvalue.
         robsim.vision.SmallMarkersWarning
             If the default measurement looks at markers that are too small for the noise of the
             frames.

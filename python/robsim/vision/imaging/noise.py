@@ -90,6 +90,11 @@ class GaussianNoise(_Noise):
     TypeError, ValueError
         If `percent` is not a number within 0..100.
 
+    Warns
+    -----
+    UserWarning
+        If `percent` is below 1: a fraction may be meant.
+
     Examples
     --------
     >>> sim = robsim.Simulation(measure=True, noise=robsim.GaussianNoise(40))
@@ -111,6 +116,11 @@ class UniformNoise(_Noise):
     ------
     TypeError, ValueError
         If `percent` is not a number within 0..100.
+
+    Warns
+    -----
+    UserWarning
+        If `percent` is below 1: a fraction may be meant.
 
     Examples
     --------
