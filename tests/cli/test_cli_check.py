@@ -50,6 +50,21 @@ def test_a_page_has_a_verdict_for_each_slot_and_the_line_at_fault(write):
         assert place in page
 
 
+def test_a_line_tells_of_each_check_when_it_is_done(write):
+    folder = write(
+        control="def control(step):\n    return 1, 1\n",
+        define_model="import robsim\n\n\ndef define_model():\n    return robsim.RobotModel()\n",
+    )
+    run = command("check", "mine", cwd=folder.parent)
+    told = run.stderr.splitlines()
+    assert "mine" in told[0]
+    assert len([line for line in told if line.startswith("control, ")]) == 3
+    lines = []
+    check_folder(folder, progress=lines.append)
+    assert lines == told[1:]
+    assert not command("check", "mine", "--json", cwd=folder.parent).stderr
+
+
 def test_json_and_python_say_the_same(write):
     folder = write(control="def control():\n    return 1, 1\n", measurement="")
     run = command("check", str(folder), "--json")

@@ -231,6 +231,36 @@ def test_a_call_that_hangs_beside_another_estimator_is_no_shared_memory(monkeypa
     assert (problem.kind, problem.k) == ("too slow", 8)
 
 
+def test_a_call_that_is_slow_beside_another_estimator_is_no_shared_memory():
+    last = None
+
+    class Slow(ConstantVelocity):
+        def __call__(self, step):
+            nonlocal last
+            before, last = last, self
+            if before is not self:
+                time.sleep(0.2)
+            return super().__call__(step)
+
+    problem = only(check_estimator(Slow, budget=0.1))
+    assert problem.kind == "too slow"
+
+
+def test_a_window_is_never_shown(monkeypatch):
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    shown = []
+    monkeypatch.setattr(pyplot, "show", lambda: shown.append(1))
+
+    def shows(self):
+        pyplot.show()
+        return ConstantVelocity.result(self)
+
+    report = check_estimator(cv(result=shows))
+    assert report
+    assert not shown
+    assert "plt.show" in " ".join(report.remarks)
+
+
 class NeedsAModel(ConstantVelocity):
     def __init__(self, model):
         super().__init__()

@@ -46,7 +46,7 @@ CAUSES = {
         "naive": "covariance does not grow",
         "half_the_measurements": "gain too small",
         "heading_not_wrapped": "heading not wrapped",
-        "input_late": "prediction",
+        "input_late": "inputs late",
         "no_input": "prediction",
         "no_q": "gain too small",
         "q_too_large": "gain too large",

@@ -222,7 +222,7 @@ class Unscented:
         return robsim.Estimate(wrapped(self.x[:3]), self.P[:3, :3])
 
 
-def complementary(turn=0.0):
+def complementary(turn=1.0):
     """Without a matrix: the model's speed, and rate of so many times its own, mixed with z."""
     pose, doubt, speed, rate = np.array((0.0, 0.0, 0.0)), 1e6, 0.0, 0.0
 
@@ -309,8 +309,51 @@ class Unicycle(RandomWalk):
             self.P = F @ self.P @ F.T + self.noise
 
 
+class Euler:
+    """Five states x, y, heading, speed, rate; the pose moves with the speed before the inputs."""
+
+    H, R = np.eye(3, 5), R
+    Q = np.diag((0.3, 0.3, 1e-4, 9.0, 0.03))
+
+    def __init__(self):
+        self.x, self.P = None, np.diag((1e5, 1e5, 9.0, 400.0, 1.0))
+
+    def noise(self, step):
+        return self.R
+
+    def move(self, u, dt):
+        heading, v, w = self.x[2:]
+        c, s = np.cos(heading), np.sin(heading)
+        self.x = self.x + dt * np.array(
+            (v * c, v * s, w, (0.05 / 0.03 * (u[0] + u[1]) - 0.1 * v) / 0.3, 0.76 * (u[0] - u[1]))
+        )
+        self.x[4] -= dt * 0.83 * w
+        F = np.diag((1, 1, 1, 1 - dt / 3, 1 - 0.83 * dt))
+        F[0, 2:4], F[1, 2:4], F[2, 4] = (-dt * v * s, dt * c), (dt * v * c, dt * s), dt
+        self.P = F @ self.P @ F.T + self.Q
+
+    def reset(self, step):
+        pass
+
+    def __call__(self, step):
+        z = seen(step)
+        if self.x is None:
+            self.x = np.array((*MIDDLE, 0.0, 0.0))
+        elif step.k:
+            self.move(step.last_u, step.dt)
+        if z is None:
+            self.reset(step)
+        else:
+            K = self.P @ self.H.T @ np.linalg.inv(self.P[:3, :3] + self.noise(step))
+            self.x = self.x + K @ wrapped(z - self.x[:3])
+            self.P = (np.eye(5) - K @ self.H) @ self.P
+        P = self.P[:3, :3]
+        return robsim.Estimate(wrapped(self.x[:3]), (P + P.T) / 2)
+
+
 RIGHT = {
     "EKF": Ekf,
+    "Euler": Euler,
     "EKF 4Q": scaled(Ekf, q=4),
     "EKF R/4": scaled(Ekf, r=0.25),
     "constant velocity": ConstantVelocity,
@@ -396,6 +439,76 @@ class GateOfPixels(HandsOn):
         return robsim.Estimate(self.pose, self.P)
 
 
+def kept(base):
+    """A filter with the gain of its first measurement."""
+
+    def gain(self, P):
+        self.first = getattr(self, "first", None)
+        if self.first is None:
+            self.first = base.gain(self, P)
+        return self.first
+
+    return changed(base, gain=gain)
+
+
+def stops(self, step):
+    """Take the robot to stand still where it is not seen."""
+    self.x[3:] = 0.0
+
+
+def hidden_again(base):
+    """A filter that restarts where the robot is not seen."""
+
+    def call(self, step):
+        if step.measurement is None:
+            self.__init__()
+        return base.__call__(self, step)
+
+    return changed(base, __call__=call)
+
+
+def twice(base):
+    def call(self, step):
+        base.__call__(self, step)
+        z = self.measured(step)
+        if z is not None:
+            K = self.gain(self.P)
+            self.x = self.x + K @ self.innovation(z)
+            self.P = self.reduced(K, self.P)
+        return self.result()
+
+    return changed(base, __call__=call)
+
+
+class TwiceReference(reference.UnscentedKalmanFilter):
+    def update(self, z):
+        super().update(z)
+        super().update(z)
+
+
+def claims_deviations(base):
+    def call(self, step):
+        estimate = base.__call__(self, step)
+        sigma = np.sqrt(np.diag(estimate.covariance))
+        return robsim.Estimate(estimate.pose, np.diag(sigma), estimate.state)
+
+    return changed(base, __call__=call)
+
+
+def input_before(self, step):
+    """The inputs of the step before."""
+    u, self.before = self.before, np.array(step.last_u)
+    return u
+
+
+class LateReference(reference.ExtendedKalmanFilter):
+    before = np.zeros(2)
+
+    def predict(self, u, dt):
+        u, self.before = self.before, np.array(u)
+        super().predict(u, dt)
+
+
 # Pieces that are wrong in the filter with inputs and in that without.
 LATE = {"before": None, "measured": measurement_before}
 NOT_REDUCED = {"reduced": lambda self, K, P: P}
@@ -424,6 +537,33 @@ BROKEN = by_name(
             "turns the other way, own kinematics": partial(complementary, -1.0),
         },
         "inputs of wrong sign": {"inputs of wrong sign": altered(Ekf, "input", np.negative)},
+        "turn missing": {
+            "no turn": altered(Ekf, "input", lambda u: np.full(2, np.mean(u))),
+            "no turn, own kinematics": partial(complementary, 0.0),
+        },
+        "inputs late": {
+            "inputs two steps old": changed(Ekf, before=np.zeros(2), input=input_before),
+            "inputs two steps old, crude": changed(
+                Unicycle, before=np.zeros(2), input=input_before
+            ),
+            "inputs two steps old, reference": LateReference,
+        },
+        "gain kept": {"first gain": kept(Ekf), "first gain, CV": kept(ConstantVelocity)},
+        "state thrown away": {
+            "stops unseen": changed(Euler, reset=stops),
+            "restarts unseen": hidden_again(ConstantVelocity),
+            "restarts unseen, EKF": hidden_again(Ekf),
+        },
+        "measurement repeated": {
+            "updates twice": twice(Ekf),
+            "updates twice, CV": twice(ConstantVelocity),
+            "updates twice, reported R": TwiceReference,
+        },
+        "standard deviations": {
+            "claims sd": claims_deviations(Ekf),
+            "claims sd, CV": claims_deviations(ConstantVelocity),
+            "claims sd, reported R": claims_deviations(reference.ParticleFilter),
+        },
         "moves too far": {
             "inputs 5 times too large": altered(Ekf, "input", lambda u: 5 * u),
             "predicts twice": changed(Ekf, steps=2),
@@ -471,6 +611,9 @@ BROKEN = by_name(
 SEVERAL = (
     (changed(Ekf, **SWAPPED, **NOT_REDUCED), ["inputs swapped", "covariance not reduced"]),
     (cv(**LATE, **ASYMMETRIC), ["measurement late", "covariance not symmetric"]),
+    (kept(changed(Ekf, **SWAPPED)), ["inputs swapped", "gain kept"]),
+    (claims_deviations(twice(Ekf)), ["standard deviations", "measurement repeated"]),
+    (hidden_again(twice(ConstantVelocity)), ["state thrown away", "measurement repeated"]),
 )
 
 # What the doctor cannot tell: the estimates are those of a right filter with another Q.

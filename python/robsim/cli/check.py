@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from robsim.base.checks import check_choice
+from robsim.base.text import one_line
 from robsim.cli import errors
 from robsim.cli.errors import styled
 from robsim.cli.shared import Json
@@ -34,7 +36,8 @@ def check(
 
     Each file of the folder is tried in many situations: an unseen robot, a heading that passes
     +-180 degrees, the wall, a long run. The exit status is 0 if all pass, 1 if one fails, 2 if
-    there is nothing to check. A check ends a call that takes longer than 5 s.
+    there is nothing to check. A check ends a call that takes longer than 5 s, and prints a line to
+    stderr when it is done.
 
     With --task they are also tried on a task, as robsim tasks try does, in its world: whether they
     solve it, which score is short of its limit, and why. The exit status is 0 if they solve it, and
@@ -45,11 +48,15 @@ def check(
 
     Example: robsim check mine
     """
+    os.environ["MPLBACKEND"] = "agg"  # plt.show returns at once
+    progress = None if as_json else errors.print_note
+    if progress:
+        progress(f"checking {one_line(path)}")
     from robsim.teach.doctor import check_folder
 
     if slot is not None:
         check_choice("--slot", slot, tuple(SLOTS))
-    report = check_folder(path, slots=slot, task=task)
+    report = check_folder(path, slots=slot, task=task, progress=progress)
     if as_json:
         errors.show(report.to_json())
     else:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
+from contextvars import ContextVar
+from dataclasses import dataclass, replace
 from functools import wraps
 from os import PathLike
 from pathlib import Path
@@ -24,7 +25,16 @@ from robsim.teach.doctor._trial import EstimatorUnderTest, NoEstimator, Slot, Tr
 
 BUDGET = 0.02  # s per call: a tenth of the default dt
 Make = Callable[[], Any] | str | PathLike[str]
-Checks = Callable[[EstimatorUnderTest], Iterable[Problem | str | Table]]
+Checks = Callable[[EstimatorUnderTest], Iterable["Problem | str | Table | Done"]]
+#: Called with a line when a check is done.
+telling: ContextVar[Callable[[str], object]] = ContextVar("telling", default=lambda line: None)
+
+
+@dataclass(frozen=True)
+class Done:
+    """A check has been done; its problems came before."""
+
+    title: str
 
 
 def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckReport:
@@ -40,11 +50,20 @@ def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckRe
         make, slot, check_float("budget", budget, "s", exclusive_minimum=0)
     )
     found: list[Problem | str | Table] = []
+    tell, known = telling.get(), 0
     try:
-        found.extend(checks(estimator))
+        for one in checks(estimator):
+            if not isinstance(one, Done):
+                found.append(one)
+                continue
+            ill = sum(isinstance(other, Problem) for other in found[known:])
+            known = len(found)
+            tell(f"{slot.file}, {one.title}: {ill or 'no'} problem{'s' * (ill != 1)}")
     except NoEstimator as none:
         found.append(problem_of_make(estimator, none.__cause__ or none))
     found.extend(str(one) if slot.may_print else one for one in _printed(estimator))
+    if estimator.shows:
+        found.append("it calls plt.show, which does nothing here, but in a run waits for a click")
     return CheckReport(
         name=estimator.name,
         problems=tuple(one for one in found if isinstance(one, Problem)),
@@ -96,15 +115,15 @@ def _printed(estimator: EstimatorUnderTest) -> list[Problem]:
 
 # Relative; the same sums may round differently where arrays lie differently in memory.
 _TOLERANCE = 1e-6
-_TOGETHER = 60  # steps
+_TOGETHER = 40  # steps
 
 
-def replay_problem(alone: Trial) -> Problem | None:
+def replay_problem(alone: Trial, again: Trial | None = None) -> Problem | None:
     """Return whether a fresh estimator gives other results in the first half of the same run.
 
     The cause may be memory of the earlier run, data of future steps, or random numbers.
     """
-    again = alone.estimator.try_in(alone.situation.first(len(alone.situation.u) // 2))
+    again = again or alone.estimator.try_in(alone.situation.first(len(alone.situation.u) // 2))
     step = _difference(again, alone)
     return None if step is None else _cause_of_difference(alone, again, step)
 
@@ -116,8 +135,11 @@ def together_problem(alone: Trial, other: Situation) -> Problem | None:
     step = _difference(together, alone)
     if step is None:
         return None
-    if isinstance(together.error, TimeoutError):
+    if step == together.failed_at and problem_of(together).kind == "too slow":
         return problem_of(together)
+    again = estimator.try_in(together.situation)
+    if (other_step := _difference(again, alone)) is not None:
+        return _cause_of_difference(alone, again, other_step)
     found = together.problem(
         "shared memory",
         f"two {estimator.slot.noun}s from make() influence each other, as with a global variable "

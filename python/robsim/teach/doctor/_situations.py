@@ -4,25 +4,55 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 
-from robsim._core import Measurement, RobotModel, RobotParameters, wrap_angle
+from robsim._core import (
+    Frame,
+    Measurement,
+    RobotModel,
+    RobotParameters,
+    Sample,
+    Step,
+    regression,
+    wrap_angle,
+)
 from robsim.base.checks import Floats
+from robsim.base.values import frozen
 
 DT = 0.2
 START = (300.0, 700.0)  # px; x and y differ by far, so that swapping them shows
 MEASUREMENT_SIGMA = (0.5, 0.5, 0.01)  # px, px, rad
 PROCESS_SIGMA = (0.1, 0.1, 0.005)  # px, px, rad
-UNSEEN = range(100, 120)  # steps
+UNSEEN = range(80, 100)  # steps
 STANDS = range(400, 1400)  # steps
 
 _NOISE_AT_REST = 0.1
-_STEPS = 160
+_STEPS = 140
 _SPEED = 3.0  # px per step
 WAY = 10 * _SPEED  # px
 _SEED = 5
+
+
+class _Sample(Sample):
+    """A sample with an unwrapped heading in y, as in a run."""
+
+    def __init__(self, phi: Floats, y: Floats, k: int) -> None:
+        super().__init__(phi, y, k)
+        self._phi, self._y = phi, y
+
+    phi = property(lambda self: self._phi)
+    y = property(lambda self: self._y)
+
+
+class _Step(Step):
+    def __init__(self, *, sample: Sample | None = None, **given: Any) -> None:
+        super().__init__(**given)
+        self._sample = sample
+
+    sample = property(lambda self: self._sample)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,9 +65,29 @@ class Situation:
     u: Floats  # (N, 2), V
     measurements: tuple[Measurement | None, ...] = ()  # N; None = not seen, () = not tracked
 
+    @cached_property
+    def steps(self) -> tuple[Step, ...]:
+        """The steps that an estimator gets: with measurements, or with samples of the poses."""
+        last_u = np.vstack((np.zeros(2), self.u[:-1]))
+        given: list[dict[str, Any]]
+        if self.measurements:
+            given = [{"measurement": one} for one in self.measurements]
+        else:
+            phi, y = (frozen(part) for part in regression(self.poses, self.u))
+            samples = (_Sample(*one, k) for k, one in enumerate(zip(phi, y, strict=True), 2))
+            given = [{"sample": one} for one in (None, None, *samples)]
+        frame = Frame(np.zeros((1, 1, 3), np.uint8))
+        return tuple(
+            _Step(k=k, dt=self.dt, last_u=last_u[k], frame=frame, **one)
+            for k, one in enumerate(given)
+        )
+
     def first(self, steps: int) -> Situation:
         seen = self.measurements[:steps]
-        return replace(self, poses=self.poses[:steps], u=self.u[:steps], measurements=seen)
+        part = replace(self, poses=self.poses[:steps], u=self.u[:steps], measurements=seen)
+        if "steps" in self.__dict__:
+            part.__dict__["steps"] = self.steps[:steps]
+        return part
 
     def unseen(self, name: str, steps: Collection[int]) -> Situation:
         seen = (None if k in steps else m for k, m in enumerate(self.measurements))
@@ -50,6 +100,14 @@ class Situation:
             for k, m in enumerate(self.measurements)
         )
         return replace(self, measurements=tuple(shifted))
+
+    def pushed(self, steps: range, volts: float) -> Situation:
+        """Return the drive with so much more on the left motor in some steps, all else the same."""
+        u = self.u.copy()
+        u[steps, 0] += volts
+        model = RobotModel(RobotParameters(dt=self.dt))
+        poses = _driven(model, u, self.poses[:2, 2], np.zeros((len(u), 3)))
+        return replace(self, u=u, poses=poses)
 
     def with_noise(self, factor: float) -> Situation:
         def scaled(m: Measurement, pose: Floats) -> Measurement:
@@ -70,20 +128,20 @@ def pose_difference(poses: Floats, others: Floats) -> Floats:
 @cache
 def weaving(dt: float) -> Situation:
     """Return a drive in gentle curves, in which the heading stays far from +-pi."""
-    heading: Floats = np.sin(2 * np.pi * np.arange(_STEPS) / 60)
+    heading: Floats = np.sin(2 * np.pi * (np.arange(_STEPS) + 20) / 60)
     return _measured("robot weaves", heading, dt)
 
 
 def blinking(dt: float) -> Situation:
     """Return the drive in gentle curves, out of sight for three of every 20 steps."""
     hidden = [k for k in range(10, _STEPS) if k % 20 in (10, 11, 12)]
-    return weaving(dt).unseen("robot weaves and is hidden now and then", hidden)
+    return weaving(dt).unseen("robot weaves and is hidden now and then", hidden).first(120)
 
 
 @cache
 def turning(dt: float) -> Situation:
     """Return a drive in circles, out of sight after the first step beyond each turn of +-pi."""
-    situation = _measured("robot turns round and round", np.linspace(0.0, 17.5, _STEPS), dt)
+    situation = _measured("robot turns round and round", np.linspace(0.0, 10.9, 100), dt)
     headings = [m.pose[2] for m in situation.measurements if m is not None]
     crossings = np.flatnonzero(np.diff(headings) < -np.pi) + 1
     return situation.unseen(situation.name, {int(k) + i for k in crossings for i in (1, 2, 3)})

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from robsim._core import Estimate, Frame, RecursiveLeastSquares, RobotModel, RobotParameters, Step
+from robsim._core import Estimate, RecursiveLeastSquares, RobotModel, RobotParameters, Step
 from robsim.base.checks import Floats
-from robsim.simulation import Experiment, Simulation
+from robsim.simulation import Simulation
+from robsim.simulation.time_limit import TimeLimit
 from robsim.teach.doctor._situations import DT, Situation
 from robsim.teach.doctor._trial import TIME_LIMIT, BadResult, Slot, described, finite_numbers
 from robsim.vision.robots.definition import RobotDefinition
@@ -54,19 +56,30 @@ def _read_state(result: Any, before: Floats | None) -> Floats:
     return output
 
 
-def _replay_state(situation: Situation, callback: Callable[[Step], Any]) -> Experiment:
-    """Return an experiment that replays the measurements of a situation, without its truth."""
-    frame = Frame(np.zeros((1, 1, 3), np.uint8))
-    return Experiment(
-        [frame] * len(situation.u),
-        robot=_robot(),
-        area=_AREA,
-        define_model=lambda: RobotModel(RobotParameters(dt=situation.dt)),
-        measure=lambda step: situation.measurements[step.k],
-        estimate_state=callback,
-        control=lambda step: situation.u[step.k],
-        time_limit=TIME_LIMIT,
-    )
+class _Replay:
+    """The same steps for each estimator, as a run of `Simulation` gives them."""
+
+    trace: Any = None
+
+    def __init__(self, steps: tuple[Step, ...], callback: Callable[[Step], Any]) -> None:
+        self._steps = iter(steps)
+        self._limit = TimeLimit(TIME_LIMIT)
+        self._call = self._limit.limited(callback)
+
+    def run(self, steps: int) -> None:
+        with self._watched():
+            for _ in range(steps):
+                self.step()
+
+    def step(self) -> None:
+        self._call(next(self._steps))
+
+    def _watched(self) -> AbstractContextManager[None]:
+        return self._limit.watching()
+
+
+def _replay(situation: Situation, callback: Callable[[Step], Any]) -> _Replay:
+    return _Replay(situation.steps, callback)
 
 
 def _parameter_entry(estimator: Any) -> Callable[..., Any]:
@@ -101,7 +114,8 @@ def _parameter_callback(estimator: Any) -> Callable[[Step], Any]:
 
     def update(step: Step) -> Any:
         # As in the simulation: no sample, no update.
-        return step.sample and estimator.update(step.sample.phi, step.sample.y)
+        sample = step.sample
+        return sample and estimator.update(sample.phi, sample.y)
 
     return update
 
@@ -115,26 +129,12 @@ def _read_parameters(result: Any, before: Floats | None) -> Floats:
     return finite_numbers(result, (3, 5), expected, "all parameters must be finite").ravel()
 
 
-def _simulate_parameters(situation: Situation, callback: Callable[[Step], Any]) -> Simulation:
-    return Simulation(
-        robot=_robot(),
-        area=_AREA,
-        boundary="unlimited",
-        start=situation.poses[0],
-        define_model=lambda: RobotModel(RobotParameters(dt=situation.dt)),
-        evaluate_model=lambda world: situation.poses[world.k],
-        estimate_parameters=callback,
-        control=lambda step: situation.u[step.k],
-        time_limit=TIME_LIMIT,
-    )
-
-
-STATE = Slot(entry=_state_entry, read=_read_state, simulate=_replay_state, file="estimate_state")
+STATE = Slot(entry=_state_entry, read=_read_state, simulate=_replay, file="estimate_state")
 PARAMETERS = Slot(
     entry=_parameter_entry,
     callback=_parameter_callback,
     read=_read_parameters,
-    simulate=_simulate_parameters,
+    simulate=_replay,
     file="init_parameter_estimator",
     from_file=lambda callback: callback(RobotModel(RobotParameters(dt=DT))),
 )

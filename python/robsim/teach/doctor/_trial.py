@@ -19,13 +19,13 @@ from robsim.base.checks import Floats
 from robsim.base.source_line import SourceLine, line_of_frame, users_line_of_callable
 from robsim.base.text import quoted
 from robsim.simulation.callbacks.slot import SlotHandle
-from robsim.simulation.runner import Runner
 from robsim.simulation.time_limit import TimeLimit
 from robsim.teach.doctor._situations import Situation
 from robsim.trace import Trace
 
 TIME_LIMIT = 5.0  # s per call; after that it counts as an endless loop
 _TIMED_CALLS = 20
+_TIMED_LATER = 16  # every 16th call
 _PROBE = 0.03  # s
 _KEPT_CHARACTERS = 200  # of stdout
 
@@ -84,7 +84,7 @@ class Slot:
     entry: Callable[[Any], Callable[..., Any]]
     #: ``read(result, previous)``: a result as numbers; raises BadResult.
     read: Callable[[Any, Floats | None], Floats]
-    simulate: Callable[[Situation, Callable[[Step], Any]], Runner]
+    simulate: Callable[[Situation, Callable[[Step], Any]], Any]  # a `Runner`, or the like
     file: str  # the slot whose file in a callback folder has the estimator
     callback: Callable[[Any], Callable[[Step], Any]] = lambda estimator: estimator
     from_file: Callable[[Any], Any] = lambda callback: callback  # the estimator of that file
@@ -202,6 +202,7 @@ class EstimatorUnderTest:
         self.budget = budget
         self.make = make
         self.stdout = StdoutCapture()
+        self.shows = False
         self.name = getattr(make, "__name__", type(make).__name__)
         self.line = users_line_of_callable(make)
         self.made: Any = None  # the last one
@@ -239,10 +240,27 @@ class EstimatorUnderTest:
 
     @contextmanager
     def observed(self) -> Iterator[None]:
-        with redirect_stdout(self.stdout), warnings.catch_warnings():
+        with redirect_stdout(self.stdout), warnings.catch_warnings(), self._windowless():
             # Numpy's warnings precede an error that says more, or are harmless.
             warnings.simplefilter("ignore")
             yield
+
+    @contextmanager
+    def _windowless(self) -> Iterator[None]:
+        """Let plt.show do nothing."""
+        pyplot: Any = sys.modules.get("matplotlib.pyplot")
+        if pyplot is None:
+            yield
+            return
+
+        def show(*_: Any, **__: Any) -> None:
+            self.shows = True
+
+        before, pyplot.show = pyplot.show, show
+        try:
+            yield
+        finally:
+            pyplot.show = before
 
 
 class _TrialRun:
@@ -265,11 +283,14 @@ class _TrialRun:
         self._simulation = estimator.slot.simulate(situation, self._estimate)
 
     def _estimate(self, step: Step) -> Any:
-        with self._clock.timed():
+        if len(self._clock) < _TIMED_CALLS or step.k % _TIMED_LATER == 0:
+            with self._clock.timed():
+                result = self._callback(step)
+            self._check_speed()
+        else:
             result = self._callback(step)
         before = self._outputs[-1] if self._outputs else None
         self._outputs.append(self._estimator.slot.read(result, before))
-        self._check_speed()
         if self._watch is not None:
             self._watch(step.k, self._made)
         return result
@@ -286,7 +307,8 @@ class _TrialRun:
 
     def watched(self) -> AbstractContextManager[None]:
         """Enforce the time limit on all steps in the context: to begin anew in each takes long."""
-        return self._simulation._watched()
+        watched: AbstractContextManager[None] = self._simulation._watched()
+        return watched
 
     def step(self) -> bool:
         """Do a step; return whether that fails."""

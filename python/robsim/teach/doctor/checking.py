@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from robsim.teach.doctor._run_checks import telling
 from robsim.teach.doctor.callbacks.folder import FolderReport, Surroundings, report_of
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ def check_folder(
     *,
     slots: str | Iterable[str] | None = None,
     task: str | Task | None = None,
+    progress: Callable[[str], object] | None = None,
 ) -> FolderReport:
     """Check all callbacks of a folder, or one callback file, and report what is wrong with them.
 
@@ -34,6 +36,8 @@ def check_folder(
     task : str or Task, optional
         The task that the folder is to solve, or its name: it is checked in the world of the task,
         with what that gives, and for the slots that it asks for.
+    progress : callable, optional
+        Called with a line, such as ``print``, when a check is done.
 
     Returns
     -------
@@ -53,8 +57,12 @@ def check_folder(
     >>> print(robsim.teach.check_folder("mine"))
     >>> print(robsim.teach.check_folder("parking", task="park"))  # doctest: +SKIP
     """
-    if task is None:
-        return report_of(path, slots, Surroundings())
-    from robsim.teach.doctor.task_checks.checking import check_for_task  # tasks take their time
+    token = telling.set(progress or telling.get())
+    try:
+        if task is None:
+            return report_of(path, slots, Surroundings())
+        from robsim.teach.doctor.task_checks.checking import check_for_task  # tasks take their time
 
-    return check_for_task(path, slots, task)
+        return check_for_task(path, slots, task)
+    finally:
+        telling.reset(token)

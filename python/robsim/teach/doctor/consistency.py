@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from types import CodeType, FrameType
 from typing import Any
 
@@ -22,7 +21,7 @@ from robsim.teach.doctor._lines import (
 )
 from robsim.teach.doctor._situations import MEASUREMENT_SIGMA, UNSEEN, WAY
 from robsim.teach.doctor._trial import Trial
-from robsim.teach.doctor.gain import Gains, named
+from robsim.teach.doctor.gain import Gains, named, stopped_listening
 from robsim.teach.doctor.trials import SETTLED, Trials, distances, errors, variances
 
 # Mean NEES: 3 for a consistent filter. Q and R tuned 4 times too large or small: 0.5 to 12.
@@ -115,17 +114,48 @@ def lost_problem(trials: Trials) -> Problem | None:
     )
 
 
-def size_problem(trials: Trials) -> Problem | None:
+_NEVER_SEEN = 0.1  # of the variances before the first measurement, after one unseen step
+_RESTS = 0.3  # of the true way
+_OVERSHOOTS = 1.01  # of a displacement of all measurements; without a speed it reaches 1 at most
+
+
+def thrown_problem(trials: Trials, gains: Gains) -> Problem | None:
+    """Return whether an estimator loses its state at the first step without a measurement."""
+    k = UNSEEN.start
+    last, first = trials.gap.outputs[k - 1 : k + 1, :3]
+    P, unborn = variances(trials.gap), variances(trials.late)[0]
+    jump = np.hypot(*(first - last)[:2])
+    has_speed = bool((gains.in_time[:, :2].max(axis=0) > _OVERSHOOTS).all())
+    if jump > WAY:
+        what = f"its estimate jumps by {jump:.3g} px"
+    elif (P[k] > _NEVER_SEEN * unborn).all() and (P[k] > P[k - 1] / _NEVER_SEEN).all():
+        what = "its covariance is as large as before the first measurement"
+    elif has_speed and trials.way_in_gap < _RESTS:
+        what = f"it moves {trials.way_in_gap:.2g} times as far as the robot, though it has a speed"
+    else:
+        return None
+    return trials.gap.problem(
+        "state thrown away",
+        f"at a step without a measurement {what}: keep pose, speed and P, and only predict",
+        k,
+        line_that_reads(trials.estimator, "measurement"),
+    )
+
+
+def size_problem(trials: Trials, gains: Gains) -> Problem | None:
     if nees(trials.seen) <= _TOO_SURE:
         return None
     sharper = trials.estimator.try_in(trials.weaves.with_noise(_SHARPER))
     if sharper.error is not None or nees(sharper) <= _TOO_SURE:
         return None
-    return trials.seen.problem(
+    kind, cause = stopped_listening(gains) or (
         "covariance too small",
+        "look at R and Q (variances, in px^2 and rad^2), and at what P becomes after the update",
+    )
+    return trials.seen.problem(
+        kind,
         f"its errors are {np.sqrt(nees(trials.seen) / 3):.2g} times as large as its covariance "
-        "claims, and too large even before a camera with a tenth of the noise: look at R and Q "
-        "(variances, in px^2 and rad^2), and at what P becomes after the update",
+        f"claims, and too large even before a camera with a tenth of the noise: {cause}",
         line=line_of_covariance(trials.estimator),
     )
 
@@ -257,67 +287,3 @@ def _is_unsymmetric(code: CodeType, frame: FrameType) -> bool:
     except Exception:
         return False  # not there yet
     return F.ndim == 2 and bool(abs(F - F.T).max() > _ASYMMETRY * abs(F).max())
-
-
-# The errors of right filters are no smaller with exchanged or negated inputs, those of wrong ones 3
-# to 10 times, with a crude model 1.7 times.
-_BETTER = 0.7
-_MINIMUM_ERROR = 0.3  # of WAY, or rad; below it the prediction is good
-_TOO_FAR = 1.5  # of the true way; twice the prediction gives 1.8, a crude model 1.2
-_SCALES = {"half as large": 0.5, "taken as 0": 0.0}
-# By the inputs with which it predicts best.
-_CAUSES = {
-    "exchanged": (
-        "inputs swapped",
-        "u[0] is the left motor, u[1] the right one; or its heading turns the other way (it grows "
-        "clockwise on the image, as y points down): these cannot be distinguished, since both "
-        "mirror the turn",
-    ),
-    "negated": ("inputs of wrong sign", "positive voltages drive forward"),
-}
-_TOO_LARGE = (
-    "moves too far",
-    "it moves further than the robot does: it predicts twice in a step, its dt is too large, or "
-    "its inputs are: these cannot be distinguished, since all of them add the same way",
-)
-
-
-def inputs_problem(trials: Trials) -> Problem | None:
-    """Return whether the pose in a gap is predicted much better with other inputs."""
-    if trials.ignores_inputs:
-        return None
-    u = trials.weaves.u
-    given = _error(trials, u)
-    others = {"exchanged": u[:, ::-1], "negated": -u}
-    others |= {name: scale * u for name, scale in _SCALES.items()}
-    found = {name: _error(trials, one) for name, one in others.items()}
-    better = {name: error for name, error in found.items() if _is_better(error, given)}
-    if trials.way_in_gap < _TOO_FAR:  # a model that is crude
-        better = {name: error for name, error in better.items() if name not in _SCALES}
-    if not better:
-        return None
-    best = min(better, key=lambda name: float(better[name].sum()))
-    factor = (given / np.maximum(better[best], 1e-3))[given > _MINIMUM_ERROR].max()
-    kind, cause = _CAUSES.get(best, _TOO_LARGE)
-    return trials.gap.problem(
-        kind,
-        f"with the inputs {best} it predicts the pose while the robot is not seen {factor:.2g} "
-        f"times better than with those given: {cause}",
-        UNSEEN.stop - 1,
-        line_that_reads(trials.estimator, "last_u", "u"),
-    )
-
-
-def _error(trials: Trials, u: Floats) -> Floats:
-    """Return the mean errors in the gap: distance in units of the way of ten steps, angle (rad)."""
-    situation = replace(trials.gap.situation, u=np.ascontiguousarray(u)).first(UNSEEN.stop)
-    trial = trials.gap if u is trials.weaves.u else trials.estimator.try_in(situation)
-    if trial.error is not None:
-        return np.full(2, np.inf)
-    distance, angle = (part[UNSEEN.start : UNSEEN.stop] for part in distances(trial))
-    return np.array((np.mean(distance) / WAY, np.mean(angle)))
-
-
-def _is_better(error: Floats, given: Floats) -> bool:
-    is_halved = (given > _MINIMUM_ERROR) & (error < _BETTER * given)
-    return bool(is_halved.any() and error.sum() < given.sum())

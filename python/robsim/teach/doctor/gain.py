@@ -17,15 +17,14 @@ from robsim.base.checks import Floats
 from robsim.teach.doctor._lines import line_of_covariance, line_of_measurement
 from robsim.teach.doctor._situations import UNSEEN, pose_difference
 from robsim.teach.doctor._trial import Trial
-from robsim.teach.doctor.trials import Trials, distances
+from robsim.teach.doctor.trials import DISPLACED_AT, OFFSET, Trials, distances
 
 AXES = ("x", "y", "heading")
-SEEN_AT = 80  # the step from which the measurements are displaced
-_OFFSET = np.array((1.0, -1.0, 0.02))  # px, px, rad: two sigma, no outlier
 _FAR = 30.0  # times as far
-_WATCHED = 30  # steps
 _RESPONSE = 1e-6  # of the displacement; less is rounding
 _NO_Q = "no process noise"
+_DIVERGES = "diverges from truth"
+UNKNOWN_CAUSES = (_NO_Q, _DIVERGES)  # of a divergence, which inputs may have, too
 _LOST = 1e6  # px; beyond it a displacement of 1 px is lost in rounding
 _HARDLY = 0.2  # a gain below it leaves a moving robot behind
 
@@ -49,49 +48,52 @@ class Gains:
         self._trials = trials
 
     @cached_property
-    def _usual(self) -> Floats:
-        return self._changes(self._trials.seen, SEEN_AT, _OFFSET, _WATCHED)
+    def in_time(self) -> Floats:
+        """The response (N, 3) from the step on in which all measurements are displaced."""
+        return self._changes(self._trials.seen, DISPLACED_AT, self._trials.displaced)
 
     @property
     def usual(self) -> Floats:
         """The gain when the robot has been seen for a long time, (3,)."""
-        return np.asarray(self._usual[0])
+        return np.asarray(self.in_time[0])
 
     @property
     def delay(self) -> list[int | None]:
         """The number of steps until each component changes then; None = it does not."""
-        return delays(abs(self._usual) > _RESPONSE)
+        return delays(abs(self.in_time) > _RESPONSE)
 
     @cached_property
     def far(self) -> Floats:
         """The gain (2, 3) of measurements that are displaced far, to either side."""
-        offsets = (_FAR * _OFFSET, -_FAR * _OFFSET)
-        return np.array([self._changes(self._trials.seen, SEEN_AT, one, 1)[0] for one in offsets])
+        offsets = (_FAR * OFFSET, -_FAR * OFFSET)
+        return np.array([self._at_once(self._trials.seen, DISPLACED_AT, one) for one in offsets])
 
     @cached_property
     def after_gap(self) -> Floats:
         """The gain of the first measurement after a while out of sight, (3,)."""
-        return np.asarray(self._changes(self._trials.gap, UNSEEN.stop, _OFFSET, 1)[0])
+        return self._at_once(self._trials.gap, UNSEEN.stop, OFFSET)
 
     @cached_property
     def first(self) -> Floats:
         """The gain of the second measurement (3, 3): of each component on each."""
         columns = [
-            self._changes(self._trials.seen, 1, offset, 1)[0] * _OFFSET
-            for offset in np.diag(_OFFSET)
+            self._at_once(self._trials.seen, 1, offset) * OFFSET for offset in np.diag(OFFSET)
         ]
         # K(i, j) = change of i / displacement of j
-        return np.asarray(np.array(columns).T / _OFFSET)
+        return np.asarray(np.array(columns).T / OFFSET)
 
-    def _changes(self, usual: Trial, start: int, offset: Floats, steps: int) -> Floats:
-        """Return the changes of an estimate (N, 3) from a step on, in units of `_OFFSET`."""
-        situation = usual.situation.displaced(offset, start).first(start + steps)
-        trial = self._trials.estimator.try_in(situation)
-        before, after = (one.outputs[start : start + steps, :3] for one in (usual, trial))
+    def _at_once(self, usual: Trial, start: int, offset: Floats) -> Floats:
+        """Return the change of an estimate (3,) by a displaced measurement of the same step."""
+        drive = usual.situation.displaced(offset, start).first(start + 1)
+        return np.asarray(self._changes(usual, start, self._trials.estimator.try_in(drive))[0])
+
+    def _changes(self, usual: Trial, start: int, trial: Trial) -> Floats:
+        """Return the changes of an estimate (N, 3) from a step on, in units of `OFFSET`."""
+        before, after = (one.outputs[start : len(trial.outputs), :3] for one in (usual, trial))
         if len(after) == 0:
             return np.zeros((1, 3))
         with np.errstate(all="ignore"):
-            return np.asarray(pose_difference(after, before[: len(after)]) / _OFFSET)
+            return np.asarray(pose_difference(after, before[: len(after)]) / OFFSET)
 
 
 def ignored_problem(trials: Trials, gains: Gains) -> Problem | None:
@@ -109,9 +111,10 @@ def ignored_problem(trials: Trials, gains: Gains) -> Problem | None:
 def unused_problem(trials: Trials, gains: Gains) -> Problem | None:
     if trials.diverged_at is not None:
         return None
+    is_unused = np.array([one is None for one in gains.delay])
     # A gate may leave out one that is displaced little, but not all.
-    reaches = np.max(abs(gains.far), axis=0) > _RESPONSE
-    is_unused = np.array([one is None for one in gains.delay]) & ~reaches
+    if is_unused.any():
+        is_unused &= np.max(abs(gains.far), axis=0) <= _RESPONSE
     if not is_unused.any():
         return None
     return trials.seen.problem(
@@ -143,7 +146,7 @@ def late_problem(trials: Trials, gains: Gains) -> Problem | None:
         f"{count} later: it uses the measurement of an earlier step, or returns the estimate of an "
         "earlier step (the prediction before the update): these cannot be distinguished, as both "
         "give the same numbers",
-        SEEN_AT,
+        DISPLACED_AT,
         line_of_measurement(trials.estimator),
     )
 
@@ -192,19 +195,25 @@ def _cause(gains: Gains, *, is_near: bool) -> tuple[str, str]:
             f"displaced by 1, {named(own > 1.5)} moves by {own.max():.3g} at the second step: a "
             "gain K is at most 1; check K = P H' / (H P H' + R)",
         )
-    usual = gains.usual
-    if is_near and (abs(usual) < _HARDLY).all():
-        return (
-            _NO_Q,
-            f"of a displaced measurement it takes over {abs(usual).max():.2g} at step {SEEN_AT} "
-            f"({own.max():.2g} at the second step): it has stopped listening, since its covariance "
-            "has become too small; add the process noise Q at each prediction, P = F P F' + Q, or "
-            "a larger one",
-        )
+    if is_near and (stopped := stopped_listening(gains)):
+        return stopped
     return (
-        "diverges from truth",
+        _DIVERGES,
         "its first gains are right, so look at the prediction, units (heading in rad) and the "
         "order x, y, heading",
+    )
+
+
+def stopped_listening(gains: Gains) -> tuple[str, str] | None:
+    usual, first = abs(gains.usual), np.diag(gains.first)
+    if (usual >= _HARDLY).any():
+        return None
+    return (
+        _NO_Q,
+        f"of a displaced measurement it takes over {usual.max():.2g} at step {DISPLACED_AT} "
+        f"({first.max():.2g} at the second step): it has stopped listening, since its covariance "
+        "has become too small; add the process noise Q at each prediction, P = F P F' + Q, or a "
+        "larger one",
     )
 
 

@@ -7,8 +7,7 @@ estimators reach 0.01 to 0.2, as the disturbances of the drive are small.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 from itertools import permutations
@@ -17,10 +16,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robsim._core import RobotModel, RobotParameters, regression
+from robsim._core import RecursiveLeastSquares, RobotModel, RobotParameters, regression
 from robsim.base.check_report import Problem
 from robsim.base.checks import Floats
 from robsim.base.source_line import SourceLine
+from robsim.teach.doctor._kept import arrays_in, attributes_of
 from robsim.teach.doctor._lines import line_that_reads, line_that_sets
 from robsim.teach.doctor._situations import Situation
 from robsim.teach.doctor._trial import EstimatorUnderTest, Trial
@@ -104,8 +104,6 @@ class Influence:
 # P grows by 1 / lambda at each sample that brings nothing new. Beyond 1e15 times its size a double
 # has no digit left of what was known.
 MAXIMUM_GROWTH = 1e15
-_DEPTH = 3  # of objects within the estimator
-_FEW = 10  # matrices, not samples
 
 
 def largest_square(estimator: Any) -> float:
@@ -113,51 +111,23 @@ def largest_square(estimator: Any) -> float:
 
     Looked at are its attributes, the variables of a closure, and lists and dicts of these.
     """
-    sizes = [abs(one).max() for one in _arrays(estimator, _DEPTH) if _is_square(one)]
+    sizes = [abs(one).max() for one in arrays_in(estimator) if _is_square(one)]
     return float(max(sizes, default=0.0))
+
+
+def keeps_symmetric(estimator: Any) -> bool:
+    """Return whether it keeps square matrices, all of them symmetric to the last digit."""
+    if isinstance(estimator, RecursiveLeastSquares):
+        return True
+    squares = [one for one in arrays_in(estimator) if _is_square(one)]
+    return bool(squares) and all(np.array_equal(one, np.swapaxes(one, -1, -2)) for one in squares)
 
 
 def line_of_matrix(estimator: EstimatorUnderTest) -> SourceLine | None:
     """Return the last line that sets a square matrix, such as P, or else the definition."""
-    kept = _attributes(estimator.made)
-    names = [name for name, one in kept.items() if any(map(_is_square, _arrays(one, 1)))]
+    kept = attributes_of(estimator.made)
+    names = [name for name, one in kept.items() if any(map(_is_square, arrays_in(one, 1)))]
     return line_that_sets(estimator, names)
-
-
-def _arrays(value: Any, depth: int) -> Iterator[Floats]:
-    if isinstance(value, np.ndarray):
-        if value.dtype.kind == "f" and value.size:
-            yield value
-        return
-    if depth == 0 or isinstance(value, (str, bytes, type)):
-        return
-    if isinstance(value, (list, tuple)) and len(value) < _FEW and (of_lists := _matrix(value)):
-        yield from of_lists
-        return
-    inner = [*_attributes(value).values()]
-    for cell in getattr(value, "__closure__", None) or ():
-        with suppress(ValueError):  # it is empty
-            inner.append(cell.cell_contents)
-    if isinstance(value, (list, tuple, dict)) and len(value) < _FEW:
-        inner += value.values() if isinstance(value, dict) else value
-    for one in inner:
-        yield from _arrays(one, depth - 1)
-
-
-def _attributes(value: Any) -> dict[str, Any]:
-    slots = [name for cls in type(value).__mro__ for name in getattr(cls, "__slots__", ())]
-    kept = {name: getattr(value, name) for name in slots if hasattr(value, name)}
-    return kept | getattr(value, "__dict__", {})
-
-
-def _matrix(rows: Sequence[Any]) -> list[Floats]:
-    """Return lists of lists of numbers as an array; empty = they are something else."""
-    if not rows or not all(isinstance(row, (list, tuple)) for row in rows):
-        return []
-    try:
-        return [np.array(rows, dtype=float)]
-    except (TypeError, ValueError):
-        return []
 
 
 def _is_square(values: Floats) -> bool:

@@ -14,13 +14,20 @@ from robsim._core import regression
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.checks import Floats, check_int
 from robsim.teach.doctor._errors import problem_of
-from robsim.teach.doctor._run_checks import BUDGET, replay_problem, run_checks, together_problem
+from robsim.teach.doctor._run_checks import (
+    BUDGET,
+    Done,
+    replay_problem,
+    run_checks,
+    together_problem,
+)
 from robsim.teach.doctor._situations import DT, STANDS, Situation, excited, resting
 from robsim.teach.doctor._slots import PARAMETERS
 from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial
 from robsim.teach.doctor.learning import (
     MAXIMUM_GROWTH,
     Influence,
+    keeps_symmetric,
     largest_square,
     learning_items,
     line_of_matrix,
@@ -32,6 +39,7 @@ _QUIET = 0.1  # of the usual disturbances, so that the verdict does not hang on 
 _WORSE = 3.0  # times the largest error before the rest
 _REPEATED = 6  # samples
 _DIVERGED = 10.0  # prediction error relative to the rms displacement per step
+_EARLY = 3000  # updates; later only an asymmetric P diverges
 _RECOVERY = 100  # steps after a rest within which the parameters must be good again
 
 
@@ -55,8 +63,9 @@ def check_parameter_estimator(
         ``estimate(step) -> (3, 5) or None``. Or a file ``init_parameter_estimator.py``, or the
         callback folder that has it.
     updates : int
-        Length of the longest run. Least squares with forgetting diverges if P is not kept
-        symmetric: after about 1 000 updates for lambda = 0.95, 2 700 for 0.99, 20 000 for 0.999.
+        Length of the longest run; 3000 at most if P stays symmetric. Least squares with
+        forgetting diverges if P is not kept symmetric: after about 1 000 updates for
+        lambda = 0.95, 2 700 for 0.99, 20 000 for 0.999.
     budget : float
         Maximum of the median time per call (s).
 
@@ -91,7 +100,7 @@ def check_parameter_estimator(
     return run_checks(make, PARAMETERS, budget, partial(_checks, updates=updates))
 
 
-def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem | str]:
+def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem | str | Done]:
     alone = estimator.try_in(excited(DT, _SHORT, _QUIET))
     if alone.error is not None:
         yield problem_of(alone)
@@ -102,16 +111,20 @@ def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem | s
     if cause is not None:
         yield cause
         return
+    yield Done("the same samples again, two at the same time")
     influence = Influence(alone)
     mismatch = mismatch_problem(alone, influence)
     found = [mismatch] if mismatch else list(learning_items(alone, influence))
     yield from found
+    yield Done("learning")
     if any(isinstance(one, Problem) for one in found):
         return
     diverges = _divergence(estimator, excited(DT, updates))
     yield from filter(None, (diverges,))
+    yield Done("a long run")
     if diverges is None:
         yield from _rest_problems(estimator, rests)
+        yield Done("a rest")
 
 
 def _no_adaptation(alone: Trial) -> Problem | None:
@@ -140,7 +153,20 @@ def _relative_errors(trial: Trial) -> Floats:
 
 
 def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | None:
-    trial = estimator.try_in(drive)
+    is_symmetric = False
+
+    def watch(k: int, made: Any) -> None:
+        nonlocal is_symmetric
+        if k == _EARLY - 1:
+            is_symmetric = keeps_symmetric(made)
+
+    early = _divergence_in(estimator.try_in(drive.first(_EARLY), watch))
+    if early or is_symmetric or len(drive.u) <= _EARLY:
+        return early
+    return _divergence_in(estimator.try_in(drive))
+
+
+def _divergence_in(trial: Trial) -> Problem | None:
     is_off = _relative_errors(trial) > _DIVERGED
     is_off[:_SHORT] = False
     # Once or twice is the transient of a covariance reset.
@@ -156,7 +182,7 @@ def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | No
         "P = (P + P.T) / 2 after it. Where that is done, lambda is too small: its memory, "
         "1 / (1 - lambda) samples, must be several times the 5 parameters",
         k,
-        line_of_matrix(estimator),
+        line_of_matrix(trial.estimator),
     )
     return replace(found, situation="robot drives around for a long time")
 

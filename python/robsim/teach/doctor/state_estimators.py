@@ -16,6 +16,7 @@ from robsim.teach.doctor._errors import problem_of
 from robsim.teach.doctor._lines import line_of_measurement
 from robsim.teach.doctor._run_checks import (
     BUDGET,
+    Done,
     covariance_problem,
     replay_problem,
     run_checks,
@@ -24,17 +25,19 @@ from robsim.teach.doctor._run_checks import (
 from robsim.teach.doctor._situations import DT
 from robsim.teach.doctor._slots import STATE
 from robsim.teach.doctor._trial import EstimatorUnderTest
+from robsim.teach.doctor.claims import claim_problems, gain_problem
 from robsim.teach.doctor.consistency import (
     ahead_problem,
     consistency_remarks,
     growth_problem,
-    inputs_problem,
     lost_problem,
     reduction_problem,
     size_problem,
+    thrown_problem,
     transpose_problem,
 )
 from robsim.teach.doctor.gain import (
+    UNKNOWN_CAUSES,
     Gains,
     divergence_problem,
     gain_remarks,
@@ -42,6 +45,7 @@ from robsim.teach.doctor.gain import (
     late_problem,
     unused_problem,
 )
+from robsim.teach.doctor.inputs import inputs_problems
 from robsim.teach.doctor.trials import SETTLED, Trials, distances
 
 _NO_INPUT = (
@@ -63,11 +67,12 @@ def check_estimator(
     """Check a state estimator in several situations and report what is wrong with it.
 
     It gets the same steps as ``estimate_state`` of `Simulation`, with measurements and empty
-    frames. Looked at are its results (type, symmetry, definiteness); whether they depend on its own
-    past steps alone; what it makes of a displaced measurement (the gain, and the step of the first
-    change); its covariance while the robot is not seen and when it is seen again; the errors beside
-    its covariance (NEES); its prediction with other inputs; the heading beyond +-pi. Faults
-    that do not depend on each other are all reported, their consequences are not.
+    frames. The checks compare its results (type, symmetry, definiteness) and whether they depend on
+    its own past steps alone. Displaced measurements show its gain, and the step of the first
+    change. Its covariance is compared with the gain, with R and with the errors (NEES), also while
+    the robot is not seen. Other inputs show its prediction: the first step, the turn, the way.
+    A drive in circles shows the heading beyond +-pi. Independent faults are all reported, their
+    consequences are not.
 
     Parameters
     ----------
@@ -99,9 +104,11 @@ def check_estimator(
     before from an estimate of the step before; exchanged motors from a heading of wrong sign; a
     prediction that is done twice from a dt or inputs that are twice as large, and in a filter that
     estimates its velocity from a larger Q (it takes the velocity for half as large); standard
-    deviations in place of variances from an R for another camera, which gets a remark only, since
-    the doctor does not know the camera. Filters with Q and R that are 4 times too large or small
-    pass.
+    deviations in R from an R for another camera, which gets a remark only, since the doctor does
+    not know the camera. A repeated measurement equals half of R; the doctor must find R in the
+    measurement, or among the numbers that the estimator keeps. Inputs that act a step late equal
+    Euler's method; the doctor must find the speed among these numbers. Filters with Q and R that
+    are 4 times too large or small pass.
 
     The mean NEES is 3 for a consistent filter; a problem is above 20, with the noise of the
     sharpest camera, too. Sources: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to
@@ -118,41 +125,51 @@ def check_estimator(
     return run_checks(make, STATE, budget, partial(_checks, dt=dt))
 
 
-def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem | str]:
+def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem | str | Done]:
     trials = Trials(estimator, dt or DT)
     if trials.seen.error is not None:
         yield problem_of(trials.seen)
         return
     gains = Gains(trials)
     # If one of these fails, the others are meaningless.
-    cause = replay_problem(trials.seen) or ignored_problem(trials, gains)
+    cause = replay_problem(trials.seen, trials.undisplaced) or ignored_problem(trials, gains)
     if cause is not None:
         yield cause
         return
+    yield Done("the same steps again")
     transposed, late = transpose_problem(trials), late_problem(trials, gains)
     # A wrong covariance is a cause of the others.
     diverged = None if transposed else divergence_problem(trials, gains)
     wrong = None if transposed else covariance_problem(trials.seen)
     unused = unused_problem(trials, gains)
-    yield from filter(None, (transposed, unused, late, diverged, wrong))
-    failed = next((one for one in (trials.gap, trials.late) if one.error), None)
+    failed = next((one for one in (trials.gap, trials.late, trials.hidden) if one.error), None)
+    inputs = [] if failed or late or unused else list(inputs_problems(trials))
+    if diverged is not None and diverged.kind in UNKNOWN_CAUSES and inputs:
+        diverged = None
+    elif diverged is not None:
+        inputs = []
+    yield from filter(None, (transposed, unused, late, diverged, wrong, *inputs))
+    yield Done("measurements and inputs")
     if failed is not None:
         yield problem_of(failed)
-        return
-    if not (late or unused or trials.diverged_at is not None):
-        inputs = inputs_problem(trials)
+    elif not (late or unused or trials.diverged_at is not None):
         ahead = None if inputs else ahead_problem(trials)
-        lost = None if growth_problem(trials) else lost_problem(trials)
-        yield from filter(None, (inputs, ahead, lost))
+        stays = growth_problem(trials)
+        thrown = None if stays else thrown_problem(trials, gains)
+        lost = None if stays or thrown else lost_problem(trials)
+        yield from filter(None, (ahead, thrown, lost))
+        yield Done("steps without a measurement")
         is_readable = wrong is None or wrong.kind == "covariance not symmetric"
         if is_readable and not (transposed or ahead or lost):
-            yield from _covariance_problems(trials, gains, has_errors=inputs is not None)
+            yield from _covariance_problems(trials, gains, has_errors=bool(inputs or thrown))
+        yield Done("covariance")
     if trials.hidden.error is not None:
-        yield problem_of(trials.hidden)
         return
     yield from filter(None, (together_problem(trials.hidden, trials.turns),))
+    yield Done("two at the same time")
     if trials.diverged_at is None:
         yield from _wrapping_problems(trials)
+        yield Done("headings beyond +-180 degrees")
     yield from _unused_remarks(trials, is_free=dt is None)
     if not late:
         yield from gain_remarks(trials, gains)
@@ -161,15 +178,15 @@ def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem
 def _covariance_problems(
     trials: Trials, gains: Gains, *, has_errors: bool
 ) -> Iterator[Problem | str]:
-    """Yield what is wrong with the size of the covariance: the first cause, or else remarks."""
-    cause = growth_problem(trials) or reduction_problem(trials, gains)
-    if has_errors and cause is None:  # which no covariance would fit
+    """Yield faults of the covariance: causes, or else remarks."""
+    causes = [growth_problem(trials) or reduction_problem(trials, gains)]
+    causes += [gain_problem(trials, gains)]
+    found = [*filter(None, causes), *claim_problems(trials, gains)]
+    yield from found
+    # which no covariance would fit
+    if has_errors or any(isinstance(one, Problem) for one in found):
         return
-    cause = cause or size_problem(trials)
-    if cause is not None:
-        yield cause
-    else:
-        yield from consistency_remarks(trials)
+    yield from [size] if (size := size_problem(trials, gains)) else consistency_remarks(trials)
 
 
 def _wrapping_problems(trials: Trials) -> Iterator[Problem]:

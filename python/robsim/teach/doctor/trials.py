@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from robsim.base.checks import Floats
+from robsim.teach.doctor._kept import arrays_in
 from robsim.teach.doctor._situations import (
     UNSEEN,
     Situation,
@@ -18,7 +21,12 @@ from robsim.teach.doctor._situations import (
 )
 from robsim.teach.doctor._trial import EstimatorUnderTest, Trial
 
-SETTLED = 60  # steps after which the estimate has to be near the truth
+SETTLED = 50  # steps after which the estimate has to be near the truth
+DISPLACED_AT = UNSEEN.start  # the step from which the measurements are displaced
+OFFSET = np.array((1.0, -1.0, 0.02))  # px, px, rad: two sigma, no outlier
+_WATCHED = 12  # steps
+_PUSH = 0.1  # V
+_COMPARED = 40  # steps
 _FOUND_AGAIN = 25  # steps with measurements after a gap; in this time a right one is back
 _LOST_BY = (5.0, 0.2)  # px, rad
 _MAXIMUM_ERROR = (100.0, 1.2)  # px, rad: beyond it the estimate has diverged
@@ -30,6 +38,7 @@ class Trials:
     def __init__(self, estimator: EstimatorUnderTest, dt: float) -> None:
         self.estimator = estimator
         self.weaves, self.turns, self.blinks = weaving(dt), turning(dt), blinking(dt)
+        self.kept: dict[str, list[Floats]] = {}
 
     @cached_property
     def seen(self) -> Trial:
@@ -37,12 +46,32 @@ class Trials:
         return self.estimator.try_in(self.weaves)
 
     @cached_property
+    def displaced(self) -> Trial:
+        """The same, but all measurements from `DISPLACED_AT` on are displaced."""
+        drive = self.weaves.displaced(OFFSET, DISPLACED_AT)
+        return self.estimator.try_in(drive.first(DISPLACED_AT + _WATCHED))
+
+    @property
+    def undisplaced(self) -> Trial:
+        """The steps of that trial before a measurement is displaced."""
+        trial, start = self.displaced, DISPLACED_AT
+        error = None if trial.failed_at >= start else trial.error
+        drive = self.weaves.first(start)
+        return replace(trial, situation=drive, outputs=trial.outputs[:start], error=error)
+
+    @cached_property
     def gap(self) -> Trial:
-        return self.estimator.try_in(self.weaves.unseen("robot out of sight", UNSEEN))
+        return self.estimator.try_in(self._gap, self._keep("gap"))
+
+    @cached_property
+    def pushed(self) -> Trial:
+        """The gap, in which the left motor has more voltage than the other trial knows of."""
+        drive = self._gap.pushed(UNSEEN, _PUSH).first(UNSEEN.stop)
+        return self.estimator.try_in(drive, self._keep("pushed"))
 
     @cached_property
     def late(self) -> Trial:
-        return self.estimator.try_in(self.weaves.unseen("robot not seen yet", range(5)))
+        return self.estimator.try_in(self.weaves.unseen("robot not seen yet", range(5)).first(8))
 
     @cached_property
     def hidden(self) -> Trial:
@@ -51,6 +80,30 @@ class Trials:
     @cached_property
     def turned(self) -> Trial:
         return self.estimator.try_in(self.turns)
+
+    @property
+    def _gap(self) -> Situation:
+        return self.weaves.unseen("robot out of sight", UNSEEN)
+
+    def _keep(self, name: str) -> Callable[[int, Any], None]:
+        """Return what keeps the numbers of an estimator at the first step with other inputs."""
+
+        def watch(k: int, made: Any) -> None:
+            if k == UNSEEN.start + 1:
+                self.kept[name] = [np.array(one) for one in arrays_in(made, shared=True)]
+
+        return watch
+
+    @cached_property
+    def response(self) -> tuple[Floats, Floats]:
+        """The changes of the estimate and of the robot by the voltages in the gap, (N, 3)."""
+        trials = (self.pushed, self.gap)
+        by_trial = [
+            [poses[UNSEEN.start : UNSEEN.stop, :3] for poses in pair]
+            for pair in zip(*((one.outputs, one.situation.poses) for one in trials), strict=True)
+        ]
+        own, true = (pose_difference(*pair) for pair in by_trial)
+        return own, true
 
     @cached_property
     def diverged_at(self) -> int | None:
@@ -81,10 +134,13 @@ class Trials:
 
     @cached_property
     def ignores_inputs(self) -> bool:
-        return self.is_unchanged(replace(self.blinks, u=self.blinks.u + 0.1))
+        return not self.response[0].any() and self.is_unchanged(
+            replace(self.blinks, u=self.blinks.u + 0.1)
+        )
 
     def is_unchanged(self, changed: Situation) -> bool:
-        return np.array_equal(self.hidden.outputs, self.estimator.try_in(changed).outputs)
+        outputs = self.estimator.try_in(changed.first(_COMPARED)).outputs
+        return np.array_equal(self.hidden.outputs[:_COMPARED], outputs)
 
 
 def errors(trial: Trial) -> Floats:

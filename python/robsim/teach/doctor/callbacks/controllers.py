@@ -16,7 +16,13 @@ from robsim.base.text import quoted
 from robsim.simulation import Simulation
 from robsim.simulation.slots import RobotSlots
 from robsim.teach.doctor._errors import problem_of
-from robsim.teach.doctor._run_checks import BUDGET, replay_problem, run_checks, together_problem
+from robsim.teach.doctor._run_checks import (
+    BUDGET,
+    Done,
+    replay_problem,
+    run_checks,
+    together_problem,
+)
 from robsim.teach.doctor._situations import Situation
 from robsim.teach.doctor._trial import BadResult, EstimatorUnderTest, Trial, finite_numbers
 from robsim.teach.doctor.callbacks.scenes import (
@@ -116,7 +122,6 @@ def _simulate(
         scene,
         callback,
         RobotSlots.control.name,
-        measure=True,
         estimate_state=LastPose() if has_estimate else None,
         estimate_parameters=model_parameters if has_parameters else None,
     )
@@ -136,7 +141,7 @@ def read_input(result: Any, before: Floats | None) -> Floats:
     return finite_numbers(result, (2,), expected, hint, " V")
 
 
-def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Problem | str]:
+def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Problem | str | Done]:
     usual = controller.try_in(
         setting.driven("robot starts in the middle, facing right", CENTRE, _LONG)
     )
@@ -145,6 +150,7 @@ def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Proble
         return
     trials = [usual, *(controller.try_in(scene) for scene in _short_scenes(setting))]
     yield from _distinct(_fault(trial) for trial in trials)
+    yield Done("drives from several places")
     # What a controller does again says something only if it does it again.
     other = setting.driven("robot starts elsewhere", next(iter(_STARTS.values())), 60)
     cause = replay_problem(usual) or together_problem(usual, other)
@@ -153,11 +159,13 @@ def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Proble
     if cause is not None:
         yield cause
         return
+    yield Done("the same steps again, two at the same time")
     yield from _remarks(usual)
     if all(_is_same(usual, trial) for trial in trials[1:]):
         yield "it is open loop: its voltages are the same wherever the robot is, seen or not"
     else:
         yield from steering_findings(usual, setting)
+    yield Done("steering")
 
 
 def _short_scenes(setting: Setting) -> list[Scene]:

@@ -23,7 +23,7 @@ from robsim.base.spelling import suggestion
 from robsim.simulation.callback_folder import CallbackFolder
 from robsim.simulation.slots import SLOTS, RobotSlots, WorldSlots, checked_slots
 from robsim.teach.doctor._errors import explained
-from robsim.teach.doctor._run_checks import fresh_callback, load
+from robsim.teach.doctor._run_checks import fresh_callback, load, telling
 from robsim.teach.doctor._trial import TIME_LIMIT, StdoutCapture
 from robsim.teach.doctor.callbacks.backgrounds import check_background
 from robsim.teach.doctor.callbacks.controllers import controller_report
@@ -185,6 +185,12 @@ class _Folder:
 
     def _check(self, slot: str) -> CheckReport | str:
         """Return the report on the file of a slot, or what runs in its place."""
+        report = self._report(slot)
+        if isinstance(report, CheckReport):
+            telling.get()(f"{report.name}: {_verdict(report)}")
+        return report
+
+    def _report(self, slot: str) -> CheckReport | str:
         if slot not in self._around.slots:
             return "not used" if slot in self._files else "default"
         loaded = self._load(slot)

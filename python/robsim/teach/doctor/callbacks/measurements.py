@@ -11,15 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from robsim._core import Measurement, PlaneMap
+from robsim._core import Measurement, PlaneMap, Step, locate
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.checks import Floats
 from robsim.base.report import Column, Row, Table
 from robsim.base.text import quoted
+from robsim.simulation import Simulation
 from robsim.simulation.slots import RobotSlots
+from robsim.simulation.world.scene import leave_floor
 from robsim.teach.doctor._errors import problem_of
-from robsim.teach.doctor._run_checks import replay_problem, run_checks, together_problem
-from robsim.teach.doctor._situations import DT
+from robsim.teach.doctor._run_checks import Done, replay_problem, run_checks, together_problem
+from robsim.teach.doctor._situations import DT, Situation
 from robsim.teach.doctor._trial import EstimatorUnderTest, Trial, finite_numbers
 from robsim.teach.doctor.callbacks.own_covariance import covariance_findings
 from robsim.teach.doctor.callbacks.pose_mistakes import are_right, errors, mistakes
@@ -52,6 +54,7 @@ _MOSTLY_SEEN = 0.95
 _IMPRECISE = (3.0, 1.0)  # times the error of robsim's own, px: worth a remark
 
 Background = Callable[[Pixels], Pixels]
+OwnPoses = dict[Situation, list[Floats]]  # by scene: (3,), NaN where it does not see the robot
 
 
 def check_measurement(
@@ -112,10 +115,26 @@ def measurement_report(
     budget: float = DT,
 ) -> CheckReport:
     """Check a measurement in a setting; the other arguments are those of `check_measurement`."""
-    simulated = partial(simulate, slot=_SLOT)
-    slot = under_test(RobotSlots.measure, "measurement", read_pose, simulated)
-    checks = partial(_checks, setting=setting, background=background)
+    own: OwnPoses = {}
+    slot = under_test(
+        RobotSlots.measure, "measurement", read_pose, partial(_simulate_beside, own=own)
+    )
+    checks = partial(_checks, setting=setting, background=background, own=own)
     return run_checks(make, slot, budget, checks)
+
+
+def _simulate_beside(scene: Any, callback: Callable[[Step], Any], own: OwnPoses) -> Simulation:
+    """Return a simulation in which robsim's own measurement sees the same frames once."""
+    if scene in own:
+        return simulate(scene, callback, _SLOT)
+    poses = own[scene] = []
+
+    def measure(step: Step) -> Any:
+        found = locate(step.blobs, step.markers, image=step.frame)
+        poses.append(np.full(3, np.nan) if found is None else found.pose)
+        return callback(step)
+
+    return simulate(scene, measure, _SLOT)
 
 
 def read_pose(result: Any, before: Floats | None) -> Floats:
@@ -133,15 +152,19 @@ def read_pose(result: Any, before: Floats | None) -> Floats:
 
 
 def _checks(
-    measurement: EstimatorUnderTest, setting: Setting, background: Background | None
-) -> Iterator[Problem | str | Table]:
-    floor: dict[str, Any] = {"background": background or (lambda plain: plain)}
+    measurement: EstimatorUnderTest,
+    setting: Setting,
+    background: Background | None,
+    own: OwnPoses,
+) -> Iterator[Problem | str | Table | Done]:
+    floor: dict[str, Any] = {"background": background or leave_floor}
     tour = []
     for name, place in _PLACES.items():
         tour.append(measurement.try_in(setting.turned(name, place, _TURN, **floor)))
         if tour[-1].error is not None:
             yield problem_of(tour[-1])
             return
+        yield Done(name)
     drive = setting.scripted("robot drives through the area", _through(setting), **floor)
     alone = measurement.try_in(drive)
     cause = None
@@ -150,9 +173,11 @@ def _checks(
     if cause is not None:
         yield cause
         return
+    yield Done("the same frames again, two at the same time")
     wrong = list(_pose_problems([*tour, alone], setting))
     yield from wrong
     yield from _hidden_problems(measurement, drive, is_square=background is None)
+    yield Done("robot hidden, or not there")
     before_noise = _part(drive, "robot drives before a noisy camera", noise=setting.noise)
     noisy = measurement.try_in(before_noise)
     trials = {"turned": tour, "driven": [alone], "noise": [noisy]}
@@ -161,15 +186,17 @@ def _checks(
         trials["red square"] = [measurement.try_in(red)]
         if not wrong:
             yield from _unless_failed(_square_problems, trials["red square"][0])
+            yield Done("red square")
     width, height = (round(_SMALL_CAMERA * side) for side in setting.resolution)
     small = _part(tour[0].situation, "camera has fewer pixels", resolution=(width, height))
     if not wrong:
         yield from _unless_failed(_noise_problems, noisy, setting.noise)
         yield from _unless_failed(_camera_problems, measurement.try_in(small), small)
-        yield from _precision(tour)
+        yield from _precision(tour, own)
         if noisy.error is None:
             yield from covariance_findings(noisy)
-    yield _table(trials)
+        yield Done("noise and covariance, fewer pixels")
+    yield _table(trials, own)
 
 
 def _unless_failed(
@@ -331,7 +358,7 @@ def _camera_problems(trial: Trial, scene: Scene) -> Iterator[Problem | str]:
         )
 
 
-def _table(trials: dict[str, list[Trial]]) -> Table:
+def _table(trials: dict[str, list[Trial]], own: OwnPoses) -> Table:
     columns = (
         Column("frames", "frames", ""),
         Column("seen", "seen", ""),
@@ -344,7 +371,7 @@ def _table(trials: dict[str, list[Trial]]) -> Table:
     for title, group in trials.items():
         counts = [len(trial.outputs) for trial in group]
         if all(counts):
-            rows.append(Row(title, (sum(counts), *_row(group), *_row(_own(group))[1:])))
+            rows.append(Row(title, (sum(counts), *_row(group), *_row(_own(group, own))[1:])))
     return Table(key="errors", columns=columns, rows=rows, row_title="robot")
 
 
@@ -358,18 +385,15 @@ def _row(trials: list[Trial]) -> tuple[int, float, float]:
     return (int(is_seen.sum()), *rms)  # type: ignore[return-value]
 
 
-def _own(trials: list[Trial]) -> list[Trial]:
-    own = []
-    for trial in trials:
-        scene: Any = trial.situation
-        simulation = simulate(scene, lambda step: (0, 0), "control", measure=True)
-        own.append(replace(trial, outputs=simulation.run(len(trial.outputs)).pose_measured))
-    return own
+def _own(trials: list[Trial], own: OwnPoses) -> list[Trial]:
+    return [
+        replace(one, outputs=np.array(own[one.situation][: len(one.outputs)])) for one in trials
+    ]
 
 
-def _precision(tour: list[Trial]) -> Iterator[str]:
+def _precision(tour: list[Trial], own_poses: OwnPoses) -> Iterator[str]:
     _, distance, _ = _row(tour)
-    _, own, _ = _row(_own(tour))
+    _, own, _ = _row(_own(tour, own_poses))
     factor, least = _IMPRECISE
     if np.isfinite(distance) and least + factor * own < distance:
         yield (

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robsim._core import Estimate, Measurement, RobotModel, Step, WorldState, wrap_angle
+from robsim._core import Estimate, Measurement, RobotModel, Step, WorldState, locate, wrap_angle
 from robsim.base.checks import Floats
 from robsim.simulation import Dropout, Scenario, Simulation
 from robsim.simulation.world.world_of_scenario import frame_size
@@ -28,6 +28,8 @@ Place = tuple[float, float]
 _SEED = 1
 _HIDDEN = Dropout(1.0)
 _NOISE = GaussianNoise(5.0)
+_WALL = 150.0  # px
+_CLEAN = np.diag((1.3e-4, 1.3e-4, 3e-7))  # px^2, px^2, rad^2: of a frame without noise
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,11 +126,23 @@ def simulate(
 ) -> Simulation:
     assert isinstance(scene, Scene)
     hidden = scene.is_hidden
+    pose: Floats = scene.poses[0]
 
     def evaluate_model(world: WorldState) -> Floats:
+        nonlocal pose
         if scene.is_driven:
-            return world.model.predict(world.pose_1, world.pose_2, world.last_u)
-        return np.asarray(scene.poses[world.k])
+            pose = world.model.predict(world.pose_1, world.pose_2, world.last_u)
+        else:
+            pose = np.asarray(scene.poses[world.k])
+        return pose
+
+    def measure(step: Step) -> Measurement | None:
+        """Return the true pose, without a frame to be drawn."""
+        if step.k < len(hidden) and hidden[step.k]:
+            return None
+        if min(*pose[:2], *(scene.area - pose[:2])) < _WALL:  # it may have bounced
+            return locate(step.blobs, step.markers, image=step.frame)
+        return Measurement((*pose[:2], wrap_angle(pose[2])), covariance=_CLEAN)
 
     def call(step: Step) -> Any:
         result = callback(step)
@@ -148,7 +162,7 @@ def simulate(
         evaluate_model=evaluate_model,
         seed=_SEED,
         time_limit=TIME_LIMIT,
-        **slots | {slot: call},
+        **{"measure": measure} | slots | {slot: call},
     )
     return simulation
 

@@ -11,6 +11,7 @@ from os import PathLike
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.text import quoted
 from robsim.simulation.slots import RobotSlots
+from robsim.teach.doctor._run_checks import telling
 from robsim.teach.doctor._trial import TIME_LIMIT, StdoutCapture
 from robsim.teach.doctor.callbacks.folder import FolderReport, Surroundings, report_of
 from robsim.teach.doctor.callbacks.scenes import Setting
@@ -50,6 +51,8 @@ def check_for_task(
     is_loaded = all(problem.kind != "not loaded" for problem in report.problems)
     reason = why_not_own(chosen, solution) if is_loaded else ""
     trial = _trial(chosen, path) if is_loaded and not reason else None
+    if trial is not None:
+        telling.get()(f"runs of the task: {'' if trial.is_solved else 'not '}solved")
     kinds = {problem.kind for problem in report.problems}
     found = () if trial is None else _findings(trial, solution, is_known=bool(kinds - _NO_CAUSE))
     findings = around.with_allowed(one for one in found if one.kind not in kinds)
