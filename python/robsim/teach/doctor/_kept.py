@@ -17,7 +17,7 @@ _FEW = 10  # matrices, not samples
 def arrays_in(value: Any, depth: int = _DEPTH, *, shared: bool = False) -> Iterator[Floats]:
     """Yield arrays in attributes, variables of a closure, and lists and dicts of these.
 
-    ``shared``: also single numbers, and those of its classes and the globals of its functions.
+    ``shared``: also single numbers, class attributes, and globals that its functions read.
     """
     if isinstance(value, np.ndarray):
         if value.dtype.kind == "f" and value.size:

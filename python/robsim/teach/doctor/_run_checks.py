@@ -167,8 +167,9 @@ _DEPENDS_ON_FUTURE = (
     "its result depends on later steps: the first half of a run alone gives another result than "
     "within the whole run",
 )
+REMEMBERS = "remembers earlier run"
 _REMEMBERS = (
-    "remembers earlier run",
+    REMEMBERS,
     "a fresh one from make() remembers the run before: set all state in __init__ (or "
     "inside make), not in a global variable, the class or a default argument",
 )

@@ -1,7 +1,7 @@
-"""What the inputs do to an estimate while the robot is not seen.
+"""The response of an estimate to the inputs while the robot is not seen.
 
-A run in which the left motor has more voltage is compared with one without: the change of the
-estimate, relative to that of the robot, is 1 for the robot's own model.
+In a second run the left motor has more voltage. The estimate changes as the robot does, if the
+estimator has the robot's model.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _LATE = "inputs late"
 
 
 def inputs_problems(trials: Trials) -> Iterator[Problem | str]:
-    """Yield what is wrong with the motion that an estimator predicts from the inputs."""
+    """Yield faults of the motion that an estimator predicts from the inputs."""
     own, true = trials.response
     if not own.any():
         return

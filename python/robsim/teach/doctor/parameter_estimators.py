@@ -107,10 +107,11 @@ def _checks(estimator: EstimatorUnderTest, updates: int) -> Iterator[Problem | s
         return
     rests = resting(DT)
     # If one of these fails, the others are meaningless.
-    cause = _no_adaptation(alone) or replay_problem(alone) or together_problem(alone, rests)
+    cause = _no_adaptation(alone) or replay_problem(alone)
     if cause is not None:
         yield cause
         return
+    yield from filter(None, (together_problem(alone, rests),))
     yield Done("the same samples again, two at the same time")
     influence = Influence(alone)
     mismatch = mismatch_problem(alone, influence)

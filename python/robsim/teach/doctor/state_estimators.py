@@ -16,6 +16,7 @@ from robsim.teach.doctor._errors import problem_of
 from robsim.teach.doctor._lines import line_of_measurement
 from robsim.teach.doctor._run_checks import (
     BUDGET,
+    REMEMBERS,
     Done,
     covariance_problem,
     replay_problem,
@@ -105,10 +106,10 @@ def check_estimator(
     prediction that is done twice from a dt or inputs that are twice as large, and in a filter that
     estimates its velocity from a larger Q (it takes the velocity for half as large); standard
     deviations in R from an R for another camera, which gets a remark only, since the doctor does
-    not know the camera. A repeated measurement equals half of R; the doctor must find R in the
-    measurement, or among the numbers that the estimator keeps. Inputs that act a step late equal
-    Euler's method; the doctor must find the speed among these numbers. Filters with Q and R that
-    are 4 times too large or small pass.
+    not know the camera. A repeated measurement equals half of R; the doctor knows the R of its
+    measurements, and looks for R among the numbers that the estimator keeps. Inputs that act a step
+    late equal Euler's method; the doctor looks for the speed among these numbers. Filters with Q
+    and R that are 4 times too large or small pass.
 
     The mean NEES is 3 for a consistent filter; a problem is above 20, with the noise of the
     sharpest camera, too. Sources: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to
@@ -132,10 +133,12 @@ def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem
         return
     gains = Gains(trials)
     # If one of these fails, the others are meaningless.
-    cause = replay_problem(trials.seen, trials.undisplaced) or ignored_problem(trials, gains)
+    memory = replay_problem(trials.seen, trials.undisplaced)
+    cause = ignored_problem(trials, gains) if memory is None else memory
     if cause is not None:
         yield cause
-        return
+        if cause.kind != REMEMBERS:  # which the filter forgets while the robot is seen
+            return
     yield Done("the same steps again")
     transposed, late = transpose_problem(trials), late_problem(trials, gains)
     # A wrong covariance is a cause of the others.
@@ -165,7 +168,8 @@ def _checks(estimator: EstimatorUnderTest, dt: float | None) -> Iterator[Problem
         yield Done("covariance")
     if trials.hidden.error is not None:
         return
-    yield from filter(None, (together_problem(trials.hidden, trials.turns),))
+    if memory is None:
+        yield from filter(None, (together_problem(trials.hidden, trials.turns),))
     yield Done("two at the same time")
     if trials.diverged_at is None:
         yield from _wrapping_problems(trials)
@@ -184,7 +188,7 @@ def _covariance_problems(
     found = [*filter(None, causes), *claim_problems(trials, gains)]
     yield from found
     # which no covariance would fit
-    if has_errors or any(isinstance(one, Problem) for one in found):
+    if found or has_errors:
         return
     yield from [size] if (size := size_problem(trials, gains)) else consistency_remarks(trials)
 

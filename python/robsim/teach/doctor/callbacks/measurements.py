@@ -167,12 +167,11 @@ def _checks(
         yield Done(name)
     drive = setting.scripted("robot drives through the area", _through(setting), **floor)
     alone = measurement.try_in(drive)
-    cause = None
     if alone.error is None:
-        cause = replay_problem(alone) or together_problem(alone, tour[0].situation)
-    if cause is not None:
-        yield cause
-        return
+        if (cause := replay_problem(alone)) is not None:
+            yield cause
+            return
+        yield from filter(None, (together_problem(alone, tour[0].situation),))
     yield Done("the same frames again, two at the same time")
     wrong = list(_pose_problems([*tour, alone], setting))
     yield from wrong
