@@ -11,7 +11,7 @@ import robsim
 from parameter_estimators import LeastSquares
 from robsim.estimation import reference
 from robsim.teach import CheckReport, Problem, check_estimator, check_parameter_estimator
-from state_estimators import ConstantVelocity, HandsOn, changed, complementary
+from state_estimators import ConstantVelocity, Ekf, HandsOn, changed, complementary
 
 pytestmark = [pytest.mark.kernels, pytest.mark.long]
 
@@ -259,6 +259,45 @@ def test_a_window_is_never_shown(monkeypatch):
     assert report
     assert not shown
     assert "plt.show" in " ".join(report.remarks)
+
+
+class Swapped(Ekf):
+    def input(self, step):
+        return step.last_u[::-1]
+
+
+class SwappedWithMemory(Swapped):
+    """A filter that begins with the state of the run before."""
+
+    last = np.zeros(6)
+
+    def __init__(self):
+        super().__init__()
+        self.x, self.P = SwappedWithMemory.last, 0.1 * self.P
+
+    def result(self):
+        SwappedWithMemory.last = self.x
+        return super().result()
+
+
+def swapped_outside():
+    def estimate(step):
+        if step.k == 0:
+            kept["filter"] = Swapped()
+        return kept["filter"](step)
+
+    return estimate
+
+
+@pytest.mark.parametrize(
+    ("make", "kinds"),
+    [
+        (SwappedWithMemory, ["remembers earlier run", "inputs swapped"]),
+        (swapped_outside, ["inputs swapped", "shared memory"]),
+    ],
+)
+def test_memory_hides_no_other_fault(make, kinds):
+    assert [problem.kind for problem in check_estimator(make).problems] == kinds
 
 
 class NeedsAModel(ConstantVelocity):
