@@ -154,20 +154,7 @@ def _relative_errors(trial: Trial) -> Floats:
 
 
 def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | None:
-    is_symmetric = False
-
-    def watch(k: int, made: Any) -> None:
-        nonlocal is_symmetric
-        if k == _EARLY - 1:
-            is_symmetric = keeps_symmetric(made)
-
-    early = _divergence_in(estimator.try_in(drive.first(_EARLY), watch))
-    if early or is_symmetric or len(drive.u) <= _EARLY:
-        return early
-    return _divergence_in(estimator.try_in(drive))
-
-
-def _divergence_in(trial: Trial) -> Problem | None:
+    trial = estimator.try_in(drive.first(_EARLY) if keeps_symmetric(estimator.made) else drive)
     is_off = _relative_errors(trial) > _DIVERGED
     is_off[:_SHORT] = False
     # Once or twice is the transient of a covariance reset.
@@ -183,7 +170,7 @@ def _divergence_in(trial: Trial) -> Problem | None:
         "P = (P + P.T) / 2 after it. Where that is done, lambda is too small: its memory, "
         "1 / (1 - lambda) samples, must be several times the 5 parameters",
         k,
-        line_of_matrix(trial.estimator),
+        line_of_matrix(estimator),
     )
     return replace(found, situation="robot drives around for a long time")
 
