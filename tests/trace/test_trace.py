@@ -462,7 +462,8 @@ def test_headings_in_degrees_are_suspected():
         return robsim.Measurement((x, y, np.rad2deg(heading)))
 
     options = {"headings": None, "control": robsim.DriveAround(), "seed": 1}
-    tracking = robsim.Simulation(measure=measure, **options).run(60).tracking()
+    with pytest.warns(UserWarning, match="looks like degrees"):
+        tracking = robsim.Simulation(measure=measure, **options).run(60).tracking()
     assert "is the heading of the Measurement in rad" in str(tracking)
     right = robsim.Simulation(measure=True, **options).run(60).tracking()
     assert "in rad" not in str(right)

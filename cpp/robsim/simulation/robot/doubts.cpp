@@ -43,6 +43,18 @@ std::string fault_of(const PoseCovariance& P) {
 
 }  // namespace
 
+void Doubts::clear() {
+  const std::lock_guard lock(mutex_);
+  texts_.clear();
+  is_told_of_heading_ = is_told_of_covariance_ = is_told_of_voltage_ = false;
+  last_heading_ = std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<std::string> Doubts::texts() const {
+  const std::lock_guard lock(mutex_);
+  return texts_;
+}
+
 void Doubts::look_at(const Measurement& measurement, std::int64_t k) {
   const double heading = measurement.given_heading;
   const double before = std::exchange(last_heading_, heading);
@@ -72,7 +84,9 @@ void Doubts::look_at(const Input& u, std::int64_t k) {
 }
 
 void Doubts::add(bool& is_told, std::int64_t k, const std::string& text) {
-  if (!std::exchange(is_told, true)) texts_.push_back("step " + std::to_string(k) + ": " + text);
+  if (std::exchange(is_told, true)) return;
+  const std::lock_guard lock(mutex_);
+  texts_.push_back("step " + std::to_string(k) + ": " + text);
 }
 
 }  // namespace robsim

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -9,18 +10,20 @@
 
 namespace robsim {
 
-/// Implausible results of stages, in words; each kind once per run.
+/// Implausible results of stages, in words; each kind once per run. Any thread may read them.
 class Doubts {
  public:
+  void clear();
   void look_at(const Measurement& measurement, std::int64_t k);
   void look_at(const Estimate& estimate, std::int64_t k);
   void look_at(const Input& u, std::int64_t k);
 
-  const std::vector<std::string>& texts() const { return texts_; }
+  std::vector<std::string> texts() const;
 
  private:
   void add(bool& is_told, std::int64_t k, const std::string& text);
 
+  mutable std::mutex mutex_;  // of the texts
   std::vector<std::string> texts_;
   bool is_told_of_heading_ = false;
   bool is_told_of_covariance_ = false;

@@ -24,7 +24,7 @@ void RobotSoftware::start() {
   last_u_ = {};
   held_.reset();
   missed_.clear();
-  doubts_ = {};
+  doubts_.clear();
   state_size_ = 0;
   model_ = std::move(model);
 }

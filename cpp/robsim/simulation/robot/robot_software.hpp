@@ -92,7 +92,7 @@ class RobotSoftware {
   const std::map<DetectionResult, MissedDetections>& missed() const { return missed_; }
 
   /// Implausible results of stages since the start, in words.
-  const std::vector<std::string>& doubts() const { return doubts_.texts(); }
+  std::vector<std::string> doubts() const { return doubts_.texts(); }
 
   /// Says what was sent to the robot: the last_u of the next step.
   void set_last_input(const Input& u) { last_u_ = u; }
