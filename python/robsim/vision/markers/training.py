@@ -171,24 +171,12 @@ def train_markers(
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """A region of a picture that has the colour.
+    """A region of a picture that has the colour."""
 
-    Attributes
-    ----------
-    picture : str
-        Which picture, for people.
-    region : tuple of int
-        (left, top, right, bottom), all included (px).
-    histograms : array (3, 256)
-        How many of its pixels have each value of Y, U and V.
-    around : array (2, 2) or None
-        Chroma of the picture around it, as from `surrounding_chroma`; None if it is most of it.
-    """
-
-    picture: str
+    picture: str  # which one, for people
     region: Region
-    histograms: NDArray[np.int64]
-    around: Floats | None = None
+    histograms: NDArray[np.int64]  # (3, 256): how many pixels have each value of Y, U and V
+    around: Floats | None = None  # chroma around it, (2, 2); None if it is most of the picture
 
     @classmethod
     def of(cls, image: Frame | Pixels, region: Region, picture: str) -> Sample:
