@@ -1,41 +1,17 @@
 """Reading files within limits; writing them whole."""
 
-from robsim.base.files.reading import (
-    MOST_TOML,
-    as_folder,
-    as_path,
-    content_of,
-    open_file,
-    parse_toml,
-    read_text,
-)
-from robsim.base.files.writing import (
-    PartialFile,
-    copy_files,
-    naming,
-    open_whole,
-    sync_folder,
-    write_csv,
-    write_new_files,
-    write_whole,
-)
-from robsim.base.values import packed_arrays
-
-__all__ = [
-    "MOST_TOML",
-    "PartialFile",
-    "as_folder",
-    "as_path",
-    "content_of",
-    "copy_files",
-    "naming",
-    "open_file",
-    "open_whole",
-    "packed_arrays",
-    "parse_toml",
-    "read_text",
-    "sync_folder",
-    "write_csv",
-    "write_new_files",
-    "write_whole",
-]
+from robsim.base.files.reading import as_folder as as_folder
+from robsim.base.files.reading import as_path as as_path
+from robsim.base.files.reading import content_of as content_of
+from robsim.base.files.reading import open_file as open_file
+from robsim.base.files.reading import parse_toml as parse_toml
+from robsim.base.files.reading import read_text as read_text
+from robsim.base.files.writing import PartialFile as PartialFile
+from robsim.base.files.writing import copy_files as copy_files
+from robsim.base.files.writing import naming as naming
+from robsim.base.files.writing import open_whole as open_whole
+from robsim.base.files.writing import sync_folder as sync_folder
+from robsim.base.files.writing import write_csv as write_csv
+from robsim.base.files.writing import write_new_files as write_new_files
+from robsim.base.files.writing import write_whole as write_whole
+from robsim.base.values import packed_arrays as packed_arrays
