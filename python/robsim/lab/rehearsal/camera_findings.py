@@ -23,33 +23,42 @@ VERDICTS = ("good", "poor", "bad")
 _NOTHING = 5e-4
 NOT_KNOWN = "not known"
 
-# What counts as (good, poor); beyond it is bad.
+# Limits of good and of poor, where these depend on the look; beyond the second it is bad.
 _RATE = (9.5, 4.5)  # frames/s; the robot of 2008 had 5
 _KEPT = 0.9  # of the rate that a camera promises
-_JITTER = (0.2, 0.5)  # of the interval
 _MOSTLY_LOST = 0.6  # of the median interval: it is that of two frames
 _WHOLE = 0.1  # of an interval, from a whole number of them
 _LOST = (0.02, 0.15)  # of the frames
 _ONE = 1.5  # frame: a single one is no fault
 _MEAN = (64, 25)  # levels; below the first, `detect` calls a picture dark
-_WHITE = (0.25, 0.5)  # of the pixels; above the second it is overexposed
-_MARKER_LEVEL = (70, 40)
 _BRIGHT = 235  # level
 _CLIPPED = (0.1, 1.0)  # of a marker's pixels
 _WIDTH = 9.0  # px of the frame; how small is too small, the noise tells
-_NOISE = (13.0, math.inf)  # levels: 5 %; whether it is too much, the markers tell
-_SIGNAL_TO_NOISE = (8.0, 4.0)  # below the second, a pose is not to be trusted
-_CONTRAST = (40.0, 20.0)  # levels
-_MARGIN = (20.0, 6.0)  # levels
-_FOUND = (0.7, 0.45)  # of a marker's area
-_SEEN = (0.98, 0.8)  # of the frames
-_OTHERS = (0.05, math.inf)  # a frame
-_POSITION = (0.02, 0.06)  # of the distance between the markers
-_HEADING = (math.radians(1), math.radians(3))
 _STILL = 2.0  # px
-_LATENCY = (0.05, 0.15)  # s
-_EXCESS = (0.025, 0.06)  # of the distance between the markers
-_VISIBLE = (0.9, 0.5)  # of the work area
+_TRUSTED = 4.0  # signal to noise; below it, a pose is not to be trusted
+
+# All other rules: unit, limits of good and of poor; those of % as parts, those of ms in s.
+_RULES = {
+    "jitter": ("ms", 0.2, 0.5),  # of the interval
+    "white pixels": ("%", 0.25, 0.5),  # above the second it is overexposed
+    "markers' level": ("", 70, 40),
+    "contrast": ("levels", 40.0, 20.0),
+    "margin": ("levels", 20.0, 6.0),
+    "found": ("%", 0.7, 0.45),  # of a marker's area
+    "noise": ("levels", 13.0, math.inf),  # 5 %; whether it is too much, the markers tell
+    "signal to noise of the markers": ("", 8.0, _TRUSTED),
+    "robot detected": ("%", 0.98, 0.8),
+    "other blobs": ("a frame", 0.05, math.inf),
+    "scatter of the position": ("px", 0.02, 0.06),  # of the distance between the markers
+    "scatter of the heading": ("rad", math.radians(1), math.radians(3)),
+    "markers' distance": ("%", 0.025, 0.06),
+    "markers' distance, by place": ("%", 0.025, 0.06),
+    "shift of floor sheets": ("px", *SHIFTS),
+    "work area in the picture": ("%", 0.9, 0.5),
+    "exposure to arrival": ("ms", 0.05, 0.15),
+    "round trip to the robot": ("ms", 0.05, 0.15),
+}
+_SCALES = {"%": 100, "ms": 1e3}
 
 _REMEDIES = {
     "no blobs": "train the colours in this light (robsim colors train), or is it another robot?",
@@ -114,6 +123,14 @@ def rank(finding: CameraFinding) -> int:
 
 
 def _judged(
+    name: str, value: float, remedy: str, *, called: str = "", times: float = 1.0
+) -> CameraFinding:
+    """Return a finding by its rule, whose limits are multiplied."""
+    unit, good, poor = _RULES[name]
+    return _finding(called or name, value, unit, (times * good, times * poor), remedy)
+
+
+def _finding(
     name: str, value: float, unit: str, limits: tuple[float, float], remedy: str
 ) -> CameraFinding:
     """Return a finding; the limits of good and poor say which direction is better."""
@@ -121,12 +138,8 @@ def _judged(
     sign = 1 if good <= poor else -1
     if math.isnan(value):
         return CameraFinding(name, value, unit, NOT_KNOWN)
-    verdict = VERDICTS[sum(sign * value > sign * limit for limit in (good, poor))]
-    return CameraFinding(name, float(value), unit, verdict, remedy)
-
-
-def _percent_limits(limits: Sequence[float]) -> tuple[float, float]:
-    return 100 * limits[0], 100 * limits[1]
+    verdict = VERDICTS[sum(sign * value > sign * limit for limit in limits)]
+    return CameraFinding(name, _SCALES.get(unit, 1) * float(value), unit, verdict, remedy)
 
 
 def findings_of(
@@ -159,27 +172,23 @@ def _regularity(look: CameraLook, camera: Camera, before: CameraCounts) -> Itera
         jitter = float(np.std(intervals - interval * np.rint(intervals / interval)))
     promised = 0.0 if camera.dt is None else 1 / camera.dt
     wanted = f": it promised {promised:.3g} a second" if rate < _KEPT * promised else ""
-    yield _judged(
+    yield _finding(
         "frame rate",
         rate,
         "1/s",
         (max(_RATE[0], _KEPT * promised), _RATE[1]),
         f"shorten the exposure, give more light, or ask for smaller frames{wanted}",
     )
-    yield _judged(
-        "jitter",
-        1e3 * jitter,
-        "ms",
-        (1e3 * _JITTER[0] * interval, 1e3 * _JITTER[1] * interval),
-        "the frames come irregularly: use a wired network, close other programs",
-    )
+    remedy = "the frames come irregularly: use a wired network, close other programs"
+    yield _judged("jitter", jitter, remedy, times=interval)
     said = f", {torn} of them torn" if torn else ""
     said += f"; {timeouts} times none came for long" if timeouts else ""
-    yield _judged(
+    good, poor = (max(limit, _ONE / (came + lost)) for limit in _LOST)
+    yield _finding(
         "lost frames",
-        100 * lost / (came + lost),
+        lost / (came + lost),
         "%",
-        _percent_limits([max(limit, _ONE / (came + lost)) for limit in _LOST]),
+        (good, poor),
         f"{lost:.0f} of {came + lost:.0f} never came{said}: use a shorter cable, another USB port "
         "or a wired network, or ask for fewer frames",
     )
@@ -203,20 +212,14 @@ def _exposure(look: CameraLook) -> Iterator[CameraFinding]:
     bright = "give a shorter exposure, or less light, and switch the automatic off"
     # A dark floor is no fault, as long as the markers have light.
     is_seen = any(look.marker_light.values())
-    yield _judged("mean level", mean, "", (_MEAN[1], 0) if is_seen else _MEAN, dark)
-    yield _judged("white pixels", 100 * white, "%", _percent_limits(_WHITE), bright)
+    yield _finding("mean level", mean, "", (_MEAN[1], 0) if is_seen else _MEAN, dark)
+    yield _judged("white pixels", white, bright)
     yield CameraFinding("black pixels", 100 * black, "%", "good")
-    yield _judged(
-        "markers' level", _marker(look, "level", min), "", _MARKER_LEVEL, f"dark markers: {dark}"
-    )
+    yield _judged("markers' level", _marker(look, "level", min), f"dark markers: {dark}")
     is_bright = _marker(look, "level", max) > _BRIGHT
-    yield _judged(
-        "markers clipped",
-        100 * _marker(look, "clipped", max),
-        "%",
-        _percent_limits(_CLIPPED if is_bright else (1, 1)),  # noise clips pixels, too
-        f"the markers are too bright to keep their colour: {bright}",
-    )
+    limits = _CLIPPED if is_bright else (1, 1)  # noise clips pixels, too
+    remedy = f"the markers are too bright to keep their colour: {bright}"
+    yield _finding("markers clipped", _marker(look, "clipped", max), "%", limits, remedy)
 
 
 def _marker(look: CameraLook, name: str, worst: Callable[[list[float]], float]) -> float:
@@ -231,7 +234,7 @@ def _marker(look: CameraLook, name: str, worst: Callable[[list[float]], float]) 
 
 def _markers(look: CameraLook) -> Iterator[CameraFinding]:
     wanted = trusted_width(float(np.median(look.noise)))
-    yield _judged(
+    yield _finding(
         "marker width",
         look.markers.width_in(look.shown[0]),
         "px",
@@ -243,42 +246,26 @@ def _markers(look: CameraLook) -> Iterator[CameraFinding]:
     for name, lights in look.marker_light.items():
         of = {key: _median_of(lights, key) for key in ("contrast", "margin", "found")}
         train = f"train {name} in this light (robsim colors train), or change the light"
+        paper = "its surroundings have nearly its colour: put it on black or white paper"
+        weak = f"{lost if of['margin'] >= 0 else second}: {train}"
         yield _judged(
-            f"contrast of {name}",
-            of["contrast"],
-            "levels",
-            _CONTRAST,
-            f"its surroundings have nearly its colour: put it on black or white paper, or {train}",
+            "contrast", of["contrast"], f"{paper}, or {train}", called=f"contrast of {name}"
         )
-        yield _judged(
-            f"margin of {name}",
-            of["margin"],
-            "levels",
-            _MARGIN,
-            f"{lost if of['margin'] >= 0 else second}: {train}",
-        )
-        yield _judged(f"{name} found", 100 * of["found"], "%", _percent_limits(_FOUND), train)
+        yield _judged("margin", of["margin"], weak, called=f"margin of {name}")
+        yield _judged("found", of["found"], train, called=f"{name} found")
 
 
 def _noise(look: CameraLook) -> Iterator[CameraFinding]:
     """Yield the camera's noise, and how far the markers stand out of it."""
     less = "give more light, a longer exposure in place of gain"
-    yield _judged(
-        "noise",
-        float(np.median(look.noise)),
-        "levels",
-        _NOISE,
-        f"the pixels are noisy: {less}, or larger markers in the picture",
-    )
+    remedy = f"the pixels are noisy: {less}, or larger markers in the picture"
+    yield _judged("noise", float(np.median(look.noise)), remedy)
     found = look.signal_to_noise
-    figure = float(np.median(found)) if found else math.nan
     yield _judged(
         "signal to noise of the markers",
-        figure,
-        "",
-        _SIGNAL_TO_NOISE,
-        f"poses can be trusted from {_SIGNAL_TO_NOISE[1]:g} on, and below 3 the robot counts as "
-        f"not seen: {less}, more pixels, or larger markers",
+        float(np.median(found)) if found else math.nan,
+        f"poses can be trusted from {_TRUSTED:g} on, and below 3 the robot counts as not seen: "
+        f"{less}, more pixels, or larger markers",
     )
 
 
@@ -296,13 +283,10 @@ def _detection(look: CameraLook) -> Iterator[CameraFinding]:
         remedy = f"in {times} of {total} frames, {example.explanation}"
         if known := _remedy(reason, look.markers.colors):
             remedy += f"; {known}"
-    yield _judged("robot detected", 100 * look.seen / total, "%", _percent_limits(_SEEN), remedy)
-    others = float(np.mean(look.others)) if look.seen else math.nan
+    yield _judged("robot detected", look.seen / total, remedy)
     yield _judged(
         "other blobs",
-        others,
-        "a frame",
-        _OTHERS,
+        float(np.mean(look.others)) if look.seen else math.nan,
         "there are other things, as large as the markers and of their colours, in the picture: "
         "take them away, or train narrower colours",
     )
@@ -320,40 +304,27 @@ def _scatter(look: CameraLook) -> Iterator[CameraFinding]:
         still = _STILL + float(np.hypot(*scatter[:2]))
         if moved <= still:
             position, heading = float(scatter[:2].max()), float(scatter[2])
-    distance = look.markers.distance
     noisy = "give more light, a longer exposure in place of gain, or take larger markers"
-    yield _judged(
-        "motion",
-        moved,
-        "px",
-        (still, math.inf),
-        "the robot moved: let it stand, to see how noisy its pose is",
-    )
-    limits = (_POSITION[0] * distance, _POSITION[1] * distance)
-    yield _judged("scatter of the position", position, "px", limits, noisy)
-    yield _judged("scatter of the heading", heading, "rad", _HEADING, noisy)
+    stand = "the robot moved: let it stand, to see how noisy its pose is"
+    yield _finding("motion", moved, "px", (still, math.inf), stand)
+    yield _judged("scatter of the position", position, noisy, times=look.markers.distance)
+    yield _judged("scatter of the heading", heading, noisy)
 
 
 def _map(look: CameraLook, camera: Camera) -> Iterator[CameraFinding]:
     """Yield whether the map from pixels to the floor fits the robot."""
     excess = mapping.median_excess(look.pairs)
     remedy = mapping.remedy(excess, look.pairs, camera.calibration, look.markers.distance)
-    off = _judged("markers' distance", 100 * abs(excess), "%", _percent_limits(_EXCESS), remedy)
+    off = _judged("markers' distance", abs(excess), remedy)
     yield dataclasses.replace(off, value=100 * excess)
-    yield _judged(
-        "markers' distance, by place",
-        100 * mapping.spread_over_places(look.pairs, camera.area),
-        "%",
-        _percent_limits(_EXCESS),
-        mapping.remedy_of_spread(camera.calibration),
-    )
+    spread = mapping.spread_over_places(look.pairs, camera.area)
+    remedy = mapping.remedy_of_spread(camera.calibration)
+    yield _judged("markers' distance, by place", spread, remedy)
     if camera.calibration is not None:
         yield from _sheets(look, camera.calibration)
         yield _judged(
             "work area in the picture",
-            100 * mapping.visible_share(camera.calibration),
-            "%",
-            _percent_limits(_VISIBLE),
+            mapping.visible_share(camera.calibration),
             "the picture does not show all of the work area: was the camera moved since its "
             "calibration, or is --area too large?",
         )
@@ -363,13 +334,8 @@ def _sheets(look: CameraLook, calibration: Calibration) -> Iterator[CameraFindin
     """Yield whether floor sheets lie where the calibration saw them, if it saw any."""
     if calibration.marks:
         shifts = mapping.shifts_of_sheets(look.last, calibration)
-        yield _judged(
-            "shift of floor sheets",
-            max(shifts.values(), default=math.nan),
-            "px",
-            SHIFTS,
-            remedy_of_shifts(shifts),
-        )
+        largest = max(shifts.values(), default=math.nan)
+        yield _judged("shift of floor sheets", largest, remedy_of_shifts(shifts))
 
 
 def _latency(look: CameraLook, motors: MotorLink | None) -> Iterator[CameraFinding]:
@@ -377,18 +343,12 @@ def _latency(look: CameraLook, motors: MotorLink | None) -> Iterator[CameraFindi
     late = float(np.median(t_arrival - t))
     yield _judged(
         "exposure to arrival",
-        1e3 * late if late > 0 else math.nan,
-        "ms",
-        (1e3 * _LATENCY[0], 1e3 * _LATENCY[1]),
+        late if late > 0 else math.nan,
         "the robot is no longer where the frame shows it: take a camera by number or MJPEG, "
         "smaller frames, no filter in the camera",
     )
     if motors is not None:
         answers = motors.round_trip_times
-        yield _judged(
-            "round trip to the robot",
-            1e3 * float(np.median(answers)) if len(answers) else math.nan,
-            "ms",
-            (1e3 * _LATENCY[0], 1e3 * _LATENCY[1]),
-            "the line to the robot is slow: use a nearer access point, or a cable",
-        )
+        answer = float(np.median(answers)) if len(answers) else math.nan
+        remedy = "the line to the robot is slow: use a nearer access point, or a cable"
+        yield _judged("round trip to the robot", answer, remedy)
