@@ -189,12 +189,7 @@ class Panel(HostedPanel):
         self._raise_error()
 
     def finish(self) -> BatchEstimate:
-        """Pause, and estimate the parameters from all steps; the panel shows table and figure.
-
-        Returns
-        -------
-        BatchEstimate
-            As from `robsim.batch_estimate`.
+        """Pause, and return `robsim.batch_estimate` of all steps; the panel shows table and figure.
 
         Raises
         ------

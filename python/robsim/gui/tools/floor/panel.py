@@ -231,7 +231,7 @@ class FloorPanel(ToolPanel):
     def find_sheets(
         self, *, mark: float | None = None, places: Mapping[int, tuple[float, float]] | None = None
     ) -> FloorCalibration:
-        """Calibrate by the floor sheets that the picture shows.
+        """Calibrate by the floor sheets that the picture shows; return how well each sheet fits.
 
         Parameters
         ----------
@@ -241,11 +241,6 @@ class FloorPanel(ToolPanel):
         places : mapping of int to tuple of float, optional
             Where the cross of a sheet lies (mm), by its number. Default: as
             `robsim.lab.calibrate_floor_by_sheets` has it.
-
-        Returns
-        -------
-        FloorCalibration
-            How well each sheet fits.
 
         Raises
         ------
@@ -318,12 +313,9 @@ class FloorPanel(ToolPanel):
         self._view.ask(lambda: self._view.lens.drop(picture))
 
     def calibrate_lens(self) -> LensCalibration:
-        """Calibrate the lens by the pictures that were taken, and the floor through it.
+        """Calibrate the lens by the pictures that were taken; return how well it fits each.
 
-        Returns
-        -------
-        LensCalibration
-            How well it fits each picture.
+        The floor is calibrated through it.
 
         Raises
         ------
