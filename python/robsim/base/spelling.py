@@ -50,26 +50,14 @@ def check_names(
 
 
 def check_call(
-    call: str,
+    call: str,  # the name that users know, such as find_blobs
     names: list[str],
     required: list[str],
-    n_allowed: int,
-    n_positional: int,
-    keywords: tuple[str, ...],
+    n_allowed: int,  # how many may come without their names
+    n_positional: int,  # how many came so
+    keywords: tuple[str, ...],  # the names that came
 ) -> None:
-    """Raise a TypeError if these are no arguments of a native function: the core calls it.
-
-    Parameters
-    ----------
-    call : str
-        The name that users know: ``"find_blobs"``.
-    names, required : list of str
-        The names of its arguments, and those without a default.
-    n_allowed, n_positional : int
-        How many may come without their names, and how many came.
-    keywords : tuple of str
-        The names that came.
-    """
+    """Raise a TypeError if these are no arguments of a native function: the core calls it."""
     if n_positional > n_allowed:
         text = f"{call}() takes {n_allowed or 'no'} positional argument"
         more = (

@@ -15,9 +15,8 @@ if TYPE_CHECKING:
     from robsim.vision.robots.definition import RobotDefinition
 
 HELP = (
-    "A robot is an image from above with an outline, two markers of different colours, a "
-    "size and an alignment. Some ship with robsim; yours are stored in your user folder, or in "
-    "$ROBSIM_DATA."
+    "A robot is an image from above with an outline, two markers of different colours, a size and "
+    "an alignment. Some ship with robsim; yours are stored in your user folder, or in $ROBSIM_DATA."
 )
 app = command_group("Start with: robsim robots list")
 

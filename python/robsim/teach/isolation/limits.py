@@ -39,8 +39,7 @@ class WorkerLimits:
     folder_size : int, default: 64 MiB
         All its files together (bytes), each counted with at least 64 KiB, with those that were
         handed in, of which it has room for twice as many; folders lie within one another 100 deep
-        at most. Looked after four times a second, so that more may be there for a
-        moment.
+        at most. Looked after four times a second, so that more may be there for a moment.
     open_files : int, default: 64
         Open files, with the few that it begins with.
     threads : int, default: 32

@@ -141,9 +141,8 @@ def as_native_noise(noise: Noise | None) -> VisualNoise:
         return VisualNoise()
     if not isinstance(noise, _Noise):
         raise TypeError(
-            f"noise must be a GaussianNoise, a UniformNoise or None, "
-            f"got {quoted(noise)}: write, for "
-            "example, noise=robsim.GaussianNoise(40)"
+            f"noise must be a GaussianNoise, a UniformNoise or None, got {quoted(noise)}: write, "
+            "for example, noise=robsim.GaussianNoise(40)"
         )
     return noise._native
 
