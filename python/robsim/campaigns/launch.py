@@ -13,8 +13,7 @@ from robsim.base.files import as_path
 from robsim.base.seeds import Seed
 from robsim.base.text import one_line
 from robsim.campaigns._store import Store
-from robsim.campaigns.engines.campaign_work import DIED, CampaignWork, check_can_be_sent
-from robsim.campaigns.engines.chunks import Chunks
+from robsim.campaigns.engines.campaign_work import DIED, CampaignWork, Chunks, check_can_be_sent
 from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.campaigns.result import CampaignResult, result_of

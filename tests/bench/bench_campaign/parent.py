@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from bench_campaign.loops import KINDS, STEPS
 from robsim.campaigns import campaign
-from robsim.campaigns.engines.chunks import SECONDS
+from robsim.campaigns.engines.campaign_work import SECONDS
 from robsim.campaigns.runs import Job, Row
 
 _LARGE = 100  # runs of a chunk

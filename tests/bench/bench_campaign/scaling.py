@@ -11,7 +11,7 @@ from bench_campaign.many_workers import EACH, Throughput, simulated
 from bench_campaign.parent import ParentCost
 from robsim.base.report import Column, Quantity, Row, Table, percent
 from robsim.base.report.table import Format
-from robsim.campaigns.engines.chunks import size_for
+from robsim.campaigns.engines.campaign_work import size_for
 
 _WORKERS = (1, 10, 100, 1000)
 _MOST = max(_WORKERS)

@@ -1,16 +1,20 @@
-"""The runs of a campaign as work for an engine."""
+"""The runs of a campaign as work for an engine, in chunks: handing them over costs little."""
 
 from __future__ import annotations
 
 import pickle
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 from robsim.base.text import quoted, said_by
 from robsim.campaigns.choices import Folder
 from robsim.campaigns.runs import Job, Row, Worker
 from robsim.campaigns.spec import CampaignSpec
+
+SECONDS = 0.25  # of a chunk: what is lost when a worker, or the whole program, is killed
+_MOST = 500  # runs
 
 #: The error of a run whose process dies.
 DIED = "WorkerDied: the worker process ended in this run, whenever it was tried"
@@ -48,3 +52,27 @@ def check_can_be_sent(spec: CampaignSpec) -> None:
             ) from error
         if b"__main__" in content and not hasattr(sys.modules["__main__"], "__file__"):
             raise TypeError(f"{what} of a notebook or a prompt cannot be sent to others: {remedy}")
+
+
+def size_for(seconds: float) -> int:
+    """Return how many runs of a duration (s) make a chunk."""
+    return min(max(int(SECONDS / max(seconds, 1e-9)), 1), _MOST)
+
+
+class Chunks:
+    """The runs that are still to be done, in their order: case and number of each."""
+
+    def __init__(self, jobs: Iterable[Job]) -> None:
+        self._jobs, self._size = iter(jobs), 1
+        self._runs, self._seconds = 0, 0.0
+
+    def take(self) -> list[Job]:
+        """Take the next chunk; empty = nothing is left."""
+        return list(islice(self._jobs, self._size))
+
+    def note(self, rows: Sequence[Row]) -> None:
+        """Learn from the rows of a chunk how many runs the next ones may have."""
+        # What is long ago counts less: another case may take another time.
+        self._runs = self._runs // 2 + len(rows)
+        self._seconds = self._seconds / 2 + sum(row.seconds for row in rows)
+        self._size = size_for(self._seconds / self._runs)
