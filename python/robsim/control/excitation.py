@@ -186,9 +186,8 @@ class MultiSine(_Band):
     Notes
     -----
     Phases: Schroeder, Synthesis of Low-Peak-Factor Signals and Binary Sequences with Low
-    Autocorrelation, IEEE Trans. Information Theory 16(1), 1970. Sums of sines as inputs:
-    Söderström and Stoica, System Identification, 1989, ch. 5; Ljung, System Identification,
-    1999, 13.3.
+    Autocorrelation, IEEE Trans. Information Theory 16(1), 1970. Sums of sines as inputs: Söderström
+    and Stoica, System Identification, 1989, ch. 5; Ljung, System Identification, 1999, 13.3.
 
     Examples
     --------

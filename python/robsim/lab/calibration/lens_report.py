@@ -182,11 +182,8 @@ class LensCalibration(Report):
             )
         if len(used) < _PICTURES:
             yield "pictures", f"{len(used)} pictures are few: take {_PICTURES} to 20"
-        if parts := self.empty_parts:
-            yield (
-                "coverage",
-                f"no corners at the {listed(parts)} of the picture: move the board there",
-            )
+        if parts := listed(self.empty_parts):
+            yield "coverage", f"no corners at the {parts} of the picture: move the board there"
         if sum(one.tilt > _TILT for one in used) < _TILTED:
             yield (
                 "tilt",

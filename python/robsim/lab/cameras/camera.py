@@ -19,7 +19,7 @@ from robsim.base.checks import (
     check_size,
     check_text,
 )
-from robsim.base.text import one_line, quoted
+from robsim.base.text import one_line
 from robsim.base.values import Closing
 from robsim.lab.cameras.errors import CaptureError, EndOfStream, FrameTimeoutError
 from robsim.lab.cameras.features import CameraFeatures
@@ -191,8 +191,7 @@ class Camera(Closing):
         open_timeout = _seconds("open_timeout", open_timeout)
         reopen = check_bool("reopen", reopen)
         area = None if area is None else check_size("area", area)
-        if not (features is None or isinstance(features, CameraFeatures)):
-            raise TypeError(f"features must be CameraFeatures or None, got {quoted(features)}")
+        check_kind("features", features, CameraFeatures, or_none=True)
         if fps is not None:
             fps = check_float("fps", fps, "1/s", exclusive_minimum=0, maximum=1000)
         size = None if size is None else check_size("size", size)
@@ -312,8 +311,7 @@ class Camera(Closing):
 
     @features.setter
     def features(self, features: CameraFeatures) -> None:
-        if not isinstance(features, CameraFeatures):
-            raise TypeError(f"features must be CameraFeatures, got {quoted(features)}")
+        check_kind("features", features, CameraFeatures)
         if not hasattr(self._device, "set_features"):
             raise ValueError(f"{one_line(self.source)} is no camera whose features can be set")
         self._device.set_features(features._wishes())

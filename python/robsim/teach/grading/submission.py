@@ -134,8 +134,7 @@ class Submission:
         elif frames is not None:
             check_bool("frames", frames)
         for name, value, kind in (("limits", limits, WorkerLimits), ("key", key, Key)):
-            if value is not None and not isinstance(value, kind):
-                raise TypeError(f"{name} must be {kind.__name__}, got {quoted(value)}")
+            check_kind(name, value, kind, or_none=True)
         check_choice("isolation", isolation, LEVELS)
         path = as_path(path)
         _check_given(given)
