@@ -267,7 +267,7 @@ class Swapped(Ekf):
 
 
 class SwappedWithMemory(Swapped):
-    """A filter that begins with the state of the run before."""
+    """A filter that begins with the state of the previous run."""
 
     last = np.zeros(6)
 

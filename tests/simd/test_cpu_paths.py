@@ -13,6 +13,8 @@ from robsim import _core
 from scenes import renderer
 from sizes import thorough
 
+pytestmark = pytest.mark.filterwarnings("ignore:a noise of")  # of less than 1 %
+
 PATHS = _core.cpu_paths()
 
 
@@ -149,7 +151,6 @@ def test_noise(width, height, seed, index, kind, percent):
     check_all_equal(lambda: kind(percent).add(clean, seed, index))
 
 
-@pytest.mark.filterwarnings("ignore:a noise of 0.3 is 0.3 %")
 @pytest.mark.parametrize("kind", [robsim.UniformNoise, robsim.GaussianNoise])
 def test_noise_of_wide_images(kind, rng):
     # More bytes in a row than are kept back at a time for the tails of the distribution.
