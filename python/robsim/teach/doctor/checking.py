@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from robsim.base.text import quoted
 from robsim.teach.doctor._run_checks import telling
 from robsim.teach.doctor.callbacks.folder import FolderReport, Surroundings, report_of
 
@@ -50,14 +51,16 @@ def check_folder(
     FileNotFoundError
         If there is no such file or folder.
     TypeError, ValueError
-        If there are no callback files, or a slot or a task is unknown.
+        If there are no callback files, a slot or a task is unknown, or `progress` is not callable.
 
     Examples
     --------
     >>> print(robsim.teach.check_folder("mine"))
     >>> print(robsim.teach.check_folder("parking", task="park"))  # doctest: +SKIP
     """
-    token = telling.set(progress or telling.get())
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress must be a function of a line, or None, got {quoted(progress)}")
+    token = telling.set(telling.get() if progress is None else progress)
     try:
         if task is None:
             return report_of(path, slots, Surroundings())
