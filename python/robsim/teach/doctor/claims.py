@@ -60,9 +60,9 @@ def gain_problem(trials: Trials, gains: Gains) -> Problem | None:
 def claim_problems(trials: Trials, gains: Gains) -> Iterator[Problem]:
     """Yield whether it claims standard deviations, or P+ = K R / n: n measurements for one."""
     K = gains.after_gap
-    claimed = variances(trials.gap)[UNSEEN.stop] / K
     if (abs(K - 1) > _SHARE).any():
         return
+    claimed = variances(trials.gap)[UNSEEN.stop] / K
     own = list(_variances_known(trials))
     if any(_is_same(claimed, one) for one in own):
         return
