@@ -285,3 +285,7 @@ def test_a_type_error_of_a_callback_stays_what_it_is():
     with pytest.raises(TypeError, match="unsupported operand") as caught:
         robsim.Simulation(control=control).run(1)
     assert caught.traceback[-1].name == "control"
+
+
+def test_the_heading_of_a_sample_goes_on_beyond_half_a_turn():
+    assert Sample(np.zeros((3, 5)), (1, 2, 3.5), 4).y.tolist() == [1, 2, 3.5]

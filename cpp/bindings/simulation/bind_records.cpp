@@ -79,9 +79,10 @@ y : array (3,)
 k : int
     The step whose output y is.
 )");
-  const auto make = [](const AxisMatrix& phi, const Pose& y, std::int64_t k) {
+  const auto make = [](const AxisMatrix& phi, const ArrayLike& y, std::int64_t k) {
     check_step_number(k);
-    return Sample{{phi, {y.x, y.y, y.heading}}, k};
+    const Doubles outputs = doubles_from(y, "y", Shape{3}, "three outputs (x, y, heading)");
+    return Sample{{phi, {outputs.at(0), outputs.at(1), outputs.at(2)}}, k};
   };
   const auto y = [](const Sample& self) { return Eigen::VectorXd(self.regression.y); };
   const Fields sample_fields(

@@ -36,25 +36,6 @@ WAY = 10 * _SPEED  # px
 _SEED = 5
 
 
-class _Sample(Sample):
-    """A sample with an unwrapped heading in y, as in a run."""
-
-    def __init__(self, phi: Floats, y: Floats, k: int) -> None:
-        super().__init__(phi, y, k)
-        self._phi, self._y = phi, y
-
-    phi = property(lambda self: self._phi)
-    y = property(lambda self: self._y)
-
-
-class _Step(Step):
-    def __init__(self, *, sample: Sample | None = None, **given: Any) -> None:
-        super().__init__(**given)
-        self._sample = sample
-
-    sample = property(lambda self: self._sample)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Situation:
     """A drive of the robot: its true poses, inputs and measurements."""
@@ -74,11 +55,11 @@ class Situation:
             given = [{"measurement": one} for one in self.measurements]
         else:
             phi, y = (frozen(part) for part in regression(self.poses, self.u))
-            samples = (_Sample(*one, k) for k, one in enumerate(zip(phi, y, strict=True), 2))
+            samples = (Sample(*one, k) for k, one in enumerate(zip(phi, y, strict=True), 2))
             given = [{"sample": one} for one in (None, None, *samples)]
         frame = Frame(np.zeros((1, 1, 3), np.uint8))
         return tuple(
-            _Step(k=k, dt=self.dt, last_u=last_u[k], frame=frame, **one)
+            Step(k=k, dt=self.dt, last_u=last_u[k], frame=frame, **one)
             for k, one in enumerate(given)
         )
 
