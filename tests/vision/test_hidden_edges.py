@@ -1,4 +1,4 @@
-"""What a pose says of itself where an edge of a marker is hidden in the colour of the body."""
+"""Covariance and misfit of poses where the body's colour hides an edge of a marker."""
 
 import numpy as np
 import pytest
