@@ -95,6 +95,32 @@ def test_two_discs_by_hand():
     np.testing.assert_allclose(bound.covariance[0, 1], 0, atol=1e-3 * bound.covariance[0, 0])
 
 
+def test_markers_with_corners_have_the_bound_of_what_they_cover():
+    """Squares, each pixel's share by the product of two blurred strips: exact."""
+    width, side, sigma = 0.8, 9.3, 5.1
+
+    def strip(place, at):
+        ends = (place + end * side / 2 - at for end in (1, -1))
+        far, near = (ndtr(end / width) for end in ends)
+        return far - near
+
+    def drawn(x, y):
+        return np.outer(strip(y, np.arange(30)), strip(x, np.arange(30)))
+
+    square = side / 2 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    x, y, step = 14.3, 15.1, 1e-3
+    bound = measurement_bound(
+        grey_frame(70 + 100 * drawn(x, y)),
+        (x, y, 0),
+        [square, square + 1e-6],
+        noise=robsim.GaussianNoise(2),
+    )
+    slope = 100 * (drawn(x + step, y) - drawn(x - step, y)) / (2 * step)
+    # By symmetry nothing else that is unknown counts; six measurements of the same place.
+    expected = sigma / np.sqrt(6 * np.square(slope).sum())
+    assert np.sqrt(bound.covariance[0, 0]) == pytest.approx(expected, rel=0.01)
+
+
 @pytest.mark.long
 def test_the_best_fit_of_many_noisy_frames_reaches_the_bound(rng):
     """Least squares for place, blur, level and contrast, on noise without clipping."""

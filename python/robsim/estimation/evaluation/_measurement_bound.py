@@ -16,20 +16,21 @@ from robsim.base.checks import Floats, as_float_array
 from robsim.base.report import Quantity, Report
 from robsim.base.text import quoted
 from robsim.vision.imaging.noise import GaussianNoise, Noise, as_native_noise
-from robsim.vision.robots.polygons import area_and_centroid, depths, samples
+from robsim.vision.robots.polygons import area_and_centroid, blurred, depths, samples
 
-# Frame px: how far outside of a marker pixels are used, and by how much a marker is moved to see
-# how the depths of its pixels change.
+# Frame px: how far outside of a marker pixels are used; how far it is moved for derivatives.
 _MARGIN = 2.5
 _STEP = 0.02
+_SHARPEST_CURVE = math.radians(30)  # at a corner of a polygon that stands for a curve
 
 
 class MarkerView:
-    """The pixels of a marker in a frame, and how deep in it they lie."""
+    """The pixels of a marker in a frame, and how much of each it covers."""
 
     def __init__(self, frame: Frame, pose: Floats, polygon: Floats) -> None:
-        self._plane_map = frame.plane_map
-        self._outline = samples(polygon)  # dense: a lens may bend its sides
+        self._plane_map, self._pose = frame.plane_map, pose
+        # dense where a lens may bend its sides
+        self._outline = polygon if self._plane_map.intrinsics is None else samples(polygon)
         corners = self._in_frame(pose)
         height, width = frame.image.shape[:2]
         left, top = np.floor(corners.min(axis=0) - _MARGIN).clip(0, (width, height)).astype(int)
@@ -41,8 +42,8 @@ class MarkerView:
         if depth.max(initial=-1.0) <= 0:
             raise _not_shown(pose)
         self._pixels, self.depth = self._pixels[is_used], depth[is_used]
+        self._has_corners = _has_corners(polygon)
         self.values = frame.image[down.ravel()[is_used], across.ravel()[is_used]].astype(float)
-        self._slopes = self._slopes_at(pose)
 
     def _in_frame(self, pose: Floats) -> Floats:
         """Return the outline at a pose in px of the frame (N, 2)."""
@@ -54,25 +55,40 @@ class MarkerView:
             raise _not_shown(pose)
         return np.asarray(pixels)
 
-    def _slopes_at(self, pose: Floats) -> Floats:
-        """Return the derivatives of the depths by the pose (N, 3)."""
-        # One step moves the marker by about _STEP px of the frame.
-        across = np.ptp(self._outline, axis=0).max() / np.ptp(self._in_frame(pose), axis=0).max()
-        far = np.linalg.norm(self._outline, axis=1).max()
-        slopes = np.empty((len(self.depth), 3))
-        for i, step in enumerate(_STEP * across * np.array((1.0, 1.0, 1.0 / far))):
-            moved = np.eye(3)[i] * step
-            ahead, behind = (
-                depths(self._in_frame(pose + sign * moved), self._pixels) for sign in (1, -1)
-            )
-            slopes[:, i] = (ahead - behind) / (2 * step)
-        return slopes
-
-    def coverage(self, width: float) -> Floats:
-        """Return 1 and the coverage Phi(d / w) of each pixel (N, 2)."""
+    def _covered(self, moved: Floats, width: float) -> Floats:
+        """Return the coverages (N,) with the marker moved by so much (px, px, rad)."""
         from scipy.special import ndtr
 
-        covered = ndtr(self.depth / width)
+        if self._has_corners:
+            return blurred(self._in_frame(self._pose + moved), self._pixels, width)
+        depth = self.depth
+        if moved.any():
+            depth = depths(self._in_frame(self._pose + moved), self._pixels)
+        covered: Floats = ndtr(depth / width)
+        return covered
+
+    @functools.lru_cache(maxsize=1)  # noqa: B019 - the width is mostly the same
+    def changes(self, width: float) -> Floats:
+        """Return the derivatives of the coverages by pose and ln w (N, 4)."""
+        # One step moves the marker by about _STEP px of the frame.
+        across = (
+            np.ptp(self._outline, axis=0).max() / np.ptp(self._in_frame(self._pose), axis=0).max()
+        )
+        far = np.linalg.norm(self._outline, axis=1).max()
+        steps = _STEP * np.array((across, across, across / far, 1.0))
+        changes = np.empty((len(self.depth), 4))
+        for i, step in enumerate(steps):
+            ahead, behind = (
+                self._covered(moved[:3], width * math.exp(moved[3]))
+                for moved in np.eye(4)[i] * np.array(((step,), (-step,)))
+            )
+            changes[:, i] = (ahead - behind) / (2 * step)
+        return changes
+
+    @functools.lru_cache(maxsize=1)  # noqa: B019
+    def coverage(self, width: float) -> Floats:
+        """Return 1 and the coverage of each pixel (N, 2)."""
+        covered = self._covered(np.zeros(3), width)
         return np.column_stack((np.ones_like(covered), covered))
 
     def levels(self, width: float) -> Floats:
@@ -86,12 +102,17 @@ class MarkerView:
 
     def channels(self, width: float) -> Iterator[tuple[Floats, Floats, float]]:
         """Yield mean (N,), its derivatives by pose and ln w (N, 4), and contrast of a channel."""
-        q = self.depth / width
-        # d Phi(d / w) = phi(q) (d depth / w - q d ln w)
-        change = density(q)[:, np.newaxis] * np.column_stack((self._slopes / width, -q))
         for level, contrast in self.levels(width).T:
             mean = level + contrast * self.coverage(width)[:, 1]
-            yield mean, contrast * change, float(contrast)
+            yield mean, contrast * self.changes(width), float(contrast)
+
+
+def _has_corners(polygon: Floats) -> bool:
+    """Whether the outline turns by more at a corner than where corners stand for a curve."""
+    side = np.roll(polygon, -1, axis=0) - polygon
+    way = np.arctan2(side[:, 1], side[:, 0])
+    turn = (np.roll(way, -1) - way + np.pi) % (2 * np.pi) - np.pi
+    return bool(np.abs(turn).max() > _SHARPEST_CURVE)
 
 
 def _not_shown(pose: Floats) -> ValueError:
@@ -290,12 +311,14 @@ def measurement_bound(
 
     Notes
     -----
-    A pixel i of the channel c, d px within the edge of the marker k, has the mean
+    The marker k covers the share K of a pixel i. The pixel has the mean in the channel c
 
-        mu = level_kc + contrast_kc Phi(d / w)
+        mu = level_kc + contrast_kc K
 
-    w, the standard deviation of the blur across the edge, and all levels and contrasts are unknown
-    as the pose is. With the information J(mu) of a pixel the pose has the information
+    K is the integral over the marker of a normal distribution around the pixel [2]_. For a polygon
+    that stands for a curve it is Phi(d / w), d px within the edge. The standard deviation w of the
+    blur, and all levels and contrasts are unknown as the pose is. With the information J(mu) of a
+    pixel the pose has the information
 
         N = sum_ic J(mu_ic) g_ic g_ic',   g_ic = d mu_ic / d(pose, ln w, levels, contrasts)
 
@@ -309,6 +332,7 @@ def measurement_bound(
     References
     ----------
     .. [1] S. M. Kay, Fundamentals of Statistical Signal Processing: Estimation Theory, 3.9, 1993.
+    .. [2] D. B. Owen, Tables for computing bivariate normal probabilities, 1956.
 
     Examples
     --------

@@ -14,6 +14,8 @@ from robsim.base.checks import Floats
 from robsim.vision.markers.training import square_within
 
 _MAXIMUM_SAMPLES = 2000
+_THINNEST = 1e-9  # distance of a point from the line of a side
+_FARTHEST = 6.0  # standard deviations
 _MINIMUM_INSIDE = 0.8  # fraction of a box that must lie in the polygon
 
 
@@ -70,6 +72,35 @@ def depths(polygon: Floats, points: Floats) -> Floats:
     """Return the signed distances (M,) of points (M, 2) from the sides; positive inside."""
     distance = distances(polygon, points)
     return np.where(contains(polygon, points), distance, -distance)
+
+
+def blurred(polygon: Floats, points: Floats, width: float) -> Floats:
+    """Return how much (M,) of a normal distribution around each point lies inside.
+
+    `width` is its standard deviation. A side lies h w from a point, between the angles a and b.
+    With Owen's T the triangle of both has
+
+        (b - a) / (2 pi) - T(h, tan b) + T(h, tan a)
+    """
+    from scipy.special import owens_t
+
+    side = np.roll(polygon, -1, axis=0) - polygon
+    length = np.linalg.norm(side, axis=1)
+    x, y = (points[:, np.newaxis] - polygon).transpose(2, 0, 1)
+    along, beside = side.T / length
+    away = along * y - beside * x
+    start = -(along * x + beside * y)
+    # On the line of a side itself nothing lies in the triangle.
+    away = np.where(np.abs(away) < _THINNEST, _THINNEST, away)
+    near = np.abs(away) < _FARTHEST * width  # T is 0 elsewhere
+    covered = np.zeros(len(points))
+    for sign, end in ((1, start + length), (-1, start)):
+        slope = end / away
+        part = np.arctan(slope) / (2 * np.pi)
+        part[near] -= owens_t(away[near] / width, slope[near])
+        covered += sign * part.sum(axis=1)
+    cross = polygon[:, 0] * side[:, 1] - polygon[:, 1] * side[:, 0]
+    return np.asarray(covered * np.sign(cross.sum()), np.float64)
 
 
 def samples(polygon: Floats) -> Floats:
