@@ -171,11 +171,16 @@ def test_a_robot_that_does_not_move_as_its_model_says_is_noticed(rng):
     options = {"boundary": "bounce", "seed": 3}
     right = robsim.batch_estimate(driven(200, **options))
     assert right.is_model_exact
-    for evaluate_model in (robsim.Unicycle(), noise_in_the_equation(rng)):
+    assert right.departure == "none"
+    assert "true value" in str(right)
+    for departure, evaluate_model in (
+        ("mismatch", robsim.Unicycle()),
+        ("process noise", noise_in_the_equation(rng)),
+    ):
         report = robsim.batch_estimate(driven(200, evaluate_model=evaluate_model, **options))
         assert not report.is_model_exact
-        assert "true value" in str(right)
-        assert "true value" not in str(report)
+        assert report.departure == departure
+        assert ("true value" in str(report)) == (departure == "process noise")
     np.testing.assert_allclose(report.model_error, (0.1, 0.1, 0.005), rtol=0.2)
 
 

@@ -67,8 +67,9 @@ def test_noise_adds_no_bias_to_a_fit_that_knows_the_delay(fit):
     found, without = fit(z, trace.u, motor_delay=2.4), fit(z, trace.u)
     within = np.abs(found.theta - TRUTH) / found.standard_errors
     assert within[found.determined].max() < 5
-    beyond = np.abs(without.theta - TRUTH) / without.standard_errors
+    beyond = np.abs(without.theta - TRUTH) / without.white_noise_errors
     assert beyond[without.determined].max() > 8
+    assert without.whiteness_p_value < 1e-3 < found.whiteness_p_value
 
 
 @pytest.mark.kernels

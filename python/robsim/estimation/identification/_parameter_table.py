@@ -12,6 +12,9 @@ from robsim.base.checks import Floats
 from robsim.base.report import Column, Row, Table
 from robsim.trace import PARAMETER_NAMES
 
+#: Residuals with a smaller p-value are not white.
+LEVEL = 0.05
+
 
 def parameter_table(columns: Mapping[Column, NDArray[Any]]) -> Table:
     """Return a table with a row for each parameter, of columns with values (3, 5)."""
@@ -37,6 +40,48 @@ def noise_remarks(identify_from: str) -> tuple[str, ...]:
         "off",
     }
     return (sentences[identify_from],) if identify_from in sentences else ()
+
+
+#: Causes of coloured residuals, by the departure of the robot from its model.
+_CAUSES = {
+    "unknown": "process noise moves the robot, or the model is wrong",
+    "none": "the errors of the measured poses resemble their neighbours",
+    "process noise": "process noise moves the robot",
+    "mismatch": "the robot moves by another model",
+}
+
+
+def contradiction_remarks(
+    p_value: float,
+    errors: Floats,
+    white_noise_errors: Floats,
+    sigma: Floats,
+    *,
+    unit: str = "px",
+    departure: str = "unknown",
+) -> tuple[str, ...]:
+    """Return the remarks on residuals with this p-value; nothing for white residuals.
+
+    `errors` include process noise of `sigma` (3,), `white_noise_errors` measurement noise alone.
+    """
+    if not p_value < LEVEL:
+        return ()
+    shown = "p < 0.001" if p_value < 0.001 else f"p = {p_value:.2g}"
+    n = mean_ratio(errors, white_noise_errors)
+    limit = "; no correction covers a wrong model" * (departure in ("unknown", "mismatch"))
+    return (
+        f"the residuals are not white ({shown}): {_CAUSES[departure]}",
+        f"standard errors for measurement noise alone do not hold: they are {n:.2g} times too "
+        "small; the table has corrected ones, for process noise of "
+        f"{equation_noise(sigma, unit, '.2g')} in each step{limit}",
+    )
+
+
+def mean_ratio(errors: Floats, others: Floats) -> float:
+    """Return the geometric mean of errors over others, of the parameters that have both."""
+    is_known = np.isfinite(errors) & np.isfinite(others) & (others > 0) & (errors > 0)
+    ratios = errors[is_known] / others[is_known]
+    return float(np.exp(np.mean(np.log(ratios)))) if ratios.size else 1.0
 
 
 def lengths_in(unit: str) -> str:

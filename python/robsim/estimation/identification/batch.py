@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
-from typing import Any, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +14,18 @@ from robsim.base.checks import Floats, check_choice
 from robsim.base.report import Column, Quantity, Report, Table
 from robsim.base.text import quoted
 from robsim.estimation.identification._parameter_table import (
+    contradiction_remarks,
     equation_noise,
     lengths_in,
+    mean_ratio,
     parameter_table,
 )
 from robsim.estimation.identification.determined import Identifiability, identifiability, judge
 from robsim.estimation.identification.fits import METHODS
+from robsim.estimation.identification.fits.linear import decompose
 from robsim.estimation.identification.fits.model_fit import (
     LONGEST_DELAY,
+    ModelFit,
     check_delay_or_fit,
     delay_quantities,
 )
@@ -37,6 +42,8 @@ from robsim.trace.units import scaled
 
 _MINIMUM_SAMPLES = 5
 _ROUNDING = 1e-6  # px and rad
+# A model without mismatch has a smaller p-value in one of 1000 runs.
+_OTHER_MODEL = 1e-3 / 3
 _AXES = ("X", "Y", "P")
 _METHODS = ("least_squares", *METHODS)
 
@@ -46,6 +53,11 @@ class _Fit(TypedDict):
 
     motor_delay: float
     motor_delay_error: float
+    white_noise_errors: NotRequired[Floats]
+    whiteness_p_value: NotRequired[float]
+    process_sigma: NotRequired[Floats]
+    measurement_sigma: NotRequired[Floats]
+    least_squares_errors: NotRequired[Floats]
     batch: Floats
     rank: NDArray[np.int64]
     condition: Floats
@@ -83,11 +95,12 @@ class BatchEstimate(Report):
     standard_errors : array (3, 5)
         Standard errors of `batch`, with the noise estimated from the residuals. Those of least
         squares are valid for equation noise; measurement noise also biases it. Those of the other
-        methods are valid for measured poses with independent errors. Those of a camera are in part
-        a function of the pose, and alike in neighbouring steps: the estimates are then further off
-        than their standard errors say. Of the default measurement in 800 steps, 1 to 1.3 times with
-        36 drawn headings; with any heading 1.2 to 3.1 times at 10 % of noise, 2 to 5.5 times
-        without.
+        methods are the `white_noise_errors`, or, where the residuals contradict these, those with
+        the estimated process noise. They do not cover a wrong model.
+    white_noise_errors : array (3, 5)
+        Standard errors of a method other than least squares for measurement noise alone,
+        independent from step to step; otherwise NaN. Errors of a camera are in part a function of
+        the pose, and alike in neighbouring steps.
     standard_errors_unscaled : array (3, 5)
         Standard errors for noise of standard deviation 1 (x, y in `unit`, heading in rad).
     n_samples : int, optional
@@ -102,10 +115,22 @@ class BatchEstimate(Report):
         Whether the method converged; if not, `batch` is the result of its last iteration.
     model_error : array (3,)
         Root mean square one-step prediction error of `theta_true` on the true path (x, y in `unit`,
-        heading in rad). If it is not 0, the robot does not move as its model says: `theta_true` is
-        not the truth.
+        heading in rad). If it is not 0, the robot does not move as its model says; `departure` says
+        why.
     motor_delay, motor_delay_error : float
         How late the inputs act (steps), and the standard error if it was estimated, otherwise 0.
+    whiteness_p_value : float
+        Probability that residuals without process noise are as far from white; NaN for least
+        squares. Below 0.05 they contradict the `white_noise_errors`.
+    process_sigma, measurement_sigma : array (3,)
+        Standard deviations of process noise and measurement noise in a step, as the residuals show
+        them (x, y in `unit`, heading in rad); NaN for least squares.
+    least_squares_errors : array (3, 5)
+        The root mean square errors, bias included, that least squares has under this noise; NaN for
+        least squares.
+    departure : str
+        How the robot departs from its model, as the trace knows: ``"none"``, ``"process noise"``,
+        ``"mismatch"``: the parameters or the equations are others, or ``"unknown"``.
     unit : str
         The unit of lengths: that of the trace.
     px_length : float
@@ -132,6 +157,12 @@ class BatchEstimate(Report):
     model_error: Floats = field(default_factory=lambda: np.zeros(3))
     motor_delay: float = 0.0
     motor_delay_error: float = 0.0
+    white_noise_errors: Floats = field(default_factory=_unknown)
+    whiteness_p_value: float = math.nan
+    process_sigma: Floats = field(default_factory=lambda: np.full(3, np.nan))
+    measurement_sigma: Floats = field(default_factory=lambda: np.full(3, np.nan))
+    least_squares_errors: Floats = field(default_factory=_unknown)
+    departure: str = "unknown"
     unit: str = "px"
     px_length: float = 1.0
 
@@ -152,7 +183,7 @@ class BatchEstimate(Report):
 
     @property
     def is_model_exact(self) -> bool:
-        """Whether the robot moved as its model says, so that `theta_true` is the truth."""
+        """Whether the robot moved exactly as its model says."""
         lengths = np.array((self.px_length, self.px_length, 1.0))
         return bool((self.model_error <= _ROUNDING * lengths).all())
 
@@ -193,7 +224,8 @@ class BatchEstimate(Report):
     @property
     def tables(self) -> tuple[Table, ...]:
         """True value, batch estimate with standard error, online estimate of each parameter."""
-        true = "true value" if self.is_model_exact else "model's value"
+        is_true = self.is_model_exact or self.departure == "process noise"
+        true = "true value" if is_true else "model's value"
         errors = np.where(np.isfinite(self.batch), self.standard_errors, np.nan)
         columns = {
             Column("true", true, format=".5g"): self.theta_true,
@@ -224,16 +256,36 @@ class BatchEstimate(Report):
                 f"{self.left_out} samples with a bounce, a missing pose or lost frames are omitted"
             )
         if not self.is_model_exact:
+            error = equation_noise(self.model_error, self.unit, ".2g")
             remarks.append(
-                "the robot does not move as its model says (rmse "
-                f"{equation_noise(self.model_error, self.unit, '.2g')} per step): the model's "
-                "values need not be true"
+                f"process noise moves the robot ({error} per step): the model's values are true"
+                if self.departure == "process noise"
+                else f"the robot does not move as its model says (rmse {error} per step): the "
+                "model's values need not be true"
             )
         if not self._has_online:
             remarks.append("no online estimate: run with estimate_parameters=True")
         elif self.online_from != self.identify_from:
             remarks.append(f"the online estimate is from {self.online_from}")
-        return (*remarks, *self.identifiability.remarks)
+        excited, *noise = self.identifiability.remarks
+        return (*remarks, excited, *(self._contradiction or noise))
+
+    @property
+    def _contradiction(self) -> tuple[str, ...]:
+        """Remarks on residuals that contradict measurement noise alone."""
+        remarks = contradiction_remarks(
+            self.whiteness_p_value,
+            self.standard_errors,
+            self.white_noise_errors,
+            self.process_sigma,
+            unit=self.unit,
+            departure=self.departure,
+        )
+        gain = mean_ratio(self.standard_errors, self.least_squares_errors)
+        if not remarks or gain <= 1:
+            return remarks
+        better = f"least squares is the better method here: its errors are {gain:.2g} times smaller"
+        return (*remarks, better)
 
     def _missing(self) -> list[list[str]]:
         """Return the names of the parameters that the run does not determine, by axis."""
@@ -251,8 +303,10 @@ def batch_estimate(
 ) -> BatchEstimate:
     """Estimate the parameters of the robot model from a whole run.
 
-    From measured poses least squares is biased, since the noise is in its regressors, too; the
-    other methods are not.
+    From measured poses least squares is biased, since the noise is in its regressors, too. The
+    other methods asymptotically are not, and they are made for measurement noise alone. Their
+    standard errors include process noise where the residuals show it. The report then also names
+    the better method.
 
     Parameters
     ----------
@@ -315,6 +369,7 @@ def batch_estimate(
         if method == "least_squares" and delay is not None
         else _fitted(trace, found, start, stop, select, method, delay)
     )
+    model_error, departure = _departure(trace, fit["motor_delay"])
     report = BatchEstimate(
         theta_true=np.array(trace.info.theta_true),
         online=np.array(trace.parameters[-1]),
@@ -326,7 +381,8 @@ def batch_estimate(
         left_out=found.left_out,
         select=select,
         method=method,
-        model_error=_model_error(trace, fit["motor_delay"]),
+        model_error=model_error,
+        departure=departure,
         **fit,
     )
     return report if info.unit == "px" else _converted(report, info.unit, info.px_length)
@@ -337,7 +393,10 @@ def _converted(report: BatchEstimate, unit: str, px_length: float) -> BatchEstim
     lengths = np.array((px_length, px_length, 1.0))
     parameters: dict[str, Any] = {
         name: scaled("parameters", getattr(report, name), px_length)
-        for name in ("theta_true", "batch", "online", "standard_errors")
+        for name in (
+            *("theta_true", "batch", "online", "standard_errors"),
+            *("white_noise_errors", "least_squares_errors"),
+        )
     }
     unscaled = report.standard_errors_unscaled
     return replace(
@@ -345,6 +404,8 @@ def _converted(report: BatchEstimate, unit: str, px_length: float) -> BatchEstim
         **parameters,
         standard_errors_unscaled=scaled("standard_errors_unscaled", unscaled, px_length),
         residual_rms=report.residual_rms * lengths,
+        process_sigma=report.process_sigma * lengths,
+        measurement_sigma=report.measurement_sigma * lengths,
         model_error=report.model_error * lengths,
         unit=unit,
         px_length=px_length,
@@ -394,20 +455,55 @@ def _fitted(
         "residual_rms": fit.residual_rms,
         "standard_errors": np.where(fit.determined, fit.standard_errors, np.nan),
         "standard_errors_unscaled": fit.standard_errors / sigma[:, np.newaxis],
+        "white_noise_errors": np.where(fit.determined, fit.white_noise_errors, np.nan),
+        "whiteness_p_value": fit.whiteness_p_value,
+        "process_sigma": fit.process_sigma,
+        "measurement_sigma": fit.measurement_sigma,
+        "least_squares_errors": _least_squares_errors(found, fit),
         "converged": fit.converged,
         "motor_delay": fit.motor_delay,
         "motor_delay_error": fit.motor_delay_error,
     }
 
 
-def _model_error(trace: Trace, motor_delay: float) -> Floats:
-    """Return the root mean square one-step prediction errors of the model, (3,)."""
+def _least_squares_errors(found: Regression, fit: ModelFit) -> Floats:
+    """Return the root mean square errors (3, 5) of least squares under the noise of a fit."""
+    theta = np.nan_to_num(fit.theta)
+    errors = []
+    for axis in range(3):
+        a1, a2 = theta[axis, :2]
+        w, e = fit.process_sigma[axis], fit.measurement_sigma[axis]
+        parts = decompose(found.phi[:, axis])
+        root = parts.inverse / parts.lengths[:, np.newaxis]
+        # y - phi theta = w(k) + e(k) - a1 e(k-1) - a2 e(k-2), and phi has x + e of k-1 and k-2:
+        # bias = -n e^2 (phi' phi)^-1 (a1, a2, 0, 0, 0)
+        bias = len(found.k) * e**2 * root @ (root[:2].T @ (a1, a2))
+        by_sample = np.pad(parts.U @ root.T, ((2, 2), (0, 0)))
+        by_pose = by_sample[:-2] - a1 * by_sample[1:-1] - a2 * by_sample[2:]
+        errors.append(np.linalg.norm(np.vstack([bias, w * by_sample, e * by_pose]), axis=0))
+    return np.array(errors)
+
+
+def _departure(trace: Trace, motor_delay: float) -> tuple[Floats, str]:
+    """Return the rms one-step errors of the model (3,), and how the robot departs from it."""
     found = regression_of(trace, identify_from="truth", motor_delay=motor_delay)
-    if not len(found.k):
-        return np.zeros(3)
-    residuals = found.y - np.sum(found.phi * np.array(trace.info.theta_true), axis=2)
-    rmse: Floats = np.sqrt(np.mean(np.square(residuals), axis=0))
-    return rmse
+    n, theta = len(found.k), np.array(trace.info.theta_true)
+    if not n or np.isnan(theta).any():
+        return np.zeros(3), "unknown"
+    errors = found.y - np.sum(found.phi * theta, axis=2)
+    rmse: Floats = np.sqrt(np.mean(np.square(errors), axis=0))
+    if (rmse <= _ROUNDING).all():
+        return rmse, "none"
+    if n <= _MINIMUM_SAMPLES:
+        return rmse, "mismatch"
+    from scipy.special import fdtrc  # it takes long to load
+
+    # Process noise leaves the model the best one: F tests whether another one is better.
+    left = [least_squares(found.phi[:, axis], found.y[:, axis]).residual_rms for axis in range(3)]
+    square = np.maximum(np.square(left), np.finfo(float).tiny)
+    F = (np.square(rmse) / square - 1) * (n - 5) / 5
+    is_other = fdtrc(5, n - 5, np.maximum(F, 0.0)) < _OTHER_MODEL
+    return rmse, "mismatch" if is_other.any() else "process noise"
 
 
 def judged(trace: Trace) -> Identifiability | None:

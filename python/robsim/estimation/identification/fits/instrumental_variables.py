@@ -10,7 +10,13 @@ from numpy.typing import ArrayLike
 from robsim._core import regression, second_order_recursion
 from robsim.base.checks import Floats
 from robsim.estimation.identification.fits.linear import axis_with_pole, initial_estimate, solve
-from robsim.estimation.identification.fits.model_fit import ModelFit, with_undetermined
+from robsim.estimation.identification.fits.model_fit import (
+    ModelFit,
+    with_noise,
+    with_undetermined,
+)
+from robsim.estimation.identification.fits.output_error import Fits
+from robsim.estimation.identification.fits.process_noise import Noise
 from robsim.estimation.identification.fits.segments import Segment, as_record, split
 from robsim.estimation.identification.fits.unknowns import HEADING, X, Y
 from robsim.trace.timing import check_delay
@@ -32,7 +38,7 @@ def instrumental_variables(
     breaks: ArrayLike | None = None,
     motor_delay: float = 0.0,
 ) -> ModelFit:
-    """Estimate the parameters of the robot model from measured poses, without bias.
+    """Estimate the parameters of the robot model from measured poses, asymptotically without bias.
 
     Least squares is biased by the noise in its regressors. Here each regressor has an instrument:
     the same quantity, simulated from the inputs with the current estimate, which is uncorrelated
@@ -40,6 +46,10 @@ def instrumental_variables(
     estimate is iterated. The constraint a1 + a2 = 1, which holds for every robot, is used: without
     it a drift of the measured path, which is noise, could be fitted by a parameter. Gaps cost
     samples, since only consecutive poses are used; `output_error` bridges them.
+
+    The filter is made for measurement noise alone. Under process noise the estimate is farther off,
+    which the residuals of `output_error` show, and the standard errors include. Where process noise
+    dominates, least squares is the better method.
 
     Parameters
     ----------
@@ -82,7 +92,7 @@ def instrumental_variables(
     theta, errors = with_undetermined(
         np.array([fit.theta for fit in fits]), np.array([fit.errors for fit in fits])
     )
-    return ModelFit(
+    fit = ModelFit(
         theta=theta,
         standard_errors=errors,
         residual_rms=np.array([fit.rms for fit in fits]),
@@ -94,6 +104,18 @@ def instrumental_variables(
         ),
         motor_delay=delay,
     )
+    noise = Fits(record).solve(0.0).noise
+    if noise.is_white:
+        return with_noise(fit, noise)
+    return with_noise(fit, noise, np.array([_errors_under(noise, runs, fits, a) for a in range(3)]))
+
+
+def _errors_under(noise: Noise, runs: list[Segment], fits: list[_AxisFit], axis: int) -> Floats:
+    """Return the standard errors (5,) of an axis under a noise."""
+    samples = [_run_samples(run, axis) for run in runs]
+    simulated = axis_with_pole(runs, axis, _pole(fits[axis].theta))
+    sigma = noise.process[axis], noise.measurement[axis], noise.measurement[HEADING]
+    return _refine(samples, simulated, *sigma).errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,10 +164,8 @@ def _run_samples(run: Segment, axis: int) -> _Samples:
 def _iterate(runs: list[Segment], axis: int, theta: Floats, heading_sigma: float) -> _AxisFit:
     samples = [_run_samples(run, axis) for run in runs]
     for iteration in range(1, _ITERATIONS + 1):
-        # For every robot one pole is 1 and the other one is -a2.
-        pole = min(max(-theta[1], 0.0), _MAXIMUM_POLE)
-        simulated = axis_with_pole(runs, axis, pole)
-        fit = _refine(samples, simulated, heading_sigma)
+        simulated = axis_with_pole(runs, axis, _pole(theta))
+        fit = _refine(samples, simulated, 0.0, None, heading_sigma)
         # The standard error of an undetermined parameter is NaN, for which this is False.
         has_changed = np.abs(fit.theta - theta) > _TOLERANCE * fit.errors + _ROUNDING
         theta = fit.theta
@@ -154,29 +174,45 @@ def _iterate(runs: list[Segment], axis: int, theta: Floats, heading_sigma: float
     return replace(fit, iterations=_ITERATIONS)
 
 
-def _refine(runs: list[_Samples], simulated: Floats, heading_sigma: float) -> _AxisFit:
-    """Return the next estimate of an axis, with instruments from the simulated parameters."""
+def _pole(theta: Floats) -> float:
+    """Return the pole of an axis: for every robot one is 1 and the other one is -a2."""
+    return min(max(-float(theta[1]), 0.0), _MAXIMUM_POLE)
+
+
+def _refine(
+    runs: list[_Samples],
+    simulated: Floats,
+    process_sigma: float,
+    measurement_sigma: float | None,
+    heading_sigma: float,
+) -> _AxisFit:
+    """Return the next estimate of an axis, with instruments from the simulated parameters.
+
+    Without `measurement_sigma` the residuals give the measurement noise.
+    """
     columns = np.vstack([_whitened(run, simulated) for run in runs])
     instruments, phi, y = columns[:, :4], columns[:, 4:8], columns[:, 8]
     # Z' Phi theta = Z' y with the instruments Z = Q R: Q' Phi theta = Q' y
     Q = _orthonormal(instruments)
     estimate, covariance = solve(Q.T @ phi, Q.T @ y)
     freedom = max(len(y) - 2 * len(runs) - 4, 1)
-    variance = np.sum(np.square(y - phi @ estimate)) / freedom
-    # The noise n of the headings rotates the forces: Q' Phi (estimate - theta) = Q' (e + H n) with
-    # H n = (slope (b1, b2, d1) n) filtered by 1/A, so that H' Q filters backwards.
+    rms = np.sqrt(np.sum(np.square(y - phi @ estimate)) / freedom)
+    sigma = rms if measurement_sigma is None else measurement_sigma
+    # The noise n of the headings rotates the forces, and process noise w adds to them:
+    # Q' Phi (estimate - theta) = Q' (e + H n + G w). H filters slope (b1, b2, d1) n by 1/A, and G
+    # filters w, so that H' Q and G' Q filter backwards.
     a1, a2 = simulated[:2]
     backwards = [
         second_order_recursion(a1, a2, part[::-1])[::-1] for part in np.split(Q, _ends(runs))
     ]
     forces = np.hstack([run.slope @ estimate[1:] for run in runs])
-    by_heading = heading_sigma * np.vstack(backwards) * forces[:, None]
-    spread, _ = solve(Q.T @ phi, by_heading.T)
-    errors = np.sqrt(variance * np.diag(covariance) + np.square(spread).sum(axis=1))
+    by_step = np.hypot(heading_sigma * forces, process_sigma)[:, None] * np.vstack(backwards)
+    spread, _ = solve(Q.T @ phi, by_step.T)
+    errors = np.sqrt(sigma**2 * np.diag(covariance) + np.square(spread).sum(axis=1))
     return _AxisFit(
         theta=np.hstack([1 - estimate[0], estimate]),
         errors=np.hstack([errors[0], errors]),
-        rms=float(np.sqrt(variance)),
+        rms=float(rms),
     )
 
 

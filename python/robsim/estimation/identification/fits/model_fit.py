@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, partial
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 from robsim.base.checks import Floats
 from robsim.base.report import Column, Quantity, Report, Table
 from robsim.base.text import quoted
-from robsim.estimation.identification._parameter_table import noise_remarks, parameter_table
+from robsim.estimation.identification._parameter_table import (
+    contradiction_remarks,
+    noise_remarks,
+    parameter_table,
+)
+from robsim.estimation.identification.fits.process_noise import Noise
 from robsim.estimation.identification.fits.segments import Record
 from robsim.trace.timing import check_delay
 
@@ -31,8 +36,10 @@ class ModelFit(Report):
     theta : array (3, 5)
         Rows X, Y, P (heading), columns a1, a2, b1, b2, d1. NaN = not determined by the run.
     standard_errors : array (3, 5)
-        Standard errors of theta, if the errors of the measured poses are white; inf where theta is
-        NaN.
+        Standard errors of theta, inf where theta is NaN: the `white_noise_errors`, or, where the
+        residuals contradict these, those with the estimated process noise.
+    white_noise_errors : array (3, 5)
+        Standard errors of theta for measurement noise alone, independent from step to step.
     residual_rms : array (3,)
         Root mean square residual: measured minus fitted pose (px, px, rad).
     iterations : int
@@ -41,6 +48,12 @@ class ModelFit(Report):
         Whether the iteration converged; if not, theta is that of the last iteration.
     motor_delay, motor_delay_error : float
         How late the inputs act (steps), and the standard error; 0 if it was given.
+    process_sigma, measurement_sigma : array (3,)
+        Standard deviations of process noise and measurement noise in a step (px, px, rad), as the
+        residuals show them.
+    whiteness_p_value : float
+        Probability that residuals without process noise are as far from white. Below 0.05 they
+        contradict the `white_noise_errors`.
     """
 
     theta: Floats
@@ -50,6 +63,10 @@ class ModelFit(Report):
     converged: bool
     motor_delay: float = 0.0
     motor_delay_error: float = 0.0
+    white_noise_errors: Floats = field(default_factory=lambda: np.full((3, 5), np.nan))
+    process_sigma: Floats = field(default_factory=lambda: np.zeros(3))
+    measurement_sigma: Floats = field(default_factory=lambda: np.zeros(3))
+    whiteness_p_value: float = 1.0
 
     @property
     def determined(self) -> NDArray[np.bool_]:
@@ -87,7 +104,26 @@ class ModelFit(Report):
             )
         if not self.converged:
             remarks.append(f"not converged after {self.iterations} iterations: do not trust it")
-        return (*remarks, *noise_remarks("measurement"))
+        contradiction = contradiction_remarks(
+            self.whiteness_p_value,
+            self.standard_errors,
+            self.white_noise_errors,
+            self.process_sigma,
+        )
+        return (*remarks, *(contradiction or noise_remarks("measurement")))
+
+
+def with_noise(fit: ModelFit, noise: Noise, standard_errors: Floats | None = None) -> ModelFit:
+    """Return the fit with the noise of its residuals, and the standard errors under this noise."""
+    errors = fit.standard_errors if standard_errors is None else standard_errors
+    return replace(
+        fit,
+        standard_errors=np.where(fit.determined, errors, np.inf),
+        white_noise_errors=fit.standard_errors,
+        process_sigma=noise.process,
+        measurement_sigma=noise.measurement,
+        whiteness_p_value=noise.p_value,
+    )
 
 
 def delay_quantities(delay: float, error: float) -> tuple[Quantity, ...]:
@@ -117,12 +153,11 @@ def with_undetermined(theta: Floats, standard_errors: Floats) -> tuple[Floats, F
     )
 
 
-Solution = TypeVar("Solution")
-
 #: Delays are searched from 0 to this (steps).
 LONGEST_DELAY = 10
 _TOLERANCE = 1e-4  # steps
-_DIFFERENCE = 0.05  # steps, of numerical derivatives
+#: Of numerical derivatives by the delay (steps).
+DIFFERENCE = 0.05
 _LEAST_CURVATURE = 1e-3  # of -2 log likelihood, per step^2: less is rounding
 
 
@@ -135,8 +170,19 @@ def check_delay_or_fit(delay: float | str) -> float | None:
     return check_delay("motor_delay", delay)
 
 
+class DelayedFit(Protocol):
+    """The solution for a delay of the inputs (steps)."""
+
+    @property
+    def fit(self) -> ModelFit:
+        """The parameters."""
+
+
+Solution = TypeVar("Solution", bound=DelayedFit)
+
+
 class DelayedFits(Protocol[Solution]):
-    """The fits of a record, for any delay of its inputs (steps)."""
+    """The solutions of a record, for any delay of its inputs (steps)."""
 
     def rough_cost(self, delay: float) -> float:
         """Return a cost that is least near the best delay."""
@@ -147,12 +193,9 @@ class DelayedFits(Protocol[Solution]):
     def slope(self, solution: Solution, side: int) -> float:
         """Return the derivative of -2 log likelihood by the delay, to the side +1 or -1."""
 
-    def result(self, solution: Solution) -> ModelFit:
-        """Return the fit of a solution."""
 
-
-def fit_delay(record: Record, fits: DelayedFits[Solution]) -> ModelFit:
-    """Return the best of the fits with any delay (steps), and how well the record determines it."""
+def fit_delay(record: Record, fits: DelayedFits[Solution]) -> tuple[ModelFit, Solution]:
+    """Return the best of the fits with any delay (steps), and its solution."""
     solutions: dict[float, Solution] = {}
 
     def at(delay: float) -> Solution:
@@ -162,16 +205,16 @@ def fit_delay(record: Record, fits: DelayedFits[Solution]) -> ModelFit:
         return solutions[delay]
 
     first = min(range(LONGEST_DELAY + 1), key=fits.rough_cost)
-    best = fits.result(at(_lowest(lambda delay, side: fits.slope(at(delay), side), first)))
-    error, slopes = _spread(
-        cache(lambda delay: fits.result(at(delay))), best, int(record.seen.sum())
-    )
-    return replace(
+    solution = at(_lowest(lambda delay, side: fits.slope(at(delay), side), first))
+    best = solution.fit
+    error, slopes = _spread(lambda delay: at(delay).fit, best, int(record.seen.sum()))
+    fit = replace(
         best,
         standard_errors=_with_delay(best.standard_errors, slopes, error),
         converged=best.converged and best.motor_delay < LONGEST_DELAY and math.isfinite(error),
         motor_delay_error=error,
     )
+    return fit, solution
 
 
 def _lowest(slope: Callable[[float, int], float], delay: int) -> float:
@@ -199,7 +242,7 @@ def _rms(fit: ModelFit) -> Floats:
 def _spread(at: Callable[[float], ModelFit], best: ModelFit, n: int) -> tuple[float, Floats]:
     """Return the standard error of the best delay, and what the parameters change with it."""
     # Numerical derivatives, at an edge of what was searched one-sided.
-    h = _DIFFERENCE
+    h = DIFFERENCE
     middle = min(max(best.motor_delay, h), LONGEST_DELAY - h)
     fits = [at(delay) for delay in (middle - h, middle, middle + h)]
     # -2 log likelihood for the noise of the best fit; variance = 2 / (its second derivative)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,10 +18,19 @@ from robsim.estimation.identification.fits.linear import (
     triangle,
 )
 from robsim.estimation.identification.fits.model_fit import (
+    DIFFERENCE,
     ModelFit,
     check_delay_or_fit,
     fit_delay,
+    with_noise,
     with_undetermined,
+)
+from robsim.estimation.identification.fits.process_noise import (
+    NO_NOISE,
+    Noise,
+    Track,
+    errors_under,
+    estimated_noise,
 )
 from robsim.estimation.identification.fits.segments import Record, Segment, as_record, split
 from robsim.estimation.identification.fits.unknowns import FIRST, UNKNOWNS
@@ -142,7 +152,10 @@ def output_error(
 
     The path depends on the inputs, the 15 parameters and the first two poses of each segment
     between breaks; all of them are fitted together, so that the measured positions also inform the
-    heading. There is no bias, since the noise of the poses is not in the regressors.
+    heading. The noise of the poses is not in the regressors: with measurement noise alone the
+    estimate has asymptotically no bias and the minimum variance. Process noise moves all later
+    poses of the path. The estimate is then farther off, which its residuals show, and the standard
+    errors include. Where process noise dominates, least squares is the better method.
 
     Parameters
     ----------
@@ -177,15 +190,24 @@ def output_error(
     An estimated delay is that of the maximum likelihood, for normal errors of the poses: of all
     delays the one for which the parameters fit best. The standard errors of the parameters then
     include what the uncertainty of the delay adds to them.
+
+    The variances of process noise and measurement noise maximise the restricted likelihood of the
+    residuals: Patterson and Thompson, Recovery of inter-block information when
+    block sizes are unequal, Biometrika 58(3), 1971. The likelihood ratio tests for process noise.
+    Its distribution at variances of 0: Self and Liang, Asymptotic properties of maximum likelihood
+    estimators and likelihood ratio tests under nonstandard conditions, JASA 82(398), 1987.
     """
     delay = check_delay_or_fit(motor_delay)
     record = as_record(poses, u, breaks)
-    fits = _Fits(record)
-    return fit_delay(record, fits) if delay is None else fits.result(fits.solve(delay))
+    fits = Fits(record)
+    if delay is not None:
+        solution = fits.solve(delay)
+        return fits.tested(solution.fit, solution)
+    return fits.tested(*fit_delay(record, fits))
 
 
 @dataclass(frozen=True, eq=False)
-class _Solution:
+class Solution:
     """The best unknowns for a delay of the inputs (steps)."""
 
     delay: float
@@ -200,10 +222,51 @@ class _Solution:
         """-2 log likelihood / n for normal errors, but for a constant."""
         return _log_sum(np.square(self.residuals).sum(axis=0))
 
+    @cached_property
+    def linear(self) -> Linearisation:
+        """The linearisation about the unknowns."""
+        return Linearisation.at(self.unknowns, self.segments, self.residuals)
+
+    @cached_property
+    def fit(self) -> ModelFit:
+        """The parameters, with standard errors for white measurement noise."""
+        linear, unknowns = self.linear, self.unknowns
+        theta, errors = with_undetermined(unknowns.theta, linear.standard_errors())
+        converged = self.converged
+        if not converged:
+            # Undetermined parameters may drift for ever while the others have converged.
+            change = np.abs(linear.step(unknowns, 0.0).theta - unknowns.theta)
+            converged = not (change > _SETTLED * errors)[np.isfinite(theta)].any()
+        return ModelFit(
+            theta=theta,
+            standard_errors=errors,
+            residual_rms=np.sqrt(np.square(self.residuals).mean(axis=0)),
+            iterations=self.iterations,
+            converged=converged,
+            motor_delay=self.delay,
+        )
+
+    @cached_property
+    def tracks(self) -> list[Track]:
+        """The segments and the paths simulated for them."""
+        theta = self.unknowns.theta
+        paths = _paths(self.unknowns, self.segments)
+        return [
+            Track(segment, path, path_sensitivities(theta, path, segment.u))
+            for segment, path in zip(self.segments, paths, strict=True)
+        ]
+
+    @property
+    def noise(self) -> Noise:
+        """The noise that the residuals show."""
+        if self.linear.is_rounding:
+            return NO_NOISE
+        return estimated_noise(self.unknowns.theta, self.tracks)
+
 
 @dataclass(frozen=True, eq=False)
-class _Fits:
-    """The fits of a record, for any delay of its inputs (steps)."""
+class Fits:
+    """The solutions of a record, for any delay of its inputs (steps)."""
 
     record: Record
 
@@ -211,50 +274,59 @@ class _Fits:
         """Return the cost of the initial estimate, for normal errors."""
         return _log_sum(costs_of_poles(_pieces(self.record.with_delay(delay))).min(axis=0))
 
-    def solve(self, delay: float, known: Sequence[_Solution] = ()) -> _Solution:
+    def solve(self, delay: float, known: Sequence[Solution] = ()) -> Solution:
         """Return the solution for a delay, found from up to two for other ones."""
         record = self.record.with_delay(delay)
         segments = split(record, minimum=_MINIMUM_POSES)
         tolerance = _TOLERANCE * (_FINE if len(known) > 1 else 1.0)
         found = []
         if known and _residuals(start := _between(delay, known), segments) is not None:
-            found.append(_Solution(delay, segments, *_minimise(start, segments, tolerance)))
+            found.append(Solution(delay, segments, *_minimise(start, segments, tolerance)))
         if not found or not found[0].converged:
             start = _start(record, segments)
-            found.append(_Solution(delay, segments, *_minimise(start, segments, tolerance)))
+            found.append(Solution(delay, segments, *_minimise(start, segments, tolerance)))
         return min(found, key=lambda one: one.cost)
 
-    def slope(self, solution: _Solution, side: int) -> float:
+    def slope(self, solution: Solution, side: int) -> float:
         """Return the derivative of the cost by the delay, to one side."""
-        step = side * _DELAY_STEP
-        segments = split(self.record.with_delay(solution.delay + step), minimum=_MINIMUM_POSES)
-        residuals, moved = solution.residuals, _residuals(solution.unknowns, segments)
-        assert moved is not None
+        ends = sorted((solution.delay, solution.delay + side * _DELAY_STEP))
+        slopes = self._path_slopes(solution, *ends)
+        parts = zip(solution.segments, slopes, strict=True)
+        by_delay = np.vstack([slope[segment.seen] for segment, slope in parts])
         # The best parameters move with the delay, but this changes no cost in the first order.
-        change = 2 * (residuals * (moved - residuals)).sum(axis=0)
-        return float((change / np.maximum(np.square(residuals).sum(axis=0), _TINY)).sum() / step)
+        change = -2 * (solution.residuals * by_delay).sum(axis=0)
+        squares = np.square(solution.residuals).sum(axis=0)
+        return float((change / np.maximum(squares, _TINY)).sum())
 
-    def result(self, solution: _Solution) -> ModelFit:
-        """Return the fit of a solution."""
-        segments, residuals, fit = solution.segments, solution.residuals, solution.unknowns
-        linear = Linearisation.at(fit, segments, residuals)
-        theta, errors = with_undetermined(fit.theta, linear.standard_errors())
-        converged = solution.converged
-        if not converged:
-            # Undetermined parameters may drift for ever while the others have converged.
-            change = np.abs(linear.step(fit, 0.0).theta - fit.theta)
-            converged = not (change > _SETTLED * errors)[np.isfinite(theta)].any()
-        return ModelFit(
-            theta=theta,
-            standard_errors=errors,
-            residual_rms=np.sqrt(np.square(residuals).mean(axis=0)),
-            iterations=solution.iterations,
-            converged=converged,
-            motor_delay=solution.delay,
+    def tested(self, fit: ModelFit, solution: Solution) -> ModelFit:
+        """Return the fit with the noise of its residuals, and with standard errors under it."""
+        noise = solution.noise
+        if noise.is_white:
+            return with_noise(fit, noise)
+        tracks = solution.tracks
+        # Infinite: the delay is not determined.
+        has_delay = 0 < fit.motor_delay_error < np.inf
+        if has_delay:
+            ends = max(fit.motor_delay - DIFFERENCE, 0.0), fit.motor_delay + DIFFERENCE
+            tracks = [
+                replace(track, slopes=np.dstack([track.slopes, slope]))
+                for track, slope in zip(tracks, self._path_slopes(solution, *ends), strict=True)
+            ]
+        errors = errors_under(noise, solution.unknowns.theta, tracks, solution.linear.sigma)
+        if has_delay:
+            fit = replace(fit, motor_delay_error=float(errors[-1]))
+        return with_noise(fit, noise, errors[:15].reshape(3, 5))
+
+    def _path_slopes(self, solution: Solution, before: float, after: float) -> list[Floats]:
+        """Return the derivatives (n, 3) of the segments' paths by the delay, between two delays."""
+        early, late = (
+            _paths(solution.unknowns, split(self.record.with_delay(delay), minimum=_MINIMUM_POSES))
+            for delay in (before, after)
         )
+        return [(b - a) / (after - before) for a, b in zip(early, late, strict=True)]
 
 
-def _between(delay: float, known: Sequence[_Solution]) -> Unknowns:
+def _between(delay: float, known: Sequence[Solution]) -> Unknowns:
     """Return the unknowns on the line through those of other delays."""
     a, b = known[0], known[-1]
     share = (delay - a.delay) / (b.delay - a.delay) if len(known) > 1 else 0.0
@@ -286,11 +358,18 @@ def _start(record: Record, segments: list[Segment]) -> Unknowns:
     return Unknowns(initial_estimate(pieces), first)
 
 
+def _paths(unknowns: Unknowns, segments: list[Segment]) -> list[Floats]:
+    """Return the simulated path (n, 3) of each segment."""
+    return [
+        simulated_path(unknowns.theta, first, segment.u)
+        for first, segment in zip(unknowns.first, segments, strict=True)
+    ]
+
+
 def _residuals(unknowns: Unknowns, segments: list[Segment]) -> Floats | None:
     """Return measured minus simulated poses (n, 3), or None if the simulation diverges."""
     parts = []
-    for first, segment in zip(unknowns.first, segments, strict=True):
-        path = simulated_path(unknowns.theta, first, segment.u)
+    for segment, path in zip(segments, _paths(unknowns, segments), strict=True):
         residuals = (segment.poses - path)[segment.seen]
         if not (np.abs(residuals) < _DIVERGED).all():
             return None
