@@ -71,7 +71,10 @@ def _errors(theta: Any, true: Any, standard_errors: Any) -> dict[str, float]:
 def fitted(trace: robsim.Trace, *, steps: int | None = None, **options: Any) -> dict[str, float]:
     """Return the errors of a batch estimate from the first steps."""
     fit = robsim.batch_estimate(trace[:steps], **{"method": METHOD} | options)
-    return _errors(fit.batch, fit.theta_true, fit.standard_errors)
+    # A fit for measurement noise alone has these, least squares has not.
+    white = np.isfinite(fit.white_noise_errors)
+    errors = np.where(white, fit.white_noise_errors, fit.standard_errors)
+    return _errors(fit.batch, fit.theta_true, errors)
 
 
 def recursive(trace: robsim.Trace) -> dict[str, float]:

@@ -86,7 +86,8 @@ def _print_report(report: BatchEstimate) -> None:
     method = report.method.replace("_", " ")
     errors.say("online: recursive least squares, biased: the noise is in its regressors, too")
     errors.say(
-        f"batch:  {method}, not biased: {near} of 15 within two standard errors of the truth"
+        f"batch:  {method}, made for measurement noise: {near} of 15 within two standard errors of "
+        "the truth"
     )
 
 

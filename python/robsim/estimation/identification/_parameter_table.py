@@ -44,10 +44,10 @@ def noise_remarks(identify_from: str) -> tuple[str, ...]:
 
 #: Causes of coloured residuals, by the departure of the robot from its model.
 _CAUSES = {
-    "unknown": "process noise moves the robot, or the model is wrong",
+    "unknown": "process noise moves the robot, or the model or the delay of the inputs is wrong",
     "none": "the errors of the measured poses resemble their neighbours",
     "process noise": "process noise moves the robot",
-    "mismatch": "the robot moves by another model",
+    "mismatch": "the robot moves by another model, or its inputs act late",
 }
 
 

@@ -1,4 +1,4 @@
-"""Parameter fits without the bias of least squares, which `batch_estimate` calls by name."""
+"""Parameter fits made for measurement noise, which `batch_estimate` calls by name."""
 
 from collections.abc import Callable
 

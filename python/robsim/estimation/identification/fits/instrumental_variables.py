@@ -1,4 +1,4 @@
-"""Parameter estimation by refined instrumental variables, unbiased by measurement noise."""
+"""Parameter estimation by refined instrumental variables, made for measurement noise alone."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def instrumental_variables(
     breaks: ArrayLike | None = None,
     motor_delay: float = 0.0,
 ) -> ModelFit:
-    """Estimate the parameters of the robot model from measured poses, asymptotically without bias.
+    """Estimate the parameters of the robot model from measured poses by instruments.
 
     Least squares is biased by the noise in its regressors. Here each regressor has an instrument:
     the same quantity, simulated from the inputs with the current estimate, which is uncorrelated
@@ -47,9 +47,9 @@ def instrumental_variables(
     it a drift of the measured path, which is noise, could be fitted by a parameter. Gaps cost
     samples, since only consecutive poses are used; `output_error` bridges them.
 
-    The filter is made for measurement noise alone. Under process noise the estimate is farther off,
-    which the residuals of `output_error` show, and the standard errors include. Where process noise
-    dominates, least squares is the better method.
+    With measurement noise alone there is asymptotically no bias. Under process noise the estimate
+    is farther off, which the residuals of `output_error` show, and the standard errors include.
+    Where process noise dominates, least squares is the better method.
 
     Parameters
     ----------

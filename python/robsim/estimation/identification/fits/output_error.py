@@ -1,4 +1,4 @@
-"""The output-error method, unbiased by measurement noise, and its linearisation."""
+"""The output-error method, made for measurement noise alone, and its linearisation."""
 
 from __future__ import annotations
 
